@@ -1,0 +1,51 @@
+"""The command line that LCM never had, and the robot labs that run on it.
+
+The public names of the node API are here, imported when first used: the command line starts
+without them.
+"""
+
+from typing import TYPE_CHECKING
+
+__version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from lcmtools.errors import LcmtoolsError as LcmtoolsError
+    from lcmtools.messages.registry import message_class as message_class
+    from lcmtools.node.context import init as init
+    from lcmtools.node.context import ok as ok
+    from lcmtools.node.context import shutdown as shutdown
+    from lcmtools.node.node import Node as Node
+    from lcmtools.node.spin import spin as spin
+    from lcmtools.node.spin import spin_once as spin_once
+
+_HOMES = {
+    "LcmtoolsError": "lcmtools.errors",
+    "Node": "lcmtools.node.node",
+    "init": "lcmtools.node.context",
+    "message_class": "lcmtools.messages.registry",
+    "ok": "lcmtools.node.context",
+    "shutdown": "lcmtools.node.context",
+    "spin": "lcmtools.node.spin",
+    "spin_once": "lcmtools.node.spin",
+}
+
+__all__ = [
+    "LcmtoolsError",
+    "Node",
+    "__version__",
+    "init",
+    "message_class",
+    "ok",
+    "shutdown",
+    "spin",
+    "spin_once",
+]
+
+
+def __getattr__(name: str) -> object:
+    """Import a public name when it is first used (PEP 562)."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'lcmtools' has no attribute '{name}'")
+    from importlib import import_module
+
+    return getattr(import_module(_HOMES[name]), name)

@@ -1,0 +1,121 @@
+"""What a node's command line says about names, parameters and the bus.
+
+The same things can be said as ROS says them (``__ns:=/husky0 a:=b _gain:=2.0``) or by flags
+(``--ns /husky0 --remap a:=b --param gain:=2.0``). This module takes them out of an argument list;
+it knows no node and no environment.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+from lcmtools.errors import UsageError
+
+# What ROS takes for a remapping argument; everything else stays in the argument list.
+_ASSIGNMENT = re.compile(r"([~/A-Za-z_][A-Za-z0-9_/]*):=(.*)", re.ASCII | re.DOTALL)
+_FLAGS = ("--ns", "--name", "--param", "--remap", "-r", "--lcm-url", "--domain")
+# ROS's own special keys that have no meaning on LCM; accepted so that old command lines work.
+_IGNORED_SPECIALS = ("__log", "__ip", "__hostname", "__master")
+
+
+@dataclass(slots=True)
+class NodeArguments:
+    """What was said about a node on its command line.
+
+    Attributes:
+        namespace: From ``__ns:=`` or ``--ns``; None when not given.
+        name: From ``__name:=`` or ``--name``; None when not given.
+        remaps: Pairs (from, to), as written.
+        parameters: Private parameters, name to YAML text.
+        lcm_url: From ``--lcm-url``; None when not given.
+        domain: From ``--domain``; None when not given.
+    """
+
+    namespace: str | None = None
+    name: str | None = None
+    remaps: list[tuple[str, str]] = field(default_factory=list)
+    parameters: dict[str, str] = field(default_factory=dict)
+    lcm_url: str | None = None
+    domain: str | None = None
+
+
+def split_arguments(arguments: Sequence[str]) -> tuple[NodeArguments, list[str]]:
+    """Take the naming arguments out of a node's argument list.
+
+    Args:
+        arguments: Without the program's name. After a ``--`` nothing is taken.
+
+    Returns:
+        What was said, and the arguments that are the node's own.
+
+    Raises:
+        UsageError: A flag lacks its value, or an unknown ``__special:=`` is given.
+    """
+    said = NodeArguments()
+    rest: list[str] = []
+    words = iter(arguments)
+    for word in words:
+        if word == "--":
+            rest += [word, *words]
+            break
+        flag, equals, value = word.partition("=")
+        if flag in _FLAGS and (equals or word == flag):
+            _take_flag(said, flag, value if equals else _next_value(flag, words))
+        elif assignment := _ASSIGNMENT.fullmatch(word):
+            _take_assignment(said, *assignment.groups())
+        else:
+            rest.append(word)
+    return said, rest
+
+
+def _next_value(flag: str, words: Iterator[str]) -> str:
+    value = next(words, None)
+    if value is None:
+        raise UsageError(f"{flag} needs a value", _EXAMPLES[flag])
+    return value
+
+
+def _take_flag(said: NodeArguments, flag: str, value: str) -> None:
+    if flag == "--ns":
+        said.namespace = value
+    elif flag == "--name":
+        said.name = value
+    elif flag == "--lcm-url":
+        said.lcm_url = value
+    elif flag == "--domain":
+        said.domain = value
+    else:
+        assignment = _ASSIGNMENT.fullmatch(value)
+        if not assignment:
+            raise UsageError(f"{flag} {value}: expected two names with := between", _EXAMPLES[flag])
+        key, to = assignment.groups()
+        _take_assignment(said, f"_{key.lstrip('~')}" if flag == "--param" else key, to)
+
+
+def _take_assignment(said: NodeArguments, key: str, value: str) -> None:
+    """One ``key:=value``; an empty value is taken away and ignored, as ROS does."""
+    if key in _IGNORED_SPECIALS or not value:
+        return
+    if key == "__ns":
+        said.namespace = value
+    elif key in ("__name", "__node"):
+        said.name = value
+    elif key.startswith("__"):
+        raise UsageError(
+            f"{key}:={value}: there is no such special name", "the special names: __ns, __name"
+        )
+    elif key.startswith("_"):
+        said.parameters[key[1:]] = value
+    else:
+        said.remaps.append((key, value))
+
+
+_EXAMPLES = {
+    "--ns": "for example --ns /husky0",
+    "--name": "for example --name driver",
+    "--param": "for example --param gain:=2.0",
+    "--remap": "for example --remap controlled_velocity:=velocity_cmd",
+    "-r": "for example -r controlled_velocity:=velocity_cmd",
+    "--lcm-url": "for example --lcm-url 'udpm://239.255.76.67:7667?ttl=0'",
+    "--domain": "for example --domain 3",
+}

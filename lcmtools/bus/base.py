@@ -1,0 +1,68 @@
+"""What a node needs of a bus, and one for tests that needs no network."""
+
+import time
+from collections.abc import Callable
+from typing import Protocol
+
+from lcmtools.names import check_length
+
+Handler = Callable[[bytes, int], None]
+"""Called with a payload and the time it arrived (nanoseconds since 1970); must be quick."""
+
+
+class Bus(Protocol):
+    """A connection to a bus."""
+
+    @property
+    def ports(self) -> list[int]:
+        """UDP ports that messages come from besides the one of announcements."""
+        ...
+
+    def publish(self, channel: str, payload: bytes) -> None:
+        """Send one message. Safe from any thread."""
+        ...
+
+    def subscribe(self, channel: str, handler: Handler) -> None:
+        """Have ``handler`` called, on the receiving thread, for each message on the channel."""
+        ...
+
+    def unsubscribe(self, channel: str, handler: Handler) -> None:
+        """Undo ``subscribe``."""
+        ...
+
+    def close(self) -> None:
+        """Send what waits and leave the bus."""
+        ...
+
+
+class FakeBus:
+    """A bus within one process, delivering at once on the publisher's thread; for tests."""
+
+    def __init__(self) -> None:
+        self.published: list[tuple[str, bytes]] = []
+        """Everything that was sent."""
+        self._handlers: dict[str, list[Handler]] = {}
+
+    @property
+    def ports(self) -> list[int]:
+        """None: nothing goes over the network."""
+        return []
+
+    def publish(self, channel: str, payload: bytes) -> None:
+        """Hand a message to all subscribers of its channel."""
+        check_length(channel)
+        self.published.append((channel, payload))
+        for handler in tuple(self._handlers.get(channel, ())):
+            handler(payload, time.time_ns())
+
+    def subscribe(self, channel: str, handler: Handler) -> None:
+        """Have ``handler`` called for each message on the channel."""
+        self._handlers.setdefault(check_length(channel), []).append(handler)
+
+    def unsubscribe(self, channel: str, handler: Handler) -> None:
+        """Undo ``subscribe``."""
+        self._handlers.get(channel, []).remove(handler)
+
+    def close(self) -> None:
+        """Deliver nothing any more."""
+        self._handlers.clear()

@@ -1,0 +1,286 @@
+"""The lcm package, and its sharp edges. The only module that imports it.
+
+What the binding does not forgive, and is therefore kept here:
+
+- ``subscribe`` freezes the whole process for ten seconds where multicast does not work, and then
+  returns None: the bus is checked before (``lcmtools.bus.multicast``).
+- Channel names are regular expressions there: they are escaped.
+- ``.*`` on udpm can crash on a malformed datagram: never used there (the tap is).
+- ``unsubscribe`` while another thread handles crashes: both happen on the receiving thread only.
+- ``handle_timeout`` crashes with file descriptors from 1024 on: refused before.
+- A subscription's queue keeps the oldest messages: it is drained at once, into queues that keep
+  the newest.
+- ``handle`` turns Ctrl-C into OSError: the thread waits in ``select`` instead.
+"""
+
+import os
+import queue
+import re
+import select
+import socket
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import lcm
+
+from lcmtools.bus.base import Handler
+from lcmtools.bus.multicast import check_multicast, receive_buffer_bytes
+from lcmtools.bus.paced import PACED_ABOVE_BYTES, PacedSender
+from lcmtools.bus.url import BusUrl
+from lcmtools.errors import BusError
+from lcmtools.names import check_length
+from lcmtools.wire.packet import Packet
+
+_QUEUE_CAPACITY = 10_000  # messages that liblcm may hold while Python does not get to run
+_SELECT_LIMIT = 1024
+_CONNECT_TIMEOUT = 0.8  # [s]
+_REQUEST_TIMEOUT = 15.0  # [s]; above liblcm's own ten seconds
+
+
+class LcmBus:
+    """One LCM instance with one receiving thread.
+
+    Publishing is safe from any thread. Handlers run on the receiving thread and must be quick.
+
+    Args:
+        url: The bus.
+
+    Raises:
+        BusError: It cannot be reached, with what to type.
+    """
+
+    def __init__(self, url: BusUrl) -> None:
+        self.url = url
+        self._lcm = open_lcm(url)
+        self._paced = PacedSender(url) if url.is_multicast else None
+        self._handlers: dict[str, list[Handler]] = {}
+        self._subscriptions: dict[str, lcm.LCMSubscription] = {}
+        self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._wake_read, self._wake_write = os.pipe()
+        self._closed = False
+        self._thread = threading.Thread(target=self._run, name="lcm receiver", daemon=True)
+        self._thread.start()
+
+    @property
+    def ports(self) -> list[int]:
+        """UDP ports that this instance sends from besides LCM's own (for large messages)."""
+        return [self._paced.port] if self._paced else []
+
+    def publish(self, channel: str, payload: bytes) -> None:
+        """Send one message; a large one goes out as paced fragments, behind the caller's back.
+
+        Raises:
+            BusError: It cannot be sent.
+        """
+        if self._closed:
+            raise BusError("the bus is closed")
+        if self._paced and len(payload) > PACED_ABOVE_BYTES:
+            self._paced.send(channel, payload)
+            return
+        try:
+            self._lcm.publish(channel, payload)
+        except OSError as error:
+            raise BusError(f"cannot publish on {channel}: {error.strerror or error}") from error
+
+    def subscribe(self, channel: str, handler: Handler) -> None:
+        """Have ``handler`` called for each message on exactly this channel.
+
+        Raises:
+            BusError: The subscription cannot be made.
+            InvalidName: LCM cannot carry this channel name.
+        """
+        check_length(channel)
+        self._on_receiver(lambda: self._subscribe(channel, handler))
+
+    def unsubscribe(self, channel: str, handler: Handler) -> None:
+        """Undo ``subscribe``."""
+        self._on_receiver(lambda: self._unsubscribe(channel, handler))
+
+    def close(self) -> None:
+        """Send what waits, stop the receiving thread and leave the bus."""
+        if self._closed:
+            return
+        if self._paced:
+            self._paced.close()
+        self._closed = True
+        self._wake()
+        self._thread.join(timeout=2.0)
+        os.close(self._wake_read)
+        os.close(self._wake_write)
+        self._subscriptions.clear()
+        del self._lcm
+
+    def _wake(self) -> None:
+        os.write(self._wake_write, b"\0")
+
+    def _on_receiver(self, work: Callable[[], None]) -> None:
+        """Run ``work`` on the receiving thread and wait for it."""
+        if self._closed:
+            return
+        if threading.current_thread() is self._thread:
+            work()
+            return
+        done: queue.SimpleQueue[BusError | None] = queue.SimpleQueue()
+
+        def run() -> None:
+            try:
+                work()
+                done.put(None)
+            except BusError as error:
+                done.put(error)
+
+        self._requests.put(run)
+        self._wake()
+        error = done.get(timeout=_REQUEST_TIMEOUT)
+        if error is not None:
+            raise error
+
+    def _subscribe(self, channel: str, handler: Handler) -> None:
+        handlers = self._handlers.setdefault(channel, [])
+        handlers.append(handler)
+        if channel in self._subscriptions:
+            return
+        subscription = self._lcm.subscribe(re.escape(channel), self._dispatch)
+        if subscription is None:
+            raise BusError(f"LCM refuses to subscribe to '{channel}'")
+        subscription.set_queue_capacity(_QUEUE_CAPACITY)
+        self._subscriptions[channel] = subscription
+
+    def _unsubscribe(self, channel: str, handler: Handler) -> None:
+        handlers = self._handlers.get(channel, [])
+        if handler in handlers:
+            handlers.remove(handler)
+        if not handlers and channel in self._subscriptions:
+            self._lcm.unsubscribe(self._subscriptions.pop(channel))
+
+    def _dispatch(self, channel: str, payload: bytes) -> None:
+        now = time.time_ns()
+        for handler in tuple(self._handlers.get(channel, ())):
+            handler(payload, now)
+
+    def _run(self) -> None:
+        """The receiving thread: wait, drain the library, do what was asked."""
+        descriptor = self._lcm.fileno()
+        while not self._closed:
+            readable, _, _ = select.select([descriptor, self._wake_read], [], [])
+            if self._wake_read in readable:
+                os.read(self._wake_read, 4096)
+                self._do_requests()
+            if descriptor in readable and not self._drain():
+                return
+
+    def _do_requests(self) -> None:
+        while not self._requests.empty():
+            self._requests.get()()
+
+    def _drain(self) -> bool:
+        """Hand on all messages that wait; False at the end of a log or a connection."""
+        try:
+            while not self._closed and self._lcm.handle_timeout(0) > 0:
+                pass
+        except OSError:
+            return False
+        return True
+
+
+class LcmListener:
+    """An observer of a bus that is no multicast group: an ordinary subscription to everything.
+
+    It has the tap's interface and knows less: neither senders nor sequence numbers.
+
+    Raises:
+        BusError: The bus cannot be reached.
+    """
+
+    def __init__(self, url: BusUrl) -> None:
+        self._lcm = open_lcm(url)
+        self._packets: list[Packet] = []
+        self._lcm.subscribe(".*", self._collect).set_queue_capacity(_QUEUE_CAPACITY)
+        self._ended = False
+
+    def __enter__(self) -> "LcmListener":
+        """Use the listener as a context manager."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Leave the bus."""
+        self.close()
+
+    def close(self) -> None:
+        """Leave the bus."""
+        self._ended = True
+
+    port = 0
+
+    def send(self, channel: str, payload: bytes) -> None:
+        """Publish one message; on a log that is being read this does nothing.
+
+        Raises:
+            BusError: It cannot be sent.
+        """
+        try:
+            self._lcm.publish(channel, payload)
+        except OSError as error:
+            raise BusError(f"cannot publish on {channel}") from error
+
+    def receive(self, timeout: float) -> list[Packet]:
+        """The messages that have arrived, waiting up to ``timeout`` seconds for the first.
+
+        Raises:
+            EOFError: The log has ended.
+        """
+        if self._ended and not self._packets:
+            raise EOFError
+        if not self._ended and select.select([self._lcm.fileno()], [], [], max(0.0, timeout))[0]:
+            try:
+                self._lcm.handle_timeout(0)
+            except OSError:
+                self._ended = True
+        packets, self._packets = self._packets, []
+        return packets
+
+    def _collect(self, channel: str, payload: bytes) -> None:
+        self._packets.append(Packet(channel, payload, time.time_ns()))
+
+
+def open_lcm(url: BusUrl) -> "lcm.LCM":
+    """Make an LCM instance, after checking what would make liblcm hang or print.
+
+    Raises:
+        BusError: The bus cannot be reached, with what to do.
+    """
+    if url.is_multicast:
+        check_multicast(url)
+        url = url.with_option("ttl", "0").with_option("recv_buf_size", str(receive_buffer_bytes()))
+    elif url.provider == "mpudpm":
+        check_multicast(url)
+        url = url.with_option("ttl", "0")
+    elif url.provider == "tcpq":
+        _check_server(url)
+    elif url.provider == "file":
+        _check_log(url)
+    try:
+        instance = lcm.LCM(str(url))
+        descriptor = instance.fileno()
+    except (RuntimeError, OSError) as error:
+        raise BusError(f"LCM cannot open {url}") from error
+    if descriptor >= _SELECT_LIMIT:
+        raise BusError(f"this process has over {_SELECT_LIMIT} open files, which liblcm cannot use")
+    return instance
+
+
+def _check_server(url: BusUrl) -> None:
+    try:
+        socket.create_connection((url.host, url.port), timeout=_CONNECT_TIMEOUT).close()
+    except OSError as error:
+        raise BusError(
+            f"no LCM server at {url.host}:{url.port} ({error.strerror or 'no answer'})",
+            "start one, for example the TCPService of lcm.jar",
+        ) from error
+
+
+def _check_log(url: BusUrl) -> None:
+    if url.options.get("mode", "r") == "r" and not Path(url.network).is_file():
+        raise BusError(f"there is no log file '{url.network}'")

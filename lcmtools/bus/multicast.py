@@ -1,0 +1,139 @@
+"""UDP multicast sockets as LCM uses them, and whether multicast works here at all.
+
+liblcm finds out that multicast does not work by freezing the whole process for ten seconds; the
+check here takes a millisecond where it works and under half a second where it does not.
+"""
+
+import errno
+import select
+import socket
+import struct
+import time
+from pathlib import Path
+
+from lcmtools.bus.url import BusUrl
+from lcmtools.errors import BusError
+from lcmtools.wire.datagram import short_message
+
+SELF_TEST_CHANNEL = "LCM_SELF_TEST"
+"""The channel of liblcm's own self test; everybody knows to ignore it."""
+
+WANTED_BUFFER_BYTES = 8 << 20
+_RMEM_MAX = Path("/proc/sys/net/core/rmem_max")
+_LOOPBACK_ROUTE = "sudo ip link set lo multicast on && sudo ip route add 224.0.0.0/4 dev lo"
+_LOOPBACK_TIMEOUT = 0.4  # [s]; it normally takes well under a millisecond
+
+
+def receive_buffer_bytes() -> int:
+    """The largest receive buffer that this system grants without asking root, in bytes."""
+    try:
+        return min(WANTED_BUFFER_BYTES, int(_RMEM_MAX.read_text()))
+    except (OSError, ValueError):
+        return WANTED_BUFFER_BYTES  # not Linux: setsockopt clamps or refuses by itself
+
+
+def sending_socket(url: BusUrl) -> socket.socket:
+    """A socket that sends to the group as liblcm does: looped back to this host, with its ttl."""
+    sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, url.ttl)
+    sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_LOOP, 1)
+    return sender
+
+
+def receiving_socket(url: BusUrl) -> socket.socket:
+    """A socket that hears the group beside everyone else, as liblcm's receivers do.
+
+    Raises:
+        BusError: The group cannot be joined.
+    """
+    receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    try:
+        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if hasattr(socket, "SO_REUSEPORT") and not Path("/proc").exists():
+            receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)  # BSD, macOS
+        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer_bytes())
+        # bound to the group itself, so that other groups on the same port stay out
+        receiver.bind((url.host, url.port))
+        membership = struct.pack("=4sl", socket.inet_aton(url.host), socket.INADDR_ANY)
+        receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
+    except OSError as error:
+        receiver.close()
+        raise _explain(url, error) from error
+    return receiver
+
+
+def check_multicast(url: BusUrl) -> None:
+    """Make sure that a datagram sent to the group comes back to this host.
+
+    Raises:
+        BusError: With what to type. It takes under half a second to find out.
+    """
+    check_route(url)
+    with receiving_socket(url) as receiver, sending_socket(url) as sender:
+        sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+        check_loopback(url, sender, receiver)
+
+
+def check_route(url: BusUrl) -> None:
+    """Make sure that there is a route to the group; sends nothing.
+
+    Raises:
+        BusError: With what to type.
+    """
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect((url.host, url.port))
+        except OSError as error:
+            raise _explain(url, error) from error
+
+
+def check_loopback(url: BusUrl, sender: socket.socket, receiver: socket.socket) -> None:
+    """Send LCM's self test and see that it comes back.
+
+    Raises:
+        BusError: It does not.
+    """
+    datagram = short_message(0, SELF_TEST_CHANNEL, b"lcm self test")
+    deadline = time.monotonic() + _LOOPBACK_TIMEOUT
+    try:
+        while (left := deadline - time.monotonic()) > 0:
+            sender.sendto(datagram, (url.host, url.port))
+            if _heard(receiver, datagram, sender.getsockname()[1], min(left, 0.05)):
+                return
+    except OSError as error:
+        raise _explain(url, error) from error
+    raise BusError(
+        f"multicast to {url.host}:{url.port} does not come back to this host",
+        f"a firewall or the route to the group stands in the way; type: {_LOOPBACK_ROUTE}",
+    )
+
+
+def _heard(receiver: socket.socket, datagram: bytes, port: int, timeout: float) -> bool:
+    """Whether our own datagram arrives; others' traffic meanwhile is passed over."""
+    deadline = time.monotonic() + timeout
+    while (left := deadline - time.monotonic()) > 0:
+        if not select.select([receiver], [], [], left)[0]:
+            return False
+        data, address = receiver.recvfrom(len(datagram) + 1)
+        if data == datagram and address[1] == port:
+            return True
+    return False
+
+
+def _explain(url: BusUrl, error: OSError) -> BusError:
+    """What an operating system error means for the user of a bus."""
+    where = f"{url.host}:{url.port}"
+    if error.errno in (errno.ENETUNREACH, errno.ENODEV, errno.EADDRNOTAVAIL, errno.EHOSTUNREACH):
+        return BusError(f"no multicast route to {where}", f"type: {_LOOPBACK_ROUTE}")
+    if error.errno in (errno.EPERM, errno.EACCES):
+        return BusError(
+            f"sending to {where} is forbidden ({error.strerror})",
+            f"a firewall does that; type: sudo ufw allow out to {url.host} port {url.port}"
+            " proto udp",
+        )
+    if error.errno == errno.EADDRINUSE:
+        return BusError(
+            f"{where} is taken by a program that does not share it",
+            f"find it with: ss -ulnp 'sport = :{url.port}'",
+        )
+    return BusError(f"cannot use {where}: {error.strerror}", "lcmtools wtf looks closer")

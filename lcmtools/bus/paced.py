@@ -1,0 +1,103 @@
+"""Sending large messages so that they arrive.
+
+liblcm sends all fragments of a message in one burst, and with a system's stock receive buffers
+nothing above 190 kB gets through. Here the fragments go out in the same wire format, with a pause
+after each that lets receivers empty their buffers. A plain LCM program receives them as it is.
+"""
+
+import contextlib
+import threading
+import time
+from collections import deque
+
+from lcmtools.bus.multicast import sending_socket
+from lcmtools.bus.url import BusUrl
+from lcmtools.errors import BusError
+from lcmtools.wire.datagram import MESSAGE_MAX, fits_datagram, fragments, short_message
+
+PACED_ABOVE_BYTES = 120_000
+"""Payloads up to this size fit stock receive buffers in one burst."""
+
+MAX_WAITING_BYTES = 64 << 20
+"""A publisher that is faster than the pace waits once this much is queued."""
+
+_PAUSE = 0.0002  # [s] after each fragment; three fragments fit stock buffers (212 992 bytes)
+_FLUSH_TIMEOUT = 0.5  # [s] that closing waits for what is still queued
+
+
+class PacedSender:
+    """Sends large messages on a thread of its own, in the order given, from a port of its own.
+
+    Args:
+        url: A multicast bus.
+    """
+
+    def __init__(self, url: BusUrl) -> None:
+        self._address = (url.host, url.port)
+        self._socket = sending_socket(url)
+        self._socket.bind(("", 0))  # so that the port is known before the first message
+        self._seqno = 0
+        self._waiting: deque[tuple[str, bytes]] = deque()
+        self._waiting_bytes = 0
+        self._changed = threading.Condition()
+        self._closed = False
+        self._thread: threading.Thread | None = None
+
+    @property
+    def port(self) -> int:
+        """The UDP port that messages come from."""
+        return int(self._socket.getsockname()[1])
+
+    def send(self, channel: str, payload: bytes) -> None:
+        """Queue one message. Waits only while MAX_WAITING_BYTES are queued already.
+
+        Raises:
+            BusError: The message is larger than LCM's receivers accept.
+        """
+        if len(payload) > MESSAGE_MAX:
+            raise BusError(
+                f"{channel}: {len(payload)} bytes are more than LCM carries ({MESSAGE_MAX})"
+            )
+        with self._changed:
+            if self._thread is None:
+                self._thread = threading.Thread(target=self._run, name="paced sender", daemon=True)
+                self._thread.start()
+            self._changed.wait_for(lambda: self._closed or self._waiting_bytes < MAX_WAITING_BYTES)
+            self._waiting.append((channel, payload))
+            self._waiting_bytes += len(payload)
+            self._changed.notify_all()
+
+    def close(self) -> None:
+        """Send what is queued, for half a second at most, and close the socket."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+        if self._thread is not None:
+            self._thread.join(_FLUSH_TIMEOUT)
+        self._socket.close()
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._closed or self._waiting)
+                if not self._waiting:
+                    return
+                channel, payload = self._waiting.popleft()
+            self._send_now(channel, payload)
+            with self._changed:
+                self._waiting_bytes -= len(payload)
+                self._changed.notify_all()
+
+    def _send_now(self, channel: str, payload: bytes) -> None:
+        self._seqno += 1
+        # a message that cannot leave is lost, as any datagram may be; the next one is tried anew
+        with contextlib.suppress(OSError):
+            if fits_datagram(channel, payload):
+                self._transmit(short_message(self._seqno, channel, payload))
+                return
+            for datagram in fragments(self._seqno, channel, payload):
+                self._transmit(datagram)
+                time.sleep(_PAUSE)
+
+    def _transmit(self, datagram: bytes) -> None:
+        self._socket.sendto(datagram, self._address)

@@ -1,0 +1,108 @@
+"""Records of the nodes that run on this computer, so that one that was killed is not forgotten.
+
+A node that ends says goodbye on the bus; one that is killed cannot. Each node leaves a small file
+while it lives, and whoever looks at the graph later finds those whose node does not answer any
+more. The files belong to one user and hold what the announcement says.
+"""
+
+import contextlib
+import json
+import os
+import stat
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from lcmtools.bus.processes import process_of
+from lcmtools.bus.url import BusUrl
+from lcmtools.graph.model import Node
+
+
+class NodeRecords:
+    """The records of one bus.
+
+    Args:
+        url: The bus.
+        environment: Where XDG_RUNTIME_DIR is looked up.
+    """
+
+    def __init__(self, url: BusUrl, environment: Mapping[str, str]) -> None:
+        bus = f"{url.provider}-{url.host}-{url.port}"
+        self._folders = [base / "nodes" / bus for base in _base_folders(environment)]
+
+    def write(self, node: Node) -> None:
+        """Leave or renew a node's record. A computer that has no room for it goes without."""
+        process = process_of(os.getpid())
+        record = {
+            "name": node.name,
+            "id": node.id,
+            "host": node.host,
+            "pid": node.pid,
+            "start_time": node.start_time,
+            "command": node.command,
+            "start_ticks": process.start_ticks if process else 0,
+        }
+        with contextlib.suppress(OSError):
+            folder = self._folders[0]
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            if not _is_private(folder):
+                return
+            temporary = folder / f".{node.id}"
+            temporary.write_text(json.dumps(record))
+            temporary.replace(folder / f"{node.id}.json")
+
+    def remove(self, identifier: str) -> None:
+        """Take a node's record away."""
+        for folder in self._folders:
+            with contextlib.suppress(OSError):
+                (folder / f"{identifier}.json").unlink(missing_ok=True)
+
+    def read(self) -> Iterator[Node]:
+        """The nodes that left a record, each with what is the matter if it does not answer."""
+        for folder in self._folders:
+            if not _is_private(folder):
+                continue
+            for path in sorted(folder.glob("*.json")):
+                with contextlib.suppress(OSError, ValueError, KeyError, TypeError):
+                    yield _node(json.loads(path.read_text()))
+
+
+def _node(record: Mapping[str, object]) -> Node:
+    pid = int(str(record["pid"]))
+    process = process_of(pid)
+    alive = process is not None and process.start_ticks == record["start_ticks"]
+    node = Node(
+        name=str(record["name"]),
+        id=str(record["id"]),
+        host=str(record["host"]),
+        pid=pid,
+        start_time=int(str(record["start_time"])),
+        command=str(record["command"]),
+    )
+    matter = "runs but does not answer" if alive else "ended without saying goodbye"
+    return replace(node, stale=matter)
+
+
+def _base_folders(environment: Mapping[str, str]) -> list[Path]:
+    """Where records are written (first) and looked for: the user's runtime folder, or /tmp."""
+    shared = Path(f"/tmp/lcmtools-{os.getuid()}")  # noqa: S108 - private, and checked to be
+    runtime = environment.get("XDG_RUNTIME_DIR")
+    if runtime and Path(runtime).is_dir():
+        return [Path(runtime) / "lcmtools", shared]
+    return [shared]
+
+
+def _is_private(folder: Path) -> bool:
+    """Whether the folder exists and nobody else can have put anything there."""
+    try:
+        status = folder.lstat()
+        base = folder.parent.parent.lstat()
+    except OSError:
+        return False
+    own = os.getuid()
+    return (
+        stat.S_ISDIR(status.st_mode)
+        and status.st_uid == own
+        and base.st_uid == own
+        and not base.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+    )

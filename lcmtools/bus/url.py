@@ -1,0 +1,166 @@
+"""LCM URLs: which bus is meant, read as liblcm reads them.
+
+Pure text. One thing is stricter than liblcm: a missing port is an error, where liblcm takes port
+0 and hangs for ten seconds.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from ipaddress import AddressValueError, IPv4Address
+
+from lcmtools.errors import InvalidUrl, UsageError
+from lcmtools.names import did_you_mean
+
+DEFAULT_GROUP = "239.255.76.67"
+DEFAULT_PORT = 7667
+MAX_DOMAIN = 232
+"""The largest domain, as in ROS 2; ports stay below the ephemeral range."""
+
+_PROVIDERS = ("udpm", "mpudpm", "tcpq", "memq", "file")
+
+
+@dataclass(frozen=True, slots=True)
+class BusUrl:
+    """Where a bus is.
+
+    Attributes:
+        provider: "udpm", "mpudpm", "tcpq", "memq" or "file".
+        network: The part after "://", as written.
+        options: The options after "?", as written.
+        host: Multicast group (udpm, mpudpm) or server (tcpq); "" otherwise.
+        port: UDP or TCP port; 0 for memq and file.
+    """
+
+    provider: str
+    network: str
+    options: Mapping[str, str] = field(default_factory=dict)
+    host: str = ""
+    port: int = 0
+
+    @property
+    def is_multicast(self) -> bool:
+        """Whether this bus is a UDP multicast group that the tap can observe."""
+        return self.provider == "udpm"
+
+    @property
+    def ttl(self) -> int:
+        """Hops that datagrams may travel: 0 stays on this host. liblcm keeps 8 bits."""
+        return int(self.options.get("ttl", "0")) & 0xFF
+
+    def with_option(self, key: str, value: str) -> "BusUrl":
+        """The same bus with one option more, unless it is there already."""
+        options = {key: value, **self.options}
+        return BusUrl(self.provider, self.network, options, self.host, self.port)
+
+    def __str__(self) -> str:
+        """The URL as liblcm takes it."""
+        options = "&".join(f"{key}={value}" for key, value in self.options.items())
+        network = f"{self.host}:{self.port}" if self.host else self.network
+        return f"{self.provider}://{network}" + (f"?{options}" if options else "")
+
+
+def choose_url(
+    url: str | None, domain: str | None, environment: Mapping[str, str]
+) -> tuple[BusUrl, str]:
+    """The bus that is meant, and what says so.
+
+    In this order: the URL given, LCM_DEFAULT_URL, the domain given, LCMTOOLS_DOMAIN, LCM's
+    default. An empty value counts as not given, as in liblcm.
+
+    Returns:
+        The bus and its source: "--lcm-url", "LCM_DEFAULT_URL", "--domain", "LCMTOOLS_DOMAIN" or
+        "default".
+
+    Raises:
+        InvalidUrl: The URL is wrong.
+        UsageError: The domain is no number from 0 to 232.
+    """
+    if url:
+        return parse_url(url, "--lcm-url"), "--lcm-url"
+    if inherited := environment.get("LCM_DEFAULT_URL"):
+        return parse_url(inherited, "LCM_DEFAULT_URL"), "LCM_DEFAULT_URL"
+    if domain:
+        return domain_url(domain, "--domain"), "--domain"
+    if inherited := environment.get("LCMTOOLS_DOMAIN"):
+        return domain_url(inherited, "LCMTOOLS_DOMAIN"), "LCMTOOLS_DOMAIN"
+    return domain_url("0", ""), "default"
+
+
+def domain_url(domain: str, source: str = "domain") -> BusUrl:
+    """The bus of a domain: LCM's default group on port 7667 + domain, staying on this host."""
+    if not (domain.isascii() and domain.isdigit() and int(domain) <= MAX_DOMAIN):
+        raise UsageError(
+            f"{source} '{domain}' is not a domain", f"a domain is a number from 0 to {MAX_DOMAIN}"
+        )
+    return parse_url(f"udpm://{DEFAULT_GROUP}:{DEFAULT_PORT + int(domain)}?ttl=0", source)
+
+
+def parse_url(text: str, source: str = "LCM URL") -> BusUrl:
+    """Read an LCM URL (``provider://network?key=value&key=value``).
+
+    Args:
+        text: The URL.
+        source: Where it came from, for the message.
+
+    Raises:
+        InvalidUrl: Saying what is wrong and how it should look.
+    """
+    provider, separator, rest = text.partition("://")
+    if not separator or provider not in _PROVIDERS:
+        raise InvalidUrl(
+            f"{source} '{text}': no LCM provider '{provider}'",
+            did_you_mean(provider, _PROVIDERS) or f"write {_example()}",
+        )
+    network, *option_parts = rest.split("?")
+    options = _parse_options("&".join(option_parts))
+    where = f"{source} '{text}'"
+    _check_numbers(where, options)
+    if provider in ("udpm", "mpudpm"):
+        host, port = _parse_group(where, network)
+    elif provider == "tcpq":
+        host, port = _parse_address(where, network or "127.0.0.1:7700")
+    else:
+        host, port = "", 0
+    return BusUrl(provider, network, options, host, port)
+
+
+def _parse_options(text: str) -> dict[str, str]:
+    """The options; those that liblcm does not know are kept, for liblcm ignores them too."""
+    pairs = (part.partition("=") for part in text.split("&") if part)
+    return {key: value for key, _, value in pairs}
+
+
+def _check_numbers(where: str, options: Mapping[str, str]) -> None:
+    for key in ("ttl", "recv_buf_size", "nports"):
+        value = options.get(key, "0")
+        if not (value.isascii() and value.isdigit()):
+            raise InvalidUrl(f"{where}: {key}={value} is not a number", f"write {_example()}")
+
+
+def _parse_group(where: str, network: str) -> tuple[str, int]:
+    host, port = _parse_address(where, network or f"{DEFAULT_GROUP}:{DEFAULT_PORT}")
+    try:
+        multicast = IPv4Address(host).is_multicast
+    except AddressValueError:
+        multicast = False
+    if not multicast:
+        raise InvalidUrl(
+            f"{where}: {host or 'nothing'} is not a multicast address",
+            f"groups are 224.0.0.0 to 239.255.255.255; write {_example()}",
+        )
+    return host, port
+
+
+def _parse_address(where: str, network: str) -> tuple[str, int]:
+    host, colon, port = network.rpartition(":")
+    if not colon:
+        raise InvalidUrl(f"{where}: the port is missing", f"write {_example(network)}")
+    if not (port.isascii() and port.isdigit() and 0 < int(port) < 65536):  # noqa: PLR2004 - UDP
+        raise InvalidUrl(
+            f"{where}: '{port}' is not a port", f"ports are 1 to 65535; write {_example(host)}"
+        )
+    return host, int(port)
+
+
+def _example(host: str = DEFAULT_GROUP) -> str:
+    return f"'udpm://{host or DEFAULT_GROUP}:{DEFAULT_PORT}?ttl=0'"

@@ -1,0 +1,89 @@
+"""The errors that lcmtools raises for its users to read.
+
+    LcmtoolsError        something could not be done                  exit code 1
+    +-- UsageError       what was typed is wrong                      exit code 2
+    |   +-- InvalidName      a name breaks the naming rules
+    |   +-- InvalidUrl       an LCM URL that liblcm would misread
+    |   +-- UnknownType      no such message type
+    |   +-- ValueMismatch    a value does not fit the message's field
+    |   +-- InvalidFile      a world, YAML or other input file is wrong
+    +-- DecodeError      a payload is not what its type says
+    +-- BusError         the bus cannot be reached or used
+    +-- ServiceError     a service call failed or was not answered
+    +-- MissingExtra     an optional dependency is not installed      exit code 3
+    +-- NothingReceived  nothing came within the time given           exit code 4
+
+Every error says what is wrong and where (``what``) and, where it can, what to type or change
+(``hint``). Library code raises; only ``lcmtools.cli`` prints them and turns them into exit codes.
+This module knows nothing else of lcmtools.
+"""
+
+
+class LcmtoolsError(Exception):
+    """Something could not be done.
+
+    Attributes:
+        what: What is wrong and where, in one line without a full stop.
+        hint: What the user can do about it, or "".
+    """
+
+    exit_code = 1
+
+    def __init__(self, what: str, hint: str = "") -> None:
+        super().__init__(what, hint)
+        self.what = what
+        self.hint = hint
+
+    def __str__(self) -> str:
+        """Both parts in one line, as a command prints them."""
+        return f"{self.what}; {self.hint}" if self.hint else self.what
+
+
+class UsageError(LcmtoolsError):
+    """What was typed is wrong."""
+
+    exit_code = 2
+
+
+class InvalidName(UsageError):  # noqa: N818 - named for what happened, as in httpx
+    """A name breaks the rules for topic, node or channel names."""
+
+
+class InvalidUrl(UsageError):  # noqa: N818
+    """An LCM URL is wrong, or would be read by liblcm as something else than it says."""
+
+
+class UnknownType(UsageError):  # noqa: N818
+    """No message type of this name is known."""
+
+
+class ValueMismatch(UsageError):  # noqa: N818
+    """A value does not fit the message field it is meant for."""
+
+
+class InvalidFile(UsageError):  # noqa: N818
+    """An input file (world, YAML) cannot be read or is wrong."""
+
+
+class DecodeError(LcmtoolsError):
+    """A payload is truncated, too short or of another type than expected."""
+
+
+class BusError(LcmtoolsError):
+    """The bus cannot be reached or used."""
+
+
+class ServiceError(LcmtoolsError):
+    """A service call failed at the server or was not answered in time."""
+
+
+class MissingExtra(LcmtoolsError):  # noqa: N818
+    """An optional dependency is not installed."""
+
+    exit_code = 3
+
+
+class NothingReceived(LcmtoolsError):  # noqa: N818
+    """Nothing came within the time given."""
+
+    exit_code = 4

@@ -1,0 +1,109 @@
+"""Putting the graph together from packets, and from records of nodes that no longer answer."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+
+from lcmtools.graph.model import STALE_AFTER, Graph, Node, Traffic
+from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Announcement, decode_announcement
+from lcmtools.wire.packet import Packet, Sender
+
+
+@dataclass(slots=True)
+class _Count:
+    """Traffic while it is being counted."""
+
+    first_time: int
+    last_time: int = 0
+    messages: int = 0
+    bytes: int = 0
+    fingerprints: dict[int, None] = field(default_factory=dict)
+
+    def add(self, packet: Packet) -> None:
+        self.messages += 1
+        self.bytes += len(packet.payload)
+        self.last_time = packet.time
+        if packet.fingerprint is not None:
+            self.fingerprints[packet.fingerprint] = None
+
+
+class GraphBuilder:
+    """Learns the graph from what comes over the bus."""
+
+    def __init__(self) -> None:
+        self._nodes: dict[str, Node] = {}
+        self._recorded: dict[str, Node] = {}
+        self._left: set[str] = set()
+        self._traffic: dict[tuple[str, Sender | None], _Count] = {}
+
+    def hear(self, packet: Packet) -> Announcement | None:
+        """Learn from one packet; return the announcement if it was one."""
+        if packet.channel == PROBE_CHANNEL:
+            return None
+        if packet.channel == NODE_CHANNEL:
+            announcement = decode_announcement(packet.payload)
+            if announcement is not None:
+                self._announced(announcement, packet)
+            return announcement
+        key = (packet.channel, packet.sender)
+        if key not in self._traffic:
+            self._traffic[key] = _Count(packet.time)
+        self._traffic[key].add(packet)
+        return None
+
+    def recall(self, nodes: Iterable[Node]) -> None:
+        """Learn of nodes that left a record; those that never answer turn out to be stale."""
+        for node in nodes:
+            self._recorded[node.id] = node
+
+    def forget(self, identifier: str) -> None:
+        """Drop a node by its id."""
+        self._nodes.pop(identifier, None)
+        self._recorded.pop(identifier, None)
+
+    def heard_senders(self) -> set[Sender]:
+        """Every sender that was heard so far."""
+        known = {sender for node in self._nodes.values() for sender in node.senders()}
+        return known | {sender for _, sender in self._traffic if sender is not None}
+
+    def snapshot(self, now: int) -> Graph:
+        """The graph at the time ``now`` (nanoseconds since 1970)."""
+        heard = [_aged(node, now) for node in self._nodes.values()]
+        silent = [
+            replace(node, stale=node.stale or "does not answer")
+            for identifier, node in self._recorded.items()
+            if identifier not in self._nodes and identifier not in self._left
+        ]
+        nodes = sorted(heard + silent, key=lambda node: (node.name, node.start_time))
+        return Graph(tuple(nodes), tuple(self._traffic_seen()), now)
+
+    def _announced(self, announcement: Announcement, packet: Packet) -> None:
+        node = announcement.node
+        if announcement.leaving:
+            self.forget(node.id)
+            self._left.add(node.id)
+            return
+        self._nodes[node.id] = replace(node, sender=packet.sender, last_heard=packet.time)
+
+    def _traffic_seen(self) -> Iterable[Traffic]:
+        for (channel, sender), count in sorted(self._traffic.items(), key=_order):
+            yield Traffic(
+                channel,
+                sender,
+                tuple(count.fingerprints),
+                count.messages,
+                count.bytes,
+                count.first_time,
+                count.last_time,
+            )
+
+
+def _order(item: tuple[tuple[str, Sender | None], _Count]) -> tuple[str, str]:
+    (channel, sender), _ = item
+    return channel, str(sender)
+
+
+def _aged(node: Node, now: int) -> Node:
+    silence = now - node.last_heard
+    if silence <= STALE_AFTER:
+        return node
+    return replace(node, stale=f"silent for {silence / 1e9:.0f} s")

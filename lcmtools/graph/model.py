@@ -1,0 +1,218 @@
+"""The graph's values: nodes, their endpoints, and what was seen on the channels."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import IntEnum
+
+from lcmtools.names import base_name_of, is_hidden
+from lcmtools.wire.packet import Sender
+
+STALE_AFTER = 3_000_000_000
+"""A node that has not announced itself for so long is stale [ns]."""
+
+
+class Role(IntEnum):
+    """What a node does with a topic or service (the constants of lcmtools_msgs/Endpoint)."""
+
+    PUBLISHER = 0
+    SUBSCRIBER = 1
+    SERVICE = 2
+    CLIENT = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoint:
+    """One publisher, subscription, service or client of a node.
+
+    Attributes:
+        topic: The full name of the topic or service.
+        role: What the node does with it.
+        types: The declared type first, then others that are accepted too ("package/Name").
+        fingerprints: Of ``types``, unsigned.
+        group: Subscriptions of a node with the same group are alternatives of each other.
+        depth: Queue depth in messages; 0 where there is no queue.
+        messages: Messages sent or received so far.
+        bytes: Bytes of their payloads.
+        drops: Messages that a full queue pushed out.
+        last_time: When the last one was sent or received, nanoseconds since 1970; 0 for never.
+    """
+
+    topic: str
+    role: Role
+    types: tuple[str, ...] = ()
+    fingerprints: tuple[int, ...] = ()
+    group: str = ""
+    depth: int = 0
+    messages: int = 0
+    bytes: int = 0
+    drops: int = 0
+    last_time: int = 0
+
+    @property
+    def type(self) -> str:
+        """The declared type; "" when there is none."""
+        return self.types[0] if self.types else ""
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A named participant of the bus.
+
+    Attributes:
+        name: Full name ("/husky0/simple_controller").
+        id: Unique for each run of each node.
+        host: Name of its computer.
+        pid: Its process there.
+        start_time: When it started, nanoseconds since 1970.
+        command: Its command line.
+        tool: A command that looks at the bus for a while, not a part of the system.
+        ports: UDP ports it sends from, besides the one its announcements come from.
+        endpoints: What it publishes, subscribes and serves.
+        sender: Where its announcements come from; None where the bus does not say.
+        last_heard: When it last announced itself, nanoseconds since 1970; 0 for never.
+        stale: Why it counts as stale; "" for a node that is alive.
+    """
+
+    name: str
+    id: str
+    host: str
+    pid: int
+    start_time: int = 0
+    command: str = ""
+    tool: bool = False
+    ports: tuple[int, ...] = ()
+    endpoints: tuple[Endpoint, ...] = ()
+    sender: Sender | None = None
+    last_heard: int = 0
+    stale: str = ""
+
+    def having(self, role: Role) -> tuple[Endpoint, ...]:
+        """The endpoints of one role, sorted by topic."""
+        return tuple(sorted((e for e in self.endpoints if e.role is role), key=_topic_of))
+
+    def senders(self) -> frozenset[Sender]:
+        """All senders that are known to be this node."""
+        if self.sender is None:
+            return frozenset()
+        own = {Sender(self.sender.address, port) for port in self.ports}
+        return frozenset(own | {self.sender})
+
+    @property
+    def is_hidden(self) -> bool:
+        """Whether lists leave it out."""
+        return is_hidden(self.name)
+
+
+@dataclass(frozen=True, slots=True)
+class Traffic:
+    """What one sender was seen to publish on one channel.
+
+    Attributes:
+        channel: The channel.
+        sender: Who; None where the bus does not say.
+        fingerprints: Fingerprints seen, in order of appearance.
+        messages: How many messages.
+        bytes: Bytes of their payloads.
+        first_time: Arrival of the first, nanoseconds since 1970.
+        last_time: Arrival of the last.
+    """
+
+    channel: str
+    sender: Sender | None
+    fingerprints: tuple[int, ...]
+    messages: int
+    bytes: int
+    first_time: int
+    last_time: int
+
+    def rate(self) -> float | None:
+        """Messages per second between the first and the last; None before two messages."""
+        if self.messages < 2 or self.last_time <= self.first_time:  # noqa: PLR2004 - an interval
+            return None
+        return (self.messages - 1) * 1e9 / (self.last_time - self.first_time)
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """Everything known of one topic.
+
+    Attributes:
+        name: The channel's name.
+        publishers: Nodes with their endpoints that announce to publish it.
+        subscribers: Nodes with their endpoints that announce to subscribe to it.
+        traffic: What was seen on it, by sender.
+        foreign: The part of ``traffic`` whose senders are no announced node.
+    """
+
+    name: str
+    publishers: tuple[tuple[Node, Endpoint], ...]
+    subscribers: tuple[tuple[Node, Endpoint], ...]
+    traffic: tuple[Traffic, ...]
+    foreign: tuple[Traffic, ...]
+
+    @property
+    def types(self) -> tuple[str, ...]:
+        """The announced types, publishers' first, each once."""
+        declared = [endpoint.type for _, endpoint in self.publishers + self.subscribers]
+        return tuple(dict.fromkeys(name for name in declared if name))
+
+    @property
+    def fingerprints(self) -> tuple[int, ...]:
+        """The fingerprints seen on the channel, each once."""
+        return tuple(dict.fromkeys(f for seen in self.traffic for f in seen.fingerprints))
+
+
+@dataclass(frozen=True, slots=True)
+class Graph:
+    """All that is known of a bus at one time.
+
+    Attributes:
+        nodes: Announced nodes, sorted by name; stale ones included.
+        traffic: What was seen on the channels, hidden ones included.
+        time: When this was taken, nanoseconds since 1970.
+    """
+
+    nodes: tuple[Node, ...] = ()
+    traffic: tuple[Traffic, ...] = ()
+    time: int = 0
+
+    def topic_names(self) -> list[str]:
+        """Every topic that is published, subscribed to by more than a tool, or seen; sorted."""
+        announced = {
+            endpoint.topic
+            for node in self.nodes
+            for endpoint in node.endpoints
+            if endpoint.role is Role.PUBLISHER
+            or (endpoint.role is Role.SUBSCRIBER and not node.tool)
+        }
+        return sorted(announced | {seen.channel for seen in self.traffic})
+
+    def topic(self, name: str) -> Topic:
+        """What is known of one topic; empty when nothing is."""
+        traffic = tuple(seen for seen in self.traffic if seen.channel == name)
+        known = {sender for node in self.nodes for sender in node.senders()}
+        return Topic(
+            name,
+            tuple(self._having(name, Role.PUBLISHER)),
+            tuple(self._having(name, Role.SUBSCRIBER)),
+            traffic,
+            tuple(seen for seen in traffic if seen.sender not in known),
+        )
+
+    def named(self, name: str) -> list[Node]:
+        """The nodes that a name as typed means: a full name, or one that ends in it uniquely."""
+        full = name if name.startswith("/") else f"/{name}"
+        exact = [node for node in self.nodes if node.name == full]
+        if exact or name.startswith("/"):
+            return exact
+        return [node for node in self.nodes if base_name_of(node.name) == name]
+
+    def _having(self, topic: str, role: Role) -> Iterator[tuple[Node, Endpoint]]:
+        for node in self.nodes:
+            for endpoint in node.endpoints:
+                if endpoint.topic == topic and endpoint.role is role:
+                    yield node, endpoint
+
+
+def _topic_of(endpoint: Endpoint) -> str:
+    return endpoint.topic

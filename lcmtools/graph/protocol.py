@@ -1,0 +1,129 @@
+"""How nodes announce themselves: the hidden channels and the messages on them.
+
+Every node publishes a lcmtools_msgs/Announcement on NODE_CHANNEL once a second, at once on a
+change and at once when a lcmtools_msgs/Probe on PROBE_CHANNEL asks for it; and one that says
+LEAVING when it ends.
+"""
+
+from dataclasses import dataclass
+
+from lcmtools.errors import DecodeError
+from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.messages.codec import decode, encode
+from lcmtools.types import lcmtools_msgs as msgs
+
+NODE_CHANNEL = "/_lcmtools/node"
+PROBE_CHANNEL = "/_lcmtools/probe"
+PERIOD = 1.0
+"""Seconds between two announcements of a node at rest."""
+ANSWER_SPREAD = 0.01
+"""Nodes answer a probe to all within so many seconds, not all in the same instant."""
+
+
+@dataclass(frozen=True, slots=True)
+class Announcement:
+    """What a node says about itself.
+
+    Attributes:
+        node: The node.
+        leaving: It is ending.
+        answers: The nonce of the probe that this answers; 0 for none.
+    """
+
+    node: Node
+    leaving: bool = False
+    answers: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Probe:
+    """A question to nodes to announce themselves.
+
+    Attributes:
+        target: A node's full name; "" for every node.
+        nonce: Comes back in the answer.
+    """
+
+    target: str = ""
+    nonce: int = 0
+
+
+def encode_probe(probe: Probe) -> bytes:
+    """The payload of a probe."""
+    message = msgs.Probe()
+    message.target, message.nonce = probe.target, probe.nonce
+    return encode(message)
+
+
+def decode_probe(payload: bytes) -> Probe | None:
+    """The probe in a payload; None when there is none."""
+    try:
+        message = decode(msgs.Probe, payload)
+    except DecodeError:
+        return None
+    return Probe(message.target, message.nonce)
+
+
+def encode_announcement(announcement: Announcement) -> bytes:
+    """The payload of an announcement."""
+    node = announcement.node
+    message = msgs.Announcement()
+    message.name, message.id, message.host = node.name, node.id, node.host
+    message.pid, message.start_time = node.pid, node.start_time
+    message.command, message.tool = node.command, node.tool
+    message.state = msgs.Announcement.LEAVING if announcement.leaving else msgs.Announcement.ALIVE
+    message.answers = announcement.answers
+    message.ports = list(node.ports)
+    message.endpoints = [_endpoint_message(endpoint) for endpoint in node.endpoints]
+    return encode(message)
+
+
+def decode_announcement(payload: bytes) -> Announcement | None:
+    """The announcement in a payload; None when it is none (another version, a foreign message)."""
+    try:
+        message = decode(msgs.Announcement, payload)
+        endpoints = tuple(_endpoint(part) for part in message.endpoints)
+    except (DecodeError, ValueError):
+        return None
+    node = Node(
+        name=message.name,
+        id=message.id,
+        host=message.host,
+        pid=message.pid,
+        start_time=message.start_time,
+        command=message.command,
+        tool=bool(message.tool),
+        ports=tuple(message.ports),
+        endpoints=endpoints,
+    )
+    return Announcement(node, message.state == msgs.Announcement.LEAVING, message.answers)
+
+
+def _endpoint_message(endpoint: Endpoint) -> msgs.Endpoint:
+    message = msgs.Endpoint()
+    message.topic, message.role, message.group = endpoint.topic, endpoint.role, endpoint.group
+    message.types = list(endpoint.types)
+    message.fingerprints = [_signed(value) for value in endpoint.fingerprints]
+    message.depth, message.drops = endpoint.depth, endpoint.drops
+    message.messages, message.bytes = endpoint.messages, endpoint.bytes
+    message.last_time = endpoint.last_time
+    return message
+
+
+def _endpoint(message: msgs.Endpoint) -> Endpoint:
+    return Endpoint(
+        topic=message.topic,
+        role=Role(message.role),
+        types=tuple(message.types),
+        fingerprints=tuple(value & 0xFFFFFFFFFFFFFFFF for value in message.fingerprints),
+        group=message.group,
+        depth=message.depth,
+        messages=message.messages,
+        bytes=message.bytes,
+        drops=message.drops,
+        last_time=message.last_time,
+    )
+
+
+def _signed(fingerprint: int) -> int:
+    return fingerprint - (1 << 64) if fingerprint >= 1 << 63 else fingerprint

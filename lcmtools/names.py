@@ -1,0 +1,173 @@
+"""Names of topics, nodes and services: the ROS graph resource name rules, without ROS.
+
+Resolution, remapping and validation live here, as functions of text. What a name refers to, who
+uses it and where it came from (command line, environment) is none of this module's business.
+
+The rules: https://wiki.ros.org/Names and https://wiki.ros.org/Remapping%20Arguments.
+"""
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from lcmtools.errors import InvalidName
+
+MAX_CHANNEL_BYTES = 63
+"""LCM's limit for a channel name, in UTF-8 bytes (LCM_MAX_CHANNEL_NAME_LENGTH)."""
+
+_LEGAL_NAME = re.compile(r"[~/A-Za-z][A-Za-z0-9_/]*", re.ASCII)
+_LEGAL_BASE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
+
+# Channels of LCM's own machinery: its self test and the bookkeeping of mpudpm.
+_LCM_INTERNAL = ("LCM_SELF_TEST", "#!mpudpm")
+
+
+@dataclass(frozen=True, slots=True)
+class Resolver:
+    """Turns the names that a node's code uses into topics.
+
+    Attributes:
+        namespace: The node's namespace, global ("/" or "/husky0").
+        node: The node's full name ("/husky0/simple_controller").
+        remaps: Pairs (from, to) as given; both sides are resolved before they are compared.
+    """
+
+    namespace: str
+    node: str
+    remaps: tuple[tuple[str, str], ...] = ()
+
+    def resolve(self, name: str) -> str:
+        """The topic or service that ``name`` means for this node, remapped.
+
+        Raises:
+            InvalidName: The name is illegal or too long for an LCM channel.
+        """
+        resolved = self.expand(name)
+        for source, target in reversed(self.remaps):  # the last of several equal rules wins
+            if self.expand(source) == resolved:
+                return check_length(self.expand(target), name)
+        return check_length(resolved, name)
+
+    def expand(self, name: str) -> str:
+        """The global name, before remapping."""
+        return resolve(name, self.namespace, self.node)
+
+
+def resolve(name: str, namespace: str = "/", node: str = "") -> str:
+    """The global form of a name: "/a" as it is, "a" in the namespace, "~a" below the node.
+
+    Raises:
+        InvalidName: The name has characters that ROS names do not have, or is private where there
+            is no node.
+    """
+    check_legal(name)
+    if name.startswith("~"):
+        if not node:
+            raise InvalidName(
+                f"'{name}' is private, and there is no node here",
+                "write the name in full, for example /node/name",
+            )
+        return _clean(f"{node}/{name[1:]}")
+    if name.startswith("/"):
+        return _clean(name)
+    return _clean(f"{namespace}/{name}")
+
+
+def resolve_namespace(namespace: str) -> str:
+    """The global form of a namespace ("husky0" is "/husky0", "" is "/")."""
+    return resolve(namespace, "/") if namespace else "/"
+
+
+def check_legal(name: str) -> None:
+    """Refuse what is no graph resource name. The empty name is legal: it means the namespace.
+
+    Raises:
+        InvalidName: Naming the rule that is broken.
+    """
+    if name and not _LEGAL_NAME.fullmatch(name):
+        raise InvalidName(
+            f"'{name}' is not a legal name",
+            "names are made of letters, digits, '_' and '/', and start with a letter, '/' or '~'",
+        )
+
+
+def check_base_name(name: str) -> None:
+    """Refuse what is no node name of its own: one part, without a namespace.
+
+    Raises:
+        InvalidName: Naming the rule that is broken.
+    """
+    if not _LEGAL_BASE_NAME.fullmatch(name):
+        raise InvalidName(
+            f"'{name}' is not a legal node name",
+            "a node's name is letters, digits and '_', and starts with a letter; its namespace is"
+            " given by __ns:=",
+        )
+
+
+def check_length(channel: str, name: str = "") -> str:
+    """Return ``channel``, or refuse it where LCM could not carry it.
+
+    Args:
+        channel: The resolved name.
+        name: The name as it was written, for the message.
+
+    Raises:
+        InvalidName: The channel is empty or longer than 63 bytes in UTF-8.
+    """
+    size = len(channel.encode("utf-8", "surrogateescape"))
+    if size > MAX_CHANNEL_BYTES:
+        source = f" (from '{name}')" if name and name != channel else ""
+        raise InvalidName(
+            f"'{channel}'{source} has {size} bytes and LCM channels have at most"
+            f" {MAX_CHANNEL_BYTES}",
+            "use a shorter name or namespace",
+        )
+    if not channel or "\0" in channel:
+        raise InvalidName("a channel name must not be empty or contain a zero byte")
+    return channel
+
+
+def is_hidden(name: str) -> bool:
+    """Whether lists leave this name out: a part starts with "_", or it is LCM's own machinery."""
+    return name.startswith(_LCM_INTERNAL) or any(part.startswith("_") for part in name.split("/"))
+
+
+def namespace_of(name: str) -> str:
+    """The namespace that a full name stands in ("/husky0/odometry" is in "/husky0")."""
+    return name.rpartition("/")[0] or "/"
+
+
+def base_name_of(name: str) -> str:
+    """The last part of a full name."""
+    return name.rpartition("/")[2]
+
+
+def spellings(name: str) -> Sequence[str]:
+    """The channels that a name may mean where a topic is *read*: as written, and resolved.
+
+    ``echo EXAMPLE`` means the plain LCM channel ``EXAMPLE``, ``echo chatter`` the topic
+    ``/chatter``; whichever is on the bus. A name that is no legal ROS name is only a channel.
+    """
+    if name.startswith(("/", "~")) or not _LEGAL_NAME.fullmatch(name):
+        return [name]
+    return [name, resolve(name)]
+
+
+def closest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
+    """The known names nearest to ``name``, best first, for "did you mean"."""
+    from difflib import get_close_matches
+
+    by_lower = {candidate.lower(): candidate for candidate in known}
+    return [by_lower[near] for near in get_close_matches(name.lower(), by_lower, count, 0.6)]
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """The hint "did you mean X?", or "" where nothing is near."""
+    near = closest(name, known)
+    return f"did you mean {near[0]}?" if near else ""
+
+
+def _clean(name: str) -> str:
+    """Collapse "//" and drop a trailing "/"."""
+    return re.sub(r"/+", "/", name).rstrip("/") or "/"

@@ -1,0 +1,89 @@
+"""Announcing a process's nodes on the bus: each second, on a change, and when asked."""
+
+import contextlib
+import random
+import threading
+import time
+from collections.abc import Callable
+
+from lcmtools.bus.base import Bus
+from lcmtools.errors import BusError
+from lcmtools.graph.model import Node
+from lcmtools.graph.protocol import (
+    ANSWER_SPREAD,
+    NODE_CHANNEL,
+    PERIOD,
+    PROBE_CHANNEL,
+    Announcement,
+    decode_probe,
+    encode_announcement,
+)
+
+_CHANGE_DELAY = 0.005  # [s]: a node that is being set up changes many times at once
+
+
+class Announcer:
+    """Announces nodes from a thread of its own, so that a busy node stays visible.
+
+    Args:
+        bus: Where to announce.
+        describe: Returns what to announce of every node of this process.
+    """
+
+    def __init__(self, bus: Bus, describe: Callable[[], list[Node]]) -> None:
+        self._bus = bus
+        self._describe = describe
+        self._changed = threading.Condition()
+        self._due = time.monotonic() + _CHANGE_DELAY
+        self._nonce = 0
+        self._closed = False
+        bus.subscribe(PROBE_CHANNEL, self._probed)
+        self._thread = threading.Thread(target=self._run, name="announcer", daemon=True)
+        self._thread.start()
+
+    def announce_soon(self, delay: float = _CHANGE_DELAY, nonce: int = 0) -> None:
+        """Announce all nodes within ``delay`` seconds."""
+        with self._changed:
+            self._nonce = nonce or self._nonce
+            self._due = min(self._due, time.monotonic() + delay)
+            self._changed.notify()
+
+    def say_goodbye(self, node: Node) -> None:
+        """Tell the bus that a node ends."""
+        self._send(Announcement(node, leaving=True))
+
+    def close(self) -> None:
+        """Announce nothing any more."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify()
+        self._thread.join(timeout=1.0)
+
+    def _probed(self, payload: bytes, _time: int) -> None:
+        """Answer a probe: at once to one node, spread a little to all."""
+        probe = decode_probe(payload)
+        if probe is None:
+            return
+        if not probe.target:
+            self.announce_soon(random.uniform(0, ANSWER_SPREAD), probe.nonce)  # noqa: S311
+            return
+        for node in self._describe():
+            if node.name == probe.target:
+                self._send(Announcement(node, answers=probe.nonce))
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                while not self._closed and (left := self._due - time.monotonic()) > 0:
+                    self._changed.wait(left)
+                if self._closed:
+                    return
+                self._due = time.monotonic() + PERIOD
+                nonce, self._nonce = self._nonce, 0
+            for node in self._describe():
+                self._send(Announcement(node, answers=nonce))
+
+    def _send(self, announcement: Announcement) -> None:
+        # what cannot be announced now is announced a second later; a closing bus takes none
+        with contextlib.suppress(BusError):
+            self._bus.publish(NODE_CHANNEL, encode_announcement(announcement))

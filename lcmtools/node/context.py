@@ -1,0 +1,243 @@
+"""What all nodes of a process share: the bus, the announcer, the arguments, the way to end.
+
+``init``, ``ok``, ``shutdown`` and the spin functions work on the process's context, as in rclpy.
+"""
+
+import atexit
+import contextlib
+import os
+import signal
+import socket
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from types import FrameType
+
+from lcmtools.arguments import NodeArguments, split_arguments
+from lcmtools.bus.base import Bus
+from lcmtools.bus.records import NodeRecords
+from lcmtools.bus.url import BusUrl, choose_url
+from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.graph.builder import GraphBuilder
+from lcmtools.graph.model import Graph, Node
+from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Probe, encode_probe
+from lcmtools.names import resolve_namespace
+from lcmtools.node.announcer import Announcer
+from lcmtools.node.wakeup import Wakeup
+from lcmtools.wire.packet import Packet
+
+_GRACE = 0.5
+"""Seconds that a running callback gets to return after Ctrl-C before it is interrupted."""
+
+
+class Participant:
+    """What the context needs of a node; see lcmtools.node.node."""
+
+    def describe(self) -> Node:
+        """What is announced."""
+        raise NotImplementedError
+
+    def destroy_node(self) -> None:
+        """Leave the bus."""
+        raise NotImplementedError
+
+
+class Context:
+    """A process's connection to a bus, with the nodes on it.
+
+    Args:
+        bus: The connection; closed with the context.
+        arguments: What the command line said.
+        environment: The process's environment variables.
+        records: Where nodes leave their records; None for none.
+    """
+
+    def __init__(
+        self,
+        bus: Bus,
+        arguments: NodeArguments,
+        environment: Mapping[str, str],
+        records: NodeRecords | None = None,
+    ) -> None:
+        self.bus = bus
+        self.arguments = arguments
+        self.wakeup = Wakeup()
+        self.host = socket.gethostname()
+        self.default_namespace = resolve_namespace(environment.get("LCMTOOLS_NAMESPACE", ""))
+        self._records = records
+        self._participants: list[Participant] = []
+        self._stopping = False
+        self._closed = False
+        self._graph_lock = threading.Lock()
+        self._graph_builder: GraphBuilder | None = None
+        self.announcer = Announcer(bus, self._describe)
+
+    def ok(self) -> bool:
+        """Whether nodes should go on."""
+        return not self._stopping
+
+    def is_closed(self) -> bool:
+        """Whether the bus has been left."""
+        return self._closed
+
+    def stop(self) -> None:
+        """Ask everything that spins to return. Safe in signal handlers."""
+        self._stopping = True
+        self.wakeup.set()
+
+    def add(self, participant: Participant) -> None:
+        """Take a node in: announce it, and record that it runs."""
+        self._participants.append(participant)
+        if self._records:
+            self._records.write(participant.describe())
+        self.announcer.announce_soon()
+
+    def remove(self, participant: Participant) -> None:
+        """Let a node go: say goodbye for it."""
+        if participant in self._participants:
+            self._participants.remove(participant)
+            node = participant.describe()
+            self.announcer.say_goodbye(node)
+            if self._records:
+                self._records.remove(node.id)
+
+    def is_first(self) -> bool:
+        """Whether no node has been made yet: ``__name:=`` names the first one."""
+        return not self._participants
+
+    def graph(self) -> Graph:
+        """The announced nodes of the bus; the first call starts listening to them."""
+        if self._graph_builder is None:
+            self._graph_builder = GraphBuilder()
+            self.bus.subscribe(NODE_CHANNEL, self._hear)
+            self.bus.publish(PROBE_CHANNEL, encode_probe(Probe()))
+        with self._graph_lock:
+            return self._graph_builder.snapshot(time.time_ns())
+
+    def close(self) -> None:
+        """End all nodes and leave the bus."""
+        if self._closed:
+            return
+        self._closed = True
+        self.stop()
+        for participant in tuple(self._participants):
+            participant.destroy_node()
+        self.announcer.close()
+        self.bus.close()
+        self.wakeup.close()
+
+    def _describe(self) -> list[Node]:
+        return [participant.describe() for participant in tuple(self._participants)]
+
+    def _hear(self, payload: bytes, now: int) -> None:
+        assert self._graph_builder is not None
+        with self._graph_lock:
+            self._graph_builder.hear(Packet(NODE_CHANNEL, payload, now))
+        self.wakeup.set()
+
+
+class _Process:
+    """The one context of this process and its signal handlers.
+
+    The only state that the package keeps: ``init`` and ``spin`` are functions, as in rclpy.
+    """
+
+    def __init__(self) -> None:
+        self.context: Context | None = None
+        self.handlers: dict[int, Callable[[int, FrameType | None], object] | int | None] = {}
+
+
+_process = _Process()
+
+
+def init(args: Sequence[str] | None = None, *, url: str | None = None) -> list[str]:
+    """Connect this process to the bus; the first thing a node's program does.
+
+    Args:
+        args: The command line without the program's name; ``sys.argv`` when None. Names
+            (``__ns:=``, ``a:=b``), parameters (``_gain:=2.0``) and the bus are taken from it.
+        url: The bus, where the command line says nothing.
+
+    Returns:
+        The arguments that are the program's own.
+
+    Raises:
+        UsageError: The arguments are wrong.
+        BusError: The bus cannot be reached, with what to type.
+    """
+    if _process.context is not None:
+        raise LcmtoolsError("lcmtools.init() was called twice", "call lcmtools.shutdown() between")
+    arguments, rest = split_arguments(sys.argv[1:] if args is None else args)
+    bus_url, _ = choose_url(arguments.lcm_url or url, arguments.domain, os.environ)
+    _process.context = Context(
+        _open_bus(bus_url), arguments, os.environ, NodeRecords(bus_url, os.environ)
+    )
+    if threading.current_thread() is threading.main_thread():
+        _process.handlers = {
+            number: signal.signal(number, _interrupted)
+            for number in (signal.SIGINT, signal.SIGTERM)
+        }
+    atexit.register(shutdown)
+    return rest
+
+
+def shutdown() -> None:
+    """Say goodbye for all nodes and leave the bus. Does nothing the second time."""
+    context, _process.context = _process.context, None
+    if context is None:
+        return
+    with contextlib.suppress(KeyboardInterrupt):  # impatience does not stop a goodbye
+        context.close()
+    for number, handler in _process.handlers.items():
+        if signal.getsignal(number) is _interrupted:
+            signal.signal(number, handler)
+    _process.handlers = {}
+    atexit.unregister(shutdown)
+
+
+def ok() -> bool:
+    """Whether the program should go on: False after Ctrl-C, SIGTERM and ``shutdown``."""
+    return _process.context is not None and _process.context.ok()
+
+
+def current_context() -> Context:
+    """The process's context.
+
+    Raises:
+        LcmtoolsError: ``init`` has not been called.
+    """
+    if _process.context is None:
+        raise LcmtoolsError("there is no bus yet", "call lcmtools.init() first")
+    return _process.context
+
+
+def _open_bus(url: BusUrl) -> Bus:
+    from lcmtools.bus.liblcm import LcmBus
+
+    if url.provider == "file" and url.options.get("mode", "r") == "r":
+        raise UsageError(
+            f"{url} is a log to be read, and nodes need a bus",
+            "look into it with lcmtools echo --lcm-url, or give the node another bus",
+        )
+    return LcmBus(url)
+
+
+def _interrupted(_number: int, _frame: FrameType | None) -> None:
+    """Ctrl-C or SIGTERM: ask everything to return; interrupt what does not within half a second."""
+    context = _process.context
+    if context is None or context.is_closed():
+        return
+    if not context.ok():
+        raise KeyboardInterrupt
+    context.stop()
+    thread = threading.Timer(_GRACE, _interrupt_again, [context])
+    thread.daemon = True
+    thread.start()
+
+
+def _interrupt_again(context: Context) -> None:
+    """A callback is still running: break it off, as a second Ctrl-C would."""
+    main = threading.main_thread().ident
+    if main is not None and _process.context is context and not context.is_closed():
+        signal.pthread_kill(main, signal.SIGINT)

@@ -1,0 +1,131 @@
+"""A node's log: to standard error in ROS's manner, and to ``/rosout``."""
+
+import inspect
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+from pathlib import Path
+from typing import TextIO
+
+from lcmtools.clock import Clock, split_stamp
+
+
+class Severity(IntEnum):
+    """How grave a line is; the constants of rosgraph_msgs/Log."""
+
+    DEBUG = 1
+    INFO = 2
+    WARN = 4
+    ERROR = 8
+    FATAL = 16
+
+
+@dataclass(frozen=True, slots=True)
+class LogEntry:
+    """One line of a log.
+
+    Attributes:
+        severity: How grave it is.
+        time: Nanoseconds on the node's clock.
+        node: The node's full name.
+        text: The line, or lines.
+        file: Source file that logged it.
+        function: Function that logged it.
+        line: Line number in the file.
+    """
+
+    severity: Severity
+    time: int
+    node: str
+    text: str
+    file: str = ""
+    function: str = ""
+    line: int = 0
+
+    def __str__(self) -> str:
+        """As ROS prints it."""
+        sec, nsec = split_stamp(self.time)
+        return f"[{self.severity.name}] [{sec}.{nsec:09d}] [{self.node}]: {self.text}"
+
+
+class Logger:
+    """Writes a node's log. Made by the node; ``Node.get_logger`` returns it.
+
+    Args:
+        node: The node's full name.
+        clock: Stamps the entries.
+        forward: Is given each entry as well (for ``/rosout``).
+        stream: Where lines go; standard error when None.
+    """
+
+    def __init__(
+        self,
+        node: str,
+        clock: Clock,
+        forward: Callable[[LogEntry], None],
+        stream: TextIO | None = None,
+    ) -> None:
+        self.threshold = Severity.INFO
+        """Entries below this severity are forwarded and not printed."""
+        self._node = node
+        self._clock = clock
+        self._forward = forward
+        self._stream = stream
+        self._last_printed: dict[tuple[str, int], float] = {}
+
+    def debug(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
+        """Log what helps to find a fault."""
+        self._log(Severity.DEBUG, text, once=once, throttle=throttle)
+
+    def info(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
+        """Log what is normal.
+
+        Args:
+            text: The line.
+            once: Only the first time that this place in the code is reached.
+            throttle: At most once in so many seconds from this place in the code.
+        """
+        self._log(Severity.INFO, text, once=once, throttle=throttle)
+
+    def warning(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
+        """Log what may be at fault."""
+        self._log(Severity.WARN, text, once=once, throttle=throttle)
+
+    def error(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
+        """Log what went wrong."""
+        self._log(Severity.ERROR, text, once=once, throttle=throttle)
+
+    def fatal(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
+        """Log what the node cannot go on after."""
+        self._log(Severity.FATAL, text, once=once, throttle=throttle)
+
+    def _log(self, severity: Severity, text: str, *, once: bool, throttle: float) -> None:
+        frame = inspect.currentframe()
+        caller = frame.f_back.f_back if frame and frame.f_back else None
+        place = (caller.f_code.co_filename, caller.f_lineno) if caller else ("", 0)
+        if (once or throttle > 0) and not self._is_time(place, once=once, throttle=throttle):
+            return
+        entry = LogEntry(
+            severity,
+            self._clock.now(),
+            self._node,
+            text,
+            Path(place[0]).name,
+            caller.f_code.co_name if caller else "",
+            place[1],
+        )
+        if severity >= self.threshold:
+            stream = self._stream or sys.stderr
+            stream.write(f"{entry}\n")  # one write: lines of several threads do not mix
+            stream.flush()
+        self._forward(entry)
+
+    def _is_time(self, place: tuple[str, int], *, once: bool, throttle: float) -> bool:
+        now = time.monotonic()
+        last = self._last_printed.get(place)
+        if last is not None and (once or now - last < throttle):
+            return False
+        self._last_printed[place] = now
+        return True

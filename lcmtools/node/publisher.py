@@ -1,0 +1,93 @@
+"""Publishers."""
+
+import time
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+from lcmtools.bus.base import Bus
+from lcmtools.errors import ValueMismatch
+from lcmtools.graph.model import Endpoint, Graph, Role
+from lcmtools.messages.codec import encode
+from lcmtools.messages.registry import Message, fingerprint, type_name
+
+MessageT = TypeVar("MessageT", bound=Message)
+
+
+class Publisher(Generic[MessageT]):
+    """Sends messages of one type on one topic. Made by ``Node.create_publisher``.
+
+    Attributes:
+        topic: The resolved topic, which is the LCM channel.
+        message_type: The class of its messages.
+        depth: The queue depth that was asked for; announced, and not needed for sending on LCM.
+    """
+
+    def __init__(
+        self,
+        bus: Bus,
+        message_type: type[MessageT],
+        topic: str,
+        depth: int,
+        graph: Callable[[], Graph],
+    ) -> None:
+        self.topic = topic
+        self.message_type = message_type
+        self.depth = depth
+        self._bus = bus
+        self._graph = graph
+        self._type_name = type_name(message_type)
+        self._fingerprint = fingerprint(message_type)
+        self._messages = 0
+        self._bytes = 0
+        self._last_time = 0
+
+    def publish(self, message: MessageT) -> None:
+        """Encode and send one message. Length fields are set here; nobody else needs to.
+
+        Raises:
+            ValueMismatch: The message is of another type, or a field's value does not fit.
+            BusError: It cannot be sent.
+        """
+        if not isinstance(message, self.message_type):
+            raise ValueMismatch(
+                f"{self.topic}: expected {self._type_name}, got {type(message).__name__}"
+            )
+        self.publish_payload(encode(message))
+
+    def publish_payload(self, payload: bytes) -> None:
+        """Send a message that is encoded already.
+
+        Raises:
+            BusError: It cannot be sent.
+        """
+        self._bus.publish(self.topic, payload)
+        self._messages += 1
+        self._bytes += len(payload)
+        self._last_time = time.time_ns()
+
+    def subscriber_count(self) -> int:
+        """How many announced subscriptions can hear this publisher.
+
+        Plain LCM programs never announce theirs and are not counted.
+        """
+        return sum(
+            self._can_hear(endpoint)
+            for node, endpoint in self._graph().topic(self.topic).subscribers
+            if not node.stale
+        )
+
+    def endpoint(self) -> Endpoint:
+        """What is announced."""
+        return Endpoint(
+            topic=self.topic,
+            role=Role.PUBLISHER,
+            types=(self._type_name,),
+            fingerprints=(self._fingerprint,),
+            depth=self.depth,
+            messages=self._messages,
+            bytes=self._bytes,
+            last_time=self._last_time,
+        )
+
+    def _can_hear(self, endpoint: Endpoint) -> bool:
+        return not endpoint.fingerprints or self._fingerprint in endpoint.fingerprints

@@ -1,0 +1,210 @@
+"""Services: a request channel and a reply channel, with an envelope of client and sequence number.
+
+LCM knows no calls. A client repeats its request until a reply with its number comes back or its
+time is over; the server answers a number once, and repeats that answer where a request is repeated.
+"""
+
+import threading
+import time
+import uuid
+from collections import OrderedDict
+from collections.abc import Callable
+from typing import Protocol
+
+from lcmtools.bus.base import Bus
+from lcmtools.errors import DecodeError, LcmtoolsError, ServiceError
+from lcmtools.graph.model import Endpoint, Role
+from lcmtools.messages.codec import decode, encode
+from lcmtools.messages.registry import Message, fingerprint, type_name
+from lcmtools.types.lcmtools_msgs import ServiceReply, ServiceRequest
+
+RETRY_PERIOD = 0.25
+"""A request is sent again after so many seconds without an answer."""
+_REMEMBERED_REPLIES = 256
+_MAX_WAITING_REQUESTS = 100
+
+
+class ServiceType(Protocol):
+    """A pair of message classes, like lcmtools.types.std_srvs.Trigger."""
+
+    Request: type[Message]
+    Response: type[Message]
+
+
+ServiceCallback = Callable[[Message, Message], Message]
+"""Called with the request and an empty response; returns the response."""
+
+
+def request_channel(service: str) -> str:
+    """The hidden channel that a service's requests travel on."""
+    return f"{service}/_request"
+
+
+def reply_channel(service: str) -> str:
+    """The hidden channel that a service's replies travel on."""
+    return f"{service}/_reply"
+
+
+class Service:
+    """Answers requests. Made by ``Node.create_service``.
+
+    Attributes:
+        name: The service's full name.
+        service_type: Its pair of messages.
+    """
+
+    def __init__(
+        self, bus: Bus, service_type: type[ServiceType], name: str, callback: ServiceCallback
+    ) -> None:
+        self.name = name
+        self.service_type = service_type
+        self.callback = callback
+        self.on_ready: Callable[[], None] = lambda: None
+        self._bus = bus
+        self._lock = threading.Lock()
+        self._waiting: list[ServiceRequest] = []
+        self._replies: OrderedDict[tuple[str, int], bytes] = OrderedDict()
+        self._calls = 0
+
+    def receive(self, payload: bytes, _time: int) -> None:
+        """Queue one request; called on the receiving thread. What is no request is passed over."""
+        try:
+            request = decode(ServiceRequest, payload)
+        except DecodeError:
+            return
+        with self._lock:
+            if len(self._waiting) < _MAX_WAITING_REQUESTS:
+                self._waiting.append(request)
+        self.on_ready()
+
+    def take(self) -> ServiceRequest | None:
+        """The oldest request that waits; None when none does."""
+        with self._lock:
+            return self._waiting.pop(0) if self._waiting else None
+
+    def answer(self, request: ServiceRequest) -> BaseException | None:
+        """Call the callback and send its response; return what it raised, if it did."""
+        key = (request.client, request.sequence)
+        failure: BaseException | None = None
+        if key not in self._replies:
+            reply, failure = self._reply(request)
+            self._replies[key] = encode(reply)
+            if len(self._replies) > _REMEMBERED_REPLIES:
+                self._replies.popitem(last=False)
+        self._bus.publish(reply_channel(self.name), self._replies[key])
+        return failure
+
+    def endpoint(self) -> Endpoint:
+        """What is announced."""
+        return _endpoint(self.name, Role.SERVICE, self.service_type, self._calls)
+
+    def _reply(self, request: ServiceRequest) -> tuple[ServiceReply, BaseException | None]:
+        self._calls += 1
+        reply = ServiceReply()
+        reply.client, reply.sequence = request.client, request.sequence
+        reply.status = ServiceReply.OK
+        failure: BaseException | None = None
+        try:
+            arguments = decode(self.service_type.Request, request.payload)
+            reply.payload = encode(self.callback(arguments, self.service_type.Response()))
+        except LcmtoolsError as error:
+            reply.status, reply.error = ServiceReply.FAILED, str(error)
+        except Exception as error:  # noqa: BLE001 - whatever the callback raises, the node goes on
+            reply.status, reply.error, failure = ServiceReply.FAILED, repr(error), error
+        return reply, failure
+
+
+class Client:
+    """Calls a service. Made by ``Node.create_client``.
+
+    Attributes:
+        name: The service's full name.
+        service_type: Its pair of messages.
+    """
+
+    def __init__(self, bus: Bus, service_type: type[ServiceType], name: str) -> None:
+        self.name = name
+        self.service_type = service_type
+        self.is_interrupted: Callable[[], bool] = lambda: False
+        self._bus = bus
+        self._id = uuid.uuid4().hex
+        self._sequence = 0
+        self._changed = threading.Condition()
+        self._replies: dict[int, ServiceReply] = {}
+        self._expected: set[int] = set()
+
+    def call(self, request: Message, timeout: float = 3.0) -> Message:
+        """Send a request and wait for the response. May be used inside a callback.
+
+        Args:
+            request: An instance of the service type's Request.
+            timeout: Seconds to wait; the request is repeated within them.
+
+        Raises:
+            ServiceError: No answer came in time, or the server reports a failure.
+            ValueMismatch: A field's value does not fit.
+        """
+        envelope = self._envelope(request)
+        deadline = time.monotonic() + timeout
+        with self._changed:
+            self._expected.add(envelope.sequence)
+        try:
+            reply = self._exchange(encode(envelope), envelope.sequence, deadline)
+        finally:
+            with self._changed:
+                self._expected.discard(envelope.sequence)
+                self._replies.pop(envelope.sequence, None)
+        if reply is None:
+            raise ServiceError(
+                f"{self.name} did not answer within {timeout:g} s",
+                "see whether its node runs: lcmtools node list",
+            )
+        if reply.status != ServiceReply.OK:
+            raise ServiceError(f"{self.name}: {reply.error}")
+        return decode(self.service_type.Response, reply.payload)
+
+    def receive(self, payload: bytes, _time: int) -> None:
+        """Take a reply that is for this client; called on the receiving thread."""
+        try:
+            reply = decode(ServiceReply, payload)
+        except DecodeError:
+            return
+        with self._changed:
+            if reply.client == self._id and reply.sequence in self._expected:
+                self._replies.setdefault(reply.sequence, reply)
+                self._changed.notify_all()
+
+    def endpoint(self) -> Endpoint:
+        """What is announced."""
+        return _endpoint(self.name, Role.CLIENT, self.service_type, self._sequence)
+
+    def _envelope(self, request: Message) -> ServiceRequest:
+        envelope = ServiceRequest()
+        envelope.client = self._id
+        with self._changed:
+            self._sequence += 1
+            envelope.sequence = self._sequence
+        envelope.payload = encode(request)
+        return envelope
+
+    def _exchange(self, payload: bytes, sequence: int, deadline: float) -> ServiceReply | None:
+        while (left := deadline - time.monotonic()) > 0 and not self.is_interrupted():
+            self._bus.publish(request_channel(self.name), payload)
+            with self._changed:
+                self._changed.wait_for(
+                    lambda: sequence in self._replies, timeout=min(left, RETRY_PERIOD)
+                )
+                if sequence in self._replies:
+                    return self._replies[sequence]
+        return None
+
+
+def _endpoint(name: str, role: Role, service_type: type[ServiceType], calls: int) -> Endpoint:
+    request = service_type.Request
+    return Endpoint(
+        topic=name,
+        role=role,
+        types=(type_name(request).removesuffix("_Request"),),
+        fingerprints=(fingerprint(request),),
+        messages=calls,
+    )

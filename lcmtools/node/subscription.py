@@ -1,0 +1,109 @@
+"""Subscriptions: a queue that keeps the newest messages, and a callback."""
+
+import threading
+from collections import deque
+from collections.abc import Callable
+
+from lcmtools.errors import DecodeError
+from lcmtools.graph.model import Endpoint, Role
+from lcmtools.messages.codec import decode
+from lcmtools.messages.registry import Message, candidates, fingerprint, type_name
+
+FINGERPRINT_BYTES = 8
+
+
+class Subscription:
+    """Receives messages from one topic. Made by ``Node.create_subscription``.
+
+    When the callback is slower than the messages, the newest ``depth`` of them are kept (LCM
+    itself keeps the oldest), and the others are counted in ``drops``.
+
+    Attributes:
+        topic: The resolved topic, which is the LCM channel.
+        message_types: The classes it accepts, the declared one first.
+        depth: How many messages wait at most.
+        group: Subscriptions of a node with the same group are alternatives of each other.
+        drops: Messages that newer ones pushed out.
+    """
+
+    def __init__(
+        self,
+        message_types: tuple[type[Message], ...],
+        topic: str,
+        callback: Callable[[Message], object],
+        depth: int,
+        group: str = "",
+    ) -> None:
+        self.topic = topic
+        self.message_types = message_types
+        self.depth = max(1, depth)
+        self.group = group
+        self.drops = 0
+        self.callback = callback
+        self.on_ready: Callable[[], None] = lambda: None
+        self._by_fingerprint = {
+            fingerprint(kind).to_bytes(FINGERPRINT_BYTES, "big"): kind for kind in message_types
+        }
+        self._lock = threading.Lock()
+        self._queue: deque[bytes] = deque()
+        self._messages = 0
+        self._bytes = 0
+        self._last_time = 0
+
+    def receive(self, payload: bytes, time: int) -> None:
+        """Queue one message; called on the receiving thread."""
+        with self._lock:
+            if len(self._queue) >= self.depth:
+                self._queue.popleft()
+                self.drops += 1
+            self._queue.append(payload)
+            self._messages += 1
+            self._bytes += len(payload)
+            self._last_time = time
+        self.on_ready()
+
+    def take(self) -> bytes | None:
+        """The oldest payload that waits; None when none does."""
+        with self._lock:
+            return self._queue.popleft() if self._queue else None
+
+    def waiting(self) -> int:
+        """How many messages wait."""
+        return len(self._queue)
+
+    def decode(self, payload: bytes) -> Message:
+        """The message in a payload.
+
+        Raises:
+            DecodeError: It is of another type than this subscription's, or damaged.
+        """
+        kind = self._by_fingerprint.get(payload[:FINGERPRINT_BYTES])
+        if kind is None:
+            raise DecodeError(f"expected {self._expected()}, got {_describe(payload)}")
+        return decode(kind, payload)
+
+    def endpoint(self) -> Endpoint:
+        """What is announced."""
+        return Endpoint(
+            topic=self.topic,
+            role=Role.SUBSCRIBER,
+            types=tuple(type_name(kind) for kind in self.message_types),
+            fingerprints=tuple(fingerprint(kind) for kind in self.message_types),
+            group=self.group,
+            depth=self.depth,
+            messages=self._messages,
+            bytes=self._bytes,
+            drops=self.drops,
+            last_time=self._last_time,
+        )
+
+    def _expected(self) -> str:
+        return " or ".join(type_name(kind) for kind in self.message_types)
+
+
+def _describe(payload: bytes) -> str:
+    if len(payload) < FINGERPRINT_BYTES:
+        return f"{len(payload)} bytes, too short for any message"
+    number = int.from_bytes(payload[:FINGERPRINT_BYTES], "big")
+    names = candidates(number)
+    return names[0] if names else f"an unknown type (fingerprint {number:#018x})"

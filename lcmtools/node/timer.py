@@ -1,0 +1,54 @@
+"""Timers."""
+
+from collections.abc import Callable
+
+from lcmtools.clock import NANOSECONDS
+from lcmtools.errors import UsageError
+
+
+class Timer:
+    """Calls a function at a fixed rate. Made by ``Node.create_timer``.
+
+    Calls stay on the grid that the timer's creation started: a late one does not delay the next,
+    and periods that were missed altogether are skipped.
+
+    Args:
+        seconds: The period [s].
+        callback: What to call.
+        now: The present [ns], on the clock that ``is_due`` is asked with.
+
+    Raises:
+        UsageError: The period is not positive.
+    """
+
+    def __init__(self, seconds: float, callback: Callable[[], object], now: int) -> None:
+        if not seconds > 0:
+            raise UsageError(f"a timer's period must be positive, got {seconds} s")
+        self.callback = callback
+        self.period = max(1, round(seconds * NANOSECONDS))
+        self._next = now + self.period
+        self._cancelled = False
+
+    def cancel(self) -> None:
+        """Call no more."""
+        self._cancelled = True
+
+    def reset(self, now: int) -> None:
+        """Start again, with the next call one period from ``now`` [ns]."""
+        self._cancelled = False
+        self._next = now + self.period
+
+    def is_due(self, now: int) -> bool:
+        """Whether it is time to call."""
+        if now < self._next - self.period:  # simulated time was set back
+            self._next = now + self.period
+        return not self._cancelled and now >= self._next
+
+    def advance(self, now: int) -> None:
+        """Note that it was called, and skip the periods that have passed since."""
+        missed = (now - self._next) // self.period
+        self._next += (missed + 1) * self.period
+
+    def remaining(self, now: int) -> float | None:
+        """Seconds until the next call; None when it is cancelled."""
+        return None if self._cancelled else max(0, self._next - now) / NANOSECONDS

@@ -1,0 +1,1 @@
+"""Byte formats of LCM, without any input or output: bytes in, values out, and back."""

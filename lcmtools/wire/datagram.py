@@ -1,0 +1,145 @@
+"""The datagrams of LCM's UDP multicast (``udpm``): reading any, writing correct ones.
+
+Sans-I/O: bytes in, values out. Nothing here knows a socket, a clock or a message type, and no
+datagram, however malformed, makes it fail: what cannot be read comes back as ``Malformed``.
+
+Format (all integers big-endian), from lcm-proj/lcm, lcm/udpm_util.h:
+short message  "LC02" seqno:u32 channel NUL payload
+fragment       "LC03" seqno:u32 message_size:u32 offset:u32 number:u16 count:u16
+               [channel NUL, in fragment 0 only] part
+"""
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+MAGIC_SHORT = b"LC02"
+MAGIC_FRAGMENT = b"LC03"
+SHORT_MESSAGE_MAX = 65499
+"""Largest channel + NUL + payload that liblcm sends in one datagram, in bytes."""
+FRAGMENT_MAX = 65487
+"""Largest part (channel + NUL counted in the first) of one fragment, in bytes."""
+MESSAGE_MAX = 1 << 28
+"""liblcm's receivers refuse larger messages, in bytes."""
+
+_SHORT_HEADER = struct.Struct(">4sI")
+_FRAGMENT_HEADER = struct.Struct(">4sIIIHH")
+_CHANNEL_LIMIT = 64  # 63 bytes and the NUL
+
+
+@dataclass(frozen=True, slots=True)
+class ShortMessage:
+    """A whole message in one datagram."""
+
+    seqno: int
+    channel: str
+    payload: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Fragment:
+    """One part of a message that is too large for a datagram.
+
+    Attributes:
+        seqno: The sender's number of the message, equal for all its fragments.
+        message_size: Bytes of the whole payload.
+        offset: Where this part belongs in the payload, in bytes.
+        number: 0, 1, 2, ... below ``count``.
+        count: Fragments of the message.
+        channel: In fragment 0 only, else None.
+        part: The bytes.
+    """
+
+    seqno: int
+    message_size: int
+    offset: int
+    number: int
+    count: int
+    channel: str | None
+    part: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Malformed:
+    """A datagram that is none of LCM's, with what is wrong with it."""
+
+    reason: str
+
+
+def parse(datagram: bytes) -> ShortMessage | Fragment | Malformed:
+    """Read one datagram; never raises."""
+    magic = datagram[:4]
+    if magic == MAGIC_SHORT:
+        return _parse_short(datagram)
+    if magic == MAGIC_FRAGMENT:
+        return _parse_fragment(datagram)
+    return Malformed(f"starts with {magic!r}, not with LC02 or LC03")
+
+
+def short_message(seqno: int, channel: str, payload: bytes) -> bytes:
+    """The datagram of a message that fits into one (see SHORT_MESSAGE_MAX)."""
+    name = _channel_bytes(channel)
+    return _SHORT_HEADER.pack(MAGIC_SHORT, seqno & 0xFFFFFFFF) + name + payload
+
+
+def fragments(seqno: int, channel: str, payload: bytes) -> Iterator[bytes]:
+    """The datagrams of a message that does not fit into one, as liblcm cuts it.
+
+    Raises:
+        ValueError: The payload is larger than receivers accept.
+    """
+    if len(payload) > MESSAGE_MAX:
+        raise ValueError(f"{len(payload)} bytes; LCM's receivers refuse more than {MESSAGE_MAX}")
+    name = _channel_bytes(channel)
+    view = memoryview(payload)
+    count = -(-(len(name) + len(payload)) // FRAGMENT_MAX)
+    offset = 0
+    for number in range(count):
+        room = FRAGMENT_MAX - (len(name) if number == 0 else 0)
+        header = _FRAGMENT_HEADER.pack(
+            MAGIC_FRAGMENT, seqno & 0xFFFFFFFF, len(payload), offset, number, count
+        )
+        part = view[offset : offset + room]
+        yield b"".join((header, name, part) if number == 0 else (header, part))
+        offset += len(part)
+
+
+def fits_datagram(channel: str, payload: bytes) -> bool:
+    """Whether a message goes out as a short message."""
+    return len(_channel_bytes(channel)) + len(payload) <= SHORT_MESSAGE_MAX
+
+
+def _channel_bytes(channel: str) -> bytes:
+    # surrogateescape: a channel that is not UTF-8 keeps its bytes, on the way in and out
+    return channel.encode("utf-8", "surrogateescape") + b"\0"
+
+
+def _parse_short(datagram: bytes) -> ShortMessage | Malformed:
+    if len(datagram) < _SHORT_HEADER.size:
+        return Malformed("short message: shorter than its header")
+    seqno = int.from_bytes(datagram[4:8], "big")
+    end = datagram.find(b"\0", 8, 8 + _CHANNEL_LIMIT)
+    if end < 0:
+        return Malformed("short message: channel name not ended within 63 bytes")
+    channel = datagram[8:end].decode("utf-8", "surrogateescape")
+    return ShortMessage(seqno, channel, datagram[end + 1 :])
+
+
+def _parse_fragment(datagram: bytes) -> Fragment | Malformed:
+    if len(datagram) < _FRAGMENT_HEADER.size:
+        return Malformed("fragment: shorter than its header")
+    _, seqno, size, offset, number, count = _FRAGMENT_HEADER.unpack_from(datagram)
+    if number >= count:
+        return Malformed(f"fragment: number {number} of {count}")
+    if size > MESSAGE_MAX:
+        return Malformed(f"fragment: message of {size} bytes")
+    start, channel = _FRAGMENT_HEADER.size, None
+    if number == 0:
+        end = datagram.find(b"\0", start, start + _CHANNEL_LIMIT)
+        if end < 0:
+            return Malformed("fragment: channel name not ended within 63 bytes")
+        channel = datagram[start:end].decode("utf-8", "surrogateescape")
+        start = end + 1
+    if offset + len(datagram) - start > size:
+        return Malformed(f"fragment: reaches beyond the message's {size} bytes")
+    return Fragment(seqno, size, offset, number, count, channel, datagram[start:])

@@ -1,0 +1,46 @@
+"""A message as it came over the bus, before anybody knows its type."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Sender:
+    """Where a datagram came from: one LCM instance sends from one UDP port of its own.
+
+    Attributes:
+        address: IPv4 address ("127.0.0.1").
+        port: UDP port.
+    """
+
+    address: str
+    port: int
+
+    def __str__(self) -> str:
+        """Address and port, as ss and netstat print them."""
+        return f"{self.address}:{self.port}"
+
+
+@dataclass(frozen=True, slots=True)
+class Packet:
+    """One whole message on a channel.
+
+    Attributes:
+        channel: The channel's name.
+        payload: Fingerprint and encoded struct (or whatever was published).
+        time: When it arrived, nanoseconds since 1970; the kernel's time where it tells.
+        sender: Who sent it; None where the bus does not say (tcpq, memq, logs).
+        seqno: The sender's number of the message; None where the bus does not say.
+    """
+
+    channel: str
+    payload: bytes
+    time: int
+    sender: Sender | None = None
+    seqno: int | None = None
+
+    @property
+    def fingerprint(self) -> int | None:
+        """The type's fingerprint (unsigned); None when the payload is too short to have one."""
+        if len(self.payload) < 8:  # noqa: PLR2004 - a fingerprint has 8 bytes
+            return None
+        return int.from_bytes(self.payload[:8], "big")
