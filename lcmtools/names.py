@@ -143,7 +143,7 @@ def base_name_of(name: str) -> str:
     return name.rpartition("/")[2]
 
 
-def spellings(name: str) -> Sequence[str]:
+def spellings(name: str, namespace: str = "/") -> Sequence[str]:
     """The channels that a name may mean where a topic is *read*: as written, and resolved.
 
     ``echo EXAMPLE`` means the plain LCM channel ``EXAMPLE``, ``echo chatter`` the topic
@@ -151,7 +151,7 @@ def spellings(name: str) -> Sequence[str]:
     """
     if name.startswith(("/", "~")) or not _LEGAL_NAME.fullmatch(name):
         return [name]
-    return [name, resolve(name)]
+    return [name, resolve(name, namespace)]
 
 
 def closest(name: str, known: Iterable[str], count: int = 1) -> list[str]:

@@ -160,6 +160,11 @@ class Watch:
         """What is known now."""
         return self._builder.snapshot(time.time_ns())
 
+    def malformed(self) -> dict[str, str]:
+        """Senders of datagrams that could not be read, with the last reason."""
+        senders = self._observer.malformed if isinstance(self._observer, Tap) else {}
+        return {str(sender): reason for sender, reason in senders.items()}
+
     def forget(self, node: Node) -> None:
         """Drop a stale node and its record."""
         self._builder.forget(node.id)

@@ -151,13 +151,16 @@ class _Process:
 _process = _Process()
 
 
-def init(args: Sequence[str] | None = None, *, url: str | None = None) -> list[str]:
+def init(
+    args: Sequence[str] | None = None, *, url: str | None = None, handle_signals: bool = True
+) -> list[str]:
     """Connect this process to the bus; the first thing a node's program does.
 
     Args:
         args: The command line without the program's name; ``sys.argv`` when None. Names
             (``__ns:=``, ``a:=b``), parameters (``_gain:=2.0``) and the bus are taken from it.
         url: The bus, where the command line says nothing.
+        handle_signals: Let Ctrl-C and SIGTERM make ``spin`` return and ``ok`` False.
 
     Returns:
         The arguments that are the program's own.
@@ -173,7 +176,7 @@ def init(args: Sequence[str] | None = None, *, url: str | None = None) -> list[s
     _process.context = Context(
         _open_bus(bus_url), arguments, os.environ, NodeRecords(bus_url, os.environ)
     )
-    if threading.current_thread() is threading.main_thread():
+    if handle_signals and threading.current_thread() is threading.main_thread():
         _process.handlers = {
             number: signal.signal(number, _interrupted)
             for number in (signal.SIGINT, signal.SIGTERM)

@@ -81,7 +81,7 @@ class Node(Participant):
         self.destroy_node()
 
     def create_publisher(
-        self, message_type: type[MessageT], topic: str, depth: int = 10
+        self, message_type: type[MessageT], topic: str, depth: int = 10, *, literal: bool = False
     ) -> Publisher[MessageT]:
         """A publisher of one type on one topic.
 
@@ -89,11 +89,12 @@ class Node(Participant):
             message_type: The messages' class.
             topic: The topic's name, to be resolved.
             depth: Kept for rclpy's sake and announced; LCM sends at once.
+            literal: The topic is an LCM channel to the letter, not to be resolved.
 
         Raises:
             InvalidName: The topic's name breaks the naming rules.
         """
-        resolved = self.resolve_name(topic)
+        resolved = names.check_length(topic) if literal else self.resolve_name(topic)
         context = self._context
         publisher = Publisher(context.bus, message_type, resolved, depth, context.graph)
         self._publishers.append(publisher)  # type: ignore[arg-type] # kept to be announced only

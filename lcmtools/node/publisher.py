@@ -66,14 +66,18 @@ class Publisher(Generic[MessageT]):
         self._last_time = time.time_ns()
 
     def subscriber_count(self) -> int:
-        """How many announced subscriptions can hear this publisher.
+        """How many nodes with an announced subscription can hear this publisher.
 
         Plain LCM programs never announce theirs and are not counted.
         """
-        return sum(
-            self._can_hear(endpoint)
+        return len(self.subscriber_ids())
+
+    def subscriber_ids(self) -> frozenset[str]:
+        """The ids of the nodes with an announced subscription that can hear this publisher."""
+        return frozenset(
+            node.id
             for node, endpoint in self._graph().topic(self.topic).subscribers
-            if not node.stale
+            if self._can_hear(endpoint) and not node.stale
         )
 
     def endpoint(self) -> Endpoint:

@@ -1,0 +1,52 @@
+# make demo    a virtual environment, the installation, and the Husky lab as a script
+# make test    the same environment, and all tests
+# make check   types fresh, ruff, mypy, import rules, spelling
+
+# pybullet has wheels for Python 3.9 to 3.11; an interpreter that it fits is preferred
+PYTHON ?= $(shell command -v python3.11 || command -v python3.10 || command -v python3)
+VENV ?= .venv
+# -e: sources are used in place; empty: what is installed is what a user would get
+EDITABLE ?= -e
+BIN := $(VENV)/bin
+SOURCES := lcmtools sim tests bench lcm_types
+
+.PHONY: demo test check types format bench clean
+
+demo: $(VENV)/.installed
+	PATH="$(abspath $(BIN)):$$PATH" labs/husky.sh
+
+test: $(VENV)/.installed-dev
+	$(BIN)/pytest -n 3 $(ARGS)
+
+check: $(VENV)/.installed-dev
+	$(BIN)/python lcm_types/generate.py --check
+	$(BIN)/ruff check $(SOURCES)
+	$(BIN)/ruff format --check $(SOURCES)
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/codespell README.md ARCHITECTURE.md CONTRIBUTING.md CHANGELOG.md labs lcm_types lcmtools sim
+
+types: $(VENV)/.installed-dev
+	$(BIN)/python lcm_types/generate.py
+
+format: $(VENV)/.installed-dev
+	$(BIN)/ruff check --fix $(SOURCES)
+	$(BIN)/ruff format $(SOURCES)
+
+bench: $(VENV)/.installed-dev
+	for script in bench/*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+
+$(VENV)/.venv:
+	$(PYTHON) -m venv $(VENV)
+	touch $@
+
+$(VENV)/.installed: pyproject.toml | $(VENV)/.venv
+	$(BIN)/pip install --quiet --disable-pip-version-check $(EDITABLE) '.[sim]'
+	touch $@
+
+$(VENV)/.installed-dev: pyproject.toml | $(VENV)/.venv
+	$(BIN)/pip install --quiet --disable-pip-version-check $(EDITABLE) '.[sim,dev]'
+	touch $@
+
+clean:
+	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache

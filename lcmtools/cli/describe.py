@@ -1,0 +1,47 @@
+"""Words for what is known of topics, types and senders; shared by the commands that show them."""
+
+from lcmtools.graph.model import Node, Topic, Traffic
+from lcmtools.messages.registry import candidates
+
+UNKNOWN = "unknown type"
+
+
+def type_text(topic: Topic) -> str:
+    """A topic's type: as announced, else by the fingerprints seen, else "unknown type".
+
+    Several differing types are all named: that is a fault, and lcmtools wtf explains it.
+    """
+    return ", ".join(topic.types or seen_types(topic)) or UNKNOWN
+
+
+def seen_types(topic: Topic) -> list[str]:
+    """The types that the fingerprints seen on the channel may mean, the likeliest of each."""
+    return list(
+        dict.fromkeys(names[0] for value in topic.fingerprints if (names := candidates(value)))
+    )
+
+
+def fingerprint_text(fingerprint: int) -> str:
+    """A fingerprint with what it may be: "0x2e7c… (geometry_msgs/Twist or geometry_msgs/Accel)"."""
+    names = candidates(fingerprint)
+    return f"{fingerprint:#018x} ({' or '.join(names) if names else UNKNOWN})"
+
+
+def node_text(node: Node) -> str:
+    """A node with where it runs."""
+    stale = f", stale: {node.stale}" if node.stale else ""
+    return f"{node.name} ({node.host}, pid {node.pid}{stale})"
+
+
+def program_text(traffic: Traffic) -> str:
+    """The program behind a sender that is no node, as far as the system tells."""
+    from lcmtools.bus.processes import is_local, process_of_port
+
+    if traffic.sender is None:
+        return "a program that is no node (this kind of bus does not tell senders)"
+    if not is_local(traffic.sender.address):
+        return f"a program on {traffic.sender.address}, port {traffic.sender.port}"
+    process = process_of_port(traffic.sender.port)
+    if process is None:
+        return f"a program of this computer, port {traffic.sender.port}"
+    return f"{process.command} (pid {process.pid}, port {traffic.sender.port})"

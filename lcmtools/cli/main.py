@@ -1,0 +1,225 @@
+"""The command ``lcmtools``: its table of commands, and where errors become exit codes."""
+
+import contextlib
+import os
+import signal
+import sys
+from collections.abc import Iterator, Sequence
+from types import FrameType
+
+import click
+
+from lcmtools import __version__
+from lcmtools.cli.lazy import Entry, LazyGroup
+from lcmtools.cli.options import CONTEXT, bus_options
+from lcmtools.cli.output import complain, talk
+from lcmtools.errors import LcmtoolsError
+
+INTERRUPTED = 130
+TERMINATED = 143
+
+_TOPIC = "lcmtools.cli.topic"
+_TOPIC_COMMANDS = {
+    "list": Entry(f"{_TOPIC}.list:command", "List the topics on the bus."),
+    "info": Entry(f"{_TOPIC}.info:command", "Show a topic's type, publishers and subscribers."),
+    "echo": Entry(f"{_TOPIC}.echo:command", "Print the messages of a topic."),
+    "pub": Entry(f"{_TOPIC}.pub:command", "Publish messages written in YAML."),
+    "hz": Entry(f"{_TOPIC}.hz:command", "Measure a topic's rate."),
+    "type": Entry(f"{_TOPIC}.type:command", "Print a topic's type."),
+}
+_NODE_COMMANDS = {
+    "list": Entry("lcmtools.cli.node.list:command", "List the nodes on the bus."),
+    "info": Entry("lcmtools.cli.node.info:command", "Show a node's publications and more."),
+    "ping": Entry("lcmtools.cli.node.ping:command", "Measure how fast a node answers."),
+}
+_MSG_COMMANDS = {
+    "list": Entry("lcmtools.cli.msg.list:command", "List the message types."),
+    "show": Entry("lcmtools.cli.msg.show:command", "Show the fields of a message type."),
+}
+_COMMANDS = {
+    **_TOPIC_COMMANDS,
+    "node": Entry("lcmtools.cli.main:node", "Look at nodes: list, info, ping."),
+    "msg": Entry("lcmtools.cli.main:msg", "Look at message types: list, show."),
+    "wtf": Entry("lcmtools.cli.wtf:command", "Find what is wrong and say how to mend it."),
+    "run": Entry("lcmtools.cli.run:command", "Run a node, or the simulator."),
+    "topic": Entry("lcmtools.cli.main:topic", "topic list is list, and so on.", is_alias=True),
+    "doctor": Entry("lcmtools.cli.wtf:command", "wtf, as ROS 2 names it.", is_alias=True),
+    "interface": Entry("lcmtools.cli.main:msg", "msg, as ROS 2 names it.", is_alias=True),
+}
+
+_EPILOG = """\b
+Examples:
+  lcmtools list
+  lcmtools echo /husky0/odometry
+  lcmtools pub /chatter std_msgs/String "data: hello"
+
+\b
+Exit codes: 0 done, 1 failed, 2 wrong usage, 3 an extra is missing, 4 nothing came within
+--timeout, 130 Ctrl-C, 143 SIGTERM. A node that is asked to end exits with 0.
+"""
+
+
+def _print_version(ctx: click.Context, _parameter: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's signature
+    if not value or ctx.resilient_parsing:
+        return
+    from importlib.metadata import version
+    from platform import python_version
+
+    click.echo(f"lcmtools {__version__} (lcm {version('lcm')}, Python {python_version()})")
+    ctx.exit()
+
+
+@click.group(
+    cls=LazyGroup, entries=_COMMANDS, context_settings=CONTEXT, epilog=_EPILOG, name="lcmtools"
+)
+@bus_options
+@click.option(
+    "--version",
+    is_flag=True,
+    expose_value=False,
+    is_eager=True,
+    callback=_print_version,
+    help="Print the versions of lcmtools, lcm and Python.",
+)
+@click.option("--debug", is_flag=True, help="Show the traceback of an error.")
+def root(debug: bool) -> None:  # noqa: FBT001 - click's signature
+    """See and speak to every program on an LCM bus: topics, nodes, messages, and what is wrong."""
+    if debug:
+        os.environ["LCMTOOLS_DEBUG"] = "1"
+
+
+@click.group(cls=LazyGroup, entries=_TOPIC_COMMANDS, context_settings=CONTEXT)
+@bus_options
+def topic() -> None:
+    """Look at topics and publish on them.
+
+    \b
+    Examples:
+      lcmtools topic list
+      lcmtools topic echo /chatter
+    """  # noqa: D301 - \b is click's mark
+
+
+@click.group(cls=LazyGroup, entries=_NODE_COMMANDS, context_settings=CONTEXT)
+@bus_options
+def node() -> None:
+    """Look at nodes.
+
+    \b
+    Examples:
+      lcmtools node list
+      lcmtools node info simple_controller
+    """  # noqa: D301 - \b is click's mark
+
+
+@click.group(cls=LazyGroup, entries=_MSG_COMMANDS, context_settings=CONTEXT)
+def msg() -> None:
+    """Look at message types.
+
+    \b
+    Examples:
+      lcmtools msg list
+      lcmtools msg show geometry_msgs/Twist
+    """  # noqa: D301 - \b is click's mark
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run one command; return its exit code."""
+    try:
+        with _endable():
+            return _exit_code(root.main(list(arguments), "lcmtools", standalone_mode=False))
+    except BaseException as error:
+        code = _explain(error, _command_name(arguments))
+        if code is None:
+            raise
+        return code
+
+
+def _explain(error: BaseException, command: str) -> int | None:  # noqa: PLR0911 - one a kind
+    """Say what went wrong in one line; the exit code, or None for what is a fault of ours."""
+    if isinstance(error, click.ClickException):
+        return _usage_error(error)
+    if isinstance(error, KeyboardInterrupt | click.Abort):
+        return INTERRUPTED
+    if isinstance(error, _Terminated):
+        return TERMINATED
+    if isinstance(error, BrokenPipeError):
+        return 0  # whoever reads has had enough
+    if os.environ.get("LCMTOOLS_DEBUG"):
+        return None
+    if isinstance(error, LcmtoolsError):
+        complain(command, error)
+        return error.exit_code
+    if isinstance(error, OSError):
+        talk(f"{command}: {error.strerror or error}")
+        return 1
+    return None
+
+
+def run() -> None:
+    """The console script."""
+    for stream in (sys.stdout, sys.stderr):
+        # a channel's name may be no UTF-8: shown escaped, never an error
+        with contextlib.suppress(AttributeError):
+            stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+    code = main(sys.argv[1:])
+    code = _flush(code)
+    sys.exit(code)
+
+
+class _Terminated(BaseException):
+    """SIGTERM came."""
+
+
+@contextlib.contextmanager
+def _endable() -> Iterator[None]:
+    """Let SIGTERM end a command in an orderly way, as Ctrl-C does."""
+
+    def terminate(_number: int, _frame: FrameType | None) -> None:
+        raise _Terminated
+
+    before = signal.signal(signal.SIGTERM, terminate)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _exit_code(result: object) -> int:
+    return result if isinstance(result, int) else 0
+
+
+def _usage_error(error: click.ClickException) -> int:
+    """Print a usage error in one line."""
+    context = getattr(error, "ctx", None)
+    command = context.command_path if context else "lcmtools"
+    if isinstance(error, click.exceptions.NoArgsIsHelpError):
+        click.echo(error.format_message(), err=True)
+        return error.exit_code
+    message = error.format_message().rstrip(".")
+    talk(f"{command}: {message[:1].lower()}{message[1:]} (see {command} --help)")
+    return error.exit_code
+
+
+def _command_name(arguments: Sequence[str]) -> str:
+    """The command as typed, for messages: "lcmtools node info"."""
+    known = {**_COMMANDS, **_NODE_COMMANDS, **_MSG_COMMANDS}
+    words = []
+    for word in arguments:
+        if word not in known:
+            break
+        words.append(word)
+    return " ".join(["lcmtools", *words])
+
+
+def _flush(code: int) -> int:
+    """Write what is left; a closed pipe is no fault, a full disk is."""
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OSError as error:
+        talk(f"lcmtools: cannot write: {error.strerror}")
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    return code

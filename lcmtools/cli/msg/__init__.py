@@ -1,0 +1,1 @@
+"""The verbs of ``lcmtools msg``, one file each."""

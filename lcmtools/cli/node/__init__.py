@@ -1,0 +1,1 @@
+"""The verbs of ``lcmtools node``, one file each."""

@@ -1,0 +1,146 @@
+"""Options that several commands share, each defined once."""
+
+import os
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeVar
+
+import click
+
+from lcmtools.errors import UsageError
+
+if TYPE_CHECKING:  # lcmtools --help and usage errors do without the bus
+    from lcmtools.bus.url import BusUrl
+    from lcmtools.bus.watch import Watch
+
+CommandT = TypeVar("CommandT", bound=Callable[..., object])
+
+CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
+
+
+@dataclass(slots=True)
+class BusChoice:
+    """What was said about the bus, before and after the command's name."""
+
+    url: str | None = None
+    domain: str | None = None
+
+
+def _remember(ctx: click.Context, parameter: click.Parameter, value: str | None) -> str | None:
+    choice = ctx.ensure_object(BusChoice)
+    if value is not None:
+        setattr(choice, "url" if parameter.name == "lcm_url" else "domain", value)
+    return value
+
+
+def bus_options(command: CommandT) -> CommandT:
+    """Add ``--lcm-url`` and ``--domain``; ``chosen_url`` reads them."""
+    url = click.option(
+        "--lcm-url",
+        metavar="URL",
+        callback=_remember,
+        expose_value=False,
+        help="The bus, for example 'udpm://239.255.76.67:7667?ttl=0' (else LCM_DEFAULT_URL).",
+    )
+    domain = click.option(
+        "--domain",
+        metavar="N",
+        callback=_remember,
+        expose_value=False,
+        help="The bus on port 7667 + N (else LCMTOOLS_DOMAIN). A URL wins over it.",
+    )
+    return url(domain(command))
+
+
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+all_option = click.option(
+    "-a", "--all", "show_all", is_flag=True, help="Show hidden names too (a part starts with '_')."
+)
+
+
+class Duration(click.ParamType):
+    """A time span: ``2``, ``2s``, ``500ms`` or ``1m``; in seconds."""
+
+    name = "duration"
+    _FORM = re.compile(r"(\d+\.?\d*|\.\d+)(ms|s|m)?")
+    _UNITS: Mapping[str, float] = {"ms": 0.001, "s": 1.0, "m": 60.0}
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Read a duration."""
+        if isinstance(value, int | float):
+            return float(value)
+        form = self._FORM.fullmatch(str(value))
+        if not form:
+            self.fail(f"'{value}' is not a duration; write 500ms, 2s or 1m", param, ctx)
+        return float(form[1]) * self._UNITS[form[2] or "s"]
+
+
+class Rate(click.ParamType):
+    """A positive number of times a second."""
+
+    name = "rate"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Read a rate."""
+        try:
+            rate = float(str(value))
+        except ValueError:
+            self.fail(f"'{value}' is not a number", param, ctx)
+        if not 0 < rate < float("inf"):
+            self.fail("the rate must be greater than zero", param, ctx)
+        return rate
+
+
+DURATION = Duration()
+RATE = Rate()
+
+
+def bus_choice() -> BusChoice:
+    """What was said about the bus on the command line."""
+    return click.get_current_context().ensure_object(BusChoice)
+
+
+def chosen_url() -> "BusUrl":
+    """The bus that the command line and the environment mean.
+
+    Raises:
+        UsageError: The URL or the domain is wrong.
+    """
+    from lcmtools.bus.url import choose_url
+
+    choice = bus_choice()
+    url, source = choose_url(choice.url, choice.domain, os.environ)
+    if choice.domain and source != "--domain":
+        click.echo(f"lcmtools: --domain {choice.domain} has no effect: {source} wins", err=True)
+    return url
+
+
+def open_watch(tool: str) -> "Watch":
+    """A look at the bus that the command line means.
+
+    Raises:
+        UsageError: The URL or the domain is wrong.
+        BusError: The bus cannot be reached, with what to type.
+    """
+    from lcmtools.bus.watch import Watch
+
+    return Watch(chosen_url(), tool, os.environ)
+
+
+def topic_spellings(name: str) -> list[str]:
+    """The channels that a topic's name may mean where it is read; see lcmtools.names.spellings.
+
+    Raises:
+        UsageError: The name is empty.
+    """
+    from lcmtools.names import resolve_namespace, spellings
+
+    if not name:
+        raise UsageError("the topic's name is empty", "lcmtools list shows the topics")
+    namespace = resolve_namespace(os.environ.get("LCMTOOLS_NAMESPACE", ""))
+    return list(dict.fromkeys(spellings(name, namespace)))

@@ -1,0 +1,1 @@
+"""The verbs of ``lcmtools topic``, one file each."""

@@ -1,0 +1,53 @@
+"""Rules about message types."""
+
+from collections.abc import Iterator
+
+from lcmtools.doctor.model import Evidence, Finding, Severity
+from lcmtools.graph.model import Endpoint, Node, Topic
+from lcmtools.messages.registry import candidates
+
+
+def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
+    """Everybody means the same type by a topic, and what is sent is of that type."""
+    graph = evidence.graph
+    for name in graph.topic_names():
+        topic = graph.topic(name)
+        rows = [*_announced(topic), *_seen(topic)]
+        if _disagree(topic):
+            yield Finding(
+                "type-mismatch",
+                Severity.ERROR,
+                f"The types on {name} do not match:",
+                tuple(rows),
+                (f"remap one of them to another topic, for example {name}:={name}_2",),
+            )
+
+
+def _disagree(topic: Topic) -> bool:
+    """Whether something is sent that a subscriber, or another publisher, takes for another type."""
+    sent = [set(endpoint.fingerprints) for _, endpoint in topic.publishers if endpoint.fingerprints]
+    sent += [{fingerprint} for fingerprint in topic.fingerprints]
+    taken = [set(e.fingerprints) for _, e in topic.subscribers if e.fingerprints]
+    return any(not one & other for one in sent for other in taken) or (
+        # without a subscriber that takes both, two publishers of different types are at odds
+        not taken and len({frozenset(one) for one in sent}) > 1
+    )
+
+
+def _announced(topic: Topic) -> Iterator[str]:
+    for node, endpoint in topic.publishers:
+        yield _row(node, "publishes", endpoint)
+    for node, endpoint in topic.subscribers:
+        if endpoint.fingerprints:
+            yield _row(node, "expects", endpoint)
+
+
+def _row(node: Node, verb: str, endpoint: Endpoint) -> str:
+    return f" * {node.name} {verb} {' or '.join(endpoint.types)}"
+
+
+def _seen(topic: Topic) -> Iterator[str]:
+    for traffic in topic.foreign:
+        for fingerprint in traffic.fingerprints:
+            names = candidates(fingerprint) or [f"an unknown type ({fingerprint:#018x})"]
+            yield f" * {traffic.sender} sends {' or '.join(names)}"
