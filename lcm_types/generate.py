@@ -1,0 +1,108 @@
+"""Write lcmtools/types from the .lcm files beside this script, with lcm-gen.
+
+    python lcm_types/generate.py            write what is missing or old, remove what is stray
+    python lcm_types/generate.py --check    write nothing, name what differs; exit code 1 if any
+
+Belongs here: running lcm-gen and keeping the committed output in step with it. What is added to
+lcm-gen's classes (stubs, fingerprints, service pairs) is written by companions.py. This script
+must not know what any type means.
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import lcm
+
+SOURCES = Path(__file__).resolve().parent
+ROOT = SOURCES.parent
+OUTPUT = ROOT / "lcmtools" / "types"
+PREFIX = "lcmtools.types"
+
+Files = dict[Path, bytes]
+"""Contents of files, by their path relative to lcmtools/types."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Bring lcmtools/types up to date, or check that it is; return the exit code."""
+    parser = argparse.ArgumentParser(description="Write lcmtools/types from the .lcm files.")
+    parser.add_argument("--check", action="store_true", help="write nothing, name stale files")
+    check: bool = parser.parse_args(arguments).check
+    wanted = generate()
+    stale = stale_files(wanted, read_files(OUTPUT))
+    if not check:
+        synchronise(wanted, stale)
+        print(f"{len(stale)} of {len(wanted)} files changed in {OUTPUT.relative_to(ROOT)}")
+        return 0
+    for path in stale:
+        print(f"stale: {(OUTPUT / path).relative_to(ROOT)}")
+    if stale:
+        print("run: python lcm_types/generate.py", file=sys.stderr)
+    return 1 if stale else 0
+
+
+def generate() -> Files:
+    """Generate everything into an empty folder and return it.
+
+    The folder is empty because lcm-gen appends to an ``__init__.py`` that it finds.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        run_lcm_gen(folder)
+        run_companions(folder)
+        return read_files(folder / "lcmtools" / "types")
+
+
+def run_lcm_gen(folder: Path) -> None:
+    """Let lcm-gen write its classes into ``folder``, or exit with its exit code."""
+    # Sorted: the order of the arguments is the order of the lines in each __init__.py.
+    sources = sorted(str(path) for path in SOURCES.glob("*/*.lcm"))
+    options = ["--python", "--ppath", str(folder), "--package-prefix", PREFIX]
+    code = lcm.run_script("lcm-gen", [*options, *sources])
+    if code != 0:
+        sys.exit(code)
+
+
+def run_companions(folder: Path) -> None:
+    """Write stubs, fingerprints and service pairs beside the classes in ``folder``.
+
+    A process of its own, without site-packages, imports the classes that were just made and
+    cannot find those of an installed lcmtools instead.
+    """
+    script = SOURCES / "companions.py"
+    subprocess.run(  # noqa: S603 - our own script with our own interpreter
+        [sys.executable, "-I", "-S", "-B", "-W", "error", str(script), str(folder)], check=True
+    )
+
+
+def read_files(folder: Path) -> Files:
+    """Return the contents of all files under ``folder`` except Python's caches."""
+    return {
+        path.relative_to(folder): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+
+
+def stale_files(wanted: Files, present: Files) -> list[Path]:
+    """Return the paths that are missing, that differ or that should not be there, sorted."""
+    paths = wanted.keys() | present.keys()
+    return sorted(path for path in paths if wanted.get(path) != present.get(path))
+
+
+def synchronise(wanted: Files, stale: Sequence[Path]) -> None:
+    """Write or remove each of the stale files under lcmtools/types."""
+    for path in stale:
+        target = OUTPUT / path
+        if path in wanted:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(wanted[path])
+        else:
+            target.unlink()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,120 @@
+"""What a user gets from the built project: everything needed, from the sdist as from the checkout.
+
+The sdist is built from the checkout and the wheel from the unpacked sdist, as a distributor would.
+"""
+
+import configparser
+import subprocess
+import sys
+import tarfile
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def run_python(*arguments: str, cwd: Path) -> str:
+    """Run Python and return its output; what it says on stderr is shown if it fails."""
+    command = [sys.executable, *arguments]
+    finished = subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
+    assert finished.returncode == 0, finished.stdout + finished.stderr
+    return finished.stdout
+
+
+def build(kind: str, project: Path, folder: Path) -> Path:
+    """Build the sdist or wheel of a project into a folder of its own."""
+    run_python("-m", "hatchling", "build", "-t", kind, "-d", str(folder), cwd=project)
+    (built,) = folder.iterdir()
+    return built
+
+
+@pytest.fixture(scope="module")
+def sdist(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The unpacked sdist."""
+    folder = tmp_path_factory.mktemp("sdist")
+    with tarfile.open(build("sdist", ROOT, folder / "dist")) as archive:
+        archive.extractall(folder, filter="data")
+    (unpacked,) = folder.glob("lcmtools_robotics-*")
+    return unpacked
+
+
+@pytest.fixture(scope="module")
+def wheel(sdist: Path, tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
+    """The wheel built from the sdist."""
+    return zipfile.ZipFile(build("wheel", sdist, tmp_path_factory.mktemp("wheel") / "dist"))
+
+
+def files_of(folder: Path) -> set[str]:
+    """Return the files that a package consists of, relative to the folder above it."""
+    return {
+        path.relative_to(folder.parent).as_posix()
+        for path in folder.rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+
+
+@pytest.mark.parametrize("package", ["lcmtools", "sim/lcmtools_sim"])
+def test_wheel_holds_every_file_of_the_package(wheel: zipfile.ZipFile, package: str) -> None:
+    assert files_of(ROOT / package) - set(wheel.namelist()) == set()
+
+
+def test_wheel_holds_types_stubs_and_markers(wheel: zipfile.ZipFile) -> None:
+    expected = {
+        "lcmtools/py.typed",
+        "lcmtools/types/fingerprints.py",
+        "lcmtools/types/nav_msgs/Odometry.py",
+        "lcmtools/types/nav_msgs/Odometry.pyi",
+        "lcmtools/types/std_srvs/Trigger.py",
+        "lcmtools_sim/py.typed",
+    }
+    assert expected - set(wheel.namelist()) == set()
+
+
+def test_wheel_holds_nothing_but_the_two_packages(wheel: zipfile.ZipFile) -> None:
+    tops = {name.partition("/")[0] for name in wheel.namelist()}
+    metadata = {top for top in tops if top.endswith(".dist-info")}
+    assert tops - metadata == {"lcmtools", "lcmtools_sim"}
+
+
+def test_every_entry_point_is_in_the_wheel(wheel: zipfile.ZipFile) -> None:
+    (name,) = (name for name in wheel.namelist() if name.endswith("/entry_points.txt"))
+    points = configparser.ConfigParser(delimiters=("=",))
+    points.read_string(wheel.read(name).decode())
+    targets = {
+        target.partition(":")[0] for part in points.sections() for target in points[part].values()
+    }
+    modules = {f"{target.replace('.', '/')}.py" for target in targets}
+    assert "lcmtools/cli/main.py" in modules
+    assert modules - set(wheel.namelist()) == set()
+
+
+@pytest.mark.parametrize("folder", ["lcm_types", "labs", "tests"])
+def test_sdist_holds_every_file_of_the_folder(sdist: Path, folder: str) -> None:
+    assert files_of(ROOT / folder) - files_of(sdist / folder) == set()
+
+
+def test_sdist_holds_pages_and_project_file(sdist: Path) -> None:
+    expected = {"LICENSE", "README.md", "pyproject.toml"}
+    assert expected - {path.name for path in sdist.iterdir()} == set()
+
+
+def test_types_can_be_made_from_the_sdist(sdist: Path) -> None:
+    run_python("lcm_types/generate.py", "--check", cwd=sdist)
+
+
+def test_installed_wheel_offers_the_types(wheel: zipfile.ZipFile, tmp_path: Path) -> None:
+    target = tmp_path / "site"
+    pip = ["-m", "pip", "install", "--quiet", "--no-deps", "--no-index", "--no-compile"]
+    run_python(*pip, "--target", str(target), str(wheel.filename), cwd=tmp_path)
+    program = f"""
+import sys
+sys.path.insert(0, {str(target)!r})
+from lcmtools.types.nav_msgs import Odometry
+print(sys.modules["lcmtools"].__file__)
+print(Odometry.decode(Odometry().encode()).twist.twist.linear.x)
+"""
+    # -I -S: neither this project's folder nor an editable install may answer.
+    printed = run_python("-I", "-S", "-c", program, cwd=tmp_path)
+    assert printed.splitlines() == [str(target / "lcmtools" / "__init__.py"), "0.0"]

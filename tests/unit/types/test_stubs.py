@@ -1,0 +1,126 @@
+"""The .pyi stubs: a type checker knows the fields of every message."""
+
+import ast
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from lcmtools.types.fingerprints import FINGERPRINTS
+
+ROOT = Path(__file__).resolve().parents[3]
+
+SNIPPET = """\
+from collections.abc import Callable
+from typing import TypeVar
+
+from lcmtools.types.geometry_msgs import Twist, Vector3
+from lcmtools.types.lcmtools_msgs import Endpoint
+from lcmtools.types.nav_msgs import Path
+from lcmtools.types.sensor_msgs import Image, JointState
+from lcmtools.types.service import Service
+from lcmtools.types.std_srvs import SetBool, Trigger
+from lcmtools.types.visualization_msgs import Marker
+
+RequestT = TypeVar("RequestT")
+ResponseT = TypeVar("ResponseT")
+
+
+def serve(
+    pair: type[Service[RequestT, ResponseT]], answer: Callable[[RequestT], ResponseT]
+) -> ResponseT:
+    return answer(pair.Request())
+
+
+def trigger(request: Trigger.Request) -> Trigger.Response:
+    response = Trigger.Response()
+    response.success = True
+    return response
+
+
+twist = Twist()
+twist.linear.x = 1
+twist.linear = Vector3()
+path = Path()
+path.poses[0].pose.position.x = 2.0
+joints = JointState()
+joints.name.append("left")
+joints.effort = (0.5,)
+joints.effort = [0.5]
+image = Image()
+image.data = b"pixels"
+endpoint = Endpoint.decode(Endpoint().encode())
+endpoint.bytes = Endpoint.CLIENT
+text: str = serve(Trigger, trigger).message
+twist.linear.x = "a"  # wrong
+twist.lineaar = Vector3()  # wrong
+JointState().effort.append(0.5)  # wrong
+image.data = [1, 2]  # wrong
+Marker.ADD = 4  # wrong
+endpoint.bytes = b""  # wrong
+serve(SetBool, trigger)  # wrong
+"""
+
+
+def test_mypy_accepts_what_is_right_and_names_what_is_wrong(tmp_path: Path) -> None:
+    snippet = tmp_path / "snippet.py"
+    snippet.write_text(SNIPPET)
+    command = [sys.executable, "-m", "mypy", "--strict", "--config-file=", "--no-error-summary"]
+    checked = subprocess.run(
+        [*command, f"--cache-dir={tmp_path / 'cache'}", str(snippet), str(ROOT / "lcmtools/types")],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env={**os.environ, "MYPYPATH": str(ROOT)},
+        check=False,
+    )
+    errors = [line for line in checked.stdout.splitlines() if ": error: " in line]
+    wrong = [i for i, line in enumerate(SNIPPET.splitlines(), 1) if line.endswith("# wrong")]
+    assert [line.split(":")[:2] for line in errors] == [["snippet.py", str(i)] for i in wrong]
+
+
+def annotations(name: str) -> dict[str, str]:
+    """Return what the stub of a type says of each field."""
+    module = ast.parse((ROOT / "lcmtools" / "types" / f"{name}.pyi").read_text())
+    struct = next(node for node in module.body if isinstance(node, ast.ClassDef))
+    return {
+        ast.unparse(node.target): ast.unparse(node.annotation)
+        for node in struct.body
+        if isinstance(node, ast.AnnAssign)
+    }
+
+
+@pytest.mark.parametrize("name", FINGERPRINTS)
+def test_stub_names_the_fields_of_the_class(name: str) -> None:
+    source = ast.parse((ROOT / "lcmtools" / "types" / f"{name}.py").read_text())
+    struct = next(node for node in source.body if isinstance(node, ast.ClassDef))
+    slots = next(node for node in struct.body if isinstance(node, ast.Assign))
+    fields = [
+        field
+        for field, kind in annotations(name).items()
+        if not field.startswith("__") and kind != "Final"
+    ]
+    assert fields == ast.literal_eval(slots.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "field", "expected"),
+    [
+        ("nav_msgs/Odometry", "header", "Header"),
+        ("nav_msgs/Odometry", "child_frame_id", "str"),
+        ("nav_msgs/Path", "poses", "list[PoseStamped]"),
+        ("geometry_msgs/PoseWithCovariance", "covariance", "Sequence[float]"),
+        ("sensor_msgs/JointState", "name", "list[str]"),
+        ("sensor_msgs/Joy", "buttons", "Sequence[int]"),
+        ("sensor_msgs/Image", "data", "bytes"),
+        ("sensor_msgs/Image", "is_bigendian", "int"),
+        ("nav_msgs/OccupancyGrid", "data", "Sequence[int]"),
+        ("std_msgs/Bool", "data", "bool"),
+        ("lcmtools_msgs/Endpoint", "bytes", "int"),
+        ("lcmtools_msgs/ServiceReply", "OK", "Final"),
+    ],
+)
+def test_field_has_its_python_type(name: str, field: str, expected: str) -> None:
+    assert annotations(name)[field] == expected
