@@ -89,7 +89,7 @@ def _take_flag(said: NodeArguments, flag: str, value: str) -> None:
         if not assignment:
             raise UsageError(f"{flag} {value}: expected two names with := between", _EXAMPLES[flag])
         key, to = assignment.groups()
-        _take_assignment(said, f"_{key.lstrip('~')}" if flag == "--param" else key, to)
+        _take_assignment(said, f"_{key.lstrip('~/_')}" if flag == "--param" else key, to)
 
 
 def _take_assignment(said: NodeArguments, key: str, value: str) -> None:

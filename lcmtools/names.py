@@ -100,7 +100,7 @@ def check_base_name(name: str) -> None:
     if not _LEGAL_BASE_NAME.fullmatch(name):
         raise InvalidName(
             f"'{name}' is not a legal node name",
-            "a node's name is letters, digits and '_', and starts with a letter; its namespace is"
+            "a node's name is letters, digits and '_', and starts with no digit; its namespace is"
             " given by __ns:=",
         )
 
@@ -115,7 +115,10 @@ def check_length(channel: str, name: str = "") -> str:
     Raises:
         InvalidName: The channel is empty or longer than 63 bytes in UTF-8.
     """
-    size = len(channel.encode("utf-8", "surrogateescape"))
+    try:
+        size = len(channel.encode("utf-8", "surrogateescape"))
+    except UnicodeEncodeError as error:
+        raise InvalidName(f"{channel!r} is no text that a channel can be named by") from error
     if size > MAX_CHANNEL_BYTES:
         source = f" (from '{name}')" if name and name != channel else ""
         raise InvalidName(
@@ -149,9 +152,9 @@ def spellings(name: str, namespace: str = "/") -> Sequence[str]:
     ``echo EXAMPLE`` means the plain LCM channel ``EXAMPLE``, ``echo chatter`` the topic
     ``/chatter``; whichever is on the bus. A name that is no legal ROS name is only a channel.
     """
-    if name.startswith(("/", "~")) or not _LEGAL_NAME.fullmatch(name):
+    if name.startswith("~") or not _LEGAL_NAME.fullmatch(name):
         return [name]
-    return [name, resolve(name, namespace)]
+    return list(dict.fromkeys([name, resolve(name, namespace)]))
 
 
 def closest(name: str, known: Iterable[str], count: int = 1) -> list[str]:

@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from typing import Protocol
 
+from lcmtools.errors import BusError
 from lcmtools.names import check_length
 
 Handler = Callable[[bytes, int], None]
@@ -42,6 +43,7 @@ class FakeBus:
         self.published: list[tuple[str, bytes]] = []
         """Everything that was sent."""
         self._handlers: dict[str, list[Handler]] = {}
+        self._closed = False
 
     @property
     def ports(self) -> list[int]:
@@ -50,6 +52,8 @@ class FakeBus:
 
     def publish(self, channel: str, payload: bytes) -> None:
         """Hand a message to all subscribers of its channel."""
+        if self._closed:
+            raise BusError("the bus is closed")
         check_length(channel)
         self.published.append((channel, payload))
         for handler in tuple(self._handlers.get(channel, ())):
@@ -61,8 +65,11 @@ class FakeBus:
 
     def unsubscribe(self, channel: str, handler: Handler) -> None:
         """Undo ``subscribe``."""
-        self._handlers.get(channel, []).remove(handler)
+        handlers = self._handlers.get(channel, [])
+        if handler in handlers:
+            handlers.remove(handler)
 
     def close(self) -> None:
         """Deliver nothing any more."""
+        self._closed = True
         self._handlers.clear()

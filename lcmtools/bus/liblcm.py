@@ -13,6 +13,7 @@ What the binding does not forgive, and is therefore kept here:
 - ``handle`` turns Ctrl-C into OSError: the thread waits in ``select`` instead.
 """
 
+import contextlib
 import os
 import queue
 import re
@@ -34,7 +35,9 @@ from lcmtools.names import check_length
 from lcmtools.wire.packet import Packet
 
 _QUEUE_CAPACITY = 10_000  # messages that liblcm may hold while Python does not get to run
+_BATCH = 100  # messages handled before whoever wants to subscribe gets a turn
 _SELECT_LIMIT = 1024
+_LOG_SYNC = bytes.fromhex("eda1da01")  # every event of a log starts with it
 _CONNECT_TIMEOUT = 0.8  # [s]
 _REQUEST_TIMEOUT = 15.0  # [s]; above liblcm's own ten seconds
 
@@ -53,12 +56,13 @@ class LcmBus:
 
     def __init__(self, url: BusUrl) -> None:
         self.url = url
-        self._lcm = open_lcm(url)
+        self._lcm: lcm.LCM | None = open_lcm(url)
         self._paced = PacedSender(url) if url.is_multicast else None
         self._handlers: dict[str, list[Handler]] = {}
         self._subscriptions: dict[str, lcm.LCMSubscription] = {}
         self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._wake_read, self._wake_write = os.pipe()
+        self._asking = threading.Lock()
         self._closed = False
         self._thread = threading.Thread(target=self._run, name="lcm receiver", daemon=True)
         self._thread.start()
@@ -73,14 +77,15 @@ class LcmBus:
 
         Raises:
             BusError: It cannot be sent.
+            InvalidName: LCM cannot carry this channel name.
         """
-        if self._closed:
-            raise BusError("the bus is closed")
+        _check_channel(channel)
+        instance = self._instance()
         if self._paced and len(payload) > PACED_ABOVE_BYTES:
             self._paced.send(channel, payload)
             return
         try:
-            self._lcm.publish(channel, payload)
+            instance.publish(channel, payload)
         except OSError as error:
             raise BusError(f"cannot publish on {channel}: {error.strerror or error}") from error
 
@@ -91,34 +96,40 @@ class LcmBus:
             BusError: The subscription cannot be made.
             InvalidName: LCM cannot carry this channel name.
         """
-        check_length(channel)
+        _check_channel(channel)
         self._on_receiver(lambda: self._subscribe(channel, handler))
 
     def unsubscribe(self, channel: str, handler: Handler) -> None:
         """Undo ``subscribe``."""
-        self._on_receiver(lambda: self._unsubscribe(channel, handler))
+        with contextlib.suppress(BusError):  # a closed bus delivers nothing any more
+            self._on_receiver(lambda: self._unsubscribe(channel, handler))
 
     def close(self) -> None:
         """Send what waits, stop the receiving thread and leave the bus."""
-        if self._closed:
-            return
+        with self._asking:
+            if self._closed:
+                return
+            self._closed = True
         if self._paced:
             self._paced.close()
-        self._closed = True
         self._wake()
         self._thread.join(timeout=2.0)
         os.close(self._wake_read)
         os.close(self._wake_write)
         self._subscriptions.clear()
-        del self._lcm
+        self._lcm = None  # a thread that publishes at this moment keeps it a moment longer
+
+    def _instance(self) -> "lcm.LCM":
+        instance = self._lcm
+        if instance is None or self._closed:
+            raise BusError("the bus is closed")
+        return instance
 
     def _wake(self) -> None:
         os.write(self._wake_write, b"\0")
 
     def _on_receiver(self, work: Callable[[], None]) -> None:
-        """Run ``work`` on the receiving thread and wait for it."""
-        if self._closed:
-            return
+        """Run ``work`` on the receiving thread and wait for it; raise here what it raises."""
         if threading.current_thread() is self._thread:
             work()
             return
@@ -131,29 +142,30 @@ class LcmBus:
             except BusError as error:
                 done.put(error)
 
-        self._requests.put(run)
-        self._wake()
+        with self._asking:
+            if self._closed:
+                raise BusError("the bus is closed")
+            self._requests.put(run)
+            self._wake()
         error = done.get(timeout=_REQUEST_TIMEOUT)
         if error is not None:
             raise error
 
     def _subscribe(self, channel: str, handler: Handler) -> None:
-        handlers = self._handlers.setdefault(channel, [])
-        handlers.append(handler)
-        if channel in self._subscriptions:
-            return
-        subscription = self._lcm.subscribe(re.escape(channel), self._dispatch)
-        if subscription is None:
-            raise BusError(f"LCM refuses to subscribe to '{channel}'")
-        subscription.set_queue_capacity(_QUEUE_CAPACITY)
-        self._subscriptions[channel] = subscription
+        if channel not in self._subscriptions:
+            subscription = self._instance().subscribe(re.escape(channel), self._dispatch)
+            if subscription is None:
+                raise BusError(f"LCM refuses to subscribe to '{channel}'")
+            subscription.set_queue_capacity(_QUEUE_CAPACITY)
+            self._subscriptions[channel] = subscription
+        self._handlers.setdefault(channel, []).append(handler)
 
     def _unsubscribe(self, channel: str, handler: Handler) -> None:
         handlers = self._handlers.get(channel, [])
         if handler in handlers:
             handlers.remove(handler)
         if not handlers and channel in self._subscriptions:
-            self._lcm.unsubscribe(self._subscriptions.pop(channel))
+            self._instance().unsubscribe(self._subscriptions.pop(channel))
 
     def _dispatch(self, channel: str, payload: bytes) -> None:
         now = time.time_ns()
@@ -162,24 +174,28 @@ class LcmBus:
 
     def _run(self) -> None:
         """The receiving thread: wait, drain the library, do what was asked."""
-        descriptor = self._lcm.fileno()
+        instance = self._instance()
+        descriptor = instance.fileno()
+        sources = [descriptor, self._wake_read]
         while not self._closed:
-            readable, _, _ = select.select([descriptor, self._wake_read], [], [])
+            readable, _, _ = select.select(sources, [], [])
             if self._wake_read in readable:
                 os.read(self._wake_read, 4096)
                 self._do_requests()
-            if descriptor in readable and not self._drain():
-                return
+            if descriptor in readable and not self._handle(instance):
+                sources.remove(descriptor)  # nothing comes any more; requests are served still
+        self._do_requests()  # what was asked while it closed
 
     def _do_requests(self) -> None:
         while not self._requests.empty():
             self._requests.get()()
 
-    def _drain(self) -> bool:
-        """Hand on all messages that wait; False at the end of a log or a connection."""
+    def _handle(self, instance: "lcm.LCM") -> bool:
+        """Hand on messages that wait; False at the end of a log or a connection."""
         try:
-            while not self._closed and self._lcm.handle_timeout(0) > 0:
-                pass
+            for _ in range(_BATCH):
+                if self._closed or not instance.handle_timeout(0):
+                    break
         except OSError:
             return False
         return True
@@ -195,10 +211,11 @@ class LcmListener:
     """
 
     def __init__(self, url: BusUrl) -> None:
-        self._lcm = open_lcm(url)
+        instance = open_lcm(url)
+        instance.subscribe(".*", self._collect).set_queue_capacity(_QUEUE_CAPACITY)
+        self._lcm: lcm.LCM | None = instance
+        self._is_log = url.provider == "file"
         self._packets: list[Packet] = []
-        self._lcm.subscribe(".*", self._collect).set_queue_capacity(_QUEUE_CAPACITY)
-        self._ended = False
 
     def __enter__(self) -> "LcmListener":
         """Use the listener as a context manager."""
@@ -210,7 +227,7 @@ class LcmListener:
 
     def close(self) -> None:
         """Leave the bus."""
-        self._ended = True
+        self._lcm = None
 
     port = 0
 
@@ -220,6 +237,10 @@ class LcmListener:
         Raises:
             BusError: It cannot be sent.
         """
+        if self._is_log:
+            return
+        if self._lcm is None:
+            raise BusError("the bus is closed")
         try:
             self._lcm.publish(channel, payload)
         except OSError as error:
@@ -229,15 +250,15 @@ class LcmListener:
         """The messages that have arrived, waiting up to ``timeout`` seconds for the first.
 
         Raises:
-            EOFError: The log has ended.
+            EOFError: The log has ended, or the connection is closed.
         """
-        if self._ended and not self._packets:
+        if self._lcm is None:
             raise EOFError
-        if not self._ended and select.select([self._lcm.fileno()], [], [], max(0.0, timeout))[0]:
+        if select.select([self._lcm.fileno()], [], [], max(0.0, timeout))[0]:
             try:
                 self._lcm.handle_timeout(0)
             except OSError:
-                self._ended = True
+                self._lcm = None
         packets, self._packets = self._packets, []
         return packets
 
@@ -271,6 +292,14 @@ def open_lcm(url: BusUrl) -> "lcm.LCM":
     return instance
 
 
+def _check_channel(channel: str) -> None:
+    check_length(channel)
+    try:
+        channel.encode()
+    except UnicodeEncodeError as error:
+        raise BusError(f"{channel!a} is not UTF-8, and the lcm package takes nothing else") from error
+
+
 def _check_server(url: BusUrl) -> None:
     try:
         socket.create_connection((url.host, url.port), timeout=_CONNECT_TIMEOUT).close()
@@ -282,5 +311,12 @@ def _check_server(url: BusUrl) -> None:
 
 
 def _check_log(url: BusUrl) -> None:
-    if url.options.get("mode", "r") == "r" and not Path(url.network).is_file():
-        raise BusError(f"there is no log file '{url.network}'")
+    if url.options.get("mode", "r") != "r":
+        return
+    try:
+        with Path(url.network).open("rb") as log:
+            start = log.read(len(_LOG_SYNC))
+    except OSError as error:
+        raise BusError(f"there is no log file '{url.network}'") from error
+    if start != _LOG_SYNC:
+        raise BusError(f"'{url.network}' is empty or no LCM log")

@@ -52,17 +52,19 @@ class PacedSender:
         """Queue one message. Waits only while MAX_WAITING_BYTES are queued already.
 
         Raises:
-            BusError: The message is larger than LCM's receivers accept.
+            BusError: The message is larger than LCM's receivers accept, or the sender is closed.
         """
         if len(payload) > MESSAGE_MAX:
             raise BusError(
                 f"{channel}: {len(payload)} bytes are more than LCM carries ({MESSAGE_MAX})"
             )
         with self._changed:
-            if self._thread is None:
+            if self._thread is None and not self._closed:
                 self._thread = threading.Thread(target=self._run, name="paced sender", daemon=True)
                 self._thread.start()
             self._changed.wait_for(lambda: self._closed or self._waiting_bytes < MAX_WAITING_BYTES)
+            if self._closed:
+                raise BusError("the bus is closed")
             self._waiting.append((channel, payload))
             self._waiting_bytes += len(payload)
             self._changed.notify_all()

@@ -77,13 +77,15 @@ def owners(inodes: Iterable[int]) -> dict[int, Process]:
 
 
 def process_of(pid: int) -> Process | None:
-    """What runs under this pid; None when nothing does."""
+    """What runs under this pid; None when nothing does (any more: a zombie has ended)."""
     try:
         command = (_PROC / str(pid) / "cmdline").read_bytes().replace(b"\0", b" ").strip()
         status = (_PROC / str(pid) / "stat").read_text()
     except OSError:
         return None
     fields = status.rpartition(")")[2].split()  # the name before it may contain anything
+    if fields[0] in ("Z", "X"):
+        return None
     return Process(pid, command.decode("utf-8", "replace"), int(fields[19]))
 
 

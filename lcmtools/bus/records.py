@@ -44,7 +44,8 @@ class NodeRecords:
         }
         with contextlib.suppress(OSError):
             folder = self._folders[0]
-            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            for part in (folder.parent.parent, folder.parent, folder):
+                part.mkdir(mode=0o700, exist_ok=True)  # parents=True would heed the umask only
             if not _is_private(folder):
                 return
             temporary = folder / f".{node.id}"

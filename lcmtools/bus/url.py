@@ -1,7 +1,7 @@
 """LCM URLs: which bus is meant, read as liblcm reads them.
 
-Pure text. One thing is stricter than liblcm: a missing port is an error, where liblcm takes port
-0 and hangs for ten seconds.
+Pure text. One thing is stricter than liblcm: a group without a port is an error, where liblcm
+takes port 0 and hangs for ten seconds.
 """
 
 from collections.abc import Mapping
@@ -13,9 +13,12 @@ from lcmtools.names import did_you_mean
 
 DEFAULT_GROUP = "239.255.76.67"
 DEFAULT_PORT = 7667
+DEFAULT_SERVER = "127.0.0.1"
+SERVER_PORT = 7700
 MAX_DOMAIN = 232
 """The largest domain, as in ROS 2; ports stay below the ephemeral range."""
 
+_DIGITS = 10  # of a number that makes sense in a URL; Python refuses to read thousands of them
 _PROVIDERS = ("udpm", "mpudpm", "tcpq", "memq", "file")
 
 
@@ -88,7 +91,7 @@ def choose_url(
 
 def domain_url(domain: str, source: str = "domain") -> BusUrl:
     """The bus of a domain: LCM's default group on port 7667 + domain, staying on this host."""
-    if not (domain.isascii() and domain.isdigit() and int(domain) <= MAX_DOMAIN):
+    if not (_is_number(domain) and int(domain) <= MAX_DOMAIN):
         raise UsageError(
             f"{source} '{domain}' is not a domain", f"a domain is a number from 0 to {MAX_DOMAIN}"
         )
@@ -116,9 +119,9 @@ def parse_url(text: str, source: str = "LCM URL") -> BusUrl:
     where = f"{source} '{text}'"
     _check_numbers(where, options)
     if provider in ("udpm", "mpudpm"):
-        host, port = _parse_group(where, network)
+        host, port = _parse_group(where, provider, network)
     elif provider == "tcpq":
-        host, port = _parse_address(where, network or "127.0.0.1:7700")
+        host, port = _parse_server(where, network)
     else:
         host, port = "", 0
     return BusUrl(provider, network, options, host, port)
@@ -133,12 +136,15 @@ def _parse_options(text: str) -> dict[str, str]:
 def _check_numbers(where: str, options: Mapping[str, str]) -> None:
     for key in ("ttl", "recv_buf_size", "nports"):
         value = options.get(key, "0")
-        if not (value.isascii() and value.isdigit()):
+        if not _is_number(value):
             raise InvalidUrl(f"{where}: {key}={value} is not a number", f"write {_example()}")
 
 
-def _parse_group(where: str, network: str) -> tuple[str, int]:
-    host, port = _parse_address(where, network or f"{DEFAULT_GROUP}:{DEFAULT_PORT}")
+def _parse_group(where: str, provider: str, network: str) -> tuple[str, int]:
+    host, colon, port = (network or f"{DEFAULT_GROUP}:{DEFAULT_PORT}").rpartition(":")
+    if not colon:
+        raise InvalidUrl(f"{where}: the port is missing", f"write {_example(provider, network)}")
+    number = _parse_port(where, port, _example(provider, host))
     try:
         multicast = IPv4Address(host).is_multicast
     except AddressValueError:
@@ -146,21 +152,29 @@ def _parse_group(where: str, network: str) -> tuple[str, int]:
     if not multicast:
         raise InvalidUrl(
             f"{where}: {host or 'nothing'} is not a multicast address",
-            f"groups are 224.0.0.0 to 239.255.255.255; write {_example()}",
+            f"groups are 224.0.0.0 to 239.255.255.255; write {_example(provider)}",
         )
-    return host, port
+    return host, number
 
 
-def _parse_address(where: str, network: str) -> tuple[str, int]:
-    host, colon, port = network.rpartition(":")
-    if not colon:
-        raise InvalidUrl(f"{where}: the port is missing", f"write {_example(network)}")
-    if not (port.isascii() and port.isdigit() and 0 < int(port) < 65536):  # noqa: PLR2004 - UDP
-        raise InvalidUrl(
-            f"{where}: '{port}' is not a port", f"ports are 1 to 65535; write {_example(host)}"
-        )
-    return host, int(port)
+def _parse_server(where: str, network: str) -> tuple[str, int]:
+    """As liblcm does, for which both the server and its port may be missing."""
+    host, colon, port = network.partition(":")
+    example = _example("tcpq", host)
+    return host or DEFAULT_SERVER, _parse_port(where, port, example) if colon else SERVER_PORT
 
 
-def _example(host: str = DEFAULT_GROUP) -> str:
-    return f"'udpm://{host or DEFAULT_GROUP}:{DEFAULT_PORT}?ttl=0'"
+def _parse_port(where: str, text: str, example: str) -> int:
+    if not (_is_number(text) and 0 < int(text) < 65536):  # noqa: PLR2004 - UDP and TCP
+        raise InvalidUrl(f"{where}: '{text}' is not a port", f"ports are 1 to 65535; write {example}")
+    return int(text)
+
+
+def _is_number(text: str) -> bool:
+    return text.isascii() and text.isdigit() and len(text) < _DIGITS
+
+
+def _example(provider: str = "udpm", host: str = "") -> str:
+    if provider == "tcpq":
+        return f"'tcpq://{host or DEFAULT_SERVER}:{SERVER_PORT}'"
+    return f"'{provider}://{host or DEFAULT_GROUP}:{DEFAULT_PORT}?ttl=0'"

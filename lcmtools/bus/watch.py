@@ -4,6 +4,7 @@ A watch pulls packets, learns the graph from them on the way, and, where the com
 topics, announces that as a node's subscription would be.
 """
 
+import contextlib
 import os
 import socket
 import sys
@@ -149,9 +150,10 @@ class Watch:
         self._builder.recall(node for node in self._records.read() if _is_here(node))
         self.probe()
         start = changed = time.monotonic()
-        while not _complete(time.monotonic(), start, changed):
-            if any(packet.channel == NODE_CHANNEL for packet in self.receive(QUIET / 2)):
-                changed = time.monotonic()
+        with contextlib.suppress(EOFError):  # a log that has ended is complete
+            while not _complete(time.monotonic(), start, changed):
+                if any(packet.channel == NODE_CHANNEL for packet in self.receive(QUIET / 2)):
+                    changed = time.monotonic()
         if foreign and self.url.is_multicast:
             self._await_foreign(start + _FOREIGN)
         return self.graph()

@@ -127,7 +127,9 @@ def main(arguments: Sequence[str]) -> int:
     """Run one command; return its exit code."""
     try:
         with _endable():
-            return _exit_code(root.main(list(arguments), "lcmtools", standalone_mode=False))
+            # not root.main(): it answers Ctrl-C with an empty line
+            with root.make_context("lcmtools", list(arguments)) as context:
+                return _exit_code(root.invoke(context))
     except BaseException as error:
         code = _explain(error, _command_name(arguments))
         if code is None:
@@ -136,7 +138,9 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def _explain(error: BaseException, command: str) -> int | None:  # noqa: PLR0911 - one a kind
-    """Say what went wrong in one line; the exit code, or None for what is a fault of ours."""
+    """Say what went wrong in one line; the exit code, or None for what a traceback should show."""
+    if isinstance(error, click.exceptions.Exit):
+        return error.exit_code
     if isinstance(error, click.ClickException):
         return _usage_error(error)
     if isinstance(error, KeyboardInterrupt | click.Abort):
@@ -152,6 +156,10 @@ def _explain(error: BaseException, command: str) -> int | None:  # noqa: PLR0911
         return error.exit_code
     if isinstance(error, OSError):
         talk(f"{command}: {error.strerror or error}")
+        return 1
+    if isinstance(error, Exception):
+        kind = type(error).__name__
+        talk(f"{command}: a fault of lcmtools ({kind}: {error}); lcmtools --debug shows where")
         return 1
     return None
 
@@ -173,16 +181,24 @@ class _Terminated(BaseException):
 
 @contextlib.contextmanager
 def _endable() -> Iterator[None]:
-    """Let SIGTERM end a command in an orderly way, as Ctrl-C does."""
+    """Let Ctrl-C and SIGTERM end a command in an orderly way.
+
+    Also where SIGINT was ignored when it began, as a shell script has it for what it starts with
+    "&": kill -INT ends a command there as it ends rostopic.
+    """
 
     def terminate(_number: int, _frame: FrameType | None) -> None:
         raise _Terminated
 
-    before = signal.signal(signal.SIGTERM, terminate)
+    before = {
+        signal.SIGTERM: signal.signal(signal.SIGTERM, terminate),
+        signal.SIGINT: signal.signal(signal.SIGINT, signal.default_int_handler),
+    }
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _exit_code(result: object) -> int:

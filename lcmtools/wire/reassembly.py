@@ -12,6 +12,8 @@ from lcmtools.wire.datagram import Fragment, ShortMessage
 
 _Key = tuple[Hashable, int]
 
+_PART_COST = 256  # bytes that keeping a part takes beside its own, so that empty parts count too
+
 
 @dataclass(slots=True)
 class _Incomplete:
@@ -21,13 +23,13 @@ class _Incomplete:
     count: int
     channel: str | None = None
     parts: dict[int, Fragment] = field(default_factory=dict)
-    received: int = 0
+    kept_bytes: int = 0
 
     def add(self, fragment: Fragment) -> None:
         if fragment.number in self.parts:
             return
         self.parts[fragment.number] = fragment
-        self.received += len(fragment.part)
+        self.kept_bytes += len(fragment.part) + _PART_COST
         if fragment.channel is not None:
             self.channel = fragment.channel
 
@@ -66,9 +68,9 @@ class Reassembler:
             self._forget(key)  # the sender's counter wrapped, or the sender is another one
             message = _Incomplete(fragment.message_size, fragment.count)
             self._incomplete[key] = message
-        before = message.received
+        before = message.kept_bytes
         message.add(fragment)
-        self._bytes += message.received - before
+        self._bytes += message.kept_bytes - before
         self._incomplete.move_to_end(key)
         if len(message.parts) == message.count:
             return self._complete(key, message)
@@ -77,7 +79,7 @@ class Reassembler:
 
     def _complete(self, key: _Key, message: _Incomplete) -> ShortMessage | None:
         del self._incomplete[key]
-        self._bytes -= message.received
+        self._bytes -= message.kept_bytes
         payload = message.payload()
         if payload is None or message.channel is None:
             self.discarded += 1
@@ -91,7 +93,7 @@ class Reassembler:
     def _forget(self, key: _Key) -> None:
         message = self._incomplete.pop(key, None)
         if message is not None:
-            self._bytes -= message.received
+            self._bytes -= message.kept_bytes
             self.discarded += 1
 
 

@@ -5,8 +5,9 @@ import json
 from lcmtools.bus.watch import Watch
 from lcmtools.errors import DecodeError
 from lcmtools.messages.codec import decode
+from lcmtools.messages.plain import to_json
 from lcmtools.messages.registry import Message, candidates, message_class
-from lcmtools.messages.text import format_message, to_json
+from lcmtools.messages.text import format_message
 from lcmtools.wire.packet import Packet
 
 _SHOWN_BYTES = 64

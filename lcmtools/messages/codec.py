@@ -1,0 +1,79 @@
+"""Messages to payloads and back, with nothing cut, padded or believed.
+
+Belongs here: LCM's encoding of whole messages. Must not know channels or datagrams. Wire format
+(https://lcm-proj.github.io/lcm/): 8 bytes of fingerprint, then the fields in order, big-endian,
+without padding; see ``layout`` and ``rows``. lcm-gen's own code takes an array's length
+from a field that the user must keep in step, and reads a truncated string or byte array as a short
+one; this does neither, and is faster.
+"""
+
+import struct
+from typing import TypeVar, cast
+
+from lcmtools.errors import DecodeError
+from lcmtools.messages.conform import conformed
+from lcmtools.messages.layout import layout
+from lcmtools.messages.misfit import Misfit
+from lcmtools.messages.registry import Message, candidates, type_name
+from lcmtools.messages.rows import Cursor, Malformed
+
+M = TypeVar("M", bound=Message)
+
+_FINGERPRINT_BYTES = 8
+_NOT_PLAIN = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, struct.error)
+
+
+def encode(message: Message) -> bytes:
+    """The payload of a message.
+
+    Length fields are set from the arrays, here and in nested messages; nothing else of the message
+    changes. Arrays may be lists, tuples, numpy arrays and, for bytes, anything bytes-like.
+
+    Raises:
+        ValueMismatch: A value is of the wrong type, out of range, or an array has the wrong size;
+            it names the field ("pose.covariance: expected 36 numbers, got 35").
+    """
+    cls = type(message)
+    try:
+        try:
+            return _payload(message, cls)
+        except _NOT_PLAIN:
+            return _payload(conformed(message, cls), cls)
+    except Misfit as misfit:
+        raise misfit.mismatch(type_name(cls)) from None
+    except RecursionError:
+        raise Misfit("contains itself").mismatch(type_name(cls)) from None
+
+
+def decode(cls: type[M], payload: bytes | bytearray | memoryview) -> M:
+    """The message in a payload; bytes after its end are ignored, as by every LCM decoder.
+
+    Arrays of numbers come as tuples, of uint8 as bytes, all others as lists.
+
+    Raises:
+        DecodeError: The payload is of another type, ends early, or has a length that cannot be.
+    """
+    data = payload if isinstance(payload, bytes) else bytes(payload)
+    if data[:_FINGERPRINT_BYTES] != layout(cls).fingerprint:
+        raise DecodeError(f"expected {type_name(cls)}, got {_described(data)}")
+    try:
+        return cast("M", layout(cls).read(Cursor(data, _FINGERPRINT_BYTES)))
+    except Malformed as malformed:
+        raise DecodeError(f"broken {type_name(cls)}: {malformed}") from None
+    except RecursionError:
+        raise DecodeError(f"broken {type_name(cls)}: nested too deeply") from None
+
+
+def _payload(message: Message, cls: type[Message]) -> bytes:
+    parts = [layout(cls).fingerprint]
+    layout(cls).write(message, parts)
+    return b"".join(parts)
+
+
+def _described(data: bytes) -> str:
+    """What a payload of another type is."""
+    if len(data) < _FINGERPRINT_BYTES:
+        return f"{len(data)} bytes, which is no LCM message"
+    fingerprint = int.from_bytes(data[:_FINGERPRINT_BYTES], "big")
+    names = candidates(fingerprint)
+    return names[0] if names else f"an unknown type (fingerprint {fingerprint:016x})"

@@ -1,0 +1,86 @@
+"""What a message is made of: the one reader of the tables in lcm-gen's classes.
+
+Belongs here: names, types and array sizes of fields. Must not know values, bytes or text.
+"""
+
+import importlib
+from dataclasses import dataclass
+from functools import cache
+from typing import TypeAlias
+
+from lcmtools.messages.registry import Message, type_name
+
+PRIMITIVES = {
+    "boolean": "bool",
+    "byte": "uint8",
+    "int8_t": "int8",
+    "int16_t": "int16",
+    "int32_t": "int32",
+    "int64_t": "int64",
+    "float": "float32",
+    "double": "float64",
+    "string": "string",
+}
+"""LCM's primitive types and what ROS, and so every text of lcmtools, calls them."""
+
+MessageClass: TypeAlias = type[Message]  # within Field, ``type`` is a field
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One field of a message.
+
+    Attributes:
+        name: Its name.
+        type: A primitive as ROS calls it ("float64"), or a message type ("geometry_msgs/Vector3").
+        message_class: The class of a message type, None for a primitive.
+        dimensions: Array sizes from the outermost in: a number, or the name of the length field
+            that holds it. Empty for a single value.
+        is_length: It is the length field of an array, which users neither see nor set.
+    """
+
+    name: str
+    type: str
+    message_class: MessageClass | None
+    dimensions: tuple[int | str, ...]
+    is_length: bool
+
+    @property
+    def is_bytes(self) -> bool:
+        """Whether it is an array of uint8, whose innermost dimension is a ``bytes``."""
+        return self.type == "uint8" and bool(self.dimensions)
+
+
+@cache
+def fields(cls: type[Message]) -> tuple[Field, ...]:
+    """All fields of a class, in wire order."""
+    lengths = {size for sizes in cls.__dimensions__ for size in sizes or ()}
+    table = zip(cls.__slots__, cls.__typenames__, cls.__dimensions__, strict=True)
+    return tuple(_field(name, lcm, sizes, name in lengths) for name, lcm, sizes in table)
+
+
+@cache
+def visible_fields(cls: type[Message]) -> tuple[Field, ...]:
+    """The fields that users see and set: all but the length fields."""
+    return tuple(field for field in fields(cls) if not field.is_length)
+
+
+@cache
+def is_time(cls: type[Message]) -> bool:
+    """Whether the type is a time or a duration: seconds and nanoseconds, by either name."""
+    return cls.__slots__ in (["sec", "nsec"], ["sec", "nanosec"])
+
+
+def _field(name: str, lcm_type: str, sizes: list[int | str] | None, is_length: bool) -> Field:  # noqa: FBT001 - private
+    dimensions = tuple(sizes or ())
+    if lcm_type in PRIMITIVES:
+        return Field(name, PRIMITIVES[lcm_type], None, dimensions, is_length)
+    cls = _nested_class(lcm_type)
+    return Field(name, type_name(cls), cls, dimensions, is_length)
+
+
+def _nested_class(path: str) -> type[Message]:
+    """The class that a table calls ``module.Name`` (or ``Name``, outside of any package)."""
+    module, _, name = path.rpartition(".")
+    cls: type[Message] = getattr(importlib.import_module(module or name), name)
+    return cls

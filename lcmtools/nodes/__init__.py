@@ -1,0 +1,43 @@
+"""The labs' nodes, one file each: what the three labs ask for, in the shortest form that is good.
+
+They use the public node API only and know nothing of the command line ``lcmtools``, so that they
+can be copied and changed. A file's docstring is also what its ``--help`` prints.
+"""
+
+import sys
+from collections.abc import Sequence
+
+from lcmtools.arguments import split_arguments
+from lcmtools.errors import UsageError
+
+_EVERY_NODE_TAKES = """\
+Every node also takes:
+    __ns:=/husky0       its namespace                       (--ns /husky0)
+    __name:=driver      another name                        (--name driver)
+    chatter:=/news      another topic in place of chatter   (--remap chatter:=/news)
+    _parameter:=value   a parameter's value                 (--param parameter:=value)
+    --lcm-url URL       the bus
+    --domain N          the bus on port 7667 + N"""
+
+
+def check_command_line(args: Sequence[str] | None, help_text: str) -> bool:
+    """Look at the command line of a node that has no arguments of its own, before there is a bus.
+
+    Args:
+        args: The command line without the program's name; ``sys.argv`` when None.
+        help_text: What ``--help`` prints of the node: what it does, its topics, an example.
+
+    Returns:
+        Whether the node is to run: False when its help was asked for, and printed.
+
+    Raises:
+        UsageError: There is an argument that no node takes, or one that is wrong.
+    """
+    words = sys.argv[1:] if args is None else args
+    if "--help" in words or "-h" in words:
+        print(help_text.strip(), _EVERY_NODE_TAKES, sep="\n\n")  # noqa: T201 - what was asked for
+        return False
+    _, unknown = split_arguments(words)
+    if unknown:
+        raise UsageError(f"unknown argument '{unknown[0]}'", "--help shows what this node takes")
+    return True

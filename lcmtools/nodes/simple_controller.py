@@ -1,0 +1,96 @@
+"""Make the Husky drive at a desired velocity, by the efforts of its wheels.
+
+Subscribes:
+    odometry              nav_msgs/Odometry       how the robot moves
+    desired_velocity      geometry_msgs/Twist     how it should: linear.x, angular.z
+
+Publishes:
+    controlled_velocity   sensor_msgs/JointState  effort of [left, right], each in [-1, 1],
+                                                  whenever one of the two comes
+
+Parameters:
+    kp   1.0   effort per speed error [s/m]
+    ki   6.7   effort per speed error and second [1/m]
+
+Example:
+    lcmtools run sim --world husky
+    lcmtools run simple_controller __ns:=/husky0 controlled_velocity:=velocity_cmd
+    lcmtools pub /husky0/desired_velocity geometry_msgs/Twist "linear: [0.1, 0, 0]"
+"""
+
+from collections.abc import Sequence
+
+import lcmtools
+from lcmtools import Node
+from lcmtools.nodes import check_command_line
+from lcmtools.nodes.velocity_control import Gains, Velocity, VelocityControl
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.sensor_msgs import JointState
+
+
+class SimpleController(Node):
+    """Closes the loop from odometry to wheel effort."""
+
+    def __init__(self) -> None:
+        super().__init__("simple_controller")
+        usual = Gains()
+        gains = Gains(self._declare_gain("kp", usual.kp), self._declare_gain("ki", usual.ki))
+        self._control = VelocityControl(gains)
+        self._desired: Velocity | None = None
+        self._measured: Velocity | None = None
+        self._time = 0
+        self._effort = self.create_publisher(JointState, "controlled_velocity")
+        # of both only the newest counts: an old one that waited would be acted upon too late
+        self.create_subscription(Odometry, "odometry", self._take_odometry, 1)
+        self.create_subscription(Twist, "desired_velocity", self._take_desired_velocity, 1)
+
+    def stop(self) -> None:
+        """Let the robot stand, if it has been driven: it would go on with the last effort."""
+        if self._desired and self._measured:
+            self._publish(0.0, 0.0)
+
+    def _declare_gain(self, name: str, default: float) -> float:
+        value = self.declare_parameter(name, default).value
+        assert isinstance(value, float)  # a parameter has the type of its default
+        return value
+
+    def _take_odometry(self, odometry: Odometry) -> None:
+        twist, stamp = odometry.twist.twist, odometry.header.stamp
+        measured = Velocity(twist.linear.x, twist.angular.z)
+        if not measured.is_finite():
+            self.get_logger().warning(f"odometry ignored: {measured}", once=True)
+            return
+        self._measured = measured
+        # a stamp of 0 means that the sender has no clock; its time is then when it was heard
+        self._time = stamp.sec * 10**9 + stamp.nsec or self.get_clock().now()
+        self._update()
+
+    def _take_desired_velocity(self, twist: Twist) -> None:
+        desired = Velocity(twist.linear.x, twist.angular.z)
+        if not desired.is_finite():
+            self.get_logger().warning(f"desired_velocity ignored: {desired}", once=True)
+            return
+        self._desired = desired
+        self._update()
+
+    def _update(self) -> None:
+        if self._desired and self._measured:
+            self._publish(*self._control.efforts(self._desired, self._measured, self._time))
+
+    def _publish(self, left: float, right: float) -> None:
+        message = JointState()
+        message.header.stamp.sec, message.header.stamp.nsec = divmod(self._time, 10**9)
+        message.name = ["left", "right"]
+        message.effort = [left, right]
+        self._effort.publish(message)
+
+
+def main(args: Sequence[str] | None = None) -> None:
+    """Control the robot until Ctrl-C, then let it stand."""
+    if check_command_line(args, __doc__):
+        lcmtools.init(args)
+        controller = SimpleController()
+        lcmtools.spin(controller)
+        controller.stop()
+        lcmtools.shutdown()

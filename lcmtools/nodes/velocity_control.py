@@ -1,0 +1,144 @@
+"""The control law of simple_controller: from velocities to wheel efforts, as plain mathematics.
+
+It knows no node, message or clock: velocities and the time come in, efforts go out.
+"""
+
+import math
+from dataclasses import dataclass
+
+TRACK = 1.0702
+"""Effective track of the Husky [m]: 1.875 times the distance of its wheels, for they skid in turns
+(``wheel_separation_multiplier`` of Clearpath's husky_control)."""
+MAX_SPEED = 1.0
+"""Speed of a side at full effort [m/s]."""
+MAX_STEP = 0.1
+"""Longest time that one observation counts for [s]: after a gap nobody knows what the robot did."""
+STANDING_SPEED = 0.01
+"""A robot whose sides are both slower than this stands [m/s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Velocity:
+    """How the robot's body moves.
+
+    Attributes:
+        forward: Along its x axis [m/s].
+        turn_rate: About its z axis, positive to the left [rad/s].
+    """
+
+    forward: float
+    turn_rate: float
+
+    def __str__(self) -> str:
+        """As a log line shows it."""
+        return f"linear.x {self.forward} m/s, angular.z {self.turn_rate} rad/s"
+
+    def is_finite(self) -> bool:
+        """Whether both are numbers that one can calculate with."""
+        return math.isfinite(self.forward) and math.isfinite(self.turn_rate)
+
+    def side_speeds(self) -> tuple[float, float]:
+        """Speeds of the left and right wheels over the ground [m/s]."""
+        half_difference = self.turn_rate * TRACK / 2
+        return self.forward - half_difference, self.forward + half_difference
+
+    def within_reach(self) -> "Velocity":
+        """The same curve, slower where a side would have to be faster than it can."""
+        fastest_side = abs(self.forward) + abs(self.turn_rate) * TRACK / 2
+        excess = max(1.0, fastest_side / MAX_SPEED)
+        return Velocity(self.forward / excess, self.turn_rate / excess)
+
+
+@dataclass(frozen=True, slots=True)
+class Gains:
+    """Gains of a proportional-integral controller.
+
+    A side of the Husky follows its effort as a first-order lag of 0.15 s. With ki / kp = 1 / 0.15 s
+    the controller's zero cancels the lag's pole, and the closed loop is a first-order lag of
+    0.15 s / kp: no steady error, no overshoot (S. Skogestad, Simple analytic rules for model
+    reduction and PID controller tuning, Journal of Process Control 13, 2003, without delay).
+
+    Attributes:
+        kp: Effort per speed error [s/m].
+        ki: Effort per speed error and second [1/m].
+    """
+
+    kp: float = 1.0
+    ki: float = 6.7
+
+
+class SideControl:
+    """A proportional-integral controller of the speed of one side.
+
+    Args:
+        gains: How strongly it reacts.
+    """
+
+    def __init__(self, gains: Gains) -> None:
+        self._gains = gains
+        self._integral = 0.0
+
+    def reset(self) -> None:
+        """Forget the past."""
+        self._integral = 0.0
+
+    def effort(self, desired: float, measured: float, step: float) -> float:
+        """The effort to apply now, in [-1, 1].
+
+        Args:
+            desired: Speed [m/s].
+            measured: Speed [m/s].
+            step: Time since the last call [s].
+        """
+        error = desired - measured
+        integral = self._integral + self._gains.ki * error * step
+        wanted = self._gains.kp * error + integral
+        possible = max(-1.0, min(1.0, wanted))
+        # anti-windup: at the limit the integral may only lead away from it
+        if wanted == possible or error * wanted < 0:
+            self._integral = integral
+        return possible
+
+
+class VelocityControl:
+    """Controls the velocity of a robot with skid steering by the efforts of its two sides.
+
+    Args:
+        gains: Of both sides.
+    """
+
+    def __init__(self, gains: Gains) -> None:
+        self._left = SideControl(gains)
+        self._right = SideControl(gains)
+        self._last_time: int | None = None
+
+    def efforts(self, desired: Velocity, measured: Velocity, time: int) -> tuple[float, float]:
+        """The efforts of the left and right wheels, each in [-1, 1].
+
+        Args:
+            desired: What the robot should do.
+            measured: What it does, by its odometry.
+            time: When that was measured [ns].
+        """
+        step = self._step(time)
+        speeds = measured.side_speeds()
+        wanted = desired.within_reach().side_speeds()
+        if not any(wanted) and all(abs(speed) < STANDING_SPEED for speed in speeds):
+            self._reset()  # it stands as it should: no effort is left over to creep with
+            return 0.0, 0.0
+        return (
+            self._left.effort(wanted[0], speeds[0], step),
+            self._right.effort(wanted[1], speeds[1], step),
+        )
+
+    def _step(self, time: int) -> float:
+        """Seconds since the last call, at most MAX_STEP; starts anew when time was set back."""
+        step = 0.0 if self._last_time is None else (time - self._last_time) / 1e9
+        self._last_time = time
+        if step < 0:
+            self._reset()
+        return max(0.0, min(step, MAX_STEP))
+
+    def _reset(self) -> None:
+        self._left.reset()
+        self._right.reset()

@@ -1,0 +1,256 @@
+"""The rules of wtf, on evidence made by hand."""
+
+from collections.abc import Sequence
+
+import pytest
+
+from lcmtools.doctor.model import Evidence, Finding, Severity
+from lcmtools.doctor.rules import examine
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.messages.registry import fingerprint, message_class
+from lcmtools.wire.packet import Sender
+
+ODOMETRY = "nav_msgs/Odometry"
+TWIST = "geometry_msgs/Twist"
+JOINTS = "sensor_msgs/JointState"
+STRING = "std_msgs/String"
+
+
+def endpoint(topic: str, role: Role, *types: str, group: str = "") -> Endpoint:
+    prints = tuple(fingerprint(message_class(name)) for name in types)
+    return Endpoint(topic, role, types, prints, group)
+
+
+def pub(topic: str, *types: str) -> Endpoint:
+    return endpoint(topic, Role.PUBLISHER, *types)
+
+
+def sub(topic: str, *types: str, group: str = "") -> Endpoint:
+    return endpoint(topic, Role.SUBSCRIBER, *types, group=group)
+
+
+def node(
+    name: str, *endpoints: Endpoint, pid: int = 1, stale: str = "", tool: bool = False
+) -> Node:
+    return Node(
+        name=name,
+        id=f"{name}{pid}",
+        host="husky",
+        pid=pid,
+        command=f"run {name}",
+        endpoints=endpoints,
+        stale=stale,
+        tool=tool,
+    )
+
+
+def findings(*nodes: Node, traffic: Sequence[Traffic] = ()) -> dict[str, Finding]:
+    graph = Graph(tuple(nodes), tuple(traffic))
+    return {f.rule: f for f in examine(Evidence(url="udpm://x", graph=graph, listened=1.0))}
+
+
+def morse() -> Node:
+    """The simulator as the Husky lab has it."""
+    command = [
+        sub(f"/husky0/{name}", JOINTS, TWIST, group="wheel command")
+        for name in ("velocity_cmd", "wheel_cmd", "wheel_velocity_cmd", "cmd_vel")
+    ]
+    return node("/morse", pub("/husky0/odometry", ODOMETRY), pub("/clock", STRING), *command)
+
+
+def controller(namespace: str, output: str = "controlled_velocity") -> Node:
+    return node(
+        f"{namespace}/simple_controller",
+        sub(f"{namespace}/odometry", ODOMETRY),
+        sub(f"{namespace}/desired_velocity", TWIST),
+        pub(f"{namespace}/{output}", JOINTS),
+    )
+
+
+def test_unconnected_subscriptions_are_listed_as_roswtf_lists_them() -> None:
+    finding = findings(morse(), controller(""))["unconnected-subscriptions"]
+    assert finding.severity is Severity.WARNING
+    assert finding.text == "The following node subscriptions are unconnected:"
+    assert finding.items == (
+        " * /morse:",
+        "   * /husky0/velocity_cmd",
+        " * /simple_controller:",
+        "   * /odometry",
+        "   * /desired_velocity",
+    )
+
+
+def test_a_topic_published_in_another_namespace_suggests_that_namespace() -> None:
+    finding = findings(morse(), controller(""))["unconnected-subscriptions"]
+    assert (
+        "/husky0/odometry is published: start /simple_controller with __ns:=/husky0"
+        in finding.remedies
+    )
+
+
+def test_an_unheard_output_of_the_right_type_suggests_a_remap() -> None:
+    finding = findings(morse(), controller("/husky0"))["unconnected-subscriptions"]
+    assert finding.remedies == (
+        ("nobody hears /husky0/controlled_velocity of the same type: start"
+        " /husky0/simple_controller with controlled_velocity:=velocity_cmd"),
+    )
+
+
+@pytest.mark.parametrize("name", ["velocity_cmd", "wheel_cmd", "wheel_velocity_cmd", "cmd_vel"])
+def test_one_fed_alternative_of_a_group_is_enough(name: str) -> None:
+    command = node("/commander", pub(f"/husky0/{name}", JOINTS))
+    assert "unconnected-subscriptions" not in findings(morse(), command)
+
+
+def test_the_connected_lab_has_neither_warnings_nor_errors() -> None:
+    pilot = node("/_lcmtools_pub_7", pub("/husky0/desired_velocity", TWIST), tool=True)
+    found = findings(morse(), controller("/husky0", "velocity_cmd"), pilot)
+    assert all(finding.severity is Severity.NOTE for finding in found.values())
+
+
+def test_a_plain_lcm_programs_traffic_feeds_a_subscription() -> None:
+    seen = Traffic("/odometry", Sender("127.0.0.1", 40000), (), 1, 8, 0, 0)
+    listener = node("/listener", sub("/odometry", ODOMETRY))
+    assert "unconnected-subscriptions" not in findings(listener, traffic=[seen])
+
+
+def test_a_stale_publisher_feeds_nobody() -> None:
+    dead = node("/talker", pub("/chatter", STRING), stale="ended without saying goodbye")
+    found = findings(dead, node("/listener", sub("/chatter", STRING)))
+    assert found["unconnected-subscriptions"].items == (" * /listener:", "   * /chatter")
+
+
+def test_a_tool_that_looks_is_not_reported() -> None:
+    echo = node("/_lcmtools_echo_1", sub("/nothing"), tool=True)
+    talker = node("/talker", pub("/chatter", STRING))
+    assert "unconnected-subscriptions" not in findings(echo, talker)
+
+
+def test_an_unheard_publication_is_a_note_only() -> None:
+    finding = findings(node("/talker", pub("/chatter", STRING)))["unconnected-publications"]
+    assert finding.severity is Severity.NOTE
+    assert finding.items == (" * /talker:", "   * /chatter")
+
+
+@pytest.mark.parametrize("topic", ["/clock", "/rosout", "/tf", "/a/_hidden"])
+def test_everybodys_topics_and_hidden_ones_are_not_reported(topic: str) -> None:
+    assert (
+        findings(node("/n", pub(topic, STRING), sub(topic + "x", STRING), pub(topic + "x", STRING)))
+        == {}
+    )
+
+
+def test_different_types_on_one_topic_are_an_error_that_names_both() -> None:
+    finding = findings(
+        node("/talker", pub("/chatter", STRING)), node("/listener", sub("/chatter", TWIST))
+    )["type-mismatch"]
+    assert finding.severity is Severity.ERROR
+    assert finding.items == (
+        " * /talker publishes std_msgs/String",
+        " * /listener expects geometry_msgs/Twist",
+    )
+
+
+def test_types_of_equal_fields_do_match() -> None:
+    found = findings(
+        node("/a", pub("/p", "geometry_msgs/Point")), node("/b", sub("/p", "geometry_msgs/Vector3"))
+    )
+    assert "type-mismatch" not in found
+
+
+def test_two_publishers_of_types_that_a_subscriber_takes_both_do_match() -> None:
+    found = findings(
+        node("/a", pub("/cmd", TWIST)),
+        node("/b", pub("/cmd", JOINTS)),
+        node("/c", sub("/cmd", JOINTS, TWIST)),
+    )
+    assert "type-mismatch" not in found
+
+
+def test_two_publishers_of_different_types_are_at_odds() -> None:
+    found = findings(node("/a", pub("/cmd", TWIST)), node("/b", pub("/cmd", JOINTS)))
+    assert "type-mismatch" in found
+
+
+def test_a_plain_program_that_sends_another_type_is_named_by_its_sender() -> None:
+    wrong = Traffic(
+        "/chatter",
+        Sender("127.0.0.1", 40001),
+        (fingerprint(message_class(TWIST)),),
+        1,
+        56,
+        0,
+        0,
+    )
+    finding = findings(node("/listener", sub("/chatter", STRING)), traffic=[wrong])["type-mismatch"]
+    assert (
+        finding.items[-1] == " * 127.0.0.1:40001 sends geometry_msgs/Twist or geometry_msgs/Accel"
+    )
+
+
+def test_two_live_nodes_of_one_name_are_an_error() -> None:
+    finding = findings(node("/talker", pid=7), node("/talker", pid=8))["duplicate-names"]
+    assert finding.severity is Severity.ERROR
+    assert finding.text == "2 nodes have the name /talker:"
+    assert finding.items == (" * pid 7 on husky: run /talker", " * pid 8 on husky: run /talker")
+    assert finding.remedies == ("end one of them, or start it with __name:=talker2",)
+
+
+def test_a_restarted_node_is_no_duplicate_of_its_stale_self() -> None:
+    found = findings(node("/talker", pid=7, stale="does not answer"), node("/talker", pid=8))
+    assert "duplicate-names" not in found
+
+
+@pytest.mark.parametrize(
+    ("stale", "remedy"),
+    [
+        ("runs but does not answer", "wake it (kill -CONT 7) or end it (kill 7)"),
+        ("ended without saying goodbye", "start /talker again if it is needed"),
+    ],
+)
+def test_stale_nodes_are_an_error(stale: str, remedy: str) -> None:
+    finding = findings(node("/talker", pid=7, stale=stale))["stale-nodes"]
+    assert finding.severity is Severity.ERROR
+    assert finding.items == (f" * /talker (pid 7): {stale}",)
+    assert finding.remedies == (remedy,)
+
+
+def test_an_empty_bus_is_a_warning_that_names_it() -> None:
+    finding = findings()["no-traffic"]
+    assert finding.severity is Severity.WARNING
+    assert finding.text == "There are no nodes on udpm://x, and nothing came in 1 s"
+
+
+def test_a_tool_alone_is_an_empty_bus() -> None:
+    assert "no-traffic" in findings(node("/_lcmtools_echo_1", tool=True))
+
+
+def test_a_bus_that_does_not_work_is_the_only_finding() -> None:
+    evidence = Evidence(url="udpm://x", bus_problem="no route", bus_remedy="type: ip route")
+    (finding,) = examine(evidence)
+    assert finding.severity is Severity.ERROR
+    assert finding.text == "The bus does not work: no route"
+    assert finding.remedies == ("type: ip route",)
+
+
+def test_malformed_datagrams_are_shown_with_their_sender() -> None:
+    evidence = Evidence(
+        url="udpm://x",
+        graph=Graph((node("/n"),)),
+        malformed=[("127.0.0.1:5", "starts with b'abcd'")],
+    )
+    (finding,) = [f for f in examine(evidence) if f.rule == "malformed"]
+    assert finding.items == (" * 127.0.0.1:5: starts with b'abcd'",)
+
+
+def test_errors_come_before_warnings_and_notes() -> None:
+    graph = Graph(
+        (
+            node("/a", pub("/x", STRING), sub("/y", STRING)),
+            node("/b", pid=1),
+            node("/b", pid=2),
+        )
+    )
+    severities = [finding.severity for finding in examine(Evidence(url="u", graph=graph))]
+    assert severities == sorted(severities, reverse=True)
+    assert severities[0] is Severity.ERROR

@@ -1,0 +1,71 @@
+"""A bus within the process, on which a test starts nodes and speaks to them."""
+
+from collections.abc import Callable, Iterator
+from typing import TypeVar
+
+import pytest
+
+import lcmtools
+import lcmtools.node.context
+from lcmtools.arguments import split_arguments
+from lcmtools.bus.base import FakeBus
+from lcmtools.messages.codec import decode, encode
+from lcmtools.messages.registry import Message
+from lcmtools.node.context import Context
+from lcmtools.types.rosgraph_msgs import Clock
+
+NodeT = TypeVar("NodeT", bound=lcmtools.Node)
+MessageT = TypeVar("MessageT", bound=Message)
+
+
+class Stage:
+    """One node on a bus, driven step by step."""
+
+    def __init__(self, set_context: Callable[[Context], None]) -> None:
+        self.bus = FakeBus()
+        self._set_context = set_context
+        self._context: Context | None = None
+        self._node: lcmtools.Node | None = None
+
+    def start(self, node_class: Callable[[], NodeT], *words: str) -> NodeT:
+        """Make the node, with a command line."""
+        arguments, _ = split_arguments(words)
+        self._context = Context(self.bus, arguments, {})
+        self._set_context(self._context)
+        node = node_class()
+        self._node = node
+        return node
+
+    def say(self, topic: str, *messages: Message) -> None:
+        """Publish messages, and let the node deal with each."""
+        assert self._node is not None
+        for message in messages:
+            self.bus.publish(topic, encode(message))
+            lcmtools.spin_once(self._node)
+
+    def tell_time(self, *seconds: float) -> None:
+        """Let simulated time pass; the node was started with _use_sim_time:=true."""
+        for time in seconds:
+            clock = Clock()
+            clock.clock.sec, clock.clock.nsec = divmod(round(time * 1e9), 10**9)
+            self.say("/clock", clock)
+
+    def heard(self, topic: str, message_type: type[MessageT]) -> list[MessageT]:
+        """What was published on a topic."""
+        published = tuple(self.bus.published)
+        return [decode(message_type, payload) for channel, payload in published if channel == topic]
+
+    def close(self) -> None:
+        """End the node."""
+        if self._context:
+            self._context.close()
+
+
+@pytest.fixture
+def stage(monkeypatch: pytest.MonkeyPatch) -> Iterator[Stage]:
+    def set_context(context: Context) -> None:
+        monkeypatch.setattr(lcmtools.node.context._process, "context", context)
+
+    stage = Stage(set_context)
+    yield stage
+    stage.close()

@@ -1,0 +1,67 @@
+"""What the labs' nodes do with their command line."""
+
+import importlib
+from pathlib import Path
+
+import pytest
+
+import lcmtools
+import lcmtools.node.context
+from lcmtools.bus.base import FakeBus
+from lcmtools.errors import UsageError
+from lcmtools.nodes import check_command_line
+
+NODES = ["talker", "listener", "moving_robot", "simple_controller", "evaluate_controller"]
+
+
+@pytest.mark.parametrize("node", NODES)
+@pytest.mark.parametrize("flag", ["--help", "-h"])
+def test_help_shows_topics_and_an_example_and_needs_no_bus(
+    node: str, flag: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("LCM_DEFAULT_URL", "not a bus")
+    importlib.import_module(f"lcmtools.nodes.{node}").main([flag])
+    text = capsys.readouterr().out
+    assert f"lcmtools run {node}" in text
+    assert "scribes:\n" in text or "Publishes:\n" in text
+    assert "__ns:=/husky0" in text
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_unknown_argument_is_refused_before_there_is_a_bus(
+    node: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LCM_DEFAULT_URL", "not a bus")
+    with pytest.raises(UsageError) as refusal:
+        importlib.import_module(f"lcmtools.nodes.{node}").main(["__ns:=/a", "--fast"])
+    assert str(refusal.value) == "unknown argument '--fast'; --help shows what this node takes"
+    assert refusal.value.exit_code == 2
+
+
+def test_command_line_is_the_process_own_when_none_is_given(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("sys.argv", ["talker", "loudly"])
+    with pytest.raises(UsageError, match="unknown argument 'loudly'"):
+        check_command_line(None, "")
+
+
+@pytest.mark.parametrize(
+    "words", [[], ["__ns:=/husky0", "a:=b", "_kp:=2"], ["--ns", "/a", "-r", "a:=b", "--domain=3"]]
+)
+def test_names_parameters_and_the_bus_are_for_every_node(words: list[str]) -> None:
+    assert check_command_line(words, "")
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_main_spins_one_node_of_its_name_and_leaves_the_bus(
+    node: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    spun: list[str] = []
+    monkeypatch.setenv("LCM_DEFAULT_URL", "memq://")
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    monkeypatch.setattr(lcmtools.node.context, "_open_bus", lambda _url: FakeBus())
+    monkeypatch.setattr(lcmtools, "spin", lambda node: spun.append(node.name), raising=False)
+    assert importlib.import_module(f"lcmtools.nodes.{node}").main(["__ns:=/husky0"]) is None
+    assert spun == [f"/husky0/{node}"]
+    assert not lcmtools.ok()

@@ -1,0 +1,70 @@
+"""The node that measures how well a controller does."""
+
+import math
+from typing import Any
+
+import pytest
+
+from lcmtools.nodes.evaluate_controller import ErrorStatistics, EvaluateController
+from lcmtools.types.air_lab0 import ControllerEvaluationStat
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry
+
+
+def _twist(forward: float, turn_rate: float) -> Twist:
+    twist = Twist()
+    twist.linear.x, twist.angular.z = forward, turn_rate
+    return twist
+
+
+def _odometry(forward: float, turn_rate: float) -> Odometry:
+    message = Odometry()
+    message.twist.twist = _twist(forward, turn_rate)
+    return message
+
+
+def _stats(stage: Any) -> list[tuple[int, float, float]]:
+    heard = stage.heard("/evaluation_stat", ControllerEvaluationStat)
+    return [(stat.samples, stat.last_error, stat.average_error) for stat in heard]
+
+
+def test_average_is_the_root_of_the_mean_of_squares() -> None:
+    errors = ErrorStatistics()
+    for error in (3.0, 4.0, 0.0, 0.0):
+        errors.add(error)
+    assert (errors.samples, errors.last, errors.average()) == (4, 0.0, 2.5)
+
+
+def test_average_of_nothing_is_zero() -> None:
+    assert ErrorStatistics().average() == 0.0
+
+
+def test_nothing_is_measured_before_the_first_desired_velocity(stage: Any) -> None:
+    stage.start(EvaluateController)
+    stage.say("/odometry", _odometry(1.0, 0.0), _odometry(1.0, 0.0))
+    assert _stats(stage) == []
+
+
+def test_each_odometry_message_is_one_sample(stage: Any) -> None:
+    stage.start(EvaluateController)
+    stage.say("/desired_velocity", _twist(0.5, 0.2))
+    stage.say("/odometry", _odometry(0.2, 0.6), _odometry(0.5, 0.2))
+    expected = [(1, 0.5, 0.5), (2, 0.0, math.sqrt(0.125))]
+    assert _stats(stage) == [pytest.approx(stat) for stat in expected]
+
+
+def test_error_is_that_to_the_newest_desired_velocity(stage: Any) -> None:
+    stage.start(EvaluateController)
+    stage.say("/desired_velocity", _twist(0.5, 0.0), _twist(0.0, 0.0))
+    stage.say("/odometry", _odometry(0.3, 0.4))
+    assert _stats(stage) == [pytest.approx((1, 0.5, 0.5))]
+
+
+def test_velocity_that_is_not_finite_does_not_spoil_the_average(
+    stage: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
+    stage.start(EvaluateController)
+    stage.say("/desired_velocity", _twist(0.5, 0.0))
+    stage.say("/odometry", _odometry(math.nan, 0.0), _odometry(0.0, math.inf), _odometry(0.4, 0.0))
+    assert _stats(stage) == [pytest.approx((1, 0.1, 0.1))]
+    assert capsys.readouterr().err.count("a velocity is not finite: sample ignored") == 1

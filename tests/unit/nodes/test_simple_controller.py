@@ -1,0 +1,124 @@
+"""The controller's node: what it takes, what it publishes and when."""
+
+import math
+from typing import Any
+
+import pytest
+
+from lcmtools.errors import UsageError
+from lcmtools.nodes.simple_controller import SimpleController
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.sensor_msgs import JointState
+
+TOPIC = "/controlled_velocity"
+
+
+def _twist(forward: float, turn_rate: float = 0.0) -> Twist:
+    twist = Twist()
+    twist.linear.x, twist.angular.z = forward, turn_rate
+    return twist
+
+
+def _odometry(time: float, forward: float = 0.0, turn_rate: float = 0.0) -> Odometry:
+    message = Odometry()
+    message.header.stamp.sec, message.header.stamp.nsec = divmod(round(time * 1e9), 10**9)
+    message.twist.twist = _twist(forward, turn_rate)
+    return message
+
+
+def _efforts(stage: Any, topic: str = TOPIC) -> list[tuple[float, ...]]:
+    return [tuple(message.effort) for message in stage.heard(topic, JointState)]
+
+
+@pytest.mark.parametrize(
+    ("topic", "message"), [("/odometry", _odometry(1.0)), ("/desired_velocity", _twist(0.5))]
+)
+def test_controller_is_silent_until_it_has_both_inputs(
+    stage: Any, topic: str, message: Odometry | Twist
+) -> None:
+    controller = stage.start(SimpleController)
+    stage.say(topic, message, message)
+    controller.stop()
+    assert _efforts(stage) == []
+
+
+def test_controller_publishes_efforts_of_left_and_right_at_the_odometry_s_time(stage: Any) -> None:
+    stage.start(SimpleController)
+    stage.say("/odometry", _odometry(12.25))
+    stage.say("/desired_velocity", _twist(0.5))
+    (command,) = stage.heard(TOPIC, JointState)
+    assert command.name == ["left", "right"]
+    assert (list(command.position), list(command.velocity)) == ([], [])
+    assert tuple(command.effort) == pytest.approx((0.5, 0.5))
+    assert (command.header.stamp.sec, command.header.stamp.nsec) == (12, 250_000_000)
+
+
+def test_turn_to_the_left_is_driven_by_the_right_wheels(stage: Any) -> None:
+    stage.start(SimpleController)
+    stage.say("/desired_velocity", _twist(0.0, 1.0))
+    stage.say("/odometry", _odometry(1.0))
+    assert _efforts(stage) == [pytest.approx((-0.5351, 0.5351))]
+
+
+def test_controller_integrates_over_the_time_between_stamps(stage: Any) -> None:
+    stage.start(SimpleController, "_kp:=0", "_ki:=2")
+    stage.say("/desired_velocity", _twist(0.5))
+    stage.say("/odometry", _odometry(1.0), _odometry(1.02), _odometry(1.07))
+    lefts = [left for left, _ in _efforts(stage)]
+    assert lefts == pytest.approx([0.0, 0.02, 0.07])
+
+
+def test_odometry_without_stamps_counts_by_the_node_s_clock(stage: Any) -> None:
+    stage.start(SimpleController, "_kp:=0", "_ki:=2", "_use_sim_time:=true")
+    stage.say("/desired_velocity", _twist(0.5))
+    for time in (1.0, 1.05):
+        stage.tell_time(time)
+        stage.say("/odometry", _odometry(0.0))
+    assert [left for left, _ in _efforts(stage)] == pytest.approx([0.0, 0.05])
+
+
+def test_namespace_and_remap_connect_the_controller_to_the_robot(stage: Any) -> None:
+    controller = stage.start(SimpleController, "__ns:=/husky0", "controlled_velocity:=velocity_cmd")
+    stage.say("/husky0/odometry", _odometry(1.0))
+    stage.say("/husky0/desired_velocity", _twist(0.1))
+    assert controller.name == "/husky0/simple_controller"
+    assert _efforts(stage, "/husky0/velocity_cmd") == [pytest.approx((0.1, 0.1))]
+
+
+def test_desired_velocity_that_is_not_finite_is_refused_with_one_warning(
+    stage: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
+    stage.start(SimpleController)
+    stage.say("/odometry", _odometry(1.0))
+    stage.say("/desired_velocity", _twist(0.1), _twist(math.nan), _twist(0.0, math.inf))
+    stage.say("/odometry", _odometry(1.0))
+    assert _efforts(stage) == [pytest.approx((0.1, 0.1))] * 2
+    warnings = capsys.readouterr().err
+    assert warnings.count("\n") == 1
+    assert "desired_velocity ignored: linear.x nan m/s, angular.z 0.0 rad/s" in warnings
+
+
+def test_odometry_that_is_not_finite_is_refused_with_one_warning(
+    stage: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
+    stage.start(SimpleController)
+    stage.say("/desired_velocity", _twist(0.1))
+    stage.say("/odometry", _odometry(1.0, math.nan), _odometry(1.1, 0.0, -math.inf))
+    assert _efforts(stage) == []
+    warnings = capsys.readouterr().err
+    assert warnings.count("\n") == 1
+    assert "odometry ignored: linear.x nan m/s, angular.z 0.0 rad/s" in warnings
+
+
+def test_stop_lets_the_robot_stand(stage: Any) -> None:
+    controller = stage.start(SimpleController)
+    stage.say("/odometry", _odometry(1.0))
+    stage.say("/desired_velocity", _twist(0.5))
+    controller.stop()
+    assert _efforts(stage)[-1] == (0.0, 0.0)
+
+
+def test_gain_that_is_no_number_is_refused(stage: Any) -> None:
+    with pytest.raises(UsageError, match="parameter kp: expected a number, got 'much'"):
+        stage.start(SimpleController, "_kp:=much")

@@ -1,0 +1,36 @@
+"""The talker and the listener."""
+
+from typing import Any
+
+import pytest
+
+from lcmtools.nodes.listener import Listener
+from lcmtools.nodes.talker import Talker
+from lcmtools.types.std_msgs import String
+
+
+def test_talker_counts_from_zero_ten_times_a_second(stage: Any) -> None:
+    stage.start(Talker, "_use_sim_time:=true")
+    stage.tell_time(0.05, 0.1, 0.15, 0.2, 0.3)
+    texts = [message.data for message in stage.heard("/chatter", String)]
+    assert texts == ["hello world 0", "hello world 1", "hello world 2"]
+
+
+def test_talker_logs_what_it_says(stage: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    stage.start(Talker, "_use_sim_time:=true")
+    stage.tell_time(0.1)
+    assert capsys.readouterr().err == "[INFO] [0.100000000] [/talker]: hello world 0\n"
+
+
+def test_talker_talks_in_its_namespace_on_the_remapped_topic(stage: Any) -> None:
+    stage.start(Talker, "_use_sim_time:=true", "__ns:=/lab", "chatter:=news")
+    stage.tell_time(0.1)
+    assert [message.data for message in stage.heard("/lab/news", String)] == ["hello world 0"]
+
+
+def test_listener_logs_what_it_hears(stage: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    stage.start(Listener)
+    message = String()
+    message.data = "hello world 7"
+    stage.say("/chatter", message)
+    assert capsys.readouterr().err.endswith("[/listener]: I heard: [hello world 7]\n")
