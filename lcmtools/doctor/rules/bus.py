@@ -28,8 +28,10 @@ def something_is_there(evidence: Evidence) -> Iterator[Finding]:
             f"There are no nodes on {evidence.url}, and nothing came in {evidence.listened:g} s",
             remedies=(
                 "start something, for example: lcmtools run talker",
-                ("if it runs already, it is on another bus: compare LCM_DEFAULT_URL and"
-                " LCMTOOLS_DOMAIN in both shells"),
+                (
+                    "if it runs already, it is on another bus: compare LCM_DEFAULT_URL and"
+                    " LCMTOOLS_DOMAIN in both shells"
+                ),
             ),
         )
 

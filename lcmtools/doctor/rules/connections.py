@@ -101,7 +101,7 @@ def _remedies(graph: Graph, loose: _Loose) -> Iterator[str]:
                     f" {node.name} with __ns:={namespace}"
                 )
                 continue
-            yield from _remaps(endpoint, outputs)
+            yield from _remaps(node, endpoint, outputs)
 
 
 def _other_namespace(graph: Graph, endpoint: Endpoint) -> str | None:
@@ -117,14 +117,14 @@ def _other_namespace(graph: Graph, endpoint: Endpoint) -> str | None:
     return None
 
 
-def _remaps(endpoint: Endpoint, outputs: _Loose) -> Iterator[str]:
+def _remaps(listener: Node, endpoint: Endpoint, outputs: _Loose) -> Iterator[str]:
     """Publications of the right type beside it that nobody hears: a remap may be missing."""
     for node, publications in outputs.items():
         for publication in publications:
             if (
                 namespace_of(publication.topic) == namespace_of(endpoint.topic)
                 and set(publication.fingerprints) & set(endpoint.fingerprints)
-                and publication.topic != endpoint.topic
+                and node.id != listener.id
             ):
                 source, target = base_name_of(publication.topic), base_name_of(endpoint.topic)
                 yield (

@@ -88,11 +88,18 @@ def test_a_topic_published_in_another_namespace_suggests_that_namespace() -> Non
     )
 
 
+def test_a_node_is_not_told_to_listen_to_itself() -> None:
+    robot = node("/morse", sub("/cmd", JOINTS), pub("/joints", JOINTS))
+    assert findings(robot)["unconnected-subscriptions"].remedies == ()
+
+
 def test_an_unheard_output_of_the_right_type_suggests_a_remap() -> None:
     finding = findings(morse(), controller("/husky0"))["unconnected-subscriptions"]
     assert finding.remedies == (
-        ("nobody hears /husky0/controlled_velocity of the same type: start"
-        " /husky0/simple_controller with controlled_velocity:=velocity_cmd"),
+        (
+            "nobody hears /husky0/controlled_velocity of the same type: start"
+            " /husky0/simple_controller with controlled_velocity:=velocity_cmd"
+        ),
     )
 
 
