@@ -1,0 +1,67 @@
+"""The simulator's command: ``lcmtools run sim``, ``lcmtools-sim``, ``python -m lcmtools_sim``.
+
+This is the edge: arguments, environment, printing and exit codes. What only informs (--help,
+--list-worlds, --print-world, --check) needs neither a bus nor pybullet.
+"""
+
+import signal
+import sys
+import threading
+from collections.abc import Sequence
+from dataclasses import replace
+
+from lcmtools.arguments import split_arguments
+from lcmtools.errors import LcmtoolsError
+from lcmtools_sim.options import Options, parse_options
+from lcmtools_sim.scene import contents
+from lcmtools_sim.world_file import read_scene
+from lcmtools_sim.worlds import describe, find_world, world_names
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the command and return its exit code; ``args`` without the program's name."""
+    arguments = list(sys.argv[1:] if args is None else args)
+    try:
+        _, own = split_arguments(arguments)
+        options = parse_options(own)
+        if not _inform(options):
+            _simulate(options, arguments)
+    except LcmtoolsError as error:
+        print(f"lcmtools run sim: {error}", file=sys.stderr)  # noqa: T201 - the command's edge
+        return error.exit_code
+    except KeyboardInterrupt:
+        return 0
+    return 0
+
+
+def _inform(options: Options) -> bool:
+    """Answer what is only a question; whether it was one."""
+    if options.list_worlds:
+        width = max(map(len, world_names()))
+        lines = [f"{name:<{width}}  {describe(name)}" for name in world_names()]
+    elif options.print_world:
+        lines = [find_world(options.print_world)[0].rstrip()]
+    elif options.check:
+        scene = read_scene(*find_world(options.check))
+        lines = [f"{options.check}: ok, {contents(scene)}"]
+    else:
+        return False
+    print("\n".join(lines))  # noqa: T201 - the command's edge
+    return True
+
+
+def _simulate(options: Options, arguments: Sequence[str]) -> None:
+    """Run the world that is asked for, with what the command line overrides."""
+    scene = read_scene(*find_world(options.world))
+    if options.seed is not None:
+        scene = replace(scene, seed=options.seed)
+    if threading.current_thread() is threading.main_thread():
+        # Until the bus takes over, SIGTERM ends it as quietly as Ctrl-C.
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+    from lcmtools_sim.session import simulate
+
+    simulate(scene, options, arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

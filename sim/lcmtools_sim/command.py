@@ -1,0 +1,83 @@
+"""What a steering message means: JointState or Twist to the speeds of the two sides.
+
+Pure decisions on one message. What cannot be meant is refused with the reason; who sent it, when,
+and what becomes of a refused one is known elsewhere.
+"""
+
+import math
+from collections.abc import Sequence
+
+from lcmtools.errors import ValueMismatch
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.sensor_msgs import JointState
+from lcmtools_sim.drive import SideSpeeds, body_velocity, side_speeds
+from lcmtools_sim.robots.model import RobotModel
+
+
+def interpret(message: JointState | Twist, model: RobotModel) -> SideSpeeds:
+    """The side speeds [m/s] that a command asks of a robot, within its limits.
+
+    A Twist gives forward speed and turn rate; a JointState the effort of the sides (fractions of
+    full power), or where it has none their wheel speeds [rad/s].
+
+    Raises:
+        ValueMismatch: The message fits nothing; the reason names the field.
+    """
+    if isinstance(message, Twist):
+        return _from_twist(message, model)
+    if isinstance(message, JointState):
+        return _from_joint_state(message, model)
+    raise ValueMismatch(f"a {type(message).__name__} is no command", "send a JointState or a Twist")
+
+
+def _from_twist(twist: Twist, model: RobotModel) -> SideSpeeds:
+    forward = _finite("linear.x", twist.linear.x)
+    return side_speeds(forward, _finite("angular.z", twist.angular.z), model.drive)
+
+
+def _from_joint_state(state: JointState, model: RobotModel) -> SideSpeeds:
+    if state.effort:
+        left, right = _by_side("effort", state.effort, state.name, model)
+        full = model.drive.full_speed
+        return SideSpeeds(_clip(left) * full, _clip(right) * full)
+    if state.velocity:
+        left, right = _by_side("velocity", state.velocity, state.name, model)
+        speeds = SideSpeeds(left * model.drive.wheel_radius, right * model.drive.wheel_radius)
+        return side_speeds(*body_velocity(speeds, model.drive.track), model.drive)
+    raise ValueMismatch("neither effort nor velocity is given", "for example effort: [1, 1]")
+
+
+def _by_side(
+    field: str, values: Sequence[float], names: Sequence[str], model: RobotModel
+) -> tuple[float, float]:
+    """The values of the left and the right side; those of several wheels of a side are averaged."""
+    names = names or (model.left_wheels[0], model.right_wheels[0])
+    if len(values) != len(names):
+        wanted = f"{len(names)} ({', '.join(names)})"
+        raise ValueMismatch(f"{field} has the wrong length: {len(values)} instead of {wanted}")
+    if len(set(names)) != len(names):
+        raise ValueMismatch(f"a name is given twice in {list(names)}")
+    known = (*model.left_wheels, *model.right_wheels)
+    for name in names:
+        if name not in known:
+            raise ValueMismatch(f"unknown wheel '{name}'", f"known names: {', '.join(known)}")
+    by_name = {n: _finite(f"{field}[{i}]", values[i]) for i, n in enumerate(names)}
+    return _mean(by_name, model.left_wheels), _mean(by_name, model.right_wheels)
+
+
+def _mean(by_name: dict[str, float], wheels: Sequence[str]) -> float:
+    """The mean of one side's values."""
+    values = [by_name[wheel] for wheel in wheels if wheel in by_name]
+    if not values:
+        raise ValueMismatch(f"no value for the side of '{wheels[0]}'", "give both sides")
+    return sum(values) / len(values)
+
+
+def _finite(field: str, value: float) -> float:
+    if not math.isfinite(value):
+        raise ValueMismatch(f"{field} is {value}, which is no number to drive by")
+    return value
+
+
+def _clip(effort: float) -> float:
+    return max(-1.0, min(1.0, effort))

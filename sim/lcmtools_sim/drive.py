@@ -1,0 +1,149 @@
+"""How a robot on wheels drives: motors, tyres and encoders, as plain mathematics.
+
+Everything here is a function of numbers or a small state of numbers. It knows no engine: what
+Bullet computed comes in, what the tyres make of it goes out.
+
+The robot stands on two ideal wheels at its effective track, which makes it an exact differential
+drive; each tyre gives at most what Coulomb friction allows. Symbols and signs are those of the
+textbook (R. Siegwart et al., Introduction to Autonomous Mobile Robots, section 3.2): v [m/s]
+forward, w [rad/s] counter-clockwise, side speeds v -+ w track / 2.
+"""
+
+import math
+from typing import NamedTuple
+
+from lcmtools_sim.robots.model import Drive, RobotModel
+
+_STANDSTILL = 1e-6  # [m/s]; a motor this near to its target has reached it
+
+
+class SideSpeeds(NamedTuple):
+    """Ground speeds of the left and the right wheels [m/s]. A tuple, for it is made every step."""
+
+    left: float
+    right: float
+
+
+class PlanarVelocity(NamedTuple):
+    """Velocity in the robot's own frame: forward and to the left [m/s], turn rate [rad/s]."""
+
+    forward: float
+    sideways: float
+    turn_rate: float
+
+
+STOPPED = SideSpeeds(0.0, 0.0)
+
+
+def side_speeds(forward: float, turn_rate: float, drive: Drive) -> SideSpeeds:
+    """The side speeds that make a robot drive so [m/s, rad/s], slowed to what it can.
+
+    Where one of the two is above its limit both are reduced by the same factor, so that the robot
+    keeps to the same circle.
+    """
+    excess = max(1.0, abs(forward) / drive.max_speed, abs(turn_rate) / drive.max_turn_rate)
+    half_difference = turn_rate / excess * drive.track / 2
+    return SideSpeeds(forward / excess - half_difference, forward / excess + half_difference)
+
+
+def body_velocity(speeds: SideSpeeds, track: float) -> tuple[float, float]:
+    """Forward speed [m/s] and turn rate [rad/s] of a robot whose wheels do not slip."""
+    return (speeds.left + speeds.right) / 2, (speeds.right - speeds.left) / track
+
+
+def follow(speeds: SideSpeeds, targets: SideSpeeds, drive: Drive, dt: float) -> SideSpeeds:
+    """The motors' speeds one step later.
+
+    First-order motors, implicit Euler (stable for any dt). Both sides are slowed together at the
+    acceleration limit, so that the robot keeps its circle while it speeds up.
+    """
+    gain = dt / (drive.time_constant + dt)
+    left, right = targets.left - speeds.left, targets.right - speeds.right
+    largest = max(abs(left), abs(right))
+    if largest < _STANDSTILL:
+        return targets
+    gain = min(gain, drive.max_acceleration * dt / largest)
+    return SideSpeeds(speeds.left + gain * left, speeds.right + gain * right)
+
+
+def grip(
+    velocity: PlanarVelocity, speeds: SideSpeeds, model: RobotModel, largest: float
+) -> PlanarVelocity:
+    """The body's velocity after the tyres have pulled it for one step.
+
+    Without slip a tyre gives the impulse that makes the ground speeds at its contact those of the
+    wheel; with slip it gives the largest one in that direction.
+
+    Args:
+        velocity: Before.
+        speeds: Of the wheels.
+        model: Its track, mass and inertia.
+        largest: Largest impulse of a side: friction times load times step [N s].
+    """
+    mass, inertia, track = model.body.mass, model.body.inertia[2], model.drive.track
+    wanted_forward, wanted_turn_rate = body_velocity(speeds, track)
+    pull = mass * (wanted_forward - velocity.forward) / 2
+    twist = inertia * (wanted_turn_rate - velocity.turn_rate) / track
+    across = -mass * velocity.sideways / 2
+    left = _slip(pull - twist, across, largest)
+    right = _slip(pull + twist, across, largest)
+    along_left, along_right = left * (pull - twist), right * (pull + twist)
+    return PlanarVelocity(
+        velocity.forward + (along_left + along_right) / mass,
+        velocity.sideways + (left + right) * across / mass,
+        velocity.turn_rate + (along_right - along_left) * track / 2 / inertia,
+    )
+
+
+def _slip(along: float, across: float, largest: float) -> float:
+    """The factor that brings an impulse down to the largest possible one."""
+    impulse = math.hypot(along, across)
+    return 1.0 if impulse <= largest else largest / impulse
+
+
+class Wheels:
+    """The wheels of both sides: how fast they turn and how far they have turned.
+
+    Attributes:
+        speeds: Ground speeds [m/s].
+        left_angle: Since the start [rad].
+        right_angle: Since the start [rad].
+    """
+
+    __slots__ = ("left_angle", "right_angle", "speeds")
+
+    def __init__(self) -> None:
+        self.speeds = STOPPED
+        self.left_angle = 0.0
+        self.right_angle = 0.0
+
+    def turn(self, targets: SideSpeeds, drive: Drive, dt: float) -> None:
+        """Turn for one step, the motors following ``targets``."""
+        self.speeds = follow(self.speeds, targets, drive, dt)
+        self.left_angle += self.speeds.left * dt / drive.wheel_radius
+        self.right_angle += self.speeds.right * dt / drive.wheel_radius
+
+
+class Odometer:
+    """Where the robot would be if its wheels never slipped: dead reckoning from the encoders.
+
+    Attributes:
+        x: In the frame in which it started [m].
+        y: [m]
+        yaw: [rad], not wrapped.
+    """
+
+    __slots__ = ("x", "y", "yaw")
+
+    def __init__(self) -> None:
+        self.x = 0.0
+        self.y = 0.0
+        self.yaw = 0.0
+
+    def advance(self, speeds: SideSpeeds, track: float, dt: float) -> None:
+        """Go on for one step along the chord of its arc."""
+        forward, turn_rate = body_velocity(speeds, track)
+        heading = self.yaw + turn_rate * dt / 2
+        self.x += forward * dt * math.cos(heading)
+        self.y += forward * dt * math.sin(heading)
+        self.yaw += turn_rate * dt

@@ -1,0 +1,145 @@
+"""One robot of the running simulation: its body in the engine, its wheels and its command."""
+
+from lcmtools.errors import InvalidFile
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.sensor_msgs import JointState
+from lcmtools_sim.command import interpret
+from lcmtools_sim.drive import (
+    STOPPED,
+    Odometer,
+    PlanarVelocity,
+    SideSpeeds,
+    Wheels,
+    body_velocity,
+    grip,
+)
+from lcmtools_sim.robots import MODELS
+from lcmtools_sim.robots.model import Drive
+from lcmtools_sim.rotation import Vector, add, axes, components, cross, dot, scaled, turned
+from lcmtools_sim.scene import RobotPlacement, Scene
+from lcmtools_sim.sensors.sensor import RobotState, WheelState
+from lcmtools_sim.world import Motion, World
+
+_LIFTING_OFF = 0.2  # [m/s] along its own up axis: what stands on its wheels has none
+_START_OVERLAP = 0.02  # [m] that a robot may stand in something at the start
+_UPRIGHT = 0.5  # cosine of the tilt; further over, no wheel reaches the ground
+
+
+class Robot:
+    """Drives one body by the last command.
+
+    Args:
+        world: Where its body is put.
+        scene: Step, gravity and ground.
+        placement: Its model, namespace, start and timeout.
+    """
+
+    def __init__(self, world: World, scene: Scene, placement: RobotPlacement) -> None:
+        self.model = MODELS[placement.model]
+        self.namespace = placement.namespace
+        self._world = world
+        self._dt = scene.dt
+        self._timeout = placement.cmd_timeout
+        self._body = world.add_robot(self.namespace, self.model.body, placement.pose)
+        self._motion = world.motion(self._body)
+        friction = self.model.drive.tyre_friction * scene.ground.friction
+        side_load = self.model.body.mass * scene.gravity / 2  # [N]
+        self._largest_impulse = friction * side_load * scene.dt
+        self._wheels = Wheels()
+        self._odometer = Odometer()
+        self._targets = STOPPED
+        self._command_age = 0.0
+
+    def check_start(self, where: str) -> None:
+        """Refuse a start inside something else: the engine would throw the robot out.
+
+        Raises:
+            InvalidFile: Naming the other one, and ``where`` the world file puts the robot.
+        """
+        depth, other = self._world.overlap(self._body)
+        if depth > _START_OVERLAP:
+            raise InvalidFile(
+                f"{where}: the {self.model.name} {self.namespace} starts {depth:.2f} m inside"
+                f" {other}",
+                "change its pose",
+            )
+
+    def command(self, message: JointState | Twist) -> None:
+        """Obey a message until the next one comes or the timeout is over.
+
+        Raises:
+            ValueMismatch: It is no command; the last one stays.
+        """
+        self._targets = interpret(message, self.model)
+        self._command_age = 0.0
+
+    def drive(self) -> None:
+        """Turn the wheels and let them pull the body, before the engine's step."""
+        drive = self.model.drive
+        self._wheels.turn(self._obeyed_targets(), drive, self._dt)
+        self._odometer.advance(self._wheels.speeds, drive.track, self._dt)
+        velocity, turning = self._pulled(self._motion)
+        self._world.set_velocity(self._body, velocity, turning)
+
+    def observe(self) -> None:
+        """Look at the body, after the engine's step."""
+        self._motion = self._world.motion(self._body)
+
+    def state(self, time: int) -> RobotState:
+        """What its sensors may measure; ``time`` in simulated nanoseconds."""
+        motion, body = self._motion, self.model.body
+        frame = axes(motion.rotation)
+        base_link = scaled(frame[2], body.base_height - body.centre_of_mass)
+        velocity = add(motion.velocity, cross(motion.turning, base_link))
+        return RobotState(
+            time=time,
+            position=add(motion.position, base_link),
+            rotation=motion.rotation,
+            velocity=components(velocity, frame),
+            turning=components(motion.turning, frame),
+            wheels=_wheel_states(self._wheels, self._targets, self.model.drive),
+            reckoned_pose=(self._odometer.x, self._odometer.y, self._odometer.yaw),
+            reckoned_speed=body_velocity(self._wheels.speeds, self.model.drive.track),
+        )
+
+    def _obeyed_targets(self) -> SideSpeeds:
+        """The last command's, until it is too old."""
+        if self._timeout is not None:
+            if self._command_age >= self._timeout:
+                self._targets = STOPPED
+            self._command_age += self._dt
+        return self._targets
+
+    def _pulled(self, motion: Motion) -> tuple[Vector, Vector]:
+        """Velocity and angular velocity in the world after the tyres' pull.
+
+        The pull acts along the heading in the middle of the step, so that the engine's straight
+        steps are the chords of the arc that the robot drives.
+        """
+        _, turn_rate = body_velocity(self._wheels.speeds, self.model.drive.track)
+        forward, left, up = turned(axes(motion.rotation), turn_rate * self._dt / 2)
+        if up[2] < _UPRIGHT or abs(dot(motion.velocity, up)) > _LIFTING_OFF:
+            return motion.velocity, motion.turning
+        before = PlanarVelocity(
+            dot(motion.velocity, forward), dot(motion.velocity, left), dot(motion.turning, up)
+        )
+        after = grip(before, self._wheels.speeds, self.model, self._largest_impulse)
+        along = scaled(forward, after.forward - before.forward)
+        across = scaled(left, after.sideways - before.sideways)
+        turn = scaled(up, after.turn_rate - before.turn_rate)
+        return add(motion.velocity, add(along, across)), add(motion.turning, turn)
+
+
+def _wheel_states(
+    wheels: Wheels, targets: SideSpeeds, drive: Drive
+) -> tuple[WheelState, WheelState]:
+    """What encoders and motor drivers report of both sides."""
+    left, right = (
+        WheelState(
+            angle, speed / drive.wheel_radius, max(-1.0, min(1.0, target / drive.full_speed))
+        )
+        for angle, speed, target in zip(
+            (wheels.left_angle, wheels.right_angle), wheels.speeds, targets, strict=True
+        )
+    )
+    return left, right

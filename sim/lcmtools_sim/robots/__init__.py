@@ -1,0 +1,7 @@
+"""The robot models, one file each; a world file names them by their key here."""
+
+from lcmtools_sim.robots.husky import HUSKY
+from lcmtools_sim.robots.model import RobotModel
+
+MODELS: dict[str, RobotModel] = {model.name: model for model in (HUSKY,)}
+"""Every model by its name."""

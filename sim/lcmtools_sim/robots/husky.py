@@ -1,0 +1,94 @@
+"""Clearpath's Husky A200.
+
+Dimensions, masses, limits and the wheel_separation_multiplier are those of the public ROS
+packages of the robot (husky/husky, noetic: husky.urdf.xacro, wheel.urdf.xacro, control.yaml).
+"""
+
+from lcmtools_sim.robots.model import Body, Cuboid, Drive, Mesh, RobotModel, SensorMount
+
+WHEEL_RADIUS = 0.1651
+WHEEL_WIDTH = 0.1143
+WHEELBASE = 0.5120
+TRACK = 0.5708
+TRACK_MULTIPLIER = 1.875
+"""A skid-steered robot turns slower than its wheels say, as if they stood this much wider."""
+
+_BASE_HEIGHT = 0.13228
+_CHASSIS = (0.9874, 0.5709, 0.2475)
+_CHASSIS_MASS = 46.034
+_CHASSIS_INERTIA = (0.6022, 1.7386, 2.0296)
+_WHEEL_MASS = 2.637
+_WHEEL_INERTIA = (0.02467, 0.04411, 0.02467)
+_CENTRE_OF_MASS = 0.19  # of chassis and wheels together
+_GROUND_CLEARANCE = 0.03  # of the wheels' collision boxes; the feet reach the ground
+
+_CORNERS = tuple((x * WHEELBASE / 2, y * TRACK / 2) for x in (1, -1) for y in (1, -1))
+
+
+def _inertia() -> tuple[float, float, float]:
+    """Chassis and four wheels about their common centre, by the parallel axis theorem."""
+    a, b = WHEELBASE / 2, TRACK / 2
+    offsets = (b * b, a * a, a * a + b * b)
+    x, y, z = (
+        chassis + 4 * (wheel + _WHEEL_MASS * offset)
+        for chassis, wheel, offset in zip(_CHASSIS_INERTIA, _WHEEL_INERTIA, offsets, strict=True)
+    )
+    return x, y, z
+
+
+def _wheels(side: int) -> Cuboid:
+    """The box around the two wheels of a side (left 1, right -1)."""
+    height = 2 * (WHEEL_RADIUS - _GROUND_CLEARANCE)
+    length = WHEELBASE + 2 * WHEEL_RADIUS
+    return Cuboid((length, WHEEL_WIDTH, height), (0.0, side * TRACK / 2, WHEEL_RADIUS))
+
+
+HUSKY = RobotModel(
+    name="husky",
+    body=Body(
+        mass=_CHASSIS_MASS + 4 * _WHEEL_MASS,
+        inertia=_inertia(),
+        centre_of_mass=_CENTRE_OF_MASS,
+        base_height=_BASE_HEIGHT,
+        cuboids=(
+            Cuboid(_CHASSIS, (0.0, 0.0, _BASE_HEIGHT + _CHASSIS[2] / 2)),
+            _wheels(1),
+            _wheels(-1),
+        ),
+        feet=_CORNERS,
+        foot_radius=0.05,
+        meshes=(
+            Mesh("husky/meshes/base_link.stl", (0.0, 0.0, _BASE_HEIGHT)),
+            Mesh(
+                "husky/meshes/top_plate.stl",
+                (0.0, 0.0, _BASE_HEIGHT),
+                color=(0.8, 0.8, 0.1),
+            ),
+            Mesh("husky/meshes/user_rail.stl", (0.272, 0.0, _BASE_HEIGHT + 0.245)),
+            Mesh("husky/meshes/bumper.stl", (0.48, 0.0, _BASE_HEIGHT + 0.091)),
+            Mesh(
+                "husky/meshes/bumper.stl",
+                (-0.48, 0.0, _BASE_HEIGHT + 0.091),
+                (0.0, 0.0, 1.0, 0.0),
+            ),
+            *(Mesh("husky/meshes/wheel.stl", (x, y, WHEEL_RADIUS)) for x, y in _CORNERS),
+        ),
+    ),
+    drive=Drive(
+        wheel_radius=WHEEL_RADIUS,
+        track=TRACK * TRACK_MULTIPLIER,
+        full_speed=1.0,
+        max_speed=1.0,
+        max_turn_rate=2.0,
+        max_acceleration=3.0,
+        time_constant=0.15,
+        tyre_friction=0.8,
+    ),
+    left_wheels=("left", "front_left_wheel", "rear_left_wheel"),
+    right_wheels=("right", "front_right_wheel", "rear_right_wheel"),
+    sensors=(
+        SensorMount("odometry", "odometry", 50.0),
+        SensorMount("wheel_states", "wheel_velocities", 50.0),
+        SensorMount("ground_truth", "ground_truth", 50.0),
+    ),
+)

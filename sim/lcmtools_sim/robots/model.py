@@ -1,0 +1,107 @@
+"""What a robot model consists of: its body, wheels, limits and sensors, as frozen values.
+
+All positions are given in base_footprint: on the ground, in the middle between the wheels, x
+forward, y left, z up. How these values move is drive.py's business, how they collide world.py's.
+"""
+
+from dataclasses import dataclass
+
+from lcmtools_sim.rotation import Quaternion, Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Cuboid:
+    """A part of the body that other things collide with: length, width, height and centre [m]."""
+
+    size: Vector
+    centre: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Mesh:
+    """A part of the body that is seen in the window: a file of pybullet_data and where it is."""
+
+    file: str
+    position: Vector
+    rotation: Quaternion = (0.0, 0.0, 0.0, 1.0)
+    color: Vector = (0.2, 0.2, 0.2)
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A rigid body that slides on feet without friction; its tyres are drive.py's business.
+
+    Attributes:
+        mass: [kg], wheels included.
+        inertia: About x, y, z through the centre of mass [kg m^2].
+        centre_of_mass: Height above the ground [m]; it lies in the middle between the wheels.
+        base_height: Of base_link above the ground [m].
+        cuboids: What collides.
+        feet: (x, y) of the points that it stands on [m].
+        foot_radius: [m]
+        meshes: What is seen.
+    """
+
+    mass: float
+    inertia: Vector
+    centre_of_mass: float
+    base_height: float
+    cuboids: tuple[Cuboid, ...]
+    feet: tuple[tuple[float, float], ...]
+    foot_radius: float
+    meshes: tuple[Mesh, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """Two driven sides, their motors and their tyres.
+
+    Attributes:
+        wheel_radius: [m]
+        track: Distance at which two ideal wheels would turn the robot as its own do [m].
+        full_speed: Ground speed of a side at effort 1 [m/s].
+        max_speed: Highest forward speed that is obeyed [m/s].
+        max_turn_rate: Highest turn rate that is obeyed [rad/s].
+        max_acceleration: Of a side [m/s^2].
+        time_constant: Of the motors [s].
+        tyre_friction: Coulomb coefficient on ground of friction 1.
+    """
+
+    wheel_radius: float
+    track: float
+    full_speed: float
+    max_speed: float
+    max_turn_rate: float
+    max_acceleration: float
+    time_constant: float
+    tyre_friction: float
+
+
+@dataclass(frozen=True, slots=True)
+class SensorMount:
+    """A sensor that a robot carries: its kind (a key of sensors.SENSORS), topic and rate [Hz]."""
+
+    kind: str
+    topic: str
+    rate: float
+
+
+@dataclass(frozen=True, slots=True)
+class RobotModel:
+    """A kind of robot.
+
+    Attributes:
+        name: As world files say it.
+        body: What collides and is seen.
+        drive: What moves it.
+        left_wheels: Names that commands may use for the left side, the usual one first.
+        right_wheels: Names for the right side, in the same order.
+        sensors: What it publishes.
+    """
+
+    name: str
+    body: Body
+    drive: Drive
+    left_wheels: tuple[str, ...]
+    right_wheels: tuple[str, ...]
+    sensors: tuple[SensorMount, ...]

@@ -1,0 +1,79 @@
+"""Rotations in space as quaternions (x, y, z, w), and the axes that they turn.
+
+Plain functions of tuples: for one vector at a time they are faster than arrays. Frames are
+right-handed, x forward, y left, z up (REP-103).
+"""
+
+import math
+
+Vector = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+
+def from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
+    """The rotation about the fixed axes x, y, z, in this order [rad]."""
+    cr, sr = math.cos(roll / 2), math.sin(roll / 2)
+    cp, sp = math.cos(pitch / 2), math.sin(pitch / 2)
+    cy, sy = math.cos(yaw / 2), math.sin(yaw / 2)
+    return (
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+        cr * cp * cy + sr * sp * sy,
+    )
+
+
+def axes(rotation: Quaternion) -> tuple[Vector, Vector, Vector]:
+    """Where the rotation brings forward, left and up: the columns of its matrix."""
+    x, y, z, w = rotation
+    return (
+        (1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)),
+        (2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)),
+        (2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)),
+    )
+
+
+def yaw_of(rotation: Quaternion) -> float:
+    """The heading [rad]: the angle of the turned x axis in the plane, counter-clockwise."""
+    x, y, z, w = rotation
+    return math.atan2(2 * (x * y + w * z), 1 - 2 * (y * y + z * z))
+
+
+def dot(a: Vector, b: Vector) -> float:
+    """The scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """The vector product."""
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+def add(a: Vector, b: Vector) -> Vector:
+    """The sum."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def scaled(vector: Vector, factor: float) -> Vector:
+    """A vector ``factor`` times as long."""
+    return vector[0] * factor, vector[1] * factor, vector[2] * factor
+
+
+def components(vector: Vector, frame: tuple[Vector, Vector, Vector]) -> Vector:
+    """A vector of the world as seen in a frame with these axes."""
+    return dot(vector, frame[0]), dot(vector, frame[1]), dot(vector, frame[2])
+
+
+def turned(frame: tuple[Vector, Vector, Vector], angle: float) -> tuple[Vector, Vector, Vector]:
+    """A frame's axes after it has turned about its own up axis [rad]."""
+    forward, left, up = frame
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return (
+        add(scaled(forward, cosine), scaled(left, sine)),
+        add(scaled(left, cosine), scaled(forward, -sine)),
+        up,
+    )

@@ -1,0 +1,60 @@
+"""The worlds that come with the simulator, and finding a world by name or file.
+
+Only files are read here; what they say is world_file.py's business.
+"""
+
+from importlib.resources import files
+from pathlib import Path
+
+from lcmtools.errors import InvalidFile, UsageError
+from lcmtools.names import did_you_mean
+
+ALIASES = {"lab_0123_world": "husky", "lab_0123_world.py": "husky"}
+"""Names that the labs' texts use."""
+
+
+def world_names() -> list[str]:
+    """The names of the worlds that come with the simulator."""
+    names = (entry.name for entry in files(__name__).iterdir())
+    return sorted(name.removesuffix(".yaml") for name in names if name.endswith(".yaml"))
+
+
+def describe(name: str) -> str:
+    """What a world that comes with the simulator is: the comment in its first line."""
+    return _packaged(name).partition("\n")[0].removeprefix("#").strip()
+
+
+def find_world(world: str) -> tuple[str, str]:
+    """A world file's text and what messages call it.
+
+    Args:
+        world: The name of one that comes with the simulator, or a file: what has a slash in it or
+            ends with .yaml or .yml.
+
+    Raises:
+        UsageError: There is no world of this name.
+        InvalidFile: The file cannot be read.
+    """
+    if "/" in world or world.endswith((".yaml", ".yml")):
+        return _read(Path(world)), world
+    name = ALIASES.get(world, world)
+    if name not in world_names():
+        hint = did_you_mean(world, [*world_names(), *ALIASES])
+        raise UsageError(
+            f"there is no world '{world}'",
+            hint or f"worlds: {', '.join(world_names())}; or give a file, ./{world}.yaml",
+        )
+    return _packaged(name), f"{name}.yaml"
+
+
+def _packaged(name: str) -> str:
+    return files(__name__).joinpath(f"{name}.yaml").read_text(encoding="utf-8")
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise InvalidFile(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise InvalidFile(f"{path}: is not UTF-8 text (byte {error.start})") from None

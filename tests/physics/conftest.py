@@ -1,0 +1,50 @@
+"""What the physics tests share: worlds in the engine, without a bus and without a wall clock."""
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+
+import pytest
+
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.sensor_msgs import JointState
+from lcmtools_sim.scene import Box, Pose, RobotPlacement, Scene
+from lcmtools_sim.simulation import Simulation
+
+START = Pose()
+
+
+@pytest.fixture
+def simulate() -> Iterator[Callable[..., Simulation]]:
+    """Makes simulations of one Husky (or the scene given), ended with the test."""
+    with ExitStack() as owned:
+
+        def make(*boxes: Box, pose: Pose = START, scene: Scene | None = None) -> Simulation:
+            robots = (RobotPlacement("husky", "/husky0", pose),)
+            scene = scene or Scene("test", boxes=boxes, robots=robots)
+            return owned.enter_context(Simulation(scene))
+
+        yield make
+
+
+@pytest.fixture
+def effort() -> Callable[[float, float], JointState]:
+    """Makes effort commands for left and right."""
+
+    def make(left: float, right: float) -> JointState:
+        message = JointState()
+        message.name, message.effort = ["left", "right"], [left, right]
+        return message
+
+    return make
+
+
+@pytest.fixture
+def twist() -> Callable[[float, float], Twist]:
+    """Makes velocity commands of forward speed [m/s] and turn rate [rad/s]."""
+
+    def make(forward: float, turn_rate: float) -> Twist:
+        message = Twist()
+        message.linear.x, message.angular.z = forward, turn_rate
+        return message
+
+    return make

@@ -1,0 +1,205 @@
+"""Walls stop a Husky, boxes are pushed, and another robot is another robot. Metres, m/s, kg."""
+
+import math
+from collections.abc import Callable
+
+import pytest
+
+from lcmtools.errors import InvalidFile
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.sensor_msgs import JointState
+from lcmtools_sim.rotation import axes, yaw_of
+from lcmtools_sim.scene import Box, Pose, RobotPlacement, Scene
+from lcmtools_sim.sensors.sensor import RobotState
+from lcmtools_sim.simulation import Simulation
+from lcmtools_sim.world_file import read_scene
+from lcmtools_sim.worlds import find_world
+
+Simulate = Callable[..., Simulation]
+Effort = Callable[[float, float], JointState]
+Steer = Callable[[float, float], Twist]
+
+FRONT = 0.9874 / 2
+WALL = Box("wall", (0.2, 10, 1), Pose(3.1, 0, 0.5))
+
+
+def states(simulation: Simulation, seconds: float, robot: int = 0) -> list[RobotState]:
+    found = []
+    for _ in range(round(seconds / simulation.scene.dt)):
+        simulation.step()
+        found.append(simulation.robots[robot].state(simulation.time))
+    return found
+
+
+def tilt(state: RobotState) -> float:
+    """Angle of the robot's up axis to the vertical [rad]."""
+    up = axes(state.rotation)[2]
+    return math.atan2(math.hypot(up[0], up[1]), up[2])
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.3, math.pi])
+def test_a_wall_stops_it_at_contact_without_pitching(
+    simulate: Simulate, effort: Effort, yaw: float
+) -> None:
+    simulation = simulate(WALL, pose=Pose(0, 0, 0, yaw=yaw))
+    share = -1.0 if yaw == math.pi else 1.0  # backwards
+    simulation.robots[0].command(effort(share, share))
+
+    run = states(simulation, 8.0)
+
+    assert max(state.position[0] for state in run) < 3.0 - FRONT + 0.01
+    assert max(map(tilt, run)) < math.radians(0.5)
+    assert run[-1].position[2] == pytest.approx(0.13228, abs=0.001)
+    if yaw != 0.3:
+        assert run[-1].position[0] == pytest.approx(3.0 - FRONT, abs=0.01)
+        assert run[-1].velocity == pytest.approx((0, 0, 0), abs=0.001)
+
+
+def test_its_wheels_slip_at_a_wall_so_that_odometry_runs_ahead_of_the_truth(
+    simulate: Simulate, effort: Effort
+) -> None:
+    simulation = simulate(WALL)
+    simulation.robots[0].command(effort(1, 1))
+
+    end = states(simulation, 8.0)[-1]
+
+    assert end.reckoned_pose[0] == pytest.approx(7.8, abs=0.02)
+    assert end.position[0] == pytest.approx(2.506, abs=0.01)
+
+
+def test_it_comes_away_from_a_wall(simulate: Simulate, effort: Effort) -> None:
+    simulation = simulate(WALL)
+    simulation.robots[0].command(effort(1, 1))
+    states(simulation, 5.0)
+    simulation.robots[0].command(effort(-0.5, -0.5))
+
+    end = states(simulation, 4.0)[-1]
+
+    assert end.position[0] < 1.0
+    assert end.velocity[0] == pytest.approx(-0.5, rel=0.01)
+
+
+def test_a_thin_wall_does_not_let_it_through_at_twice_the_step(
+    simulate: Simulate, effort: Effort
+) -> None:
+    # A sheet of 10 mm; the fastest robot goes 8 mm in such a step.
+    thin = Box("sheet", (0.01, 10, 1), Pose(3, 0, 0.5))
+    scene = Scene("thin", dt=1 / 120, boxes=(thin,), robots=(RobotPlacement("husky", "/a"),))
+    simulation = simulate(scene=scene)
+    simulation.robots[0].command(effort(1, 1))
+
+    assert max(state.position[0] for state in states(simulation, 8.0)) < 3.0 - FRONT + 0.01
+
+
+def test_it_pushes_a_box_of_20_kg_at_nearly_full_speed(simulate: Simulate, effort: Effort) -> None:
+    crate = Box("crate", (0.6, 0.6, 0.6), Pose(2, 0, 0.3), mass=20, friction=0.6)
+    simulation = simulate(crate)
+    simulation.robots[0].command(effort(1, 1))
+
+    run = states(simulation, 6.0)
+
+    assert run[-1].velocity[0] == pytest.approx(1.0, rel=0.05)
+    assert max(map(tilt, run)) < math.radians(2)
+
+
+def test_it_stalls_at_a_box_of_100_kg_whose_friction_is_above_its_own(
+    simulate: Simulate, effort: Effort
+) -> None:
+    # 100 kg x 0.9 x 9.81 = 883 N against 56.6 kg x 0.8 x 9.81 = 444 N.
+    block = Box("block", (0.6, 0.6, 0.6), Pose(2, 0, 0.3), mass=100, friction=0.9)
+    simulation = simulate(block)
+    simulation.robots[0].command(effort(1, 1))
+
+    end = states(simulation, 6.0)[-1]
+
+    assert end.position[0] == pytest.approx(2 - 0.3 - FRONT, abs=0.1)
+    assert end.velocity[0] == pytest.approx(0.0, abs=0.02)
+
+
+def test_the_labs_world_leaves_its_straight_run_and_its_circles_free(
+    simulate: Simulate, effort: Effort, twist: Steer
+) -> None:
+    scene = read_scene(*find_world("husky"))
+    straight = simulate(scene=scene)
+    straight.robots[0].command(effort(1, 1))
+    assert states(straight, 10.5)[-1].position[0] == pytest.approx(10.3, abs=0.05)
+
+    for turn_rate in (0.3, -0.3):
+        circle = simulate(scene=scene)
+        circle.robots[0].command(twist(0.5, turn_rate))
+        end = states(circle, 21.0)[-1]
+        assert math.dist(end.position[:2], end.reckoned_pose[:2]) < 0.01
+
+
+def test_the_labs_yard_is_closed(simulate: Simulate, effort: Effort) -> None:
+    scene = read_scene(*find_world("husky"))
+    simulation = simulate(scene=scene)
+    simulation.robots[0].command(effort(1, 1))
+
+    end = states(simulation, 20.0)[-1]
+
+    assert end.position[0] == pytest.approx(14 - 0.1 - FRONT, abs=0.01)
+
+
+def test_two_robots_apart_do_not_influence_each_other(
+    simulate: Simulate, effort: Effort, twist: Steer
+) -> None:
+    pair = (
+        RobotPlacement("husky", "/husky0", Pose()),
+        RobotPlacement("husky", "/husky1", Pose(0, 5, 0, yaw=1.0)),
+    )
+    both = simulate(scene=Scene("pair", robots=pair))
+    alone = simulate(scene=Scene("alone", robots=pair[:1]))
+    for simulation in (both, alone):
+        simulation.robots[0].command(twist(0.5, 0.3))
+    both.robots[1].command(effort(-1, -1))
+
+    together, single = states(both, 5.0)[-1], states(alone, 5.0)[-1]
+
+    assert together.position == pytest.approx(single.position, abs=1e-6)
+    assert yaw_of(together.rotation) == pytest.approx(yaw_of(single.rotation), abs=1e-6)
+    other = both.robots[1].state(both.time)
+    assert other.velocity[0] == pytest.approx(-1.0, rel=0.02)
+
+
+def test_two_robots_that_meet_do_not_drive_through_each_other(
+    simulate: Simulate, effort: Effort
+) -> None:
+    pair = (
+        RobotPlacement("husky", "/a", Pose()),
+        RobotPlacement("husky", "/b", Pose(4, 0, 0, yaw=math.pi)),
+    )
+    simulation = simulate(scene=Scene("meeting", robots=pair))
+    for robot in simulation.robots:
+        robot.command(effort(1, 1))
+
+    states(simulation, 6.0)
+
+    first, second = (robot.state(0).position for robot in simulation.robots)
+    assert math.dist(first, second) > 2 * FRONT - 0.02
+
+
+def test_a_robot_that_starts_slightly_inside_a_wall_is_pushed_out(simulate: Simulate) -> None:
+    simulation = simulate(Box("block", (1, 1, 1), Pose(FRONT + 0.5 - 0.015, 0, 0.5)))
+
+    end = states(simulation, 2.0)[-1]
+
+    assert end.position[0] == pytest.approx(-0.015, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("box", "pose", "other"),
+    [
+        (Box("block", (1, 1, 1), Pose(1, 0, 0.5)), Pose(0.3, 0), "0.29 m inside block"),
+        (Box("block", (1, 1, 1), Pose(5, 0, 0.5)), Pose(0, 0, -0.1), "0.10 m inside the ground"),
+    ],
+)
+def test_a_robot_that_starts_inside_something_is_refused_with_its_line(
+    simulate: Simulate, box: Box, pose: Pose, other: str
+) -> None:
+    robot = RobotPlacement("husky", "/husky0", pose, where="yard.yaml:7")
+
+    with pytest.raises(InvalidFile) as caught:
+        simulate(scene=Scene("yard", boxes=(box,), robots=(robot,)))
+
+    assert str(caught.value) == (f"yard.yaml:7: the husky /husky0 starts {other}; change its pose")

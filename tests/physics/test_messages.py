@@ -1,0 +1,168 @@
+"""What a running simulation publishes: topics, rates, frames, stamps and values."""
+
+import math
+from collections import Counter
+from collections.abc import Callable
+
+import pytest
+
+from lcmtools.clock import join_stamp
+from lcmtools.errors import ValueMismatch
+from lcmtools.messages.codec import encode
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.rosgraph_msgs import Clock
+from lcmtools.types.sensor_msgs import JointState
+from lcmtools_sim.scene import Pose, RobotPlacement, Scene
+from lcmtools_sim.simulation import Sample, Simulation
+
+Simulate = Callable[..., Simulation]
+Effort = Callable[[float, float], JointState]
+Steer = Callable[[float, float], Twist]
+
+
+def run(simulation: Simulation, seconds: float) -> list[list[Sample]]:
+    return [simulation.step() for _ in range(round(seconds / simulation.scene.dt))]
+
+
+def last(steps: list[list[Sample]], topic: str) -> Sample:
+    return next(s for samples in reversed(steps) for s in samples if s.topic == topic)
+
+
+def test_rates_are_exact_over_ten_seconds(simulate: Simulate) -> None:
+    steps = run(simulate(), 10.0)
+
+    assert Counter(sample.topic for samples in steps for sample in samples) == {
+        "/clock": 500,
+        "/husky0/odometry": 500,
+        "/husky0/wheel_velocities": 500,
+        "/husky0/ground_truth": 500,
+    }
+
+
+def test_topics_and_types_are_known_before_the_first_step(simulate: Simulate) -> None:
+    assert simulate().topics() == {
+        "/clock": Clock,
+        "/husky0/odometry": Odometry,
+        "/husky0/wheel_velocities": JointState,
+        "/husky0/ground_truth": Odometry,
+    }
+
+
+def test_a_robot_in_the_root_namespace_has_plain_topics_and_frames(simulate: Simulate) -> None:
+    simulation = simulate(scene=Scene("root", robots=(RobotPlacement("husky", "/"),)))
+
+    odometry = last(run(simulation, 0.1), "/odometry").message
+
+    assert isinstance(odometry, Odometry)
+    assert (odometry.header.frame_id, odometry.child_frame_id) == ("odom", "base_link")
+
+
+def test_all_messages_of_a_step_carry_its_time(simulate: Simulate) -> None:
+    simulation = simulate()
+    for step in range(1, 241):
+        for sample in simulation.step():
+            message = sample.message
+            stamp = message.clock if isinstance(message, Clock) else message.header.stamp
+            assert join_stamp(stamp.sec, stamp.nsec) == round(step * 1e9 / 240)
+    assert simulation.time == 1_000_000_000
+
+
+def test_the_clock_is_never_behind_a_stamp(simulate: Simulate) -> None:
+    simulation = simulate(scene=Scene("fine", dt=0.003, robots=(RobotPlacement("husky", "/a"),)))
+
+    for samples in run(simulation, 1.0):
+        assert not samples or samples[0].topic == "/clock"
+
+
+def test_odometry_says_pose_twist_frames_and_covariances(simulate: Simulate, twist: Steer) -> None:
+    simulation = simulate(pose=Pose(1, 2, 0, yaw=1.0))
+    simulation.robots[0].command(twist(0.5, 0.3))
+
+    message = last(run(simulation, 4.0), "/husky0/odometry").message
+
+    assert isinstance(message, Odometry)
+    assert message.header.frame_id == "husky0/odom"
+    assert message.child_frame_id == "husky0/base_link"
+    assert message.twist.twist.linear.x == pytest.approx(0.5, rel=0.001)
+    assert message.twist.twist.angular.z == pytest.approx(0.3, rel=0.001)
+    assert message.twist.twist.linear.y == 0
+    yaw = 2 * math.atan2(message.pose.pose.orientation.z, message.pose.pose.orientation.w)
+    assert yaw == pytest.approx(0.3 * 4, abs=0.06)
+    diagonal = [message.pose.covariance[i * 7] for i in range(6)]
+    assert diagonal == [0.001] * 5 + [0.03]
+    assert sum(message.pose.covariance) == pytest.approx(0.035)
+    assert message.twist.covariance == message.pose.covariance
+
+
+def test_ground_truth_is_in_the_world_and_its_twist_in_the_robot(
+    simulate: Simulate, effort: Effort
+) -> None:
+    simulation = simulate(pose=Pose(1, 2, 0, yaw=math.pi / 2))
+    simulation.robots[0].command(effort(1, 1))
+
+    message = last(run(simulation, 3.0), "/husky0/ground_truth").message
+
+    assert isinstance(message, Odometry)
+    assert (message.header.frame_id, message.child_frame_id) == ("world", "husky0/base_link")
+    position = message.pose.pose.position
+    assert (position.x, position.y, position.z) == pytest.approx((1, 4.8, 0.13228), abs=0.01)
+    assert message.pose.pose.orientation.z == pytest.approx(math.sqrt(0.5), abs=1e-3)
+    assert message.twist.twist.linear.x == pytest.approx(1.0, rel=0.02)
+    assert message.twist.twist.linear.y == pytest.approx(0.0, abs=0.001)
+
+
+def test_wheel_velocities_are_left_then_right(simulate: Simulate, effort: Effort) -> None:
+    simulation = simulate()
+    simulation.robots[0].command(effort(0.5, 1.0))
+
+    message = last(run(simulation, 3.0), "/husky0/wheel_velocities").message
+
+    assert isinstance(message, JointState)
+    assert message.header.frame_id == "husky0/base_link"
+    assert message.name == ["left", "right"]
+    assert message.velocity == pytest.approx([3.028, 6.057], rel=0.001)
+    assert message.effort == [0.5, 1.0]
+    assert message.position[1] == pytest.approx(2 * message.position[0], rel=0.001)
+
+
+def test_every_message_can_be_encoded(simulate: Simulate) -> None:
+    for samples in run(simulate(), 0.1):
+        for sample in samples:
+            assert len(encode(sample.message)) > 8
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [(math.nan, 1.0), (math.inf, math.inf), (1.0,), (1.0, 1.0, 1.0), ()],
+)
+def test_a_bad_command_changes_nothing_and_the_robot_stays_finite(
+    simulate: Simulate, effort: Effort, bad: tuple[float, ...]
+) -> None:
+    simulation = simulate()
+    robot = simulation.robots[0]
+    robot.command(effort(1, 1))
+    run(simulation, 2.0)
+    message = JointState()
+    message.effort = bad
+
+    with pytest.raises(ValueMismatch):
+        robot.command(message)
+    run(simulation, 1.0)
+
+    state = robot.state(simulation.time)
+    assert all(map(math.isfinite, (*state.position, *state.velocity, *state.reckoned_pose)))
+    assert state.velocity[0] == pytest.approx(1.0, rel=0.02)
+
+
+def test_absurdly_large_commands_are_obeyed_within_the_limits(
+    simulate: Simulate, twist: Steer
+) -> None:
+    simulation = simulate()
+    simulation.robots[0].command(twist(1e308, -1e308))
+
+    run(simulation, 3.0)
+
+    state = simulation.robots[0].state(simulation.time)
+    assert state.velocity[0] == pytest.approx(1.0, rel=0.02)
+    assert state.turning[2] == pytest.approx(-1.0, rel=0.02)

@@ -1,0 +1,162 @@
+"""The simulator as a process on a bus: it is steered, watched and ended from outside."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+
+import pytest
+
+import lcmtools
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.sensor_msgs import JointState
+from lcmtools.types.std_msgs import String
+
+Start = Callable[..., subprocess.Popen[str]]
+
+
+@pytest.fixture
+def url() -> str:
+    """A bus of this test's own, which stays on this computer."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("", 0))
+        return f"udpm://239.255.76.67:{free.getsockname()[1]}?ttl=0"
+
+
+@pytest.fixture
+def start(url: str) -> Iterator[Start]:
+    """Starts simulators on the bus and ends those that still run."""
+    running: list[subprocess.Popen[str]] = []
+
+    def run(*arguments: str, environment: Mapping[str, str] | None = None) -> subprocess.Popen[str]:
+        command = [sys.executable, "-m", "lcmtools_sim", *arguments, "--lcm-url", url]
+        merged = {**os.environ, **(environment or {})}
+        running.append(subprocess.Popen(command, stdout=-1, stderr=-1, text=True, env=merged))
+        return running[-1]
+
+    yield run
+    for process in running:
+        process.kill()
+        process.communicate()
+
+
+@pytest.fixture
+def node(url: str) -> Iterator[lcmtools.Node]:
+    """A node beside the simulator."""
+    lcmtools.init([], url=url)
+    with lcmtools.Node("test") as node:
+        yield node
+    lcmtools.shutdown()
+
+
+def spin_until(node: lcmtools.Node, done: Callable[[], object]) -> None:
+    deadline = time.monotonic() + 20
+    while not done():
+        assert time.monotonic() < deadline, "waited 20 s in vain"
+        lcmtools.spin_once(node, 0.1)
+
+
+def wait_for_start(process: subprocess.Popen[str]) -> str:
+    """The line that it says when it is on the bus."""
+    assert process.stderr is not None
+    return process.stderr.readline()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_it_ends_on_a_signal_within_a_second_quietly_and_with_0(
+    start: Start, number: signal.Signals
+) -> None:
+    process = start()
+    line = wait_for_start(process)
+
+    asked = time.monotonic()
+    process.send_signal(number)
+    out, error = process.communicate(timeout=10)
+
+    assert time.monotonic() - asked < 1.0
+    assert (process.returncode, out, error) == (0, "", "")
+    assert line.endswith("[/morse]: simulating husky: husky /husky0; 11 boxes and walls\n")
+
+
+def test_it_runs_in_real_time_and_ends_after_its_duration(start: Start) -> None:
+    process = start("--duration", "2")
+    wait_for_start(process)
+    begun = time.monotonic()
+
+    out, error = process.communicate(timeout=20)
+
+    assert time.monotonic() - begun == pytest.approx(2.0, abs=0.4)
+    assert (process.returncode, out, error) == (0, "", "")
+
+
+def test_it_obeys_commands_warns_of_bad_ones_and_goes_on(start: Start, node: lcmtools.Node) -> None:
+    process = start("--rate", "4", "__name:=driver")
+    assert "[/driver]: simulating" in wait_for_start(process)
+    speeds: list[float] = []
+    node.create_subscription(
+        Odometry, "/husky0/odometry", lambda m: speeds.append(m.twist.twist.linear.x)
+    )
+    spin_until(node, lambda: speeds)
+    command = JointState()
+    command.name, command.effort = ["left", "right"], [1, 1]
+    good = node.create_publisher(JointState, "/husky0/wheel_cmd")
+    good.publish(command)
+    spin_until(node, lambda: speeds[-1] > 0.98)
+
+    command.effort = [float("nan"), 1.0]
+    for _ in range(3):
+        good.publish(command)
+    node.create_publisher(String, "/husky0/wheel_velocity_cmd").publish(String())
+    count = len(speeds)
+    spin_until(node, lambda: len(speeds) > count + 20)
+    process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=10)
+
+    assert speeds[-1] == pytest.approx(1.0, rel=0.02)
+    assert process.returncode == 0
+    first, second = sorted(line.partition("/driver]: ")[2] for line in error.splitlines())
+    assert first.startswith("/husky0/wheel_cmd: command ignored: effort[0] is nan")
+    assert "/husky0/wheel_velocity_cmd: message ignored: expected" in second
+
+
+def test_a_bad_world_and_a_bad_option_are_one_line_and_exit_code_2(
+    start: Start, tmp_path: Path
+) -> None:
+    world = tmp_path / "bad.yaml"
+    world.write_text("robots:\n- {model: husky, namespace: a}\nobjekts: []\n")
+
+    for arguments, reason in (
+        ([str(world)], f"{world}:3: unknown key 'objekts' in 'world'; did you mean objects?"),
+        (["--rate", "x"], "argument --rate: must be times real time, 0 or more, not 'x'; "),
+    ):
+        process = start(*arguments)
+        out, error = process.communicate(timeout=20)
+        assert (process.returncode, out, error.count("\n")) == (2, "", 1)
+        assert error.startswith(f"lcmtools run sim: {reason}")
+
+
+def test_without_a_display_the_window_is_refused_with_1(start: Start) -> None:
+    process = start("--gui", environment={"DISPLAY": ""})
+
+    out, error = process.communicate(timeout=20)
+
+    assert (process.returncode, out, error.count("\n")) == (1, "", 1)
+    assert "--gui needs a display" in error
+
+
+def test_without_pybullet_it_says_what_to_type_and_ends_with_3(
+    start: Start, tmp_path: Path
+) -> None:
+    # A module that cannot be imported, before the real one on the path.
+    (tmp_path / "pybullet.py").write_text("raise ImportError('not here')")
+    environment = {"PYTHONPATH": os.pathsep.join([str(tmp_path), *filter(None, sys.path)])}
+
+    process = start(environment=environment)
+    out, error = process.communicate(timeout=20)
+
+    assert (process.returncode, out, error.count("\n")) == (3, "", 1)
+    assert error.startswith("lcmtools run sim: the simulator needs pybullet and numpy; type: pip")

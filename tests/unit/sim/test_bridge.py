@@ -1,0 +1,175 @@
+"""What the simulator says of itself to the bus, and how it takes commands from it."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import pytest
+
+from lcmtools.errors import ValueMismatch
+from lcmtools.messages.registry import Message
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.rosgraph_msgs import Clock
+from lcmtools.types.sensor_msgs import JointState
+from lcmtools_sim.bridge import Bridge
+from lcmtools_sim.command import interpret
+from lcmtools_sim.robots.husky import HUSKY
+from lcmtools_sim.simulation import Sample
+
+
+@dataclass
+class FakePublisher:
+    """Keeps what is published."""
+
+    sent: list[Message] = field(default_factory=list)
+
+    def publish(self, message: Message) -> None:
+        """Keep it."""
+        self.sent.append(message)
+
+
+@dataclass
+class FakeSubscription:
+    """What was subscribed to."""
+
+    types: tuple[type[Message], ...]
+    callback: Callable[[Message], None]
+    group: str
+
+
+class FakeNode:
+    """The part of Node that the bridge uses; it is its own logger."""
+
+    def __init__(self) -> None:
+        self.publishers: dict[str, FakePublisher] = {}
+        self.subscriptions: dict[str, FakeSubscription] = {}
+        self.warnings: list[str] = []
+
+    def create_publisher(self, _: type[Message], topic: str) -> FakePublisher:
+        """Keep its topic."""
+        return self.publishers.setdefault(topic, FakePublisher())
+
+    def create_subscription(
+        self,
+        types: tuple[type[Message], ...],
+        topic: str,
+        callback: Callable[[Message], None],
+        *,
+        group: str,
+    ) -> None:
+        """Keep everything."""
+        self.subscriptions[topic] = FakeSubscription(types, callback, group)
+
+    def resolve_name(self, name: str) -> str:
+        """No remaps here."""
+        return name
+
+    def get_logger(self) -> "FakeNode":
+        """Itself."""
+        return self
+
+    def warning(self, text: str) -> None:
+        """Keep it."""
+        self.warnings.append(text)
+
+
+class FakeRobot:
+    """Understands commands as a Husky does, and does not move."""
+
+    def __init__(self, namespace: str) -> None:
+        self.namespace = namespace
+        self.targets: tuple[float, float] = (0.0, 0.0)
+
+    def command(self, message: JointState | Twist) -> None:
+        """Keep what it asks for."""
+        self.targets = interpret(message, HUSKY)
+
+
+class FakeSimulation:
+    """Two robots and a clock."""
+
+    def __init__(self) -> None:
+        self.robots = [FakeRobot("/husky0"), FakeRobot("/")]
+
+    def topics(self) -> dict[str, type[Message]]:
+        """One topic."""
+        return {"/clock": Clock}
+
+
+@pytest.fixture
+def node() -> FakeNode:
+    return FakeNode()
+
+
+@pytest.fixture
+def simulation() -> FakeSimulation:
+    return FakeSimulation()
+
+
+@pytest.fixture
+def bridge(node: FakeNode, simulation: FakeSimulation) -> Bridge:
+    return Bridge(node, simulation)  # type: ignore[arg-type] # fakes
+
+
+def efforts(*effort: float) -> JointState:
+    message = JointState()
+    message.effort = effort
+    return message
+
+
+@pytest.mark.usefixtures("bridge")
+def test_a_robots_four_command_topics_are_one_group_that_takes_both_types(node: FakeNode) -> None:
+    declared = {topic: subscription.types for topic, subscription in node.subscriptions.items()}
+
+    assert list(declared.items())[:4] == [
+        ("/husky0/velocity_cmd", (JointState, Twist)),
+        ("/husky0/wheel_cmd", (JointState, Twist)),
+        ("/husky0/wheel_velocity_cmd", (JointState, Twist)),
+        ("/husky0/cmd_vel", (Twist, JointState)),
+    ]
+    groups = {topic: subscription.group for topic, subscription in node.subscriptions.items()}
+    assert {groups[topic] for topic in list(groups)[:4]} == {"wheel command of /husky0"}
+    assert groups["/wheel_cmd"] == "wheel command of /"
+
+
+@pytest.mark.usefixtures("bridge")
+def test_every_command_topic_steers_its_own_robot(
+    node: FakeNode, simulation: FakeSimulation
+) -> None:
+    for share, (topic, subscription) in enumerate(node.subscriptions.items(), 1):
+        subscription.callback(efforts(share / 10, 0))
+        robot = simulation.robots[0 if topic.startswith("/husky0/") else 1]
+        assert robot.targets == (share / 10, 0)
+
+    assert simulation.robots[0].targets == (0.4, 0)
+
+
+@pytest.mark.usefixtures("bridge")
+def test_a_bad_command_is_warned_of_once_until_a_good_one_comes(
+    node: FakeNode, simulation: FakeSimulation
+) -> None:
+    command = node.subscriptions["/husky0/wheel_cmd"].callback
+    command(efforts(0.5, 0.5))
+
+    for _ in range(10):
+        command(efforts(math.nan, 1))
+
+    warning = "/husky0/wheel_cmd: command ignored: effort[0] is nan, which is no number to drive by"
+    assert node.warnings == [warning]
+    assert simulation.robots[0].targets == (0.5, 0.5)
+    command(efforts(1, 1))
+    command(efforts(math.nan, 1))
+    assert node.warnings == [warning] * 2
+
+
+def test_samples_go_out_on_their_topics(bridge: Bridge, node: FakeNode) -> None:
+    clock = Clock()
+
+    bridge.publish([Sample("/clock", clock)])
+
+    assert node.publishers["/clock"].sent == [clock]
+
+
+def test_the_fake_robot_refuses_as_the_real_one_does() -> None:
+    with pytest.raises(ValueMismatch):
+        FakeRobot("/a").command(efforts())

@@ -1,0 +1,148 @@
+"""Motors, tyres and dead reckoning as mathematics."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lcmtools_sim.drive import (
+    STOPPED,
+    Odometer,
+    PlanarVelocity,
+    SideSpeeds,
+    Wheels,
+    body_velocity,
+    follow,
+    grip,
+    side_speeds,
+)
+from lcmtools_sim.robots.husky import HUSKY
+
+DT = 1 / 240
+DRIVE = HUSKY.drive
+NO_LIMIT = 1e9  # [N s]
+
+speeds = st.floats(-3, 3)
+
+
+def motor_speed_after(seconds: float, target: float, dt: float = DT) -> float:
+    now = STOPPED
+    for _ in range(round(seconds / dt)):
+        now = follow(now, SideSpeeds(target, target), DRIVE, dt)
+    return now.left
+
+
+def test_a_motor_at_full_effort_comes_within_half_a_percent_in_two_seconds() -> None:
+    assert motor_speed_after(2.0, 1.0) == pytest.approx(1.0, rel=0.005)
+
+
+def test_a_motor_follows_a_small_step_with_its_time_constant() -> None:
+    # Below the acceleration limit it is a first-order lag: 63.2 % after one time constant.
+    speed = motor_speed_after(0.15, 0.1, dt=1e-4)
+
+    assert speed / 0.1 == pytest.approx(1 - math.exp(-1), abs=0.001)
+
+
+def test_a_motor_never_accelerates_above_the_limit() -> None:
+    after = follow(STOPPED, SideSpeeds(1.0, 1.0), DRIVE, DT)
+
+    assert after.left / DT == pytest.approx(3.0)
+
+
+def test_a_motor_reaches_standstill_exactly() -> None:
+    now = SideSpeeds(1.0, -0.5)
+    for _ in range(240 * 4):
+        now = follow(now, STOPPED, DRIVE, DT)
+
+    assert now == (0.0, 0.0)
+
+
+@given(speeds, speeds)
+def test_the_limit_keeps_the_proportion_of_the_sides(left: float, right: float) -> None:
+    after = follow(STOPPED, SideSpeeds(left, right), DRIVE, DT)
+
+    assert after.left * right == pytest.approx(after.right * left, abs=1e-12)
+
+
+@given(st.floats(-1, 1), st.floats(-2, 2))
+def test_side_speeds_and_body_velocity_are_inverse(forward: float, turn_rate: float) -> None:
+    there_and_back = body_velocity(side_speeds(forward, turn_rate, DRIVE), DRIVE.track)
+
+    assert there_and_back == pytest.approx((forward, turn_rate), abs=1e-12)
+
+
+def test_the_effective_track_of_a_husky_is_the_one_of_the_text() -> None:
+    assert DRIVE.track == pytest.approx(1.07025)
+    assert body_velocity(SideSpeeds(-1, 1), DRIVE.track)[1] == pytest.approx(1.87, abs=0.005)
+
+
+@given(speeds, speeds, st.floats(-5, 5), speeds, speeds)
+def test_tyres_that_do_not_slip_make_the_body_move_as_the_wheels_do(
+    forward: float, sideways: float, turn_rate: float, left: float, right: float
+) -> None:
+    before = PlanarVelocity(forward, sideways, turn_rate)
+
+    after = grip(before, SideSpeeds(left, right), HUSKY, NO_LIMIT)
+
+    wanted = body_velocity(SideSpeeds(left, right), DRIVE.track)
+    assert after == pytest.approx((wanted[0], 0.0, wanted[1]), abs=1e-9)
+
+
+@given(speeds, speeds, st.floats(-5, 5), speeds, speeds)
+def test_tyres_give_no_more_than_friction_allows(
+    forward: float, sideways: float, turn_rate: float, left: float, right: float
+) -> None:
+    before = PlanarVelocity(forward, sideways, turn_rate)
+    limit = 0.9  # [N s]
+
+    after = grip(before, SideSpeeds(left, right), HUSKY, limit)
+
+    change = math.hypot(after.forward - forward, after.sideways - sideways)
+    assert change * HUSKY.body.mass <= 2 * limit * (1 + 1e-9)
+    turn_change = abs(after.turn_rate - turn_rate) * HUSKY.body.inertia[2]
+    assert turn_change <= limit * DRIVE.track * (1 + 1e-9)
+
+
+@given(speeds, speeds, st.floats(-5, 5))
+def test_tyres_of_standing_wheels_only_take_energy_away(
+    forward: float, sideways: float, turn_rate: float
+) -> None:
+    def energy(velocity: PlanarVelocity) -> float:
+        body = HUSKY.body
+        translation = velocity.forward**2 + velocity.sideways**2
+        return body.mass * translation / 2 + body.inertia[2] * velocity.turn_rate**2 / 2
+
+    before = PlanarVelocity(forward, sideways, turn_rate)
+
+    assert energy(grip(before, STOPPED, HUSKY, 0.9)) <= energy(before) + 1e-12
+
+
+def test_wheels_turn_by_the_way_over_the_radius() -> None:
+    wheels = Wheels()
+    wheels.speeds = SideSpeeds(1.0, 0.5)
+    for _ in range(240):
+        wheels.turn(SideSpeeds(1.0, 0.5), DRIVE, DT)
+
+    assert wheels.left_angle == pytest.approx(1 / 0.1651)
+    assert wheels.right_angle == pytest.approx(0.5 / 0.1651)
+
+
+def test_dead_reckoning_closes_a_circle() -> None:
+    # Twist (0.5, 0.3): radius 1.6667 m, period 20.944 s.
+    odometer = Odometer()
+    steps = 5000
+    for _ in range(steps):
+        sides = side_speeds(0.5, 0.3, DRIVE)
+        odometer.advance(sides, DRIVE.track, 2 * math.pi / 0.3 / steps)
+
+    assert (odometer.x, odometer.y) == pytest.approx((0, 0), abs=1e-9)
+    assert odometer.yaw == pytest.approx(2 * math.pi)
+
+
+def test_dead_reckoning_is_half_a_circle_away_after_half_the_time() -> None:
+    odometer = Odometer()
+    for _ in range(5000):
+        odometer.advance(side_speeds(0.5, 0.3, DRIVE), DRIVE.track, math.pi / 0.3 / 5000)
+
+    assert (odometer.x, odometer.y) == pytest.approx((0, 2 * 0.5 / 0.3), abs=1e-6)

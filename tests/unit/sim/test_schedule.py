@@ -1,0 +1,123 @@
+"""Which step publishes what, and at which moment a step may run."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lcmtools_sim.schedule import MAX_DEBT, Pacer, Timetable
+
+
+def due_steps(rate: float, dt: float, steps: int) -> list[int]:
+    timetable: Timetable[str] = Timetable(dt)
+    timetable.add(rate, "sensor")
+    return [step for step in range(1, steps + 1) for _ in timetable.due(step)]
+
+
+def test_a_rate_that_divides_the_steps_comes_evenly() -> None:
+    assert due_steps(80, 1 / 240, 12) == [3, 6, 9, 12]
+
+
+def test_50_hz_on_240_hz_takes_the_first_step_at_or_after_each_moment() -> None:
+    assert due_steps(50, 1 / 240, 48) == [5, 10, 15, 20, 24, 29, 34, 39, 44, 48]
+
+
+def test_a_rate_above_that_of_the_steps_comes_with_every_step() -> None:
+    assert due_steps(1000, 1 / 240, 5) == [1, 2, 3, 4, 5]
+
+
+@given(st.integers(1, 240), st.sampled_from([1 / 240, 1 / 1000, 0.01, 0.0041666667]))
+def test_the_number_of_times_is_exact_over_any_whole_second(rate: int, dt: float) -> None:
+    if rate * dt > 1:
+        return
+
+    steps = due_steps(rate, dt, round(3 / dt))
+
+    assert abs(len(steps) - 3 * rate) <= (0 if dt != 0.0041666667 else 1)
+    assert all(
+        step * dt >= count / rate * (1 - 1e-9) and (step - 1) * dt < count / rate
+        for count, step in enumerate(steps, 1)
+    )
+
+
+def test_a_rate_does_not_drift_in_a_day() -> None:
+    timetable: Timetable[None] = Timetable(1 / 240)
+
+    assert timetable._step(50 * 86_400, 50) == 240 * 86_400
+
+
+def test_items_due_together_come_in_the_order_of_adding() -> None:
+    timetable: Timetable[str] = Timetable(0.01)
+    for name in ("c", "a", "b"):
+        timetable.add(50, name)
+
+    assert timetable.due(1) == []
+    assert timetable.due(2) == ["c", "a", "b"]
+    assert timetable.due(4) == ["c", "a", "b"]
+
+
+class Wall:
+    """A wall clock that moves by sleeping and by hand."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+        self.slept: list[float] = []
+
+    def sleep(self, seconds: float) -> None:
+        """Let the time pass."""
+        self.slept.append(seconds)
+        self.now += seconds
+
+
+def pacer(wall: Wall, period: float) -> Pacer:
+    return Pacer(period, now=lambda: wall.now, sleep=wall.sleep)
+
+
+def test_steps_in_time_sleep_until_their_moment() -> None:
+    wall = Wall()
+    pace = pacer(wall, 0.01)
+
+    for _ in range(100):
+        wall.now += 0.002  # what the step cost
+        assert pace.wait(lambda: True) == 0
+
+    assert wall.now == pytest.approx(101.0)
+
+
+def test_a_late_step_is_made_good_by_the_next_without_sleeping() -> None:
+    wall = Wall()
+    pace = pacer(wall, 0.01)
+
+    wall.now += 0.035
+    assert [pace.wait(lambda: True) for _ in range(3)] == [0, 0, 0]
+    assert wall.slept == []
+    pace.wait(lambda: True)
+
+    assert wall.now == pytest.approx(100.04)
+
+
+def test_a_debt_above_the_limit_is_dropped_and_told() -> None:
+    wall = Wall()
+    pace = pacer(wall, 0.01)
+
+    wall.now += 1.0
+    assert pace.wait(lambda: True) == pytest.approx(0.99)
+    pace.wait(lambda: True)
+
+    assert wall.now == pytest.approx(101.01)
+    assert MAX_DEBT < 0.99
+
+
+def test_a_period_of_zero_never_waits() -> None:
+    wall = Wall()
+    pace = pacer(wall, 0.0)
+
+    assert [pace.wait(lambda: True) for _ in range(5)] == [0] * 5
+    assert wall.slept == []
+
+
+def test_waiting_ends_soon_after_it_is_told_to() -> None:
+    wall = Wall()
+
+    pacer(wall, 60.0).wait(lambda: wall.now < 100.25)
+
+    assert wall.now < 100.4

@@ -1,0 +1,171 @@
+"""World files: what is right becomes a scene, what is wrong is said with file, line and reason."""
+
+import math
+
+import pytest
+
+from lcmtools.errors import InvalidFile
+from lcmtools_sim.scene import Box, Ground, Pose, RobotPlacement, Scene
+from lcmtools_sim.world_file import read_scene
+
+# What is wrong, in which line, with which words.
+MISTAKES = {
+    "": "yard.yaml:1: the file is empty",
+    "- a\n- b\n": "yard.yaml:1: 'world' must be a mapping (key: value), not a list",
+    "robots: [": "yard.yaml:1: not YAML: expected the node content, but found '<stream end>'",
+    "node: a\n\tseed: 1": (
+        "yard.yaml:2: not YAML: found character '\\t' that cannot start any token"
+    ),
+    "node: \x07": "yard.yaml:1: not YAML: special characters are not allowed",
+    "a: " + "[" * 5000: "yard.yaml:1: not a world: nested too deeply",
+    "gravety: 9.81": "yard.yaml:1: unknown key 'gravety' in 'world'; did you mean gravity?",
+    "\nfoo: 1": (
+        "yard.yaml:2: unknown key 'foo' in 'world';"
+        " known keys: node, seed, dt, gravity, ground, objects, robots"
+    ),
+    "seed: 1\n\nseed: 2": "yard.yaml:3: key 'seed' is given twice in 'world'",
+    "? [a]\n: 1": "yard.yaml:1: 'key' must be one word or number, not a list",
+    "node:": "yard.yaml:1: 'node' has no value",
+    'node: "\\e[0m"': "yard.yaml:1: 'node' has characters that cannot be shown",
+    "seed: one\n  two": "yard.yaml:1: 'seed' must be a whole number, not 'one two'",
+    "node: [a]": "yard.yaml:1: 'node' must be one word or number, not a list",
+    "seed: 1.5": "yard.yaml:1: 'seed' must be a whole number, not '1.5'",
+    "seed: -1": "yard.yaml:1: 'seed' must be between 0 and 9.22337e+18, not -1",
+    "dt: fast": "yard.yaml:1: 'dt' must be a number, not 'fast'",
+    "dt: 1/0": "yard.yaml:1: 'dt' must be a number, not '1/0'",
+    "dt: 0": "yard.yaml:1: 'dt' must be between 0.0001 and 0.02, not 0",
+    "gravity: .nan": "yard.yaml:1: 'gravity' must be a number, not '.nan'",
+    "gravity: nan": "yard.yaml:1: 'gravity' must be between 0 and 100, not nan",
+    "gravity: inf": "yard.yaml:1: 'gravity' must be between 0 and 100, not inf",
+    "gravity: true": "yard.yaml:1: 'gravity' must be a number, not 'true'",
+    "ground: {friction: -1}": "yard.yaml:1: 'friction' must be between 0 and 10, not -1",
+    "ground: ice": ("yard.yaml:1: 'ground' must be a mapping (key: value), not a single value"),
+    "objects: {}": "yard.yaml:1: 'objects' must be a list, not a mapping",
+    "objects:\n- {size: [1, 1, 1]}": "yard.yaml:2: 'objects[0]' lacks the key 'type'",
+    "objects:\n- {type: bax}": "yard.yaml:2: unknown type 'bax'; did you mean box?",
+    "objects:\n- {type: sphere}": "yard.yaml:2: unknown type 'sphere'; known types: box, walls",
+    "objects:\n- {type: box, pose: [0, 0, 0]}": "yard.yaml:2: 'objects[0]' lacks the key 'size'",
+    "objects:\n- {type: box, mas: 2}": (
+        "yard.yaml:2: unknown key 'mas' in 'objects[0]'; did you mean mass?"
+    ),
+    "objects:\n- {type: box, height: 2}": (
+        "yard.yaml:2: unknown key 'height' in 'objects[0]';"
+        " known keys: type, name, size, pose, mass, friction, color"
+    ),
+    "objects:\n- type: box\n  size: [1, 1]\n  pose: [0, 0, 0]": (
+        "yard.yaml:3: 'size' must have 3 elements, not 2"
+    ),
+    "objects:\n- type: box\n  size: [1, 0, 1]\n  pose: [0, 0, 0]": (
+        "yard.yaml:3: 'size[1]' must be between 0.001 and 10000, not 0"
+    ),
+    "objects:\n- type: box\n  size: [1, 1, 1]\n  pose: [0, 0]": (
+        "yard.yaml:4: 'pose' must have 3 or 6 elements, not 2"
+    ),
+    "objects:\n- type: box\n  size: [1, 1, 1]\n  pose: [0, 0, up]": (
+        "yard.yaml:4: 'pose[2]' must be a number, not 'up'"
+    ),
+    "objects:\n- type: box\n  size: [1, 1, 1]\n  pose: [0, 0, x deg]": (
+        "yard.yaml:4: 'pose[2]' must be an angle, not 'x deg'"
+    ),
+    "objects:\n- {type: walls, points: [[0, 0]]}": (
+        "yard.yaml:2: 'points' must have at least 2 elements"
+    ),
+    "objects:\n- type: walls\n  points:\n  - [1, 2]\n  - [1, 2]": (
+        "yard.yaml:5: 'points[1]' is the same point as 'points[0]'"
+    ),
+    "objects:\n- {type: walls, points: [[0, 0], [1, 0]], closed: maybe}": (
+        "yard.yaml:2: 'closed' must be true or false, not 'maybe'"
+    ),
+    "robots:\n- {model: husky}": "yard.yaml:2: 'robots[0]' lacks the key 'namespace'",
+    "robots:\n- {model: husk, namespace: a}": (
+        "yard.yaml:2: unknown model 'husk'; did you mean husky?"
+    ),
+    "robots:\n- {model: r2d2, namespace: a}": (
+        "yard.yaml:2: unknown model 'r2d2'; known models: husky"
+    ),
+    "robots:\n- {model: husky, namespace: a}\n- {model: husky, namespace: /a}": (
+        "yard.yaml:3: two robots have the namespace '/a'"
+    ),
+    "robots:\n- model: husky\n  namespace: a\n  cmd_timeout: 0": (
+        "yard.yaml:4: 'cmd_timeout' must be between 0.001 and 100000, not 0"
+    ),
+}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"), MISTAKES.items(), ids=[m[10:60] for m in MISTAKES.values()]
+)
+def test_a_mistake_is_said_with_file_line_and_reason(text: str, message: str) -> None:
+    with pytest.raises(InvalidFile) as caught:
+        read_scene(text, "yard.yaml")
+
+    assert str(caught.value) == message
+
+
+@pytest.mark.parametrize(
+    ("text", "start"),
+    [
+        ("seed: 1\nnode: a b", "yard.yaml:2: 'a b' is not a legal node name; "),
+        ("robots:\n- {model: husky, namespace: a b}", "yard.yaml:2: 'a b' is not a legal name; "),
+        ("robots:\n- {model: husky, namespace: ~a}", "yard.yaml:2: '~a' is private"),
+    ],
+)
+def test_an_illegal_name_is_said_with_its_rule(text: str, start: str) -> None:
+    with pytest.raises(InvalidFile) as caught:
+        read_scene(text, "yard.yaml")
+
+    assert str(caught.value).startswith(start)
+
+
+def test_a_file_that_says_nothing_has_the_defaults() -> None:
+    assert read_scene("objects: []", "plain.yaml") == Scene(
+        name="plain", node="sim", seed=0, dt=1 / 240, gravity=9.81, ground=Ground()
+    )
+
+
+def test_a_full_file_becomes_a_scene() -> None:
+    text = """
+node: morse
+seed: 7
+dt: 0.002
+gravity: 3.7
+ground: {friction: 0.5, color: [0, 0.5, 1]}
+objects:
+- {type: box, name: crate, size: [1, 2, 3], pose: [4, 5, 90 deg], mass: 1e1, friction: 0.2}
+robots:
+- {model: husky, namespace: husky0, pose: [1, 2, 3, 0.1, 0.2, 0.3], cmd_timeout: 0.5}
+- {model: husky, namespace: /husky1, cmd_timeout: none}
+"""
+
+    assert read_scene(text, "worlds/mars.yaml") == Scene(
+        name="mars",
+        node="morse",
+        seed=7,
+        dt=0.002,
+        gravity=3.7,
+        ground=Ground(0.5, (0.0, 0.5, 1.0)),
+        boxes=(Box("crate", (1, 2, 3), Pose(4, 5, 1.5, yaw=math.pi / 2), 10, 0.2),),
+        robots=(
+            RobotPlacement("husky", "/husky0", Pose(1, 2, 3, 0.1, 0.2, 0.3), 0.5),
+            RobotPlacement("husky", "/husky1"),
+        ),
+    )
+
+
+def test_a_closed_wall_has_a_piece_for_every_side_and_overlaps_at_the_corners() -> None:
+    text = """
+objects:
+- {type: walls, points: [[0, 0], [4, 0], [4, 3]], closed: true, height: 2, thickness: 0.5}
+"""
+
+    pieces = read_scene(text, "w.yaml").boxes
+
+    assert [piece.size for piece in pieces] == [(4.5, 0.5, 2), (3.5, 0.5, 2), (5.5, 0.5, 2)]
+    assert [(p.pose.x, p.pose.y, p.pose.z) for p in pieces] == [(2, 0, 1), (4, 1.5, 1), (2, 1.5, 1)]
+    assert pieces[1].pose.yaw == pytest.approx(math.pi / 2)
+    assert all(piece.mass == 0 for piece in pieces)
+
+
+def test_an_alias_that_leads_back_to_itself_is_refused() -> None:
+    with pytest.raises(InvalidFile, match=r"w.yaml:1: 'objects\[0\]' must be a mapping"):
+        read_scene("objects: &all [*all]", "w.yaml")

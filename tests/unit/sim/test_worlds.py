@@ -1,0 +1,53 @@
+"""The worlds that come with the simulator, and finding a world by name or file."""
+
+from pathlib import Path
+
+import pytest
+
+from lcmtools.errors import InvalidFile, UsageError
+from lcmtools_sim.world_file import read_scene
+from lcmtools_sim.worlds import describe, find_world, world_names
+
+
+@pytest.mark.parametrize("name", world_names())
+def test_every_packaged_world_is_right_and_described(name: str) -> None:
+    assert read_scene(*find_world(name)).name == name
+    assert len(describe(name)) > 10
+
+
+def test_the_labs_own_name_means_the_husky_world() -> None:
+    text, source = find_world("lab_0123_world")
+
+    assert (text, source) == find_world("husky")
+    scene = read_scene(text, source)
+    assert scene.node == "morse"
+    assert [(r.model, r.namespace) for r in scene.robots] == [("husky", "/husky0")]
+
+
+def test_a_file_is_read_from_where_it_is(tmp_path: Path) -> None:
+    file = tmp_path / "mine.yaml"
+    file.write_text("node: mine")
+
+    assert find_world(str(file)) == ("node: mine", str(file))
+
+
+def test_an_unknown_name_brings_a_near_miss() -> None:
+    with pytest.raises(UsageError, match=r"no world 'huskey'; did you mean husky\?"):
+        find_world("huskey")
+
+
+def test_an_unknown_name_far_from_all_brings_the_list() -> None:
+    with pytest.raises(UsageError, match=r"'x'; worlds: empty, husky; or give a file, ./x.yaml"):
+        find_world("x")
+
+
+def test_a_file_that_is_not_there_a_folder_and_binary_are_refused(tmp_path: Path) -> None:
+    binary = tmp_path / "image.yaml"
+    binary.write_bytes(b"ab\xff\xfe")
+
+    with pytest.raises(InvalidFile, match=r"no\.yaml: cannot be read: No such file"):
+        find_world("./no.yaml")
+    with pytest.raises(InvalidFile, match="cannot be read: Is a directory"):
+        find_world(f"{tmp_path}/")
+    with pytest.raises(InvalidFile, match=r"image\.yaml: is not UTF-8 text \(byte 2\)"):
+        find_world(str(binary))
