@@ -27,6 +27,13 @@ def fingerprint_text(fingerprint: int) -> str:
     return f"{fingerprint:#018x} ({' or '.join(names) if names else UNKNOWN})"
 
 
+def fingerprint_rows(topic: Topic) -> list[str]:
+    """The fingerprints seen on a topic, a line each; one line where they only keep changing."""
+    if len(topic.fingerprints) > 1 and not seen_types(topic):
+        return ["Fingerprint: changes from message to message, as in data that is no LCM message"]
+    return [f"Fingerprint: {fingerprint_text(value)}" for value in topic.fingerprints]
+
+
 def node_text(node: Node) -> str:
     """A node with where it runs."""
     stale = f", stale: {node.stale}" if node.stale else ""

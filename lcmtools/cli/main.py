@@ -126,10 +126,9 @@ def msg() -> None:
 def main(arguments: Sequence[str]) -> int:
     """Run one command; return its exit code."""
     try:
-        with _endable():
-            # not root.main(): it answers Ctrl-C with an empty line
-            with root.make_context("lcmtools", list(arguments)) as context:
-                return _exit_code(root.invoke(context))
+        # not root.main(): it answers Ctrl-C with an empty line
+        with _endable(), root.make_context("lcmtools", list(arguments)) as context:
+            return _exit_code(root.invoke(context))
     except BaseException as error:
         code = _explain(error, _command_name(arguments))
         if code is None:
@@ -137,31 +136,31 @@ def main(arguments: Sequence[str]) -> int:
         return code
 
 
-def _explain(error: BaseException, command: str) -> int | None:  # noqa: PLR0911 - one a kind
+def _explain(error: BaseException, command: str) -> int | None:
     """Say what went wrong in one line; the exit code, or None for what a traceback should show."""
     if isinstance(error, click.exceptions.Exit):
         return error.exit_code
     if isinstance(error, click.ClickException):
         return _usage_error(error)
-    if isinstance(error, KeyboardInterrupt | click.Abort):
-        return INTERRUPTED
-    if isinstance(error, _Terminated):
-        return TERMINATED
-    if isinstance(error, BrokenPipeError):
-        return 0  # whoever reads has had enough
-    if os.environ.get("LCMTOOLS_DEBUG"):
+    for kind, code in _QUIET_ENDS.items():
+        if isinstance(error, kind):
+            return code
+    if os.environ.get("LCMTOOLS_DEBUG") or not isinstance(error, Exception):
         return None
+    return _failure(error, command)
+
+
+def _failure(error: Exception, command: str) -> int:
+    """Print why a command failed."""
     if isinstance(error, LcmtoolsError):
         complain(command, error)
         return error.exit_code
     if isinstance(error, OSError):
         talk(f"{command}: {error.strerror or error}")
         return 1
-    if isinstance(error, Exception):
-        kind = type(error).__name__
-        talk(f"{command}: a fault of lcmtools ({kind}: {error}); lcmtools --debug shows where")
-        return 1
-    return None
+    kind = type(error).__name__
+    talk(f"{command}: a fault of lcmtools ({kind}: {error}); lcmtools --debug shows where")
+    return 1
 
 
 def run() -> None:
@@ -177,6 +176,14 @@ def run() -> None:
 
 class _Terminated(BaseException):
     """SIGTERM came."""
+
+
+_QUIET_ENDS: dict[type[BaseException], int] = {
+    KeyboardInterrupt: INTERRUPTED,
+    click.Abort: INTERRUPTED,
+    _Terminated: TERMINATED,
+    BrokenPipeError: 0,  # whoever reads has had enough
+}
 
 
 @contextlib.contextmanager

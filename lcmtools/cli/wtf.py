@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import click
 
-from lcmtools.cli.options import CONTEXT, DURATION, bus_options, chosen_url, json_option
+from lcmtools.cli.options import CONTEXT, bus_options, chosen_url, duration, json_option
 from lcmtools.cli.output import document, lines
 from lcmtools.doctor.collect import collect
 from lcmtools.doctor.model import Finding, Severity
@@ -24,7 +24,7 @@ _HEADINGS = {
 
 @click.command("wtf", context_settings=CONTEXT)
 @click.option(
-    "--wait", type=DURATION, default=1.0, show_default="1s", help="Listen so long to the traffic."
+    "--wait", type=duration, default=1.0, show_default="1s", help="Listen so long to the traffic."
 )
 @json_option
 @bus_options

@@ -7,6 +7,9 @@ from lcmtools.graph.model import STALE_AFTER, Graph, Node, Traffic
 from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Announcement, decode_announcement
 from lcmtools.wire.packet import Packet, Sender
 
+MOST_FINGERPRINTS = 4
+"""A sender with so many fingerprints on one channel sends data of no LCM type; more are not kept."""
+
 
 @dataclass(slots=True)
 class _Count:
@@ -22,7 +25,7 @@ class _Count:
         self.messages += 1
         self.bytes += len(packet.payload)
         self.last_time = packet.time
-        if packet.fingerprint is not None:
+        if packet.fingerprint is not None and len(self.fingerprints) < MOST_FINGERPRINTS:
             self.fingerprints[packet.fingerprint] = None
 
 

@@ -110,7 +110,8 @@ class Traffic:
     Attributes:
         channel: The channel.
         sender: Who; None where the bus does not say.
-        fingerprints: Fingerprints seen, in order of appearance.
+        fingerprints: Fingerprints seen, in order of appearance; a few where they keep changing,
+            as with data that is no LCM message.
         messages: How many messages.
         bytes: Bytes of their payloads.
         first_time: Arrival of the first, nanoseconds since 1970.

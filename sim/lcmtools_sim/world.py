@@ -7,7 +7,7 @@ What wheels and tyres do is not known here: a robot's body has no friction, driv
 from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 from lcmtools.errors import MissingExtra
 from lcmtools_sim.robots.model import Body, Mesh
@@ -240,9 +240,10 @@ def check_installed() -> None:
 def _import_pybullet() -> ModuleType:
     """It prints its build time while it is imported: only within silenced()."""
     try:
-        return import_module("pybullet")
+        import pybullet
     except ImportError:
         raise _missing_extra() from None
+    return cast("ModuleType", pybullet)
 
 
 def _missing_extra() -> MissingExtra:

@@ -9,8 +9,8 @@ from lcmtools.bus.watch import Watch
 from lcmtools.cli.find import known_spelling, near_topic
 from lcmtools.cli.options import (
     CONTEXT,
-    DURATION,
     bus_options,
+    duration,
     json_option,
     open_watch,
     topic_spellings,
@@ -28,7 +28,7 @@ _PATIENCE = 2.0  # [s] without a message before the person is told what is on th
 @click.argument("topic")
 @click.option("-n", "count", type=click.IntRange(min=0), help="Stop after so many messages.")
 @click.option("-1", "--once", is_flag=True, help="Stop after one message.")
-@click.option("--timeout", type=DURATION, help="Give up (exit code 4) when none comes so long.")
+@click.option("--timeout", type=duration, help="Give up (exit code 4) when none comes so long.")
 @json_option
 @bus_options
 def command(

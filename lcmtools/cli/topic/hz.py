@@ -5,11 +5,11 @@ import time
 import click
 
 from lcmtools.bus.watch import Watch
-from lcmtools.cli.find import near_topic
+from lcmtools.cli.find import known_spelling, near_topic
 from lcmtools.cli.options import (
     CONTEXT,
-    DURATION,
     bus_options,
+    duration,
     json_option,
     open_watch,
     topic_spellings,
@@ -27,7 +27,7 @@ _PATIENCE = 2.0  # [s]
 @click.option(
     "-w", "--window", type=click.IntRange(min=2), default=50_000, help="Messages to average over."
 )
-@click.option("--timeout", type=DURATION, help="Give up (exit code 4) when none comes so long.")
+@click.option("--timeout", type=duration, help="Give up (exit code 4) when none comes so long.")
 @json_option
 @bus_options
 def command(topic: str, *, window: int, timeout: float | None, as_json: bool) -> None:
@@ -46,7 +46,8 @@ def command(topic: str, *, window: int, timeout: float | None, as_json: bool) ->
     report = start + _REPORT_PERIOD
     with open_watch("hz") as watch:
         watch.listen_to(topic_spellings(topic))
-        talk(f"subscribed to [{topic_spellings(topic)[-1]}]")
+        known = known_spelling(watch.settle(foreign=False), topic)
+        talk(f"subscribed to [{known or topic_spellings(topic)[-1]}]")
         while True:
             rates.extend(_arrivals(watch, channels, report - time.monotonic()))
             now = time.monotonic()

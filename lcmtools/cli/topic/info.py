@@ -2,7 +2,7 @@
 
 import click
 
-from lcmtools.cli.describe import fingerprint_text, node_text, program_text, type_text
+from lcmtools.cli.describe import fingerprint_rows, node_text, program_text, type_text
 from lcmtools.cli.find import find_topic
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
 from lcmtools.cli.output import document, lines
@@ -35,7 +35,7 @@ def _text(topic: Topic) -> list[str]:
     """As rostopic info prints it, with the process beside each node."""
     rows = [f"Type: {type_text(topic)}"]
     if not topic.types:
-        rows += [f"Fingerprint: {fingerprint_text(value)}" for value in topic.fingerprints]
+        rows += fingerprint_rows(topic)
     accepted = {name for _, e in topic.subscribers for name in e.types[1:]} - set(topic.types)
     if accepted:
         rows.append(f"Also accepted: {', '.join(sorted(accepted))}")

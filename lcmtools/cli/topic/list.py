@@ -5,9 +5,9 @@ import click
 from lcmtools.cli.describe import type_text
 from lcmtools.cli.options import (
     CONTEXT,
-    DURATION,
     all_option,
     bus_options,
+    duration,
     json_option,
     open_watch,
 )
@@ -21,7 +21,7 @@ from lcmtools.names import is_hidden
 @click.option("-v", "--verbose", is_flag=True, help="Show types and counts, as rostopic list -v.")
 @click.option("-t", "--show-types", is_flag=True, help="Show each topic's type.")
 @click.option(
-    "--wait", type=DURATION, help="Listen so long for programs that are no lcmtools nodes."
+    "--wait", type=duration, help="Listen so long for programs that are no lcmtools nodes."
 )
 @all_option
 @json_option

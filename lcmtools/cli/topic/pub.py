@@ -12,7 +12,8 @@ import click
 
 import lcmtools
 from lcmtools.arguments import NodeArguments, split_arguments
-from lcmtools.cli.options import CONTEXT, RATE, bus_options, chosen_url
+from lcmtools.cli.options import CONTEXT, bus_options, chosen_url
+from lcmtools.cli.options import rate as rate_option
 from lcmtools.cli.output import talk
 from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.messages.registry import Message, message_class
@@ -43,7 +44,7 @@ class _Plan:
 @click.argument("topic")
 @click.argument("type_", metavar="TYPE")
 @click.argument("values", nargs=-1)
-@click.option("-r", "--rate", type=RATE, help="Publish so many times a second until Ctrl-C.")
+@click.option("-r", "--rate", type=rate_option, help="Publish so many times a second until Ctrl-C.")
 @click.option("-1", "--once", is_flag=True, help="Publish once and end.")
 @click.option(
     "-f", "--file", type=click.Path(), help="Read messages from a YAML file ('-': standard input)."

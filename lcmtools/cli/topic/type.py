@@ -2,7 +2,7 @@
 
 import click
 
-from lcmtools.cli.describe import UNKNOWN, fingerprint_text, type_text
+from lcmtools.cli.describe import UNKNOWN, fingerprint_rows, type_text
 from lcmtools.cli.find import find_topic
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
 from lcmtools.cli.output import data, document
@@ -27,7 +27,8 @@ def command(topic: str, *, as_json: bool) -> None:
     if as_json:
         document({"topic": found.name, "type": None if text == UNKNOWN else text})
     elif text == UNKNOWN:
-        seen = ", ".join(fingerprint_text(value) for value in found.fingerprints)
-        raise LcmtoolsError(f"the type of {found.name} is not known", seen and f"seen: {seen}")
+        raise LcmtoolsError(
+            f"the type of {found.name} is not known", "; ".join(fingerprint_rows(found))
+        )
     else:
         data(text)

@@ -3,8 +3,10 @@
 from collections.abc import Iterator
 
 from lcmtools.doctor.model import Evidence, Finding, Severity
-from lcmtools.graph.model import Endpoint, Node, Topic
+from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
 from lcmtools.messages.registry import candidates
+
+_NO_TYPE = -1  # in place of a fingerprint, where there is none or it changes with each message
 
 
 def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
@@ -26,7 +28,7 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
 def _disagree(topic: Topic) -> bool:
     """Whether something is sent that a subscriber, or another publisher, takes for another type."""
     sent = [set(endpoint.fingerprints) for _, endpoint in topic.publishers if endpoint.fingerprints]
-    sent += [{fingerprint} for fingerprint in topic.fingerprints]
+    sent += [{fingerprint} for seen in topic.traffic for fingerprint in _sent_by(seen)]
     taken = [set(e.fingerprints) for _, e in topic.subscribers if e.fingerprints]
     return any(not one & other for one in sent for other in taken) or (
         # without a subscriber that takes both, two publishers of different types are at odds
@@ -48,6 +50,17 @@ def _row(node: Node, verb: str, endpoint: Endpoint) -> str:
 
 def _seen(topic: Topic) -> Iterator[str]:
     for traffic in topic.foreign:
-        for fingerprint in traffic.fingerprints:
-            names = candidates(fingerprint) or [f"an unknown type ({fingerprint:#018x})"]
-            yield f" * {traffic.sender} sends {' or '.join(names)}"
+        for fingerprint in _sent_by(traffic):
+            yield f" * {traffic.sender} sends {_describe(fingerprint)}"
+
+
+def _sent_by(traffic: Traffic) -> list[int]:
+    """The types that a sender means: all known ones, or its one unknown one, or none at all."""
+    known = [fingerprint for fingerprint in traffic.fingerprints if candidates(fingerprint)]
+    return known or (list(traffic.fingerprints) if len(traffic.fingerprints) == 1 else [_NO_TYPE])
+
+
+def _describe(fingerprint: int) -> str:
+    if fingerprint == _NO_TYPE:
+        return "data that is no LCM message"
+    return " or ".join(candidates(fingerprint)) or f"an unknown type ({fingerprint:#018x})"

@@ -195,6 +195,17 @@ def test_a_plain_program_that_sends_another_type_is_named_by_its_sender() -> Non
     )
 
 
+def test_data_that_is_no_lcm_message_is_no_mismatch_by_itself() -> None:
+    raw = Traffic("EXAMPLE", Sender("127.0.0.1", 40001), (1, 2, 3, 4), 100, 800, 0, 0)
+    assert findings(traffic=[raw]) == {}
+
+
+def test_data_that_is_no_lcm_message_is_a_mismatch_for_who_expects_one() -> None:
+    raw = Traffic("/chatter", Sender("127.0.0.1", 40001), (1, 2, 3, 4), 100, 800, 0, 0)
+    finding = findings(node("/listener", sub("/chatter", STRING)), traffic=[raw])["type-mismatch"]
+    assert finding.items[-1] == " * 127.0.0.1:40001 sends data that is no LCM message"
+
+
 def test_two_live_nodes_of_one_name_are_an_error() -> None:
     finding = findings(node("/talker", pid=7), node("/talker", pid=8))["duplicate-names"]
     assert finding.severity is Severity.ERROR
