@@ -133,13 +133,13 @@ class LcmBus:
         if threading.current_thread() is self._thread:
             work()
             return
-        done: queue.SimpleQueue[BusError | None] = queue.SimpleQueue()
+        done: queue.SimpleQueue[Exception | None] = queue.SimpleQueue()
 
         def run() -> None:
             try:
                 work()
                 done.put(None)
-            except BusError as error:
+            except Exception as error:  # noqa: BLE001 - raised where it was asked for
                 done.put(error)
 
         with self._asking:
@@ -147,7 +147,10 @@ class LcmBus:
                 raise BusError("the bus is closed")
             self._requests.put(run)
             self._wake()
-        error = done.get(timeout=_REQUEST_TIMEOUT)
+        try:
+            error = done.get(timeout=_REQUEST_TIMEOUT)
+        except queue.Empty:
+            raise BusError("the receiving thread is stuck in a handler") from None
         if error is not None:
             raise error
 
@@ -178,7 +181,11 @@ class LcmBus:
         descriptor = instance.fileno()
         sources = [descriptor, self._wake_read]
         while not self._closed:
-            readable, _, _ = select.select(sources, [], [])
+            try:
+                readable, _, _ = select.select(sources, [], [])
+            except OSError:  # a connection that broke was closed by whoever tried to publish
+                sources.remove(descriptor)
+                continue
             if self._wake_read in readable:
                 os.read(self._wake_read, 4096)
                 self._do_requests()
@@ -272,6 +279,7 @@ def open_lcm(url: BusUrl) -> "lcm.LCM":
     Raises:
         BusError: The bus cannot be reached, with what to do.
     """
+    _check_descriptors()
     if url.is_multicast:
         check_multicast(url)
         url = url.with_option("ttl", "0").with_option("recv_buf_size", str(receive_buffer_bytes()))
@@ -284,12 +292,20 @@ def open_lcm(url: BusUrl) -> "lcm.LCM":
         _check_log(url)
     try:
         instance = lcm.LCM(str(url))
-        descriptor = instance.fileno()
+        instance.fileno()  # only now are the receiving sockets made
     except (RuntimeError, OSError) as error:
         raise BusError(f"LCM cannot open {url}") from error
-    if descriptor >= _SELECT_LIMIT:
-        raise BusError(f"this process has over {_SELECT_LIMIT} open files, which liblcm cannot use")
     return instance
+
+
+def _check_descriptors() -> None:
+    """``select`` takes file descriptors below 1024 only; a bus needs about ten."""
+    with Path(os.devnull).open("rb") as lowest_free:
+        if lowest_free.fileno() > _SELECT_LIMIT - 20:
+            raise BusError(
+                f"this process has over {lowest_free.fileno()} open files, and liblcm cannot wait"
+                f" for a descriptor above {_SELECT_LIMIT}"
+            )
 
 
 def _check_channel(channel: str) -> None:

@@ -20,7 +20,7 @@ SELF_TEST_CHANNEL = "LCM_SELF_TEST"
 
 WANTED_BUFFER_BYTES = 8 << 20
 _RMEM_MAX = Path("/proc/sys/net/core/rmem_max")
-_LOOPBACK_ROUTE = "sudo ip link set lo multicast on && sudo ip route add 224.0.0.0/4 dev lo"
+_LOOPBACK_ROUTE = "sudo ip link set lo up multicast on && sudo ip route add 224.0.0.0/4 dev lo"
 _LOOPBACK_TIMEOUT = 0.4  # [s]; it normally takes well under a millisecond
 
 

@@ -60,9 +60,13 @@ def udp_sockets() -> list[UdpSocket]:
 
 
 def process_of_port(port: int) -> Process | None:
-    """The process that owns the UDP socket on this local port; None when it is not known."""
+    """The process that owns the UDP socket on this local port; None when it is not known.
+
+    A port that several processes share (the group's own, which Java also sends from) tells nothing.
+    """
     inodes = {row.inode for row in udp_sockets() if row.port == port}
-    return next(iter(owners(inodes).values()), None) if inodes else None
+    found = {process.pid: process for process in owners(inodes).values()}
+    return next(iter(found.values())) if len(found) == 1 else None
 
 
 def owners(inodes: Iterable[int]) -> dict[int, Process]:

@@ -13,6 +13,7 @@ import time
 from lcmtools.bus.multicast import check_multicast, receiving_socket, sending_socket
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
+from lcmtools.names import check_length
 from lcmtools.wire.datagram import (
     Malformed,
     ShortMessage,
@@ -27,6 +28,7 @@ from lcmtools.wire.reassembly import Reassembler
 _SO_TIMESTAMPNS = 35  # asm-generic/socket.h; Python's socket module does not name it
 _TIMESPEC = struct.Struct("@qq")
 _MAX_DATAGRAM = 65536
+_MOST_MALFORMED = 1000  # senders that are remembered
 _BATCH = 256  # datagrams taken at once before the caller is served
 
 
@@ -72,7 +74,9 @@ class Tap:
 
         Raises:
             BusError: The system does not let it out.
+            InvalidName: LCM cannot carry this channel name.
         """
+        check_length(channel)
         self._seqno += 1
         try:
             if fits_datagram(channel, payload):
@@ -103,7 +107,8 @@ class Tap:
         """The message that this datagram completes, if it does."""
         message = parse(data)
         if isinstance(message, Malformed):
-            self.malformed[sender] = message.reason
+            if len(self.malformed) < _MOST_MALFORMED or sender in self.malformed:
+                self.malformed[sender] = message.reason
             return None
         if not isinstance(message, ShortMessage):
             whole = self._reassembler.add(sender, message)

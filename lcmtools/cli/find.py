@@ -1,7 +1,7 @@
 """Finding the topic or the node that a word on the command line means."""
 
 from lcmtools.cli.options import topic_spellings
-from lcmtools.errors import LcmtoolsError
+from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node, Topic
 from lcmtools.names import did_you_mean, is_hidden
 
@@ -27,10 +27,16 @@ def find_topic(graph: Graph, name: str) -> Topic:
 def find_node(graph: Graph, name: str) -> Node:
     """The node that a name means: its full name, or the last part where that is unique.
 
+    Where a node was killed and started again, the one that is alive.
+
     Raises:
+        UsageError: The name is empty.
         LcmtoolsError: There is none, or there are several.
     """
-    found = graph.named(name)
+    if not name:
+        raise UsageError("the node's name is empty", "lcmtools node list shows them")
+    named = graph.named(name)
+    found = [node for node in named if not node.stale] or named
     names = sorted({node.name for node in found})
     if not found:
         known = [node.name for node in graph.nodes if not node.is_hidden]

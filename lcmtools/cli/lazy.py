@@ -57,8 +57,8 @@ class LazyGroup(click.Group):
         name = args[0]
         if self.get_command(ctx, name) is None and not name.startswith("-"):
             near = closest(name, self._entries)
-            hint = f"did you mean '{near[0]}'?" if near else f"see {ctx.command_path} --help"
-            ctx.fail(f"no such command '{name}'; {hint}")
+            hint = f"; did you mean '{near[0]}'?" if near else ""
+            ctx.fail(f"no such command '{name}'{hint}")
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

@@ -5,7 +5,9 @@ import os
 import signal
 import sys
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from types import FrameType
+from typing import TextIO
 
 import click
 
@@ -16,7 +18,7 @@ from lcmtools.cli.output import complain, talk
 from lcmtools.errors import LcmtoolsError
 
 INTERRUPTED = 130
-TERMINATED = 143
+_BY_SIGNAL = 128  # a shell adds it to the number of the signal that ended a command
 
 _TOPIC = "lcmtools.cli.topic"
 _TOPIC_COMMANDS = {
@@ -125,11 +127,14 @@ def msg() -> None:
 
 def main(arguments: Sequence[str]) -> int:
     """Run one command; return its exit code."""
+    signals: list[int] = []
     try:
         # not root.main(): it answers Ctrl-C with an empty line
-        with _endable(), root.make_context("lcmtools", list(arguments)) as context:
+        with _endable(signals), root.make_context("lcmtools", list(arguments)) as context:
             return _exit_code(root.invoke(context))
     except BaseException as error:
+        if signals:  # whatever the code that was interrupted has made of it
+            return _BY_SIGNAL + signals[0]
         code = _explain(error, _command_name(arguments))
         if code is None:
             raise
@@ -141,7 +146,7 @@ def _explain(error: BaseException, command: str) -> int | None:
     if isinstance(error, click.exceptions.Exit):
         return error.exit_code
     if isinstance(error, click.ClickException):
-        return _usage_error(error)
+        return _usage_error(error, command)
     for kind, code in _QUIET_ENDS.items():
         if isinstance(error, kind):
             return code
@@ -165,42 +170,32 @@ def _failure(error: Exception, command: str) -> int:
 
 def run() -> None:
     """The console script."""
-    for stream in (sys.stdout, sys.stderr):
-        # a channel's name may be no UTF-8: shown escaped, never an error
-        with contextlib.suppress(AttributeError):
-            stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+    sys.stdout, sys.stderr = _writable(sys.stdout), _writable(sys.stderr)
     code = main(sys.argv[1:])
     code = _flush(code)
     sys.exit(code)
 
 
-class _Terminated(BaseException):
-    """SIGTERM came."""
-
-
 _QUIET_ENDS: dict[type[BaseException], int] = {
     KeyboardInterrupt: INTERRUPTED,
     click.Abort: INTERRUPTED,
-    _Terminated: TERMINATED,
     BrokenPipeError: 0,  # whoever reads has had enough
 }
 
 
 @contextlib.contextmanager
-def _endable() -> Iterator[None]:
-    """Let Ctrl-C and SIGTERM end a command in an orderly way.
+def _endable(signals: list[int]) -> Iterator[None]:
+    """Let Ctrl-C and SIGTERM end a command in an orderly way; ``signals`` gets their numbers.
 
     Also where SIGINT was ignored when it began, as a shell script has it for what it starts with
     "&": kill -INT ends a command there as it ends rostopic.
     """
 
-    def terminate(_number: int, _frame: FrameType | None) -> None:
-        raise _Terminated
+    def end(number: int, _frame: FrameType | None) -> None:
+        signals.append(number)
+        raise KeyboardInterrupt
 
-    before = {
-        signal.SIGTERM: signal.signal(signal.SIGTERM, terminate),
-        signal.SIGINT: signal.signal(signal.SIGINT, signal.default_int_handler),
-    }
+    before = {number: signal.signal(number, end) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield
     finally:
@@ -212,10 +207,10 @@ def _exit_code(result: object) -> int:
     return result if isinstance(result, int) else 0
 
 
-def _usage_error(error: click.ClickException) -> int:
+def _usage_error(error: click.ClickException, command: str) -> int:
     """Print a usage error in one line."""
     context = getattr(error, "ctx", None)
-    command = context.command_path if context else "lcmtools"
+    command = context.command_path if context else command
     if isinstance(error, click.exceptions.NoArgsIsHelpError):
         click.echo(error.format_message(), err=True)
         return error.exit_code
@@ -233,6 +228,15 @@ def _command_name(arguments: Sequence[str]) -> str:
             break
         words.append(word)
     return " ".join(["lcmtools", *words])
+
+
+def _writable(stream: TextIO | None) -> TextIO:
+    """A stream that takes any text: a channel's name may be no UTF-8, and is shown escaped."""
+    if stream is None:  # closed by whoever started this process
+        return Path(os.devnull).open("w", encoding="utf-8")
+    with contextlib.suppress(AttributeError):
+        stream.reconfigure(errors="backslashreplace")  # type: ignore[attr-defined]
+    return stream
 
 
 def _flush(code: int) -> int:

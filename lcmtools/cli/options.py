@@ -82,6 +82,18 @@ def rate(value: str | float) -> float:
     return number
 
 
+def whole_number(lowest: int) -> Callable[[str | int], int]:
+    """How many: ``lowest`` or more; for ``type=``."""
+
+    def read(value: str | int) -> int:
+        text = str(value)
+        if not (text.isascii() and text.isdigit() and int(text) >= lowest):
+            raise click.BadParameter(f"'{value}' is not a whole number from {lowest} on")
+        return int(text)
+
+    return read
+
+
 def bus_choice() -> BusChoice:
     """What was said about the bus on the command line."""
     return click.get_current_context().ensure_object(BusChoice)

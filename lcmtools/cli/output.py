@@ -11,15 +11,12 @@ from lcmtools.errors import LcmtoolsError
 
 def data(text: str) -> None:
     """Print a piece of data, ended by a newline, at once."""
-    sys.stdout.write(f"{text}\n")
-    sys.stdout.flush()
+    _write(f"{text}\n")
 
 
 def lines(rows: Iterable[str]) -> None:
     """Print lines of data together."""
-    text = "".join(f"{row}\n" for row in rows)
-    sys.stdout.write(text)
-    sys.stdout.flush()
+    _write("".join(f"{row}\n" for row in rows))
 
 
 def document(value: object) -> None:
@@ -35,3 +32,19 @@ def talk(text: str) -> None:
 def complain(command: str, error: LcmtoolsError) -> None:
     """Print an error in one line."""
     talk(f"{command}: {' '.join(str(error).split())}")
+
+
+def _write(text: str) -> None:
+    """Write to standard output at once.
+
+    Raises:
+        BrokenPipeError: Whoever reads has had enough.
+        LcmtoolsError: It cannot be written, as on a full disk.
+    """
+    try:
+        sys.stdout.write(text)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise LcmtoolsError(f"cannot write to standard output: {error.strerror}") from error

@@ -6,7 +6,7 @@ from typing import Protocol, cast
 
 import click
 
-from lcmtools.cli.options import CONTEXT, bus_choice, json_option
+from lcmtools.cli.options import CONTEXT, bus_choice, bus_options, json_option
 from lcmtools.cli.output import document, lines
 from lcmtools.errors import MissingExtra, UsageError
 from lcmtools.names import did_you_mean
@@ -23,12 +23,10 @@ class Program(Protocol):
         ...
 
 
-@click.command(
-    "run",
-    context_settings={**CONTEXT, "ignore_unknown_options": True, "allow_interspersed_args": False},
-)
+@click.command("run", context_settings={**CONTEXT, "allow_interspersed_args": False})
 @click.option("-l", "--list", "show_list", is_flag=True, help="List the nodes that can be run.")
 @json_option
+@bus_options
 @click.argument("name", required=False)
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
 def command(name: str | None, arguments: tuple[str, ...], *, show_list: bool, as_json: bool) -> int:
@@ -48,13 +46,16 @@ def command(name: str | None, arguments: tuple[str, ...], *, show_list: bool, as
         document(sorted(known)) if as_json else lines(sorted(known))
         return 0
     if not name:
-        raise UsageError("which node?", "lcmtools run --list shows them")
+        raise UsageError("the node's name is missing", "lcmtools run --list shows them")
     if name not in known:
         raise UsageError(
             f"there is no node '{name}'",
             did_you_mean(name, known) or "lcmtools run --list shows them",
         )
-    return _load(known[name])([*_bus_arguments(), *arguments]) or 0
+    try:
+        return _load(known[name])([*_bus_arguments(), *arguments]) or 0
+    except KeyboardInterrupt:  # asked to end before the node was ready to be asked
+        return 0
 
 
 def _load(entry: EntryPoint) -> Program:

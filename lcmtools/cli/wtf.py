@@ -24,7 +24,7 @@ _HEADINGS = {
 
 @click.command("wtf", context_settings=CONTEXT)
 @click.option(
-    "--wait", type=duration, default=1.0, show_default="1s", help="Listen so long to the traffic."
+    "--wait", type=duration, default=1.0, help="Listen so long to the traffic (else 1s)."
 )
 @json_option
 @bus_options

@@ -84,7 +84,8 @@ class GraphBuilder:
         if announcement.leaving:
             self.forget(node.id)
             self._left.add(node.id)
-            return
+        if node.id in self._left:
+            return  # an announcement that the goodbye has overtaken brings nobody back
         self._nodes[node.id] = replace(node, sender=packet.sender, last_heard=packet.time)
 
     def _traffic_seen(self) -> Iterable[Traffic]:

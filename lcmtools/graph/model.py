@@ -142,7 +142,8 @@ class Topic:
         publishers: Nodes with their endpoints that announce to publish it.
         subscribers: Nodes with their endpoints that announce to subscribe to it.
         traffic: What was seen on it, by sender.
-        foreign: The part of ``traffic`` whose senders are no announced node.
+        foreign: The part of ``traffic`` that no announced node has sent. Where the bus names no
+            sender, an announced publisher explains all of it.
     """
 
     name: str
@@ -191,10 +192,13 @@ class Graph:
     def topic(self, name: str) -> Topic:
         """What is known of one topic; empty when nothing is."""
         traffic = tuple(seen for seen in self.traffic if seen.channel == name)
-        known = {sender for node in self.nodes for sender in node.senders()}
+        publishers = tuple(self._having(name, Role.PUBLISHER))
+        known: set[Sender | None] = {s for node in self.nodes for s in node.senders()}
+        if publishers:
+            known.add(None)
         return Topic(
             name,
-            tuple(self._having(name, Role.PUBLISHER)),
+            publishers,
             tuple(self._having(name, Role.SUBSCRIBER)),
             traffic,
             tuple(seen for seen in traffic if seen.sender not in known),

@@ -4,7 +4,7 @@ Belongs here: LCM's encoding of whole messages. Must not know channels or datagr
 (https://lcm-proj.github.io/lcm/): 8 bytes of fingerprint, then the fields in order, big-endian,
 without padding; see ``layout`` and ``rows``. lcm-gen's own code takes an array's length
 from a field that the user must keep in step, and reads a truncated string or byte array as a short
-one; this does neither, and is faster.
+one; this does neither, and is mostly faster.
 """
 
 import struct
@@ -42,7 +42,7 @@ def encode(message: Message) -> bytes:
     except Misfit as misfit:
         raise misfit.mismatch(type_name(cls)) from None
     except RecursionError:
-        raise Misfit("contains itself").mismatch(type_name(cls)) from None
+        raise Misfit("contains itself, or is nested too deeply").mismatch(type_name(cls)) from None
 
 
 def decode(cls: type[M], payload: bytes | bytearray | memoryview) -> M:
@@ -60,8 +60,6 @@ def decode(cls: type[M], payload: bytes | bytearray | memoryview) -> M:
         return cast("M", layout(cls).read(Cursor(data, _FINGERPRINT_BYTES)))
     except Malformed as malformed:
         raise DecodeError(f"broken {type_name(cls)}: {malformed}") from None
-    except RecursionError:
-        raise DecodeError(f"broken {type_name(cls)}: nested too deeply") from None
 
 
 def _payload(message: Message, cls: type[Message]) -> bytes:

@@ -35,6 +35,7 @@ from lcmtools.messages.conform import has_wire_type
 from lcmtools.messages.fields import Field, fields, visible_fields
 from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.messages.rows import (
+    BOOLEANS,
     FORMATS,
     Bytes,
     Cursor,
@@ -42,7 +43,6 @@ from lcmtools.messages.rows import (
     Row,
     Strings,
     check_count,
-    writer_format,
 )
 from lcmtools.messages.shape import as_sequence
 
@@ -107,8 +107,11 @@ class Messages:
     def read(self, count: int, cursor: Cursor) -> list[Message]:
         """A list of them."""
         cursor.expect(count, self.smallest(), self._where)
+        cursor.enter(self._where)
         read = layout(self._cls).read
-        return [read(cursor) for _ in range(count)]
+        messages = [read(cursor) for _ in range(count)]
+        cursor.depth -= 1
+        return messages
 
 
 def check_type(value: object, cls: type[Message]) -> None:
@@ -134,7 +137,12 @@ class _Source:
     read: list[str] = field(default_factory=list)
     leaves: list[tuple[str, str, Field]] = field(default_factory=list)
     space: dict[str, object] = field(
-        default_factory=lambda: {"check": check_type, "length": length, "new": object.__new__}
+        default_factory=lambda: {
+            "booleans": BOOLEANS,
+            "check": check_type,
+            "length": length,
+            "new": object.__new__,
+        }
     )
 
     def add_message(self, target: str, cls: type[Message], path: str) -> None:
@@ -173,21 +181,25 @@ class _Source:
 
     def functions(self) -> tuple[object, object]:
         """The functions ``write`` and ``read``."""
-        text = "\n ".join(["def write(m0, parts):", *self.write, "return"]) + "\n".join(
-            ["\ndef read(cursor):", *(f" {line}" for line in self.read), " return m0"]
-        )
+        write = ["def write(m0, parts):", *self.write, "return"]
+        read = ["def read(cursor):", *self.read, "return m0"]
+        text = "\n ".join(write) + "\n" + "\n ".join(read)
         exec(text, self.space)  # noqa: S102 - made of the names that lcm-gen's own code has
         return self.space["write"], self.space["read"]
 
     def _add_numbers(self, run: list[tuple[str, str, Field]]) -> None:
         codes = "".join(FORMATS[part.type] for _, _, part in run)
-        reader = struct.Struct(f">{codes}")
-        names = ", ".join(f"{variable}.{part.name}" for variable, _, part in run)
-        writer = self._name("s", struct.Struct(f">{writer_format(codes)}"))
-        self.write.append(f"parts.append({writer}.pack({names}))")
+        packer = struct.Struct(f">{codes}")
+        name = self._name("s", packer)
+        targets = [f"{variable}.{part.name}" for variable, _, part in run]
+        values = [
+            f"booleans[{target}]" if code == "?" else target
+            for target, code in zip(targets, codes, strict=True)
+        ]
+        self.write.append(f"parts.append({name}.pack({', '.join(values)}))")
         where = f"{self.type_name}.{run[0][1]}"
-        start = f"cursor.take({reader.size}, {where!r})"
-        self.read.append(f"{names}, = {self._name('s', reader)}.unpack_from(cursor.data, {start})")
+        start = f"cursor.take({packer.size}, {where!r})"
+        self.read.append(f"{', '.join(targets)}, = {name}.unpack_from(cursor.data, {start})")
 
     def _add_string(self, variable: str, path: str, part: Field) -> None:
         row = self._name("r", Strings(f"{self.type_name}.{path}"))

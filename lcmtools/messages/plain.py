@@ -24,16 +24,18 @@ Value: TypeAlias = "bool | int | float | str | bytes | Sequence[Value] | Mapping
 
 _PLAIN = frozenset((bool, int, float, str))
 
-_TIME_NAMES = {"secs": "sec", "nsecs": "nsec", "nanosec": "nsec"}
+_TIME_NAMES = {"sec": 0, "secs": 0, "nsec": 1, "nsecs": 1, "nanosec": 1}
+"""What ROS 1 and ROS 2 call the two fields of a time."""
 
 # Legal in JSON, but in YAML forbidden or a line's end; and JSON should be YAML here.
 _NOT_IN_YAML = re.compile("[\x7f-\x9f\u2028\u2029\ufeff\ufffe\uffff]")
 
 
 def to_plain(message: Message) -> dict[str, Plain]:
-    """A message as a dict, without length fields; arrays of uint8 are lists of numbers.
+    """A message that ``encode`` takes as a dict; arrays of uint8 are lists of numbers.
 
-    Infinities and NaN stay floats, which JSON cannot hold: see ``to_json``.
+    Length fields are left out. Infinities and NaN stay floats, which JSON cannot hold: see
+    ``to_json``.
     """
     return {
         field.name: plain_value(getattr(message, field.name), field)
@@ -80,19 +82,24 @@ def _plain(value: object, field: Field, depth: int) -> Plain:
     if last and field.is_bytes:
         return list(as_bytes(value)) or _zeros(field.dimensions[-1])
     if last and not field.message_class:
-        return _plain_row(as_sequence(value), field.type)
+        return _plain_row(as_sequence(value))
     if depth < len(field.dimensions):
         return [_plain(element, field, depth + 1) for element in as_sequence(value)]
     if field.message_class:
         return to_plain(cast("Message", value))
-    return cast("Plain", value) if type(value) in _PLAIN else from_python(value, field.type)
+    return _plain_scalar(value)
 
 
-def _plain_row(elements: Sequence[object], type_name: str) -> list[Plain]:
-    """Numbers, booleans or strings; seldom there are numpy's scalars among them."""
+def _plain_row(elements: Sequence[object]) -> list[Plain]:
+    """Numbers, booleans or strings; seldom there are numpy's among them."""
     if _PLAIN.issuperset(map(type, elements)):
         return cast("list[Plain]", list(elements))
-    return [from_python(element, type_name) for element in elements]
+    return [_plain_scalar(element) for element in elements]
+
+
+def _plain_scalar(value: object) -> Plain:
+    """A value as it is, or Python's own number for one of numpy's."""
+    return value.item() if hasattr(value, "item") else cast("Plain", value)
 
 
 def _zeros(size: int | str) -> list[Plain]:
@@ -141,8 +148,9 @@ def _fill_in_order(message: Message, values: Sequence[Value]) -> None:
         _fill_field(message, targets[0], values)
         return
     if len(values) != len(targets):
-        names = ", ".join(field.name for field in targets) or "no fields"
-        raise Misfit(f"expected {len(targets)} values ({names}), got {len(values)}")
+        names = ", ".join(field.name for field in targets)
+        wanted = f"{len(targets)} values ({names})" if targets else "no fields"
+        raise Misfit(f"expected {wanted}, got {len(values)}")
     for field, value in zip(targets, values, strict=True):
         _fill_field(message, field, value)
 
@@ -163,7 +171,8 @@ def _fill_only_field(message: Message, value: Value) -> None:
     targets = visible_fields(cls)
     if hint or len(targets) != 1:
         names = ", ".join(field.name for field in targets)
-        raise Misfit(f"expected fields ({names}), got {given(value)}", hint)
+        wanted = f"fields ({names})" if targets else "no fields"
+        raise Misfit(f"expected {wanted}, got {given(value)}", hint)
     _fill_field(message, targets[0], value)
 
 
@@ -202,7 +211,7 @@ def _scalar(value: object, type_name: str) -> object:
 def _bytes_of_text(value: Value, dimensions: int) -> object:
     """UTF-8 where text is given for the innermost dimension of an array of bytes."""
     if isinstance(value, str):
-        return value.encode()
+        return from_text(value, "string").encode()  # type: ignore[union-attr] # text
     if dimensions > 1 and isinstance(value, (list, tuple)):
         return each(value, lambda row: _bytes_of_text(row, dimensions - 1))  # type: ignore[arg-type] # rows are values
     return value
@@ -210,8 +219,8 @@ def _bytes_of_text(value: Value, dimensions: int) -> object:
 
 def _field_named(cls: type[Message], key: str, value: Value) -> Field:
     found = {field.name: field for field in fields(cls)}
-    if is_time(cls) and key not in found:
-        key = cls.__slots__[1] if _TIME_NAMES.get(key) == "nsec" else _TIME_NAMES.get(key, key)
+    if is_time(cls) and key in _TIME_NAMES:
+        key = cls.__slots__[_TIME_NAMES[key]]
     if key not in found:
         raise _unknown_field(cls, key, value)
     if found[key].is_length:

@@ -53,11 +53,11 @@ class Message(Protocol):
         """The fingerprint, unsigned 64-bit."""
 
 
-class Service(Protocol):
-    """A pair of message types: what is asked and what is answered."""
+class ServiceType(Protocol):
+    """A pair of message types, like lcmtools.types.std_srvs.Trigger: asked and answered."""
 
-    Request: ClassVar[type[Message]]
-    Response: ClassVar[type[Message]]
+    Request: type[Message]
+    Response: type[Message]
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +106,7 @@ class Registry:
             raise UnknownType(f"unknown type '{name}'", self._type_hint(name))
         return cast("type[Message]", _load(self._types[found].prefix, found))
 
-    def service_class(self, name: str) -> type[Service]:
+    def service_class(self, name: str) -> type[ServiceType]:
         """The pair of a service; the name is written as for ``message_class``.
 
         Raises:
@@ -115,8 +115,11 @@ class Registry:
         found = _find(name, self._services, "service")
         if not found:
             near = _near(name, self._services)
-            raise UnknownType(f"unknown service type '{name}'", near or "see: lcmtools srv list")
-        return cast("type[Service]", _load(self._services[found].prefix, found))
+            raise UnknownType(
+                f"unknown service type '{name}'",
+                near or f"known: {', '.join(self.service_names())}",
+            )
+        return cast("type[ServiceType]", _load(self._services[found].prefix, found))
 
     def candidates(self, fingerprint: int) -> list[str]:
         """Names of the types with this fingerprint, the likeliest first (see PREFERRED).
@@ -165,7 +168,7 @@ def message_class(name: str) -> type[Message]:
     return default_registry().message_class(name)
 
 
-def service_class(name: str) -> type[Service]:
+def service_class(name: str) -> type[ServiceType]:
     """The pair of a service (see Registry.service_class).
 
     Raises:

@@ -26,9 +26,16 @@ FORMATS = {
 }
 """What ``struct`` calls each primitive type of fixed size."""
 
+BOOLEANS: dict[object, bool] = {False: False, True: True}
+"""What may be written as a boolean; ``struct`` alone takes any object for true."""
+
 MOST_WEIGHTLESS = 65_536
 """Elements without bytes (empty messages, empty rows) that one payload may claim to hold. Without
 a limit, 4 bytes could ask for two thousand million of them."""
+
+
+DEEPEST = 100
+"""Levels of arrays of messages in a payload. Only a type that holds itself could have as many."""
 
 
 class Malformed(ValueError):  # noqa: N818 - named for what happened, as in errors.py
@@ -38,11 +45,12 @@ class Malformed(ValueError):  # noqa: N818 - named for what happened, as in erro
 class Cursor:
     """A payload and how much of it has been read."""
 
-    __slots__ = ("data", "offset", "weightless")
+    __slots__ = ("data", "depth", "offset", "weightless")
 
     def __init__(self, data: bytes, offset: int) -> None:
         self.data = data
         self.offset = offset
+        self.depth = 0
         self.weightless = MOST_WEIGHTLESS
 
     def take(self, size: int, where: str) -> int:
@@ -62,6 +70,12 @@ class Cursor:
             self.weightless -= count
             if self.weightless < 0:
                 raise Malformed(f"{count} elements of no size claimed at {where}")
+
+    def enter(self, where: str) -> None:
+        """Begin an array of messages; ``depth`` is to be lowered at its end."""
+        self.depth += 1
+        if self.depth > DEEPEST:
+            raise Malformed(f"nested more than {DEEPEST} levels deep at {where}")
 
     def _wrong_size(self, size: int, where: str) -> Malformed:
         if size < 0:
@@ -88,9 +102,7 @@ class Numbers:
 
     def __init__(self, type_name: str, where: str) -> None:
         code = FORMATS[type_name]
-        self._booleans = code == "?"
-        self._reader = code
-        self._writer = writer_format(code)
+        self._code = code
         self._where = where
         self._size = struct.calcsize(f">{code}")
 
@@ -100,13 +112,16 @@ class Numbers:
 
     def write(self, values: object, count: int, parts: list[bytes]) -> None:
         """Append them all."""
-        parts.append(struct.pack(f">{count}{self._writer}", *as_sequence(values)))
+        numbers = as_sequence(values)
+        if self._code == "?":
+            numbers = [BOOLEANS[value] for value in numbers]
+        parts.append(struct.pack(f">{count}{self._code}", *numbers))
 
     def read(self, count: int, cursor: Cursor) -> object:
         """Numbers as a tuple, booleans as a list: what lcm-gen's decoders give."""
         start = cursor.take(count * self._size, self._where)
-        numbers = struct.unpack_from(f">{count}{self._reader}", cursor.data, start)
-        return list(numbers) if self._booleans else numbers
+        numbers = struct.unpack_from(f">{count}{self._code}", cursor.data, start)
+        return list(numbers) if self._code == "?" else numbers
 
 
 class Bytes:
@@ -177,11 +192,6 @@ def check_count(values: Sized, count: int) -> None:
     """Raise ValueError where there are not so many values."""
     if len(values) != count:
         raise ValueError("wrong length")
-
-
-def writer_format(codes: str) -> str:
-    """The codes to write what ``codes`` read: "?" takes any object for true, "b" only numbers."""
-    return codes.replace("?", "b")
 
 
 _LENGTH = struct.Struct(">I")

@@ -5,6 +5,7 @@ holds. Must not know fields, messages or YAML's syntax.
 """
 
 import math
+import operator
 import re
 import struct
 from collections.abc import Callable
@@ -148,10 +149,11 @@ def _check_boolean(value: object) -> bool:
 
 
 def _check_integer(value: object, type_name: str) -> int:
-    index = getattr(value, "__index__", None)
-    if index is None:
-        raise Misfit(f"expected an integer, got {given(value)}")
-    return _in_range(index(), type_name, value)
+    try:
+        number = operator.index(value)  # type: ignore[arg-type] # TypeError says that it has none
+    except TypeError:
+        raise Misfit(f"expected an integer, got {given(value)}") from None
+    return _in_range(number, type_name, number)
 
 
 def _check_float(value: object, type_name: str) -> float:

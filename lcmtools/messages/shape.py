@@ -4,6 +4,7 @@ Belongs here: what holds for an array whatever its elements are. Must not know t
 nor where the values come from (a message's attributes or a user's text).
 """
 
+import contextlib
 from collections.abc import Callable, Iterator, Sequence
 
 from lcmtools.messages.fields import Field, fields, visible_fields
@@ -38,13 +39,11 @@ def as_bytes(value: object) -> bytes:
     """
     if isinstance(value, (bytes, bytearray)):
         return bytes(value)
-    try:
-        view = memoryview(value)  # type: ignore[arg-type] # TypeError says that it is none
-    except TypeError:
-        return bytes(as_sequence(value))  # type: ignore[arg-type] # likewise
-    if view.format in ("B", "c") and view.ndim == 1:
-        return view.tobytes()
-    return bytes(view.tolist())
+    with contextlib.suppress(TypeError):  # when it has no buffer
+        view = memoryview(value)  # type: ignore[arg-type] # likewise
+        if view.format in ("B", "c") and view.ndim == 1:
+            return view.tobytes()
+    return bytes(as_sequence(value))  # type: ignore[arg-type] # bytes() checks each element
 
 
 def shaped(value: object, field: Field, element: Element) -> object:
@@ -160,6 +159,8 @@ def _check_room(length: Field, count: int, owner: str) -> None:
         from_python(count, length.type)
     except Misfit:
         high = INTEGERS[length.type][1]
-        misfit = Misfit(f"has {count} elements; its length is an {length.type}, at most {high}")
+        misfit = Misfit(
+            f"has {count} elements; its length field, {length.type}, holds {high} at most"
+        )
         misfit.inside(f".{owner}")
         raise misfit from None

@@ -13,9 +13,12 @@ from typing import TypeVar
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.plain import Value, fill
 from lcmtools.messages.registry import Message
-from lcmtools.messages.yaml_tree import Place, Tree, bad_yaml
+from lcmtools.messages.yaml_tree import BadYaml, Tree
 
 M = TypeVar("M", bound=Message)
+
+_JSON_LINE = re.compile(r"\{.*\}\s*|\s*|---\s*|#.*")
+_COLON_PROBLEMS = ("mapping values are not allowed", "found unexpected ':'")
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,9 +79,20 @@ def parse_values(texts: Sequence[str]) -> Value:
 def parse_documents(text: str) -> Iterator[Document]:
     """The YAML documents of a text; empty ones are left out.
 
+    Lines of JSON, which are no YAML without ``---`` between them, are documents too.
+
     Raises:
         ValueMismatch: The YAML is bad; the documents before it have come out by then.
     """
+    lines = text.split("\n")
+    if all(_JSON_LINE.fullmatch(line) for line in lines):
+        for number, line in enumerate(lines, 1):
+            yield from _parse(line, number)
+    else:
+        yield from _parse(text, 1)
+
+
+def _parse(text: str, first_line: int) -> Iterator[Document]:
     import yaml
 
     loader = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
@@ -88,12 +102,15 @@ def parse_documents(text: str) -> Iterator[Document]:
             tree.take(event)
             if isinstance(event, yaml.DocumentEndEvent):
                 if tree.root is not None:
-                    yield Document(tree.root, tree.line)
+                    yield Document(tree.root, first_line + tree.line)
                 tree = Tree()
+    except BadYaml as bad:
+        raise _mismatch(bad, first_line) from None
     except yaml.MarkedYAMLError as error:
-        raise bad_yaml(error.problem_mark, str(error.problem), _colon_hint(text)) from None
+        found = BadYaml(error.problem_mark, str(error.problem))
+        raise _mismatch(found, first_line, _colon_hint(found.problem, text)) from None
     except (yaml.reader.ReaderError, UnicodeEncodeError):
-        raise _forbidden_character(text) from None
+        raise _mismatch(_forbidden_character(text), first_line) from None
 
 
 def _only_value(text: str) -> Value:
@@ -103,19 +120,35 @@ def _only_value(text: str) -> Value:
     return documents[0].value if documents else None
 
 
-def _forbidden_character(text: str) -> ValueMismatch:
-    """The error for a control character, or for bytes that were not UTF-8 (half characters)."""
+def _mismatch(bad: BadYaml, first_line: int, hint: str = "") -> ValueMismatch:
+    mark = bad.mark
+    place = f" at line {first_line + mark.line}, column {mark.column + 1}" if mark else ""
+    return ValueMismatch(f"bad YAML{place}: {bad.problem}", hint)
+
+
+def _forbidden_character(text: str) -> BadYaml:
+    """What is wrong with a text that is not for YAML: control characters, half characters."""
     import yaml
 
     match = yaml.reader.Reader.NON_PRINTABLE.search(text)
     if not match:
-        return bad_yaml(None, "a character is not allowed")
+        return BadYaml(None, "a character is not allowed")
     before = text[: match.start()]
-    mark = Place(before.count("\n"), len(before) - before.rfind("\n") - 1)
-    return bad_yaml(mark, f"the character U+{ord(match[0]):04X} is not allowed")
+    place = _Place(before.count("\n"), len(before) - before.rfind("\n") - 1)
+    return BadYaml(place, f"the character U+{ord(match[0]):04X} is not allowed")
 
 
-def _colon_hint(text: str) -> str:
+def _colon_hint(problem: str, text: str) -> str:
     """What to do about "x:1", if that is what broke the YAML."""
     match = re.search(r"\b([A-Za-z_]\w*):([^\s:/,}\]]+)", text)
-    return f"put a space after the colon: '{match[1]}: {match[2]}'" if match else ""
+    if not match or not problem.startswith(_COLON_PROBLEMS):
+        return ""
+    return f"put a space after the colon: '{match[1]}: {match[2]}'"
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """A place in the text, as a Mark; both count from 0."""
+
+    line: int
+    column: int

@@ -8,7 +8,6 @@ without end, take the last of several equal keys and forget what was quoted.
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from lcmtools.errors import ValueMismatch
 from lcmtools.messages.plain import Value
 
 if TYPE_CHECKING:
@@ -37,18 +36,18 @@ class Mark(Protocol):
         """The character in it."""
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
-    """A place in the text; both count from 0."""
+class BadYaml(ValueError):  # noqa: N818 - named for what happened, as in errors.py
+    """YAML, but none that a message can be filled from.
 
-    line: int
-    column: int
+    Attributes:
+        mark: Where.
+        problem: What is wrong there.
+    """
 
-
-def bad_yaml(mark: Mark | None, problem: str, hint: str = "") -> ValueMismatch:
-    """The error for YAML that is wrong at a place."""
-    place = f" at line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-    return ValueMismatch(f"bad YAML{place}: {problem}", hint)
+    def __init__(self, mark: Mark | None, problem: str) -> None:
+        super().__init__(problem)
+        self.mark = mark
+        self.problem = problem
 
 
 @dataclass(slots=True)
@@ -74,7 +73,7 @@ class Tree:
 
     Attributes:
         root: The value, once they all have; None for an empty document.
-        line: The number of the line where it starts, from 1.
+        line: The number of the line where it starts, from 0.
     """
 
     def __init__(self) -> None:
@@ -88,7 +87,7 @@ class Tree:
         """Take the next event.
 
         Raises:
-            ValueMismatch: It is YAML, but none that a message can be filled from.
+            BadYaml: No message can be filled from it.
         """
         import yaml
 
@@ -114,20 +113,20 @@ class Tree:
     ) -> None:
         self._note_line(event)
         if self._wants_key():
-            raise bad_yaml(event.start_mark, "a field's name must be a word")
+            raise BadYaml(event.start_mark, "a field's name must be a word")
         if len(self._open) == DEEPEST:
-            raise bad_yaml(event.start_mark, f"nested more than {DEEPEST} levels deep")
+            raise BadYaml(event.start_mark, f"nested more than {DEEPEST} levels deep")
         if event.tag not in _COLLECTION_TAGS:
             raise _unknown_tag(event)
         self._open.append(_Open(value, event.anchor))
 
     def _take_alias(self, event: "yaml.AliasEvent") -> None:
         if event.anchor not in self._anchors:
-            raise bad_yaml(event.start_mark, f"unknown alias '*{event.anchor}'")
+            raise BadYaml(event.start_mark, f"unknown alias '*{event.anchor}'")
         value, weight = self._anchors[event.anchor]
         self._repeated += weight
         if self._repeated > MOST_REPEATED:
-            raise bad_yaml(event.start_mark, f"aliases repeat more than {MOST_REPEATED} values")
+            raise BadYaml(event.start_mark, f"aliases repeat more than {MOST_REPEATED} values")
         if self._wants_key():
             self._set_key(value, event)
         else:
@@ -143,9 +142,9 @@ class Tree:
     def _set_key(self, key: Value, event: "yaml.NodeEvent") -> None:
         mapping = self._open[-1]
         if not isinstance(key, str):
-            raise bad_yaml(event.start_mark, "a field's name must be a word")
+            raise BadYaml(event.start_mark, "a field's name must be a word")
         if key in mapping.value:
-            raise bad_yaml(event.start_mark, f"'{key}' is given twice")
+            raise BadYaml(event.start_mark, f"'{key}' is given twice")
         mapping.key = key
 
     def _add(self, value: Value, weight: int, anchor: str | None) -> None:
@@ -158,7 +157,7 @@ class Tree:
 
     def _note_line(self, event: "yaml.NodeEvent") -> None:
         if not self._open and event.start_mark:
-            self.line = event.start_mark.line + 1
+            self.line = event.start_mark.line
 
 
 def _scalar(event: "yaml.ScalarEvent") -> Value:
@@ -181,9 +180,9 @@ def _binary(event: "yaml.ScalarEvent") -> bytes:
     try:
         return b64decode("".join(event.value.split()), validate=True)
     except ValueError:
-        raise bad_yaml(event.start_mark, "!!binary is not followed by base64") from None
+        raise BadYaml(event.start_mark, "!!binary is not followed by base64") from None
 
 
-def _unknown_tag(event: "yaml.ScalarEvent | yaml.CollectionStartEvent") -> ValueMismatch:
+def _unknown_tag(event: "yaml.ScalarEvent | yaml.CollectionStartEvent") -> BadYaml:
     tag = str(event.tag).replace(_TAG, "!!")
-    return bad_yaml(event.start_mark, f"the tag {tag} means nothing here")
+    return BadYaml(event.start_mark, f"the tag {tag} means nothing here")

@@ -63,6 +63,7 @@ class Context:
         self.bus = bus
         self.arguments = arguments
         self.wakeup = Wakeup()
+        self.declared_parameters: set[str] = set()
         self.host = socket.gethostname()
         self.default_namespace = resolve_namespace(environment.get("LCMTOOLS_NAMESPACE", ""))
         self._records = records

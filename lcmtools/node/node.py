@@ -7,7 +7,7 @@ import traceback
 import uuid
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TypeVar
+from typing import TypeVar, cast
 
 from lcmtools import names
 from lcmtools.clock import Clock, ManualClock, SystemClock, join_stamp, split_stamp
@@ -16,10 +16,12 @@ from lcmtools.graph import model
 from lcmtools.messages.registry import Message
 from lcmtools.node.context import Context, Participant, current_context
 from lcmtools.node.logger import LogEntry, Logger
-from lcmtools.node.parameter import Parameter, ParameterValue, read_parameter
+from lcmtools.node.parameter import Parameter, ParameterValue, ValueT, read_parameter
 from lcmtools.node.publisher import Publisher
 from lcmtools.node.service import (
     Client,
+    RequestT,
+    ResponseT,
     Service,
     ServiceCallback,
     ServiceType,
@@ -33,6 +35,8 @@ from lcmtools.types.rosgraph_msgs import Log
 
 MessageT = TypeVar("MessageT", bound=Message)
 
+_LOST_MESSAGE_PERIOD = 5.0  # [s] between two complaints about a bus that takes no messages
+
 
 class Node(Participant):
     """A named participant of the bus.
@@ -44,30 +48,41 @@ class Node(Participant):
         name: The node's own name; ``__name:=`` on the command line wins.
         namespace: Where it stands; ``__ns:=`` on the command line wins.
         tool: It is a command that looks at the bus, not a part of the system.
+        context: What it shares with other nodes; that of ``lcmtools.init`` when None.
 
     Raises:
         InvalidName: The name or the namespace breaks the naming rules.
         LcmtoolsError: ``lcmtools.init`` has not been called.
     """
 
-    def __init__(self, name: str, *, namespace: str = "", tool: bool = False) -> None:
-        self._context: Context = current_context()
+    def __init__(
+        self,
+        name: str,
+        *,
+        namespace: str = "",
+        tool: bool = False,
+        context: Context | None = None,
+    ) -> None:
+        self._context = context or current_context()
         said = self._context.arguments
         own_name = said.name if said.name and self._context.is_first() else name
         names.check_base_name(own_name)
         self.namespace = self._namespace(said.namespace or namespace)
         self.name = names.check_length(names.resolve(f"{self.namespace}/{own_name}"))
         self._names = names.Resolver(self.namespace, self.name, tuple(said.remaps))
-        self._parameters: dict[str, Parameter] = {}
+        self._parameters: dict[str, Parameter[ParameterValue]] = {}
         self._publishers: list[Publisher[Message]] = []
         self._subscriptions: list[Subscription] = []
         self._timers: list[Timer] = []
-        self._services: list[Service] = []
-        self._clients: list[Client] = []
+        self._services: list[Service[Message, Message]] = []
+        self._clients: list[Client[Message, Message]] = []
+        self._destroyed = False
         self._identity = self._identify(tool=tool)
         self._clock: Clock = SystemClock()
         self._logger = Logger(self.name, self._clock, self._forward_log)
         self._rosout = None if tool else self.create_publisher(Log, "/rosout", 100)
+        if self._rosout:
+            self._rosout.on_failure = lambda _: None  # the line has been printed all the same
         if self.declare_parameter("use_sim_time", default=False).value:
             self._use_sim_time()
         self._context.add(self)
@@ -97,6 +112,7 @@ class Node(Participant):
         resolved = names.check_length(topic) if literal else self.resolve_name(topic)
         context = self._context
         publisher = Publisher(context.bus, message_type, resolved, depth, context.graph)
+        publisher.on_failure = None if self._identity.tool else self._log_lost_message
         self._publishers.append(publisher)  # type: ignore[arg-type] # kept to be announced only
         context.announcer.announce_soon()
         return publisher
@@ -109,6 +125,7 @@ class Node(Participant):
         depth: int = 10,
         *,
         group: str = "",
+        literal: bool = False,
     ) -> Subscription:
         """A subscription; its callback runs on the thread that spins.
 
@@ -120,13 +137,14 @@ class Node(Participant):
             depth: How many messages wait at most; the newest are kept.
             group: Subscriptions of this node with the same group are alternatives: one that is
                 connected is enough.
+            literal: The topic is an LCM channel to the letter, not to be resolved.
 
         Raises:
             InvalidName: The topic's name breaks the naming rules.
             BusError: The bus does not take the subscription.
         """
         types = message_type if isinstance(message_type, tuple) else (message_type,)
-        resolved = self.resolve_name(topic)
+        resolved = names.check_length(topic) if literal else self.resolve_name(topic)
         subscription = Subscription(types, resolved, callback, depth, group)  # type: ignore[arg-type]
         subscription.on_ready = self._context.wakeup.set
         self._context.bus.subscribe(resolved, subscription.receive)
@@ -145,8 +163,11 @@ class Node(Participant):
         return timer
 
     def create_service(
-        self, service_type: type[ServiceType], name: str, callback: ServiceCallback
-    ) -> Service:
+        self,
+        service_type: ServiceType[RequestT, ResponseT],
+        name: str,
+        callback: ServiceCallback[RequestT, ResponseT],
+    ) -> Service[RequestT, ResponseT]:
         """Answer requests by ``callback(request, response)``, which returns the response.
 
         Raises:
@@ -157,11 +178,13 @@ class Node(Participant):
         service = Service(self._context.bus, service_type, resolved, callback)
         service.on_ready = self._context.wakeup.set
         self._context.bus.subscribe(request_channel(resolved), service.receive)
-        self._services.append(service)
+        self._services.append(service)  # type: ignore[arg-type] # run by what they have in common
         self._context.announcer.announce_soon()
         return service
 
-    def create_client(self, service_type: type[ServiceType], name: str) -> Client:
+    def create_client(
+        self, service_type: ServiceType[RequestT, ResponseT], name: str
+    ) -> Client[RequestT, ResponseT]:
         """A client of a service.
 
         Raises:
@@ -172,22 +195,24 @@ class Node(Participant):
         client = Client(self._context.bus, service_type, resolved)
         client.is_interrupted = lambda: not self._context.ok()
         self._context.bus.subscribe(reply_channel(resolved), client.receive)
-        self._clients.append(client)
+        self._clients.append(client)  # type: ignore[arg-type] # run by what they have in common
         self._context.announcer.announce_soon()
         return client
 
-    def declare_parameter(self, name: str, default: ParameterValue = None) -> Parameter:
+    def declare_parameter(self, name: str, default: ValueT) -> Parameter[ValueT]:
         """Declare a setting with its default; ``_name:=value`` on the command line wins.
 
         Raises:
             UsageError: The command line's value is not of the default's type.
         """
         text = self._context.arguments.parameters.get(name)
-        value = default if text is None else read_parameter(name, text, default)
+        # read_parameter gives a value of the default's own type
+        value = default if text is None else cast("ValueT", read_parameter(name, text, default))
         self._parameters[name] = Parameter(name, value)
-        return self._parameters[name]
+        self._context.declared_parameters.add(name)
+        return Parameter(name, value)
 
-    def get_parameter(self, name: str) -> Parameter:
+    def get_parameter(self, name: str) -> Parameter[ParameterValue]:
         """A declared parameter.
 
         Raises:
@@ -199,6 +224,13 @@ class Node(Participant):
             )
         return self._parameters[name]
 
+    def warn_of_unknown_parameters(self) -> None:
+        """Log the command line's parameters that no node here has declared: likely misspelt."""
+        declared = self._context.declared_parameters
+        for name in self._context.arguments.parameters.keys() - declared:
+            hint = names.did_you_mean(name, declared)
+            self._logger.warning(f"there is no parameter '{name}'{f'; {hint}' if hint else ''}")
+
     def get_logger(self) -> Logger:
         """The node's log."""
         return self._logger
@@ -206,6 +238,11 @@ class Node(Participant):
     def get_clock(self) -> Clock:
         """The node's time: the computer's, or ``/clock`` with ``_use_sim_time:=true``."""
         return self._clock
+
+    @property
+    def context(self) -> Context:
+        """What this node shares with the others of its process."""
+        return self._context
 
     def graph(self) -> model.Graph:
         """The announced nodes of the bus; the first call starts listening to them."""
@@ -221,6 +258,7 @@ class Node(Participant):
 
     def destroy_node(self) -> None:
         """Say goodbye and receive nothing any more. Does nothing the second time."""
+        self._destroyed = True
         self._context.remove(self)
         bus = self._context.bus
         for subscription in self._subscriptions:
@@ -234,8 +272,12 @@ class Node(Participant):
 
     def describe(self) -> model.Node:
         """What is announced of this node."""
-        parts = (*self._publishers, *self._subscriptions, *self._services, *self._clients)
-        endpoints = tuple(part.endpoint() for part in parts)
+        endpoints = (
+            *(publisher.endpoint() for publisher in tuple(self._publishers)),
+            *(subscription.endpoint() for subscription in tuple(self._subscriptions)),
+            *(service.endpoint() for service in tuple(self._services)),
+            *(client.endpoint() for client in tuple(self._clients)),
+        )
         return replace(self._identity, ports=tuple(self._context.bus.ports), endpoints=endpoints)
 
     def run_ready(self) -> int:
@@ -255,7 +297,7 @@ class Node(Participant):
         for subscription in tuple(self._subscriptions):
             for _ in range(subscription.waiting()):
                 payload = subscription.take()
-                if payload is None or not self._context.ok():
+                if payload is None or not self._is_running():
                     break
                 self._deliver(subscription, payload)
                 ran += 1
@@ -265,14 +307,15 @@ class Node(Participant):
         try:
             message = subscription.decode(payload)
         except DecodeError as error:
-            self._logger.warning(f"{subscription.topic}: message ignored: {error}", throttle=5.0)
+            if subscription.is_warning_due(time.monotonic()):
+                self._logger.warning(f"{subscription.topic}: message ignored: {error}")
             return
         self._guard(f"callback of {subscription.topic}", lambda: subscription.callback(message))
 
     def _run_services(self) -> int:
         ran = 0
         for service in tuple(self._services):
-            while (request := service.take()) is not None:
+            while self._is_running() and (request := service.take()) is not None:
                 ran += 1
                 failure = service.answer(request)
                 if failure is not None:
@@ -283,11 +326,15 @@ class Node(Participant):
         ran = 0
         for timer in tuple(self._timers):
             now = self._timer_time()
-            if timer.is_due(now):
+            if self._is_running() and timer.is_due(now):
                 timer.advance(now)
                 self._guard("timer", timer.callback)
                 ran += 1
         return ran
+
+    def _is_running(self) -> bool:
+        """Whether callbacks may be called; one of them may have ended the node or the program."""
+        return self._context.ok() and not self._destroyed
 
     def _guard(self, what: str, call: Callable[[], object]) -> None:
         """Call user code; log what it raises and go on."""
@@ -295,6 +342,9 @@ class Node(Participant):
             call()
         except Exception as error:  # noqa: BLE001 - a node outlives its callbacks' faults
             self._log_failure(what, error)
+
+    def _log_lost_message(self, error: BusError) -> None:
+        self._logger.error(f"{error}", throttle=_LOST_MESSAGE_PERIOD)
 
     def _log_failure(self, what: str, error: BaseException) -> None:
         trace = "".join(traceback.format_exception(error)).rstrip()
@@ -307,10 +357,7 @@ class Node(Participant):
         message.header.stamp.sec, message.header.stamp.nsec = split_stamp(entry.time)
         message.level, message.name, message.msg = entry.severity, entry.node, entry.text
         message.file, message.function, message.line = entry.file, entry.function, entry.line
-        try:
-            self._rosout.publish(message)
-        except BusError:
-            return  # the line has been printed; a bus that is gone takes it no more
+        self._rosout.publish(message)
 
     def _use_sim_time(self) -> None:
         clock = ManualClock()

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Generic, TypeVar
 
 from lcmtools.bus.base import Bus
-from lcmtools.errors import ValueMismatch
+from lcmtools.errors import BusError, ValueMismatch
 from lcmtools.graph.model import Endpoint, Graph, Role
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message, fingerprint, type_name
@@ -34,6 +34,8 @@ class Publisher(Generic[MessageT]):
         self.message_type = message_type
         self.depth = depth
         self._bus = bus
+        self.on_failure: Callable[[BusError], None] | None = None
+        """Told when a message cannot leave; None to have ``publish`` raise instead."""
         self._graph = graph
         self._type_name = type_name(message_type)
         self._fingerprint = fingerprint(message_type)
@@ -44,9 +46,11 @@ class Publisher(Generic[MessageT]):
     def publish(self, message: MessageT) -> None:
         """Encode and send one message. Length fields are set here; nobody else needs to.
 
+        A message that the network does not take is lost, as any on LCM may be; the node's log says
+        so, and the next one is tried anew.
+
         Raises:
             ValueMismatch: The message is of another type, or a field's value does not fit.
-            BusError: It cannot be sent.
         """
         if not isinstance(message, self.message_type):
             raise ValueMismatch(
@@ -55,12 +59,14 @@ class Publisher(Generic[MessageT]):
         self.publish_payload(encode(message))
 
     def publish_payload(self, payload: bytes) -> None:
-        """Send a message that is encoded already.
-
-        Raises:
-            BusError: It cannot be sent.
-        """
-        self._bus.publish(self.topic, payload)
+        """Send a message that is encoded already."""
+        try:
+            self._bus.publish(self.topic, payload)
+        except BusError as error:
+            if self.on_failure is None:
+                raise
+            self.on_failure(error)
+            return
         self._messages += 1
         self._bytes += len(payload)
         self._last_time = time.time_ns()

@@ -9,7 +9,7 @@ import time
 import uuid
 from collections import OrderedDict
 from collections.abc import Callable
-from typing import Protocol
+from typing import Generic, TypeVar
 
 from lcmtools.bus.base import Bus
 from lcmtools.errors import DecodeError, LcmtoolsError, ServiceError
@@ -17,6 +17,7 @@ from lcmtools.graph.model import Endpoint, Role
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.types.lcmtools_msgs import ServiceReply, ServiceRequest
+from lcmtools.types.service import Service as Pair
 
 RETRY_PERIOD = 0.25
 """A request is sent again after so many seconds without an answer."""
@@ -24,14 +25,11 @@ _REMEMBERED_REPLIES = 256
 _MAX_WAITING_REQUESTS = 100
 
 
-class ServiceType(Protocol):
-    """A pair of message classes, like lcmtools.types.std_srvs.Trigger."""
-
-    Request: type[Message]
-    Response: type[Message]
-
-
-ServiceCallback = Callable[[Message, Message], Message]
+RequestT = TypeVar("RequestT", bound=Message)
+ResponseT = TypeVar("ResponseT", bound=Message)
+ServiceType = type[Pair[RequestT, ResponseT]]
+"""A pair of message classes, like lcmtools.types.std_srvs.Trigger."""
+ServiceCallback = Callable[[RequestT, ResponseT], ResponseT]
 """Called with the request and an empty response; returns the response."""
 
 
@@ -45,7 +43,7 @@ def reply_channel(service: str) -> str:
     return f"{service}/_reply"
 
 
-class Service:
+class Service(Generic[RequestT, ResponseT]):
     """Answers requests. Made by ``Node.create_service``.
 
     Attributes:
@@ -54,7 +52,11 @@ class Service:
     """
 
     def __init__(
-        self, bus: Bus, service_type: type[ServiceType], name: str, callback: ServiceCallback
+        self,
+        bus: Bus,
+        service_type: ServiceType[RequestT, ResponseT],
+        name: str,
+        callback: ServiceCallback[RequestT, ResponseT],
     ) -> None:
         self.name = name
         self.service_type = service_type
@@ -114,7 +116,7 @@ class Service:
         return reply, failure
 
 
-class Client:
+class Client(Generic[RequestT, ResponseT]):
     """Calls a service. Made by ``Node.create_client``.
 
     Attributes:
@@ -122,7 +124,7 @@ class Client:
         service_type: Its pair of messages.
     """
 
-    def __init__(self, bus: Bus, service_type: type[ServiceType], name: str) -> None:
+    def __init__(self, bus: Bus, service_type: ServiceType[RequestT, ResponseT], name: str) -> None:
         self.name = name
         self.service_type = service_type
         self.is_interrupted: Callable[[], bool] = lambda: False
@@ -133,7 +135,7 @@ class Client:
         self._replies: dict[int, ServiceReply] = {}
         self._expected: set[int] = set()
 
-    def call(self, request: Message, timeout: float = 3.0) -> Message:
+    def call(self, request: RequestT, timeout: float = 3.0) -> ResponseT:
         """Send a request and wait for the response. May be used inside a callback.
 
         Args:
@@ -178,7 +180,7 @@ class Client:
         """What is announced."""
         return _endpoint(self.name, Role.CLIENT, self.service_type, self._sequence)
 
-    def _envelope(self, request: Message) -> ServiceRequest:
+    def _envelope(self, request: RequestT) -> ServiceRequest:
         envelope = ServiceRequest()
         envelope.client = self._id
         with self._changed:
@@ -199,7 +201,9 @@ class Client:
         return None
 
 
-def _endpoint(name: str, role: Role, service_type: type[ServiceType], calls: int) -> Endpoint:
+def _endpoint(
+    name: str, role: Role, service_type: ServiceType[RequestT, ResponseT], calls: int
+) -> Endpoint:
     request = service_type.Request
     return Endpoint(
         topic=name,

@@ -9,7 +9,9 @@ from lcmtools.node.node import Node
 
 def spin(*nodes: Node) -> None:
     """Run the nodes' callbacks until Ctrl-C, SIGTERM or ``shutdown``."""
-    context = current_context()
+    context = nodes[0].context if nodes else current_context()
+    for node in nodes:
+        node.warn_of_unknown_parameters()
     with contextlib.suppress(KeyboardInterrupt):
         while context.ok():
             _run_once(context, nodes, None)
@@ -20,7 +22,7 @@ def spin_once(node: Node, timeout: float | None = 0.0) -> None:
 
     Returns as soon as callbacks have run, or when the time is over or the program should end.
     """
-    _run_once(current_context(), (node,), timeout)
+    _run_once(node.context, (node,), timeout)
 
 
 def _run_once(context: Context, nodes: tuple[Node, ...], timeout: float | None) -> None:

@@ -10,6 +10,7 @@ from lcmtools.messages.codec import decode
 from lcmtools.messages.registry import Message, candidates, fingerprint, type_name
 
 FINGERPRINT_BYTES = 8
+_WARNING_PERIOD = 5.0  # [s] between two warnings about messages that cannot be read
 
 
 class Subscription:
@@ -49,6 +50,7 @@ class Subscription:
         self._messages = 0
         self._bytes = 0
         self._last_time = 0
+        self._next_warning = 0.0
 
     def receive(self, payload: bytes, time: int) -> None:
         """Queue one message; called on the receiving thread."""
@@ -81,6 +83,13 @@ class Subscription:
         if kind is None:
             raise DecodeError(f"expected {self._expected()}, got {_describe(payload)}")
         return decode(kind, payload)
+
+    def is_warning_due(self, now: float) -> bool:
+        """Whether to complain of a message at ``now`` [s]: seldom, whatever comes."""
+        if now < self._next_warning:
+            return False
+        self._next_warning = now + _WARNING_PERIOD
+        return True
 
     def endpoint(self) -> Endpoint:
         """What is announced."""

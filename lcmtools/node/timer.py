@@ -1,5 +1,6 @@
 """Timers."""
 
+import math
 from collections.abc import Callable
 
 from lcmtools.clock import NANOSECONDS
@@ -18,12 +19,12 @@ class Timer:
         now: The present [ns], on the clock that ``is_due`` is asked with.
 
     Raises:
-        UsageError: The period is not positive.
+        UsageError: The period is not positive and finite.
     """
 
     def __init__(self, seconds: float, callback: Callable[[], object], now: int) -> None:
-        if not seconds > 0:
-            raise UsageError(f"a timer's period must be positive, got {seconds} s")
+        if not 0 < seconds < math.inf:
+            raise UsageError(f"a timer's period must be positive and finite, got {seconds} s")
         self.callback = callback
         self.period = max(1, round(seconds * NANOSECONDS))
         self._next = now + self.period

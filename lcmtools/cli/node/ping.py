@@ -7,7 +7,14 @@ import click
 
 from lcmtools.bus.watch import Watch
 from lcmtools.cli.find import find_node
-from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_watch
+from lcmtools.cli.options import (
+    CONTEXT,
+    bus_options,
+    duration,
+    json_option,
+    open_watch,
+    whole_number,
+)
 from lcmtools.cli.output import data, document
 from lcmtools.errors import NothingReceived
 from lcmtools.graph.model import Node
@@ -18,9 +25,11 @@ _PERIOD = 1.0  # [s] between two pings
 
 @click.command("ping", context_settings=CONTEXT)
 @click.argument("node")
-@click.option("-c", "--count", type=click.IntRange(min=1), help="Stop after so many pings.")
 @click.option(
-    "--timeout", type=duration, default=3.0, show_default="3s", help="Wait so long for an answer."
+    "-c", "--count", metavar="N", type=whole_number(1), help="Stop after so many pings."
+)
+@click.option(
+    "--timeout", type=duration, default=3.0, help="Wait so long for an answer (else 3s)."
 )
 @json_option
 @bus_options

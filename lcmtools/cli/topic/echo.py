@@ -14,6 +14,7 @@ from lcmtools.cli.options import (
     json_option,
     open_watch,
     topic_spellings,
+    whole_number,
 )
 from lcmtools.cli.output import data, talk
 from lcmtools.cli.topic.payload import Decoder
@@ -26,7 +27,9 @@ _PATIENCE = 2.0  # [s] without a message before the person is told what is on th
 
 @click.command("echo", context_settings=CONTEXT)
 @click.argument("topic")
-@click.option("-n", "count", type=click.IntRange(min=0), help="Stop after so many messages.")
+@click.option(
+    "-n", "count", metavar="N", type=whole_number(1), help="Stop after so many messages."
+)
 @click.option("-1", "--once", is_flag=True, help="Stop after one message.")
 @click.option("--timeout", type=duration, help="Give up (exit code 4) when none comes so long.")
 @json_option
@@ -45,13 +48,13 @@ def command(
     """  # noqa: D301 - \b is click's mark
     limit = 1 if once else count
     with open_watch("echo") as watch:
+        if watch.url.provider != "file":  # a log has nobody to ask, and would play meanwhile
+            watch.settle(foreign=False)
+        # only now: what a latching publisher sends to a new listener must not come before
         watch.listen_to(topic_spellings(topic))
-        watch.settle(foreign=False)
         decoder = Decoder(watch)
         show = decoder.as_json if as_json else decoder.as_text
         for shown, packet in enumerate(_messages(watch, topic, timeout), 1):
-            if limit == 0:
-                return
             data(show(packet))
             if shown == limit:
                 return
@@ -99,7 +102,7 @@ def _situation(watch: Watch, topic: str) -> str:
     if spelling is not None:
         publishers = [node.name for node, _ in graph.topic(spelling).publishers]
         if publishers:
-            return f"{', '.join(publishers)} publishes it but has sent nothing"
+            return f"it is published by {', '.join(publishers)}"
     else:
         near = near_topic(graph, topic)
         if near.startswith("did you mean"):

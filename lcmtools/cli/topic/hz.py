@@ -13,6 +13,7 @@ from lcmtools.cli.options import (
     json_option,
     open_watch,
     topic_spellings,
+    whole_number,
 )
 from lcmtools.cli.output import data, talk
 from lcmtools.errors import NothingReceived
@@ -25,7 +26,12 @@ _PATIENCE = 2.0  # [s]
 @click.command("hz", context_settings=CONTEXT)
 @click.argument("topic")
 @click.option(
-    "-w", "--window", type=click.IntRange(min=2), default=50_000, help="Messages to average over."
+    "-w",
+    "--window",
+    metavar="N",
+    type=whole_number(2),
+    default=50_000,
+    help="Messages to average over.",
 )
 @click.option("--timeout", type=duration, help="Give up (exit code 4) when none comes so long.")
 @json_option

@@ -1,0 +1,100 @@
+"""Messages as plain values and as JSON."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from lcmtools.errors import ValueMismatch
+from lcmtools.messages.plain import fill, to_json, to_plain
+from lcmtools.messages.yaml_input import message_from_values
+from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs
+
+
+def test_a_message_becomes_dicts_lists_and_numbers() -> None:
+    message = sensor_msgs.CompressedImage()
+    message.format, message.data = "png", b"\x01\xff"
+    assert to_plain(message) == {
+        "header": {"seq": 0, "stamp": {"sec": 0, "nsec": 0}, "frame_id": ""},
+        "format": "png",
+        "data": [1, 255],
+    }
+
+
+def test_what_is_numpys_becomes_plain() -> None:
+    message = sensor_msgs.LaserScan()
+    message.range_max = np.float32(0.5)  # type: ignore[assignment] # more is taken than lcm-gen asks for
+    message.ranges = np.array([1, 2])  # type: ignore[assignment] # likewise
+    message.intensities = [np.float64(3)]
+    plain = to_plain(message)
+    assert (plain["range_max"], plain["ranges"], plain["intensities"]) == (0.5, [1, 2], [3.0])
+    assert {type(value) for value in plain["ranges"]} == {int}  # type: ignore[union-attr] # a list
+    assert json.loads(to_json(message))["ranges"] == [1, 2]
+
+
+def test_plain_values_keep_infinities_and_json_writes_them_as_text() -> None:
+    message = sensor_msgs.LaserScan()
+    message.ranges, message.range_max = [math.inf, -math.inf, 1.5], math.nan
+    assert to_plain(message)["ranges"] == [math.inf, -math.inf, 1.5]
+    loaded = json.loads(to_json(message))
+    assert (loaded["ranges"], loaded["range_max"]) == (["inf", "-inf", 1.5], "nan")
+    again = message_from_values(sensor_msgs.LaserScan, [to_json(message)])
+    assert again.ranges == message.ranges
+    assert math.isnan(again.range_max)
+
+
+def test_json_is_one_compact_line() -> None:
+    message = std_msgs.String()
+    message.data = 'é\n"'
+    assert to_json(message) == '{"data":"é\\n\\""}'
+
+
+@pytest.mark.parametrize(
+    "text", ["\x7f", "\x85", "\u2028", "\ufeff", "\uffff", "😀", "\\ud83d", "\0"]
+)
+def test_json_is_yaml_too(text: str) -> None:
+    message = std_msgs.String()
+    message.data = f"a{text}b"
+    line = to_json(message)
+    assert json.loads(line)["data"] == message.data
+    assert message_from_values(std_msgs.String, [line]).data == message.data
+
+
+def test_a_message_is_filled_from_numbers_and_booleans_too() -> None:
+    message = geometry_msgs.Twist()
+    fill(message, {"linear": {"x": 1.5, "y": 2}, "angular": [0, 0, -1]})
+    assert (message.linear.x, message.linear.y, message.angular.z) == (1.5, 2.0, -1.0)
+    flag = std_msgs.Bool()
+    fill(flag, {"data": True})
+    assert flag.data is True
+
+
+def test_fields_that_are_not_named_stay() -> None:
+    message = geometry_msgs.Twist()
+    message.linear.y = 7.0
+    fill(message, {"linear": {"x": 1}})
+    fill(message, None)
+    assert (message.linear.x, message.linear.y) == (1.0, 7.0)
+
+
+def test_half_characters_are_no_text() -> None:
+    for message in (std_msgs.String(), sensor_msgs.CompressedImage()):
+        with pytest.raises(ValueMismatch) as caught:
+            fill(message, {"data": "\udcff"})
+        assert str(caught.value) == "data: expected text, got half a character in '\\udcff'"
+
+
+@pytest.mark.parametrize(
+    ("value", "line"),
+    [
+        ({"linear": {"x": True, "y": None}}, "linear.y: expected a number, got nothing"),
+        ({"linear": {"x": b"1"}}, "linear.x: expected a number, got binary data"),
+        ({"linear": {"x": "\udcff"}}, "linear.x: expected a number, got '\\udcff'"),
+        ({"linear": 5}, "linear: expected fields (x, y, z), got 5"),
+    ],
+)
+def test_values_that_do_not_fit_are_refused(value: dict[str, object], line: str) -> None:
+    with pytest.raises(ValueMismatch) as caught:
+        fill(geometry_msgs.Twist(), value)  # type: ignore[arg-type] # wrong on purpose
+    assert str(caught.value) == line

@@ -1,0 +1,241 @@
+"""Messages from what users type, and what is said when they type something else."""
+
+import math
+from types import ModuleType
+
+import pytest
+
+from lcmtools.errors import ValueMismatch
+from lcmtools.messages.codec import encode
+from lcmtools.messages.plain import to_plain
+from lcmtools.messages.registry import message_class
+from lcmtools.messages.yaml_input import (
+    Document,
+    message_from_values,
+    messages_from_document,
+    parse_documents,
+    parse_values,
+)
+from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs
+from lcmtools.types.builtin_interfaces import Time
+from lcmtools.types.nav_msgs import Path
+
+
+def twist(*texts: str) -> list[float]:
+    message = message_from_values(geometry_msgs.Twist, texts)
+    return [getattr(vector, axis) for vector in (message.linear, message.angular) for axis in "xyz"]
+
+
+@pytest.mark.parametrize(
+    ("texts", "expected"),
+    [
+        ([], [0, 0, 0, 0, 0, 0]),
+        (["{}"], [0, 0, 0, 0, 0, 0]),
+        ([""], [0, 0, 0, 0, 0, 0]),
+        (["linear: {x: 1}"], [1, 0, 0, 0, 0, 0]),
+        (["{linear: {x: 1, y: 2}, angular: {z: 3}}"], [1, 2, 0, 0, 0, 3]),
+        (["linear:\n  x: 1\nangular:\n  z: -3"], [1, 0, 0, 0, 0, -3]),
+        (['{"linear":{"x":1e-3}}'], [0.001, 0, 0, 0, 0, 0]),
+        (["[1, 2, 3]", "[4, 5, 6]"], [1, 2, 3, 4, 5, 6]),
+        (["[[1, 2, 3], [4, 5, 6]]"], [1, 2, 3, 4, 5, 6]),
+        (["[1, 2, 3]", "{z: 6}"], [1, 2, 3, 0, 0, 6]),
+        (["linear: [1, 2, 3]"], [1, 2, 3, 0, 0, 0]),
+        (["{linear: &a {x: 1}, angular: *a}"], [1, 0, 0, 1, 0, 0]),
+        (["linear:\nangular: {x: 1}"], [0, 0, 0, 1, 0, 0]),
+        (["linear: {x: 1}\n---\n"], [1, 0, 0, 0, 0, 0]),
+        (["linear: {x: '1'}"], [1, 0, 0, 0, 0, 0]),
+    ],
+)
+def test_fields_are_given_by_name_or_in_order(texts: list[str], expected: list[float]) -> None:
+    assert twist(*texts) == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [
+        ("5", 5.0),
+        ("-5", -5.0),
+        ("+5", 5.0),
+        ("1e-3", 0.001),
+        ("1E3", 1000.0),
+        (".5", 0.5),
+        ("5.", 5.0),
+        ("007", 7.0),
+        ("0x1F", 31.0),
+        ("0b11", 3.0),
+        ("-0.0", -0.0),
+        ("inf", math.inf),
+        (".inf", math.inf),
+        ("-inf", -math.inf),
+        ("-.Inf", -math.inf),
+        ("+INF", math.inf),
+        ("'1.5'", 1.5),
+        ("!!float 1.5", 1.5),
+    ],
+)
+def test_numbers_are_read_as_people_write_them(text: str, number: float) -> None:
+    data = message_from_values(std_msgs.Float64, [text]).data
+    assert (data, math.copysign(1, data)) == (number, math.copysign(1, number))
+
+
+@pytest.mark.parametrize("text", ["nan", ".nan", "NaN", ".NAN"])
+def test_nan_is_a_number(text: str) -> None:
+    assert math.isnan(message_from_values(std_msgs.Float64, [text]).data)
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [
+        ("5", 5),
+        ("-128", -128),
+        ("007", 7),
+        ("0x1F", 31),
+        ("-0x1f", -31),
+        ("0o17", 15),
+        ("0b101", 5),
+        ("1e2", 100),
+        ("5.0", 5),
+        ("1.27e2", 127),
+    ],
+)
+def test_integers_are_read_as_people_write_them(text: str, number: int) -> None:
+    assert message_from_values(std_msgs.Int8, [text]).data == number
+
+
+@pytest.mark.parametrize("number", [-(1 << 63), (1 << 63) - 1, 123456789012345678])
+def test_large_integers_lose_nothing(number: int) -> None:
+    assert message_from_values(std_msgs.Int64, [str(number)]).data == number
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        *((text, True) for text in ("true", "True", "YES", "on", "1", "'true'")),
+        *((text, False) for text in ("false", "no", "OFF", "0", '"0"')),
+    ],
+)
+def test_booleans_are_read_as_people_write_them(text: str, value: bool) -> None:  # noqa: FBT001 - what is tested
+    assert message_from_values(std_msgs.Bool, [text]).data is value
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("hello", "hello"),
+        ("hello world", "hello world"),
+        ("data: hello", "hello"),
+        ("{data: hello}", "hello"),
+        ("[hello]", "hello"),
+        ("on", "on"),
+        ("007", "007"),
+        ("1e-3", "1e-3"),
+        ("2024-01-01", "2024-01-01"),
+        ("12:30:45", "12:30:45"),
+        ("data: 12:30", "12:30"),
+        ("http://example.org", "http://example.org"),
+        ("note:this", "note:this"),
+        ("=", "="),
+        ("data: ~", ""),
+        ("data: null", ""),
+        ("data:", ""),
+        ("data: '~'", "~"),
+        ('data: "null"', "null"),
+        ("data: !!str null", "null"),
+        ('data: ""', ""),
+        ("data: é", "é"),
+        ('data: "a\\tb\\u00e9"', "a\tbé"),
+        ("data: |\n  a\n  b", "a\nb"),
+        ("data: 'data:hello'", "data:hello"),
+    ],
+)
+def test_text_stays_as_it_is_written(text: str, value: str) -> None:
+    assert message_from_values(std_msgs.String, [text]).data == value
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("data: [1, 2, 255]", b"\x01\x02\xff"),
+        ("data: [0xff, 1e1]", b"\xff\x0a"),
+        ("data: hé", "hé".encode()),
+        ("data: !!binary aGVsbG8=", b"hello"),
+        ("data: !!binary |\n  aGVs\n  bG8=", b"hello"),
+        ("data: []", b""),
+        ("data: ''", b""),
+    ],
+)
+def test_bytes_are_numbers_text_or_base64(text: str, value: bytes) -> None:
+    assert message_from_values(sensor_msgs.CompressedImage, [text]).data == value
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["{sec: 1, nsec: 2}", "{secs: 1, nsecs: 2}", "{sec: 1, nanosec: 2}", "[1, 2]"],
+)
+def test_times_have_the_names_of_ros_1_and_ros_2(text: str) -> None:
+    assert to_plain(message_from_values(std_msgs.Time, [text])) == {"sec": 1, "nsec": 2}
+    assert to_plain(message_from_values(Time, [text])) == {"sec": 1, "nanosec": 2}
+
+
+def test_arrays_of_messages_are_lists_of_mappings_or_lists() -> None:
+    text = "poses: [{pose: {position: {x: 1}}}, [{frame_id: map}, [[2, 0, 0], [0, 0, 0, 1]]]]"
+    first, second = message_from_values(Path, [text]).poses
+    assert first.pose.position.x == 1.0
+    assert (second.header.frame_id, second.pose.position.x, second.pose.orientation.w) == (
+        "map",
+        2.0,
+        1.0,
+    )
+
+
+def test_an_array_may_be_given_alone_where_it_is_the_only_field(odd: ModuleType) -> None:
+    transforms = "[{child_frame_id: a}, {child_frame_id: b}]"
+    message = message_from_values(message_class("tf2_msgs/TFMessage"), [transforms])
+    assert [t["child_frame_id"] for t in to_plain(message)["transforms"]] == ["a", "b"]  # type: ignore[call-overload,index,union-attr] # a list of dicts
+    assert len(message_from_values(odd.Many, ["[{}, {}]"]).items) == 2
+    for text in ("[[1, 2], [3, 4]]", "[[1, 2]]"):
+        assert message_from_values(odd.Flat, [text]).grid[0] == [1.0, 2.0]
+
+
+def test_bytes_of_several_dimensions_may_be_text(odd: ModuleType) -> None:
+    message = message_from_values(odd.Shapes, ["{keys: [abc, [1, 2, 3]], key: [], grid: [a, b]}"])
+    assert message.keys == [b"abc", b"\x01\x02\x03"]
+    assert message.key == bytes(4)
+    assert message.grid == [b"a", b"b"]
+
+
+def test_an_alias_may_be_a_field_name() -> None:
+    assert parse_values(["[&x linear, {*x : 1}]"]) == ["linear", {"linear": "1"}]
+
+
+def test_every_argument_is_parsed_on_its_own() -> None:
+    assert parse_values(["[1, 2]", "a: b", "", "'~'"]) == [["1", "2"], {"a": "b"}, None, "~"]
+
+
+def test_documents_are_numbered_by_line_and_empty_ones_left_out() -> None:
+    text = "\n# a comment\ndata: a\n---\n---\n~\n---\ndata: b\n...\n"
+    assert list(parse_documents(text)) == [Document({"data": "a"}, 3), Document({"data": "b"}, 8)]
+
+
+def test_every_document_of_a_text_is_a_message() -> None:
+    text = "data: a\n---\n\n---\n{data: b}\n---\nc\n"
+    assert [m.data for m in messages_from_document(std_msgs.String, text)] == ["a", "b", "c"]
+
+
+def test_lines_of_json_are_documents_too() -> None:
+    text = '{"data":"{a}"}\n\n# a comment\n{"data":"b"}\r\n---\n{"data": "c"}\n'
+    assert [m.data for m in messages_from_document(std_msgs.String, text)] == ["{a}", "b", "c"]
+    wrong = messages_from_document(std_msgs.Int8, '{"data":1}\n{"data":"x"}\n')
+    assert next(wrong).data == 1
+    with pytest.raises(ValueMismatch, match="line 2: data: expected an integer, got 'x'"):
+        next(wrong)
+
+
+def test_no_message_comes_from_an_empty_text() -> None:
+    assert list(messages_from_document(std_msgs.String, "")) == []
+
+
+def test_a_value_that_fits_can_be_encoded() -> None:
+    message = message_from_values(sensor_msgs.JointState, ["{name: [a], position: [1]}"])
+    assert encode(message)
+    assert (message.name_length, message.position_length) == (1, 1)

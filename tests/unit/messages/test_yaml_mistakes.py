@@ -1,0 +1,261 @@
+"""What is said when what users type does not fit the message."""
+
+import contextlib
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lcmtools.errors import ValueMismatch
+from lcmtools.messages.codec import encode
+from lcmtools.messages.registry import message_class
+from lcmtools.messages.yaml_input import message_from_values, messages_from_document, parse_values
+from lcmtools.types import std_msgs
+
+TWIST, VECTOR = "geometry_msgs/Twist", "geometry_msgs/Vector3"
+
+
+@pytest.mark.parametrize(
+    ("name", "texts", "line"),
+    [
+        (TWIST, ["linear: {x: fast}"], "linear.x: expected a number, got 'fast'"),
+        (TWIST, ["linear: {x: 1_000}"], "linear.x: expected a number, got '1_000'"),
+        (TWIST, ["linear: {x: true}"], "linear.x: expected a number, got 'true'"),
+        (TWIST, ["linear: {x: }"], "linear.x: expected a number, got nothing"),
+        (TWIST, ["linear: {x: ''}"], "linear.x: expected a number, got ''"),
+        (TWIST, ["linear: {x: [1]}"], "linear.x: expected a number, got a list"),
+        (TWIST, ["linear: {x: {y: 1}}"], "linear.x: expected a number, got a mapping"),
+        (TWIST, ["linear: {x: !!binary aGk=}"], "linear.x: expected a number, got binary data"),
+        (TWIST, ["linear: {x: 1e999}"], "linear.x: 1e999 does not fit float64"),
+        (TWIST, ["linear: {x: ٣}"], "linear.x: expected a number, got '٣'"),
+        (
+            TWIST,
+            ["linear: {w: 1}"],
+            "linear.w: geometry_msgs/Vector3 has no field 'w' (fields: x, y, z)",
+        ),
+        (
+            TWIST,
+            ["lineal: {x: 1}"],
+            (
+                "lineal: geometry_msgs/Twist has no field 'lineal' (fields: linear, angular); "
+                "did you mean 'linear'?"
+            ),
+        ),
+        (
+            TWIST,
+            ["linear: {x:1}"],
+            (
+                "linear: geometry_msgs/Vector3 has no field 'x:1' (fields: x, y, z); "
+                "put a space after the colon: 'x: 1'"
+            ),
+        ),
+        (
+            TWIST,
+            ["{linear:{x: 1}}"],
+            (
+                "bad YAML at line 1, column 8: found unexpected ':'; "
+                "put a space after the colon: 'linear: {x'"
+            ),
+        ),
+        (
+            TWIST,
+            ["linear:1"],
+            (
+                "geometry_msgs/Twist: expected fields (linear, angular), got 'linear:1'; "
+                "put a space after the colon: 'linear: 1'"
+            ),
+        ),
+        (
+            TWIST,
+            ["linear:\n  x:1"],
+            "linear: expected fields (x, y, z), got 'x:1'; put a space after the colon: 'x: 1'",
+        ),
+        (
+            "std_msgs/String",
+            ["data:hello"],
+            (
+                "std_msgs/String: expected fields (data), got 'data:hello'; "
+                "put a space after the colon: 'data: hello'"
+            ),
+        ),
+        (TWIST, ["fast"], "geometry_msgs/Twist: expected fields (linear, angular), got 'fast'"),
+        (TWIST, ["linear: 5"], "linear: expected fields (x, y, z), got '5'"),
+        (TWIST, ["linear: [1, 2]"], "linear: expected 3 values (x, y, z), got 2"),
+        (TWIST, ["[1, 2, 3]"], "geometry_msgs/Twist: expected 2 values (linear, angular), got 3"),
+        (TWIST, ["1", "2", "3"], "geometry_msgs/Twist: expected 2 values (linear, angular), got 3"),
+        (VECTOR, ["1", "2"], "geometry_msgs/Vector3: expected 3 values (x, y, z), got 2"),
+        (VECTOR, ["1", "2", "x"], "z: expected a number, got 'x'"),
+        (
+            "std_msgs/Empty",
+            ["x: 1"],
+            "x: std_msgs/Empty has no field 'x' (it has no fields)",
+        ),
+        (
+            TWIST,
+            ["speed:1"],
+            "geometry_msgs/Twist: expected fields (linear, angular), got 'speed:1'",
+        ),
+        (TWIST, ["x: 1"], "x: geometry_msgs/Twist has no field 'x' (fields: linear, angular)"),
+        (
+            TWIST,
+            ["{linear:1}"],
+            (
+                "geometry_msgs/Twist has no field 'linear:1' (fields: linear, angular); "
+                "put a space after the colon: 'linear: 1'"
+            ),
+        ),
+        ("std_msgs/Empty", ["1"], "std_msgs/Empty: expected no fields, got '1'"),
+        ("std_msgs/Empty", ["1", "2"], "std_msgs/Empty: expected no fields, got 2"),
+        ("std_msgs/Int8", ["300"], "data: 300 does not fit int8 (-128..127)"),
+        ("std_msgs/Int8", ["3e2"], "data: 3e2 does not fit int8 (-128..127)"),
+        ("std_msgs/Int8", ["1e999999999"], "data: 1e999999999 does not fit int8 (-128..127)"),
+        ("std_msgs/Int8", ["0x80"], "data: 0x80 does not fit int8 (-128..127)"),
+        ("std_msgs/Int8", ["5.5"], "data: expected an integer, got '5.5'"),
+        ("std_msgs/Int8", ["1e-1"], "data: expected an integer, got '1e-1'"),
+        ("std_msgs/Int8", ["five"], "data: expected an integer, got 'five'"),
+        ("std_msgs/Int8", ["1_0"], "data: expected an integer, got '1_0'"),
+        (
+            "std_msgs/Int64",
+            ["1" * 5000],
+            f"data: expected an integer, got '{'1' * 35}...'",
+        ),
+        ("std_msgs/UInt8", ["-1"], "data: -1 does not fit uint8 (0..255)"),
+        ("std_msgs/Float32", ["1e39"], "data: 1e39 does not fit float32"),
+        ("std_msgs/Float64", [f"0x{'f' * 300}"], f"data: 0x{'f' * 300} does not fit float64"),
+        ("std_msgs/Bool", ["maybe"], "data: expected true or false, got 'maybe'"),
+        ("std_msgs/Bool", ["2"], "data: expected true or false, got '2'"),
+        ("std_msgs/String", ["data: [a]"], "data: expected text, got a list"),
+        ("std_msgs/String", ["data: {a: b}"], "data: expected text, got a mapping"),
+        ("std_msgs/String", ["data: !!binary aGk="], "data: expected text, got binary data"),
+        (
+            "nav_msgs/Odometry",
+            ["pose: {covariance: [1, 2]}"],
+            "pose.covariance: expected 36 numbers, got 2",
+        ),
+        (
+            "sensor_msgs/LaserScan",
+            ["ranges: 5"],
+            "ranges: expected a list of numbers, got '5'",
+        ),
+        (
+            "sensor_msgs/LaserScan",
+            ["ranges:"],
+            "ranges: expected a list of numbers, got nothing",
+        ),
+        (
+            "sensor_msgs/LaserScan",
+            ["ranges: {a: 1}"],
+            "ranges: expected a list of numbers, got a mapping",
+        ),
+        ("sensor_msgs/LaserScan", ["ranges: [1, x]"], "ranges[1]: expected a number, got 'x'"),
+        (
+            "nav_msgs/Path",
+            ["poses: [{}, {pose: {position: [1, 2, z]}}]"],
+            "poses[1].pose.position.z: expected a number, got 'z'",
+        ),
+        ("nav_msgs/Path", ["poses: [5]"], "poses[0]: expected fields (header, pose), got '5'"),
+        (
+            "sensor_msgs/JointState",
+            ["name_length: 2"],
+            "name_length: is always the length of name; leave it out",
+        ),
+        (
+            "sensor_msgs/CompressedImage",
+            ["data: [1, 256]"],
+            "data[1]: 256 does not fit uint8 (0..255)",
+        ),
+        (
+            "sensor_msgs/CompressedImage",
+            ["data: {a: 1}"],
+            "data: expected a list of numbers, got a mapping",
+        ),
+        (
+            "std_msgs/Time",
+            ["{sec: 1, secs: 2}"],
+            "std_msgs/Time: 'sec' is given twice, once as 'secs'",
+        ),
+    ],
+)
+def test_what_does_not_fit_is_named_with_its_path(name: str, texts: list[str], line: str) -> None:
+    with pytest.raises(ValueMismatch) as caught:
+        message_from_values(message_class(name), texts)
+    assert str(caught.value) == line
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("{x: 1, x: 2}", "bad YAML at line 1, column 8: 'x' is given twice"),
+        ("x: 1\ny: 2\nx: 3", "bad YAML at line 3, column 1: 'x' is given twice"),
+        ("{x: 1", "bad YAML at line 2, column 1: did not find expected ',' or '}'"),
+        ("]", "bad YAML at line 1, column 1: did not find expected node content"),
+        (
+            "x:1\ny: 2",
+            (
+                "bad YAML at line 2, column 2: mapping values are not allowed in this context; "
+                "put a space after the colon: 'x: 1'"
+            ),
+        ),
+        (
+            "x: a: b",
+            "bad YAML at line 1, column 5: mapping values are not allowed in this context",
+        ),
+        ("\t- x", "bad YAML at line 1, column 1: found character that cannot start any token"),
+        ("x: *b", "bad YAML at line 1, column 4: unknown alias '*b'"),
+        ("&a [*a]", "bad YAML at line 1, column 5: unknown alias '*a'"),
+        ("x: !!binary =", "bad YAML at line 1, column 4: !!binary is not followed by base64"),
+        ("x: !!set {a}", "bad YAML at line 1, column 4: the tag !!set means nothing here"),
+        ("x: !mine a", "bad YAML at line 1, column 4: the tag !mine means nothing here"),
+        (
+            "!!python/object:os.system ls",
+            "bad YAML at line 1, column 1: the tag !!python/object:os.system means nothing here",
+        ),
+        ("? [a]\n: b", "bad YAML at line 1, column 3: a field's name must be a word"),
+        ("{&a [b]: c}", "bad YAML at line 1, column 2: a field's name must be a word"),
+        ("[&a [b], {*a : c}]", "bad YAML at line 1, column 11: a field's name must be a word"),
+        ("x: a\ny: \x07", "bad YAML at line 2, column 4: the character U+0007 is not allowed"),
+        ("x: \udcff", "bad YAML at line 1, column 4: the character U+DCFF is not allowed"),
+        ("[" * 101, "bad YAML at line 1, column 101: nested more than 100 levels deep"),
+        ("{a: " * 50_000, "bad YAML at line 1, column 401: nested more than 100 levels deep"),
+        ("a\n---\nb", "2 YAML documents where one value is expected"),
+    ],
+)
+def test_bad_yaml_is_named_with_its_place(text: str, line: str) -> None:
+    with pytest.raises(ValueMismatch) as caught:
+        parse_values([text])
+    assert str(caught.value) == line
+
+
+def test_aliases_may_not_fill_the_memory() -> None:
+    lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x, x]"]
+    lines += [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, 10)]
+    with pytest.raises(ValueMismatch, match="aliases repeat more than 100000 values"):
+        parse_values(["\n".join(lines)])
+
+
+def test_a_wrong_document_is_named_with_its_line_after_those_before_it() -> None:
+    messages = messages_from_document(std_msgs.Int8, "data: 1\n---\n# more\ndata: x\n")
+    assert next(messages).data == 1
+    with pytest.raises(ValueMismatch) as caught:
+        next(messages)
+    assert str(caught.value) == "line 4: data: expected an integer, got 'x'"
+
+
+def test_bad_yaml_in_a_text_is_named_with_its_place() -> None:
+    messages = messages_from_document(std_msgs.Int8, "data: 1\n---\ndata: [\n")
+    assert next(messages).data == 1
+    with pytest.raises(ValueMismatch, match="bad YAML at line 4, column 1: "):
+        next(messages)
+
+
+@settings(deadline=None, derandomize=True)
+@given(
+    st.sampled_from(["std_msgs/String", "sensor_msgs/Image", "nav_msgs/Path", "std_msgs/Int64"]),
+    st.lists(
+        st.text() | st.text("{}[],:&*!|>-?#'\"\n xy1e.~") | st.from_regex(r"(data|poses): .*"),
+        max_size=2,
+    ),
+)
+def test_whatever_is_typed_gives_a_message_or_a_value_mismatch(name: str, texts: list[str]) -> None:
+    with contextlib.suppress(ValueMismatch):
+        encode(message_from_values(message_class(name), texts))
