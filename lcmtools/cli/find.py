@@ -1,9 +1,15 @@
 """Finding the topic or the node that a word on the command line means."""
 
+from lcmtools.bus.watch import Watch
 from lcmtools.cli.options import topic_spellings
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node, Topic
 from lcmtools.names import did_you_mean, is_hidden
+
+
+def ask_nodes(watch: Watch) -> Graph:
+    """What the nodes say; at once on a log, which has nobody to ask and would play meanwhile."""
+    return watch.graph() if watch.url.provider == "file" else watch.settle(foreign=False)
 
 
 def known_spelling(graph: Graph, name: str) -> str | None:

@@ -10,7 +10,7 @@ from lcmtools.node.node import Node
 def spin(*nodes: Node) -> None:
     """Run the nodes' callbacks until Ctrl-C, SIGTERM or ``shutdown``."""
     context = nodes[0].context if nodes else current_context()
-    for node in nodes:
+    for node in nodes[:1]:
         node.warn_of_unknown_parameters()
     with contextlib.suppress(KeyboardInterrupt):
         while context.ok():

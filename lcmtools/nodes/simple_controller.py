@@ -35,7 +35,10 @@ class SimpleController(Node):
     def __init__(self) -> None:
         super().__init__("simple_controller")
         usual = Gains()
-        gains = Gains(self._declare_gain("kp", usual.kp), self._declare_gain("ki", usual.ki))
+        gains = Gains(
+            self.declare_parameter("kp", usual.kp).value,
+            self.declare_parameter("ki", usual.ki).value,
+        )
         self._control = VelocityControl(gains)
         self._desired: Velocity | None = None
         self._measured: Velocity | None = None
@@ -49,11 +52,6 @@ class SimpleController(Node):
         """Let the robot stand, if it has been driven: it would go on with the last effort."""
         if self._desired and self._measured:
             self._publish(0.0, 0.0)
-
-    def _declare_gain(self, name: str, default: float) -> float:
-        value = self.declare_parameter(name, default).value
-        assert isinstance(value, float)  # a parameter has the type of its default
-        return value
 
     def _take_odometry(self, odometry: Odometry) -> None:
         twist, stamp = odometry.twist.twist, odometry.header.stamp

@@ -40,7 +40,7 @@ FINGERPRINTS: dict[str, int] = {
     "geometry_msgs/Vector3Stamped": 0x962481b241496feb,
     "geometry_msgs/Wrench": 0xccfb0646cebc17c4,
     "geometry_msgs/WrenchStamped": 0xd31bb4c714d07137,
-    "lcmtools_msgs/Announcement": 0xa9bbf2f748cab59e,
+    "lcmtools_msgs/Announcement": 0x6946fe82e6d4d880,
     "lcmtools_msgs/Endpoint": 0xf968050e472cadee,
     "lcmtools_msgs/Probe": 0x36a8cc66febe4dc8,
     "lcmtools_msgs/ServiceReply": 0xd7c6c2990b932630,

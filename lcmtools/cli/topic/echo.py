@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import click
 
 from lcmtools.bus.watch import Watch
-from lcmtools.cli.find import known_spelling, near_topic
+from lcmtools.cli.find import ask_nodes, known_spelling, near_topic
 from lcmtools.cli.options import (
     CONTEXT,
     bus_options,
@@ -48,8 +48,7 @@ def command(
     """  # noqa: D301 - \b is click's mark
     limit = 1 if once else count
     with open_watch("echo") as watch:
-        if watch.url.provider != "file":  # a log has nobody to ask, and would play meanwhile
-            watch.settle(foreign=False)
+        ask_nodes(watch)
         # only now: what a latching publisher sends to a new listener must not come before
         watch.listen_to(topic_spellings(topic))
         decoder = Decoder(watch)

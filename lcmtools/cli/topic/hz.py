@@ -51,13 +51,17 @@ def command(topic: str, *, window: int, timeout: float | None, as_json: bool) ->
     start = time.monotonic()
     report = start + _REPORT_PERIOD
     with open_watch("hz") as watch:
+        known = known_spelling(ask_nodes(watch), topic)
         watch.listen_to(topic_spellings(topic))
-        known = known_spelling(watch.settle(foreign=False), topic)
         talk(f"subscribed to [{known or topic_spellings(topic)[-1]}]")
         while True:
-            rates.extend(_arrivals(watch, channels, report - time.monotonic()))
+            try:
+                rates.extend(_arrivals(watch, channels, min(report, give_up) - time.monotonic()))
+            except EOFError:  # the log has ended
+                _report(rates, watch, topic, as_json=as_json, waited=0.0)
+                return
             now = time.monotonic()
-            if timeout is not None and not rates.total and now - start >= timeout:
+            if not rates.total and now >= give_up:
                 raise NothingReceived(f"nothing came on {topic} within {timeout:g} s")
             if now >= report:
                 _report(rates, watch, topic, as_json=as_json, waited=now - start)

@@ -15,11 +15,11 @@ class Announcement(object):
     it leaves.
     """
 
-    __slots__ = ["ports_length", "endpoints_length", "name", "host", "pid", "start_time", "id", "revision", "state", "tool", "command", "answers", "ports", "endpoints"]
+    __slots__ = ["ports_length", "endpoints_length", "name", "host", "pid", "start_time", "id", "state", "tool", "command", "answers", "ports", "endpoints"]
 
-    __typenames__ = ["int32_t", "int32_t", "string", "string", "int32_t", "int64_t", "string", "int64_t", "int8_t", "boolean", "string", "int64_t", "int32_t", "lcmtools.types.lcmtools_msgs.Endpoint"]
+    __typenames__ = ["int32_t", "int32_t", "string", "string", "int32_t", "int64_t", "string", "int8_t", "boolean", "string", "int64_t", "int32_t", "lcmtools.types.lcmtools_msgs.Endpoint"]
 
-    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, ["ports_length"], ["endpoints_length"]]
+    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, ["ports_length"], ["endpoints_length"]]
 
     ALIVE = 0
     """ a state: the node runs """
@@ -70,13 +70,6 @@ class Announcement(object):
         LCM Type: string
         """
 
-        self.revision = 0
-        """
-        counts the changes of name and endpoints, so that an unchanged announcement is
-        recognised
-        LCM Type: int64_t
-        """
-
         self.state = 0
         """
         ALIVE or LEAVING
@@ -103,8 +96,8 @@ class Announcement(object):
 
         self.ports = []
         """
-        UDP ports from which the node sends, which show what else it sends on the bus; empty
-        if the bus is not UDP multicast
+        UDP ports from which the node sends besides the one that its announcements come from
+        (large messages have one of their own); empty if the bus is not UDP multicast
         LCM Type: int32_t[ports_length]
         """
 
@@ -136,7 +129,7 @@ class Announcement(object):
         buf.write(struct.pack('>I', len(__id_encoded)+1))
         buf.write(__id_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">qbb", self.revision, self.state, self.tool))
+        buf.write(struct.pack(">bb", self.state, self.tool))
         __command_encoded = self.command.encode('utf-8')
         buf.write(struct.pack('>I', len(__command_encoded)+1))
         buf.write(__command_encoded)
@@ -168,7 +161,7 @@ class Announcement(object):
         self.pid, self.start_time = struct.unpack(">iq", buf.read(12))
         __id_len = struct.unpack('>I', buf.read(4))[0]
         self.id = buf.read(__id_len)[:-1].decode('utf-8', 'replace')
-        self.revision, self.state = struct.unpack(">qb", buf.read(9))
+        self.state = struct.unpack(">b", buf.read(1))[0]
         self.tool = bool(struct.unpack('b', buf.read(1))[0])
         __command_len = struct.unpack('>I', buf.read(4))[0]
         self.command = buf.read(__command_len)[:-1].decode('utf-8', 'replace')
@@ -183,7 +176,7 @@ class Announcement(object):
     def _get_hash_recursive(parents):
         if Announcement in parents: return 0
         newparents = parents + [Announcement]
-        tmphash = (0x5b75f46d5d38ace1+ lcmtools.types.lcmtools_msgs.Endpoint._get_hash_recursive(newparents)) & 0xffffffffffffffff
+        tmphash = (0x3b3b7a332c3dbe52+ lcmtools.types.lcmtools_msgs.Endpoint._get_hash_recursive(newparents)) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

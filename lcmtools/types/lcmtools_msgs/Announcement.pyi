@@ -18,7 +18,6 @@ class Announcement:
     pid: int
     start_time: int
     id: str
-    revision: int
     state: int
     tool: bool
     command: str
