@@ -19,6 +19,9 @@ PERIOD = 1.0
 ANSWER_SPREAD = 0.01
 """Nodes answer a probe to all within so many seconds, not all in the same instant."""
 
+MOST_OF_COMMAND = 1000
+"""Characters of a command line that are announced."""
+
 
 @dataclass(frozen=True, slots=True)
 class Announcement:
@@ -70,7 +73,7 @@ def encode_announcement(announcement: Announcement) -> bytes:
     message = msgs.Announcement()
     message.name, message.id, message.host = node.name, node.id, node.host
     message.pid, message.start_time = node.pid, node.start_time
-    message.command, message.tool = node.command, node.tool
+    message.command, message.tool = _sendable(node.command), node.tool
     message.state = msgs.Announcement.LEAVING if announcement.leaving else msgs.Announcement.ALIVE
     message.answers = announcement.answers
     message.ports = list(node.ports)
@@ -123,6 +126,11 @@ def _endpoint(message: msgs.Endpoint) -> Endpoint:
         drops=message.drops,
         last_time=message.last_time,
     )
+
+
+def _sendable(command: str) -> str:
+    """A command line as it can be sent each second: file names may be no UTF-8, or thousands."""
+    return command[:MOST_OF_COMMAND].encode("utf-8", "replace").decode()
 
 
 def _signed(fingerprint: int) -> int:

@@ -37,6 +37,7 @@ class Announcer:
         self._due = time.monotonic() + _CHANGE_DELAY
         self._nonce = 0
         self._closed = False
+        self._sending = threading.Lock()
         bus.subscribe(PROBE_CHANNEL, self._probed)
         self._thread = threading.Thread(target=self._run, name="announcer", daemon=True)
         self._thread.start()
@@ -49,8 +50,9 @@ class Announcer:
             self._changed.notify()
 
     def say_goodbye(self, node: Node) -> None:
-        """Tell the bus that a node ends."""
-        self._send(Announcement(node, leaving=True))
+        """Tell the bus that a node ends; the last that is announced of it."""
+        with self._sending:
+            self._send(Announcement(node, leaving=True))
 
     def close(self) -> None:
         """Announce nothing any more."""
@@ -67,9 +69,7 @@ class Announcer:
         if not probe.target:
             self.announce_soon(random.uniform(0, ANSWER_SPREAD), probe.nonce)  # noqa: S311
             return
-        for node in self._describe():
-            if node.name == probe.target:
-                self._send(Announcement(node, answers=probe.nonce))
+        self._announce(probe.nonce, probe.target)
 
     def _run(self) -> None:
         while True:
@@ -80,8 +80,13 @@ class Announcer:
                     return
                 self._due = time.monotonic() + PERIOD
                 nonce, self._nonce = self._nonce, 0
+            self._announce(nonce)
+
+    def _announce(self, nonce: int, target: str = "") -> None:
+        with self._sending:  # so that no node is described before its goodbye and sent after it
             for node in self._describe():
-                self._send(Announcement(node, answers=nonce))
+                if target in ("", node.name):
+                    self._send(Announcement(node, answers=nonce))
 
     def _send(self, announcement: Announcement) -> None:
         # what cannot be announced now is announced a second later; a closing bus takes none

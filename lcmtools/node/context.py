@@ -60,16 +60,18 @@ class Context:
         environment: Mapping[str, str],
         records: NodeRecords | None = None,
     ) -> None:
+        self.default_namespace = resolve_namespace(environment.get("LCMTOOLS_NAMESPACE", ""))
         self.bus = bus
         self.arguments = arguments
         self.wakeup = Wakeup()
         self.declared_parameters: set[str] = set()
         self.host = socket.gethostname()
-        self.default_namespace = resolve_namespace(environment.get("LCMTOOLS_NAMESPACE", ""))
         self._records = records
         self._participants: list[Participant] = []
         self._stopping = False
         self._closed = False
+        self.is_told = False
+        """Whether the program has been told to end: what it does from then on is its ending."""
         self._graph_lock = threading.Lock()
         self._graph_builder: GraphBuilder | None = None
         self.announcer = Announcer(bus, self._describe)
@@ -202,7 +204,11 @@ def shutdown() -> None:
 
 def ok() -> bool:
     """Whether the program should go on: False after Ctrl-C, SIGTERM and ``shutdown``."""
-    return _process.context is not None and _process.context.ok()
+    context = _process.context
+    if context is None:
+        return False
+    context.is_told = not context.ok()
+    return context.ok()
 
 
 def current_context() -> Context:
@@ -241,7 +247,12 @@ def _interrupted(_number: int, _frame: FrameType | None) -> None:
 
 
 def _interrupt_again(context: Context) -> None:
-    """A callback is still running: break it off, as a second Ctrl-C would."""
+    """A callback is still running: break it off, as a second Ctrl-C would.
+
+    A program that has been told may take its time: to stop a robot, for example.
+    """
     main = threading.main_thread().ident
-    if main is not None and _process.context is context and not context.is_closed():
+    if main is None or context.is_told or context.is_closed():
+        return
+    if _process.context is context:
         signal.pthread_kill(main, signal.SIGINT)

@@ -111,7 +111,7 @@ class Logger:
             severity,
             self._clock.now(),
             self._node,
-            text,
+            str(text),  # whatever is to be logged; a log raises nothing
             Path(place[0]).name,
             caller.f_code.co_name if caller else "",
             place[1],

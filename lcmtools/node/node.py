@@ -11,7 +11,7 @@ from typing import TypeVar, cast
 
 from lcmtools import names
 from lcmtools.clock import Clock, ManualClock, SystemClock, join_stamp, split_stamp
-from lcmtools.errors import BusError, DecodeError, UsageError
+from lcmtools.errors import BusError, DecodeError, LcmtoolsError, UsageError
 from lcmtools.graph import model
 from lcmtools.messages.registry import Message
 from lcmtools.node.context import Context, Participant, current_context
@@ -341,6 +341,8 @@ class Node(Participant):
         try:
             call()
         except Exception as error:  # noqa: BLE001 - a node outlives its callbacks' faults
+            if isinstance(error, LcmtoolsError) and not self._context.ok():
+                return  # no fault: the program ends, and what it waited for with it
             self._log_failure(what, error)
 
     def _log_lost_message(self, error: BusError) -> None:
@@ -355,7 +357,8 @@ class Node(Participant):
             return
         message = Log()
         message.header.stamp.sec, message.header.stamp.nsec = split_stamp(entry.time)
-        message.level, message.name, message.msg = entry.severity, entry.node, entry.text
+        message.level, message.name = entry.severity, entry.node
+        message.msg = entry.text.encode("utf-8", "replace").decode()  # file names may be no UTF-8
         message.file, message.function, message.line = entry.file, entry.function, entry.line
         self._rosout.publish(message)
 

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Generic, TypeVar
 
 from lcmtools.bus.base import Bus
-from lcmtools.errors import DecodeError, LcmtoolsError, ServiceError
+from lcmtools.errors import BusError, DecodeError, LcmtoolsError, ServiceError
 from lcmtools.graph.model import Endpoint, Role
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Message, fingerprint, type_name
@@ -85,7 +85,7 @@ class Service(Generic[RequestT, ResponseT]):
             return self._waiting.pop(0) if self._waiting else None
 
     def answer(self, request: ServiceRequest) -> BaseException | None:
-        """Call the callback and send its response; return what it raised, if it did."""
+        """Call the callback and send its response; return what went wrong, if it did."""
         key = (request.client, request.sequence)
         failure: BaseException | None = None
         if key not in self._replies:
@@ -93,7 +93,10 @@ class Service(Generic[RequestT, ResponseT]):
             self._replies[key] = encode(reply)
             if len(self._replies) > _REMEMBERED_REPLIES:
                 self._replies.popitem(last=False)
-        self._bus.publish(reply_channel(self.name), self._replies[key])
+        try:
+            self._bus.publish(reply_channel(self.name), self._replies[key])
+        except BusError as error:  # lost, as any message may be; the client asks again
+            return failure or error
         return failure
 
     def endpoint(self) -> Endpoint:
@@ -108,12 +111,21 @@ class Service(Generic[RequestT, ResponseT]):
         failure: BaseException | None = None
         try:
             arguments = decode(self.service_type.Request, request.payload)
-            reply.payload = encode(self.callback(arguments, self.service_type.Response()))
+            response = self.callback(arguments, self.service_type.Response())
+            self._check_type(response)
+            reply.payload = encode(response)
         except LcmtoolsError as error:
-            reply.status, reply.error = ServiceReply.FAILED, str(error)
+            text = str(error).encode("utf-8", "replace").decode()  # file names may be no UTF-8
+            reply.status, reply.error = ServiceReply.FAILED, text
         except Exception as error:  # noqa: BLE001 - whatever the callback raises, the node goes on
             reply.status, reply.error, failure = ServiceReply.FAILED, repr(error), error
         return reply, failure
+
+    def _check_type(self, response: object) -> None:
+        expected = self.service_type.Response
+        if not isinstance(response, expected):
+            got = type(response).__name__
+            raise TypeError(f"the callback returned {got}, not {type_name(expected)}")
 
 
 class Client(Generic[RequestT, ResponseT]):
@@ -156,6 +168,8 @@ class Client(Generic[RequestT, ResponseT]):
             with self._changed:
                 self._expected.discard(envelope.sequence)
                 self._replies.pop(envelope.sequence, None)
+        if reply is None and self.is_interrupted():
+            raise ServiceError(f"{self.name} has not answered when the program had to end")
         if reply is None:
             raise ServiceError(
                 f"{self.name} did not answer within {timeout:g} s",

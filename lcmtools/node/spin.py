@@ -15,6 +15,7 @@ def spin(*nodes: Node) -> None:
     with contextlib.suppress(KeyboardInterrupt):
         while context.ok():
             _run_once(context, nodes, None)
+    context.is_told = not context.ok()
 
 
 def spin_once(node: Node, timeout: float | None = 0.0) -> None:

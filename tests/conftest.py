@@ -1,0 +1,294 @@
+"""What all tests share: a private bus, a network of one's own, processes that surely end.
+
+Nothing here waits for luck: every wait has a condition and a deadline.
+"""
+
+import ctypes
+import os
+import queue
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import sysconfig
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+_CLONE_NEWNET = 0x40000000
+_PORTS = range(20_000, 30_000)  # below the ephemeral range
+_PORTS_A_WORKER = 500
+COMMAND = str(Path(sysconfig.get_path("scripts")) / "lcmtools")
+_INHERITED = ("LCM_DEFAULT_URL", "LCMTOOLS_DOMAIN", "LCMTOOLS_NAMESPACE", "LCM_DBG")
+
+
+class Program:
+    """A process of a test, whose lines are read as they come.
+
+    Attributes:
+        lines: Everything it has written so far, standard output and error together.
+    """
+
+    def __init__(
+        self, command: Sequence[str], directory: Path, environment: dict[str, str]
+    ) -> None:
+        self._process = subprocess.Popen(
+            command,
+            cwd=directory,
+            env={**os.environ, "PYTHONUNBUFFERED": "1", **environment},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            start_new_session=True,
+        )
+        self.pid = self._process.pid
+        self.lines: list[str] = []
+        self._arriving: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    @property
+    def output(self) -> str:
+        """Everything it has written so far."""
+        return "\n".join(self.lines)
+
+    def wait_for(self, text: str, timeout: float = 15.0) -> str:
+        """The next line that contains ``text``; fails the test when none comes in time."""
+        deadline = time.monotonic() + timeout
+        while (left := deadline - time.monotonic()) > 0:
+            try:
+                line = self._arriving.get(timeout=left)
+            except queue.Empty:
+                break
+            if line is None:
+                break
+            if text in line:
+                return line
+        pytest.fail(f"no line with '{text}' within {timeout} s; there is:\n{self.output}")
+
+    def send_signal(self, number: int) -> None:
+        """Send a signal to the process."""
+        self._process.send_signal(number)
+
+    def wait(self, timeout: float = 15.0) -> int:
+        """Its exit code; fails the test when it does not end in time."""
+        try:
+            code = self._process.wait(timeout)
+        except subprocess.TimeoutExpired:
+            pytest.fail(f"still running after {timeout} s; it wrote:\n{self.output}")
+        self._reader.join(timeout)
+        return code
+
+    def end(self) -> None:
+        """End it and all that it has started, whatever state it is in."""
+        try:
+            os.killpg(self.pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+        self._process.wait(10)
+        self._reader.join(10)
+        assert self._process.stdout is not None
+        self._process.stdout.close()
+
+    def _read(self) -> None:
+        assert self._process.stdout is not None
+        for line in self._process.stdout:
+            self.lines.append(line.rstrip("\n"))
+            self._arriving.put(self.lines[-1])
+        self._arriving.put(None)
+
+
+@pytest.fixture(autouse=True)
+def _clean_environment(
+    monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    """No bus of the developer's own, and node records in a folder of the tests'."""
+    for name in _INHERITED:
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path_factory.getbasetemp()))
+
+
+@pytest.fixture
+def free_port() -> Iterator[Callable[[], int]]:
+    """Gives UDP ports that no other test, worker or program of this computer uses."""
+    held: list[socket.socket] = []
+
+    def take() -> int:
+        held.append(_reserve_any())
+        return int(held[-1].getsockname()[1])
+
+    yield take
+    for lock in held:
+        lock.close()
+
+
+@pytest.fixture
+def bus_url(free_port: Callable[[], int]) -> str:
+    """A multicast bus that belongs to this test alone and stays on this computer."""
+    return f"udpm://239.255.76.67:{free_port()}?ttl=0"
+
+
+@pytest.fixture
+def wait_until() -> Callable[..., None]:
+    """``wait_until(condition, timeout=10.0)``: polls; fails the test at the deadline."""
+
+    def wait(condition: Callable[[], object], timeout: float = 10.0) -> None:
+        deadline = time.monotonic() + timeout
+        while not condition():
+            if time.monotonic() > deadline:
+                pytest.fail(f"not within {timeout} s: {condition}")
+            time.sleep(0.002)
+
+    return wait
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Callable[..., Program]]:
+    """``start(*command, **environment)``: a process that is ended with the test."""
+    programs: list[Program] = []
+
+    def run(*command: str, **environment: str) -> Program:
+        programs.append(Program(command, tmp_path, environment))
+        return programs[-1]
+
+    yield run
+    for program in programs:
+        program.end()
+
+
+@pytest.fixture
+def start_python(start: Callable[..., Program], tmp_path: Path) -> Callable[..., Program]:
+    """``start_python(source, *arguments, **environment)``: the same for a script's text."""
+
+    def run(source: str, *arguments: str, **environment: str) -> Program:
+        script = tmp_path / f"script_{len(list(tmp_path.glob('script_*')))}.py"
+        script.write_text(source)
+        return start(sys.executable, str(script), *arguments, **environment)
+
+    return run
+
+
+@pytest.fixture
+def bare_network() -> Iterator[None]:
+    """A network of the test's own in which nothing works yet: no route, loopback down.
+
+    The test's thread is in it, with all processes and threads that it starts.
+    """
+    with _own_network():
+        yield
+
+
+@pytest.fixture
+def private_network() -> Iterator[None]:
+    """A network of the test's own where multicast works: for floods and malformed datagrams."""
+    with _own_network():
+        subprocess.run(["ip", "link", "set", "lo", "up"], check=True)
+        subprocess.run(["ip", "route", "add", "224.0.0.0/4", "dev", "lo"], check=True)
+        yield
+
+
+@contextmanager
+def _own_network() -> Iterator[None]:
+    libc = ctypes.CDLL(None, use_errno=True)
+    if not hasattr(libc, "unshare") or shutil.which("ip") is None:
+        pytest.skip("network namespaces need Linux and iproute2")
+    home = os.open("/proc/thread-self/ns/net", os.O_RDONLY)
+    try:
+        if libc.unshare(_CLONE_NEWNET) != 0:
+            pytest.skip("network namespaces are not permitted; run: unshare -rn pytest")
+        try:
+            yield
+        finally:
+            assert libc.setns(home, _CLONE_NEWNET) == 0, os.strerror(ctypes.get_errno())
+    finally:
+        os.close(home)
+
+
+def _reserve_any() -> socket.socket:
+    worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+    start = (worker * _PORTS_A_WORKER) % len(_PORTS)
+    for port in (*_PORTS[start:], *_PORTS[:start]):
+        lock = _reserve(port)
+        if lock is not None:
+            return lock
+    pytest.fail("no free port")
+
+
+def _reserve(port: int) -> socket.socket | None:
+    """Hold the TCP port of the same number, which every test asks for first, if UDP is free too."""
+    lock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    try:
+        lock.bind(("127.0.0.1", port))
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            probe.bind(("", port))  # without SO_REUSEADDR: fails where anybody has it
+    except OSError:
+        lock.close()
+        return None
+    return lock
+
+
+@pytest.fixture
+def lcmtools() -> Callable[..., subprocess.CompletedProcess[str]]:
+    """``lcmtools("list", "-v", **environment)``: runs the installed command to its end."""
+
+    def run(
+        *arguments: str, stdin: str = "", timeout: float = 20.0, **environment: str
+    ) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [COMMAND, *arguments],
+            input=stdin,
+            env={**os.environ, **environment},
+            capture_output=True,
+            text=True,
+            timeout=timeout,
+            check=False,
+        )
+
+    return run
+
+
+@pytest.fixture
+def lcmtools_path() -> str:
+    """The installed command, for ``start``."""
+    return COMMAND
+
+
+@pytest.fixture(scope="module")
+def module_bus_url() -> Iterator[str]:
+    """A bus that the tests of a module share."""
+    with _reserve_any() as lock:
+        yield f"udpm://239.255.76.67:{lock.getsockname()[1]}?ttl=0"
+
+
+@pytest.fixture(scope="module")
+def module_start(
+    module_bus_url: str, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Callable[..., Program]]:
+    """``start`` for processes that the tests of a module share, on the module's bus."""
+    programs: list[Program] = []
+    shared = {
+        "LCM_DEFAULT_URL": module_bus_url,
+        "XDG_RUNTIME_DIR": str(tmp_path_factory.getbasetemp()),
+    }
+
+    def run(*command: str, **environment: str) -> Program:
+        directory = tmp_path_factory.mktemp("programs")
+        programs.append(Program(command, directory, {**shared, **environment}))
+        return programs[-1]
+
+    yield run
+    for program in programs:
+        program.end()
+
+
+@pytest.fixture
+def use_module_bus(module_bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the commands of a test look at the module's bus."""
+    monkeypatch.setenv("LCM_DEFAULT_URL", module_bus_url)

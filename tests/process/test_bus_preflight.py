@@ -1,0 +1,168 @@
+"""Where multicast does not work: found out at once, with the line to type."""
+
+import os
+import socket
+import subprocess
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from lcmtools.bus.liblcm import LcmBus
+from lcmtools.bus.multicast import (
+    check_loopback,
+    check_multicast,
+    receive_buffer_bytes,
+    receiving_socket,
+    sending_socket,
+)
+from lcmtools.bus.tap import Tap
+from lcmtools.bus.url import BusUrl, parse_url
+from lcmtools.errors import BusError
+
+_URL = parse_url("udpm://239.255.76.67:7667?ttl=0")
+
+
+def _type(line: str) -> None:
+    """Do what a hint tells the user to type."""
+    subprocess.run(["sh", "-ec", line.replace("sudo ", "")], check=True)
+
+
+@pytest.mark.usefixtures("bare_network")
+@pytest.mark.parametrize("open_bus", [LcmBus, Tap])
+def test_no_route_is_an_error_at_once_whose_hint_mends_it(
+    open_bus: Callable[[BusUrl], object], capfd: pytest.CaptureFixture[str]
+) -> None:
+    before = time.monotonic()
+    with pytest.raises(BusError) as caught:
+        open_bus(_URL)
+    assert time.monotonic() - before < 0.5
+    assert caught.value.what == "no multicast route to 239.255.76.67:7667"
+    _type(caught.value.hint.removeprefix("type: "))
+    open_bus(_URL).close()  # type: ignore[attr-defined]
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.usefixtures("bare_network")
+def test_no_route_for_mpudpm_is_the_same_error() -> None:
+    with pytest.raises(BusError, match="no multicast route"):
+        LcmBus(parse_url("mpudpm://239.255.76.67:7667"))
+
+
+@pytest.mark.usefixtures("private_network")
+def test_a_check_that_succeeds_takes_under_50_ms() -> None:
+    check_multicast(_URL)
+    before = time.monotonic()
+    check_multicast(_URL)
+    assert time.monotonic() - before < 0.05
+
+
+@pytest.mark.usefixtures("private_network")
+def test_a_group_that_is_shut_off_is_an_error_at_once() -> None:
+    subprocess.run(["ip", "route", "add", "unreachable", "239.255.76.67"], check=True)
+    before = time.monotonic()
+    with pytest.raises(BusError, match="no multicast route"):
+        check_multicast(_URL)
+    assert time.monotonic() - before < 0.5
+
+
+@pytest.mark.usefixtures("private_network")
+def test_a_forbidden_group_points_to_the_firewall() -> None:
+    subprocess.run(["ip", "route", "add", "prohibit", "239.255.76.67"], check=True)
+    with pytest.raises(BusError, match="forbidden") as caught:
+        check_multicast(_URL)
+    assert "239.255.76.67 port 7667" in caught.value.hint
+
+
+@pytest.mark.usefixtures("private_network")
+def test_a_datagram_that_does_not_come_back_is_an_error_within_half_a_second() -> None:
+    with (
+        sending_socket(_URL) as sender,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as deaf,
+    ):
+        deaf.bind(("127.0.0.1", 0))
+        before = time.monotonic()
+        with pytest.raises(BusError, match="does not come back to this host") as caught:
+            check_loopback(_URL, sender, deaf)
+        assert 0.3 < time.monotonic() - before < 0.6
+        assert "firewall" in caught.value.hint
+
+
+@pytest.mark.usefixtures("private_network")
+def test_the_check_finds_its_own_datagram_among_others() -> None:
+    with sending_socket(_URL) as sender, receiving_socket(_URL) as receiver:
+        with sending_socket(_URL) as other:
+            for number in range(500):
+                other.sendto(b"LC02%d" % number, (_URL.host, _URL.port))
+        check_loopback(_URL, sender, receiver)
+
+
+@pytest.mark.usefixtures("private_network")
+def test_a_port_that_a_program_keeps_for_itself_is_named() -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as selfish:
+        selfish.bind(("", _URL.port))
+        with pytest.raises(BusError, match="taken by a program that does not share it") as caught:
+            check_multicast(_URL)
+    assert "ss -ulnp 'sport = :7667'" in caught.value.hint
+
+
+def test_the_check_leaves_no_open_file(bus_url: str) -> None:
+    url = parse_url(bus_url)
+    before = sorted(os.listdir("/proc/self/fd"))
+    for _ in range(5):
+        check_multicast(url)
+    assert sorted(os.listdir("/proc/self/fd")) == before
+
+
+def test_the_receive_buffer_is_what_the_system_grants() -> None:
+    limit = int(Path("/proc/sys/net/core/rmem_max").read_text())
+    assert receive_buffer_bytes() == min(8 << 20, limit)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer_bytes())
+        granted = probe.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
+    assert granted >= receive_buffer_bytes()
+
+
+@pytest.mark.parametrize("ttl", [0, 1, 7, 255])
+def test_datagrams_travel_as_far_as_the_url_says(ttl: int) -> None:
+    with sending_socket(parse_url(f"udpm://?ttl={ttl}")) as sender:
+        assert sender.getsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL) == ttl
+
+
+def test_groups_on_one_port_do_not_hear_each_other(free_port: Callable[[], int]) -> None:
+    port = free_port()
+    one, other = (parse_url(f"udpm://239.255.76.{last}:{port}") for last in (67, 68))
+    with receiving_socket(one) as a, receiving_socket(other) as b, sending_socket(one) as sender:
+        sender.sendto(b"x", (one.host, port))
+        a.settimeout(5.0)
+        assert a.recv(10) == b"x"
+        b.setblocking(False)  # noqa: FBT003
+        with pytest.raises(BlockingIOError):
+            b.recv(10)
+
+
+def test_a_process_with_over_a_thousand_files_is_told(start_python: Callable[..., object],
+                                                     bus_url: str) -> None:
+    program = start_python(
+        """
+import os, resource, sys
+from lcmtools.bus.liblcm import LcmBus
+from lcmtools.bus.url import parse_url
+from lcmtools.errors import BusError
+resource.setrlimit(resource.RLIMIT_NOFILE, (4096, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))
+files = [os.open("/dev/null", os.O_RDONLY) for _ in range(int(sys.argv[2]))]
+try:
+    bus = LcmBus(parse_url(sys.argv[1]))
+    heard = []
+    bus.subscribe("a", lambda payload, time: heard.append(payload))
+    bus.close()
+    print("works")
+except BusError as error:
+    print(error)
+""",
+        bus_url,
+        "1100",
+    )
+    assert program.wait() == 0  # type: ignore[attr-defined]
+    assert "open files, and liblcm cannot wait" in program.output  # type: ignore[attr-defined]

@@ -1,0 +1,166 @@
+"""Buses that are no multicast group: tcpq, logs, memory; and what listens on them."""
+
+import socket
+import time
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+
+import lcm
+import pytest
+
+from lcmtools.bus.liblcm import LcmBus, LcmListener
+from lcmtools.bus.tap import Tap
+from lcmtools.bus.url import parse_url
+from lcmtools.bus.watch import Watch, open_observer
+from lcmtools.errors import BusError
+
+WaitUntil = Callable[..., None]
+
+
+def test_tcpq_carries_messages_of_any_size(tcpq_server: object, wait_until: WaitUntil) -> None:
+    url = parse_url(tcpq_server.url)  # type: ignore[attr-defined]
+    bus, other = LcmBus(url), LcmBus(url)
+    heard: list[bytes] = []
+    other.subscribe("a.b", lambda payload, _: heard.append(payload))
+    bus.publish("PROBE", b"")
+    while not heard:  # the server takes the subscription when it gets to it
+        bus.publish("a.b", b"x")
+        time.sleep(0.01)
+    bus.publish("aXb", b"decoy")
+    bus.publish("a.b", bytes(1_000_000))
+    wait_until(lambda: heard[-1] == bytes(1_000_000))
+    assert set(heard) == {b"x", bytes(1_000_000)}
+    assert bus.ports == []
+    bus.close()
+    other.close()
+
+
+def test_no_tcpq_server_is_one_line_with_the_address(capfd: pytest.CaptureFixture[str]) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as reserved:
+        port = reserved.getsockname()[1]
+    before = time.monotonic()
+    for open_bus in (LcmBus, LcmListener):
+        with pytest.raises(BusError) as caught:
+            open_bus(parse_url(f"tcpq://127.0.0.1:{port}"))
+        assert caught.value.what == f"no LCM server at 127.0.0.1:{port} (Connection refused)"
+        assert "TCPService" in caught.value.hint
+    assert time.monotonic() - before < 1.0
+    assert capfd.readouterr() == ("", "")
+
+
+def test_an_unknown_tcpq_host_is_one_line() -> None:
+    with pytest.raises(BusError, match=r"no LCM server at no-such-host\.invalid:7700"):
+        LcmBus(parse_url("tcpq://no-such-host.invalid"))
+
+
+@pytest.mark.parametrize("_turn", range(8))  # which thread notices first is a matter of luck
+def test_a_tcpq_server_that_dies_hangs_nobody(
+    tcpq_server: object, wait_until: WaitUntil, _turn: int
+) -> None:
+    bus = LcmBus(parse_url(tcpq_server.url))  # type: ignore[attr-defined]
+    handler = lambda _payload, _time: None  # noqa: E731
+    bus.subscribe("a", handler)
+    tcpq_server.close()  # type: ignore[attr-defined]
+
+    def refused() -> bool:
+        try:
+            bus.publish("a", b"x")
+        except BusError:
+            return True
+        return False
+
+    wait_until(refused)
+    before = time.monotonic()
+    bus.unsubscribe("a", handler)
+    with pytest.raises(BusError):
+        bus.publish("a", b"x")
+    bus.close()
+    assert time.monotonic() - before < 1.0
+
+
+def test_a_listener_on_tcpq_hears_everything(tcpq_server: object, wait_until: WaitUntil) -> None:
+    url = parse_url(tcpq_server.url)  # type: ignore[attr-defined]
+    bus = LcmBus(url)
+    with LcmListener(url) as listener:
+        heard: list[object] = []
+
+        def hear() -> bool:
+            bus.publish("A.b*", b"12345678rest")
+            heard.extend(listener.receive(0.05))
+            return bool(heard)
+
+        before = time.time_ns()
+        wait_until(hear)
+        packet = heard[0]
+        assert (packet.channel, packet.payload) == ("A.b*", b"12345678rest")  # type: ignore[attr-defined]
+        assert packet.sender is None  # type: ignore[attr-defined]
+        assert packet.seqno is None  # type: ignore[attr-defined]
+        assert before <= packet.time <= time.time_ns()  # type: ignore[attr-defined]
+        assert listener.port == 0
+        listener.send("x", b"y")
+    with pytest.raises(BusError):
+        listener.send("x", b"y")
+    bus.close()
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    """A log of five messages, 1 ms apart."""
+    path = tmp_path / "a.log"
+    with closing(lcm.EventLog(str(path), "w", overwrite=True)) as events:
+        for number in range(5):
+            events.write_event(1_700_000_000_000_000 + 1000 * number, "/n", b"%d" % number)
+    return path
+
+
+def test_a_listener_on_a_log_hears_all_of_it_and_then_its_end(log: Path) -> None:
+    payloads: list[bytes] = []
+    with LcmListener(parse_url(f"file://{log}?speed=0")) as listener, pytest.raises(EOFError):
+        while True:
+            payloads += [packet.payload for packet in listener.receive(5.0)]
+    assert payloads == [b"0", b"1", b"2", b"3", b"4"]
+
+
+def test_a_watch_on_a_log_sees_its_topics(log: Path) -> None:
+    with Watch(parse_url(f"file://{log}?speed=0"), "list", {}) as watch:
+        graph = watch.settle()
+    assert graph.topic_names() == ["/n"]
+    assert graph.topic("/n").traffic[0].messages == 5
+
+
+@pytest.mark.parametrize("content", ["", "\n", "hello world, this is no log"])
+def test_a_file_that_is_no_log_is_named(
+    tmp_path: Path, content: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "a.log").write_text(content)
+    with pytest.raises(BusError, match="'.*/a.log' is empty or no LCM log"):
+        LcmListener(parse_url(f"file://{tmp_path}/a.log"))
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_log_that_is_not_there_is_named(tmp_path: Path) -> None:
+    for open_bus in (LcmBus, LcmListener):
+        with pytest.raises(BusError, match="there is no log file '.*/none.log'"):
+            open_bus(parse_url(f"file://{tmp_path}/none.log"))
+
+
+def test_a_bus_may_be_a_log_that_is_written(tmp_path: Path) -> None:
+    path = tmp_path / "new.log"
+    bus = LcmBus(parse_url(f"file://{path}?mode=w"))
+    bus.publish("/a", b"one")
+    bus.publish("/b", bytes(1_000_000))
+    bus.close()
+    with closing(lcm.EventLog(str(path), "r")) as events:
+        assert [(event.channel, event.data) for event in events] == [
+            ("/a", b"one"),
+            ("/b", bytes(1_000_000)),
+        ]
+
+
+def test_each_bus_gets_the_best_observer(bus_url: str) -> None:
+    tap, listener = open_observer(parse_url(bus_url)), open_observer(parse_url("memq://"))
+    assert isinstance(tap, Tap)
+    assert isinstance(listener, LcmListener)
+    tap.close()
+    listener.close()

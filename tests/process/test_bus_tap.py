@@ -1,0 +1,276 @@
+"""The tap: what it sees of every sender, and that nothing on the wire can harm it."""
+
+import os
+import random
+import signal
+import socket
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+
+import lcm
+import pytest
+
+from lcmtools.bus.liblcm import LcmBus
+from lcmtools.bus.processes import process_of_port, udp_sockets, unheard_senders
+from lcmtools.bus.tap import Tap
+from lcmtools.bus.url import parse_url
+from lcmtools.errors import BusError, InvalidName
+from lcmtools.wire.datagram import fragments, short_message
+from lcmtools.wire.packet import Packet, Sender
+
+WaitUntil = Callable[..., None]
+_URL = parse_url("udpm://239.255.76.67:7667?ttl=0")
+_GROUP = (_URL.host, _URL.port)
+
+
+@pytest.fixture
+def tap(bus_url: str) -> Iterator[Tap]:
+    with Tap(parse_url(bus_url)) as tap:
+        yield tap
+
+
+def _receive(tap: Tap, count: int, timeout: float = 10.0) -> list[Packet]:
+    """The next packets that are not LCM's self tests."""
+    packets: list[Packet] = []
+    deadline = time.monotonic() + timeout
+    while len(packets) < count:
+        if time.monotonic() > deadline:
+            pytest.fail(f"{len(packets)} of {count} packets within {timeout} s")
+        packets += [p for p in tap.receive(0.1) if p.channel != "LCM_SELF_TEST"]
+    return packets
+
+
+def test_a_plain_lcm_program_is_seen_with_sender_number_and_time(tap: Tap, bus_url: str) -> None:
+    plain = lcm.LCM(bus_url)
+    before = time.time_ns()
+    plain.publish("A.b*", b"one")
+    plain.publish("B", b"")
+    after = time.time_ns()
+    first, second = _receive(tap, 2)
+    assert (first.channel, first.payload) == ("A.b*", b"one")
+    assert (second.channel, second.payload) == ("B", b"")
+    assert first.sender == second.sender
+    assert first.sender is not None
+    assert first.seqno is not None
+    assert second.seqno == first.seqno + 1
+    assert before <= first.time <= second.time <= after + 1_000_000
+
+
+def test_the_time_is_the_kernels_and_not_that_of_reading(tap: Tap, bus_url: str) -> None:
+    lcm.LCM(bus_url).publish("A", b"")
+    sent = time.time_ns()
+    time.sleep(0.05)  # for nothing but to be late
+    (packet,) = _receive(tap, 1)
+    assert packet.time <= sent
+
+
+def test_two_connections_of_one_process_are_two_senders(tap: Tap, bus_url: str) -> None:
+    one, other = lcm.LCM(bus_url), lcm.LCM(bus_url)
+    one.publish("A", b"")
+    other.publish("A", b"")
+    senders = {packet.sender for packet in _receive(tap, 2)}
+    assert len(senders) == 2
+    for sender in senders:
+        assert sender is not None
+        process = process_of_port(sender.port)
+        assert process is not None
+        assert process.pid == os.getpid()
+
+
+def test_the_port_of_another_program_leads_to_it(
+    tap: Tap, bus_url: str, start: Callable[..., object], lcm_program: Callable[[str], str]
+) -> None:
+    source = start(lcm_program("lcm-source"), "-m", "SRC", "-p", "10000", LCM_DEFAULT_URL=bus_url)
+    packet = _receive(tap, 1)[0]
+    assert packet.channel == "SRC"
+    assert packet.sender is not None
+    process = process_of_port(packet.sender.port)
+    assert process is not None
+    assert process.pid == source.pid  # type: ignore[attr-defined]
+    assert "lcm-source -m SRC" in process.command
+
+
+def test_the_ports_that_a_bus_announces_are_the_ones_it_sends_from(
+    tap: Tap, bus_url: str
+) -> None:
+    bus = LcmBus(parse_url(bus_url))
+    bus.publish("SMALL", b"x")
+    bus.publish("LARGE", bytes(200_000))
+    packets = {packet.channel: packet.sender for packet in _receive(tap, 2)}
+    assert [packets["LARGE"].port] == bus.ports  # type: ignore[union-attr]
+    assert packets["SMALL"].port not in bus.ports  # type: ignore[union-attr]
+    process = process_of_port(bus.ports[0])
+    assert process is not None
+    assert process.pid == os.getpid()
+    bus.close()
+
+
+@pytest.mark.parametrize("size", [65_495, 65_496, 65_500, 131_000, 190_000])
+def test_fragments_of_liblcm_are_put_together(tap: Tap, bus_url: str, size: int) -> None:
+    payload = random.Random(size).randbytes(size)  # noqa: S311
+    lcm.LCM(bus_url).publish("BIG", payload)
+    (packet,) = _receive(tap, 1)
+    assert packet.payload == payload
+
+
+@pytest.mark.parametrize("size", [0, 65_495, 65_496, 200_000])
+def test_what_a_tap_sends_is_received_by_plain_lcm(
+    bus_url: str, tap: Tap, size: int, wait_until: WaitUntil
+) -> None:
+    heard: list[bytes] = []
+    plain = lcm.LCM(f"{bus_url}&recv_buf_size=4000000")
+    plain.subscribe("BIG", lambda _channel, payload: heard.append(payload))
+    payload = random.Random(size).randbytes(size)  # noqa: S311
+    assert tap.port == 0
+    tap.send("BIG", payload)
+    assert tap.port > 0
+    wait_until(lambda: plain.handle_timeout(0) or heard)
+    assert heard == [payload]
+    (packet,) = _receive(tap, 1)
+    assert packet.sender is not None
+    assert packet.sender.port == tap.port
+
+
+def test_a_tap_sends_on_channels_that_lcm_can_carry_only(tap: Tap) -> None:
+    for channel in ("", "a" * 64, "a\0"):
+        with pytest.raises(InvalidName):
+            tap.send(channel, b"")
+
+
+def test_nothing_to_receive_is_an_empty_list_in_time(tap: Tap) -> None:
+    while tap.receive(0.0):
+        pass
+    before = time.monotonic()
+    assert tap.receive(0.05) == []
+    assert 0.04 < time.monotonic() - before < 1.0
+    assert tap.receive(-1.0) == []
+
+
+def _malformed() -> list[bytes]:
+    header = b"LC03\0\0\0\1"
+    hostile = [b"", b"L", b"LC", b"LC02", b"LC02\0\0\0", b"LC02\0\0\0\0", b"LC02\0\0\0\0abc"]
+    hostile += [b"LC02\0\0\0\0" + b"a" * 70 + b"\0x", b"LC03", b"LC03" + bytes(15)]
+    hostile += [header + bytes(12), header + b"\0\0\0\5\0\0\0\0\0\2\0\1abc"]
+    hostile += [header + b"\0\0\0\2\0\0\0\0\0\1\0\2abc", header + b"\xff" * 12 + b"abc"]
+    hostile += [header + b"\x0f\xff\xff\xff\0\0\0\0\0\0\xff\xffA\0", b"\xff" * 60_000]
+    lonely = [part for n in range(50) for part in list(fragments(n, "GONE", bytes(70_000)))[1:]]
+    return hostile + lonely
+
+
+@pytest.mark.usefixtures("private_network")
+def test_no_datagram_harms_the_tap_or_hides_the_others() -> None:
+    random_bytes = random.Random(1)  # noqa: S311
+    with (
+        Tap(_URL) as tap,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger,
+    ):
+        received: list[Packet] = []
+        good = 0
+        for datagram in _malformed() + [random_bytes.randbytes(n) for n in range(200)]:
+            stranger.sendto(datagram, _GROUP)
+            stranger.sendto(short_message(good, "GOOD", b"%d" % good), _GROUP)
+            good += 1
+            received += [p for p in tap.receive(0.0) if p.channel == "GOOD"]
+        stranger.sendto(short_message(0, "", b"empty channel"), _GROUP)
+        stranger.sendto(b"LC02\0\0\0\1\xff\xfe\0x", _GROUP)
+        for part in fragments(9, "TWICE", bytes(70_000)):
+            stranger.sendto(part, _GROUP)
+            stranger.sendto(part, _GROUP)
+        rest = _receive(tap, 3 + good - len(received))
+        received += [p for p in rest if p.channel == "GOOD"]
+        assert [int(packet.payload) for packet in received] == list(range(good))
+        others = {p.channel: p.payload for p in rest if p.channel != "GOOD"}
+        assert others == {"": b"empty channel", "\udcff\udcfe": b"x", "TWICE": bytes(70_000)}
+        assert list(tap.malformed) == [Sender("0.0.0.0", stranger.getsockname()[1])]  # noqa: S104
+
+
+@pytest.mark.usefixtures("private_network")
+def test_malformed_datagrams_from_ever_new_senders_are_bounded() -> None:
+    with Tap(_URL) as tap:
+        for _ in range(1500):
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+                stranger.sendto(b"nonsense", _GROUP)
+            tap.receive(0.0)
+        assert 0 < len(tap.malformed) <= 1000
+
+
+@pytest.mark.usefixtures("private_network")
+def test_a_node_survives_malformed_datagrams(wait_until: WaitUntil) -> None:
+    """The binding is subscribed to fixed names only, and those survive (``.*`` would not).
+
+    All but one: liblcm itself dies of a header after which nothing stands.
+    """
+    datagrams = [datagram for datagram in _malformed() if datagram != b"LC02\0\0\0\0"]
+    bus = LcmBus(_URL)
+    heard: list[bytes] = []
+    bus.subscribe("GOOD", lambda payload, _: heard.append(payload))
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        for number, datagram in enumerate(datagrams):
+            stranger.sendto(datagram, _GROUP)
+            stranger.sendto(short_message(number, "GOOD", b"%d" % number), _GROUP)
+    wait_until(lambda: len(heard) == len(datagrams))
+    bus.close()
+
+
+@pytest.mark.usefixtures("private_network")
+def test_a_network_that_goes_away_is_an_error_when_sending() -> None:
+    with Tap(_URL) as tap:
+        tap.send("A", b"")
+        subprocess.run(["ip", "route", "del", "224.0.0.0/4"], check=True)
+        with pytest.raises(BusError, match=r"cannot send to 239\.255\.76\.67: Network is unreach"):
+            tap.send("A", b"")
+        assert [p.channel for p in tap.receive(1.0)][-1] == "A"
+
+
+_LISTENER = """
+import lcm, sys
+bus = lcm.LCM(sys.argv[1])
+bus.subscribe("A", print)
+print("ready", flush=True)
+while True:
+    bus.handle()
+"""
+
+
+def test_a_program_that_may_publish_is_known_before_it_does(
+    bus_url: str, start_python: Callable[..., object]
+) -> None:
+    url = parse_url(bus_url)
+    listener = start_python(_LISTENER, bus_url)
+    listener.wait_for("ready")  # type: ignore[attr-defined]
+    pid = listener.pid  # type: ignore[attr-defined]
+
+    def pids(heard: set[int], known: set[int]) -> set[int]:
+        ports = unheard_senders(url.host, heard, known)
+        return {process.pid for port in ports if (process := process_of_port(port))}
+
+    with Tap(url) as tap:
+        tap.send("A", b"")  # now this process has a sending socket too
+        assert pid in pids(set(), set())
+        assert os.getpid() not in pids(set(), set())
+        assert pid not in pids(set(), {pid})
+        ports = {row.port for row in udp_sockets() if _owner(row.port) == pid}
+        assert pid not in pids(ports, set())
+        listener.send_signal(signal.SIGKILL)  # type: ignore[attr-defined]
+        listener.wait()  # type: ignore[attr-defined]
+        assert pid not in pids(set(), set())
+
+
+def _owner(port: int) -> int | None:
+    process = process_of_port(port)
+    return process.pid if process else None
+
+
+def test_a_port_that_several_programs_share_leads_to_none_of_them(
+    bus_url: str, start_python: Callable[..., object]
+) -> None:
+    """Java sends from the group's own port, which every listener has bound: never guess."""
+    port = parse_url(bus_url).port
+    listener = start_python(_LISTENER, bus_url)
+    listener.wait_for("ready")  # type: ignore[attr-defined]
+    process = process_of_port(port)
+    assert process is not None
+    assert process.pid == listener.pid  # type: ignore[attr-defined]
+    with Tap(parse_url(bus_url)):
+        assert process_of_port(port) is None

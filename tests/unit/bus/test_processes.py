@@ -1,0 +1,62 @@
+"""Reading the process and socket tables."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from lcmtools.bus import processes
+from lcmtools.bus.processes import UdpSocket, process_of
+
+
+def test_a_row_of_the_socket_table_is_read() -> None:
+    row = (
+        "  523: 434CFFEF:1DF3 00000000:0000 07 00000000:00030C00 00:00000000 00000000  1000"
+        "        0 33445 2 00000000f00ba4 7499"
+    )
+    assert processes._parse_row(row.split()) == UdpSocket("239.255.76.67", 7667, 33445, 1000, 7499)
+
+
+def test_this_process_is_found_by_its_pid() -> None:
+    own = process_of(os.getpid())
+    assert own is not None
+    assert own.pid == os.getpid()
+    assert "pytest" in own.command or "python" in own.command
+    assert own.start_ticks > 0
+
+
+def test_a_process_with_a_strange_name_is_read() -> None:
+    name = "a) b (c"
+    source = (
+        f"import sys; open('/proc/self/comm', 'w').write({name!r}); print(flush=True);"
+        " sys.stdin.read()"
+    )
+    command = [sys.executable, "-c", source]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as child:
+        assert child.stdout is not None
+        child.stdout.readline()
+        found = process_of(child.pid)
+        assert found is not None
+        own = process_of(os.getpid())
+        assert own is not None
+        assert found.start_ticks >= own.start_ticks
+
+
+def test_nothing_runs_under_an_impossible_pid() -> None:
+    assert process_of(0) is None
+    assert process_of(1 << 40) is None
+    assert process_of(-1) is None
+
+
+@pytest.mark.parametrize(
+    ("address", "local"),
+    [("127.0.0.1", True), ("127.9.9.9", True), ("0.0.0.0", True), ("203.0.113.9", False)],  # noqa: S104
+)
+def test_an_address_of_this_computer_is_known(address: str, *, local: bool) -> None:
+    assert processes.is_local(address) is local
+
+
+def test_a_port_that_nobody_has_leads_to_no_process() -> None:
+    assert processes.process_of_port(0) is None
+    assert processes.owners([]) == {}

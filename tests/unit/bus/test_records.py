@@ -1,0 +1,167 @@
+"""The records that nodes leave while they live."""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from lcmtools.bus.processes import process_of
+from lcmtools.bus.records import NodeRecords
+from lcmtools.bus.url import parse_url
+from lcmtools.graph.model import Node
+
+_URL = parse_url("udpm://239.255.76.67:19999?ttl=0")
+
+
+def _node(**changes: object) -> Node:
+    values = {"name": "/a", "id": "abc", "host": "here", "pid": os.getpid(), "start_time": 5}
+    return Node(**{**values, "command": "a b", **changes})  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def records(tmp_path: Path) -> NodeRecords:
+    return NodeRecords(_URL, {"XDG_RUNTIME_DIR": str(tmp_path)})
+
+
+def _files(folder: Path) -> list[Path]:
+    return [path for path in folder.rglob("*") if path.is_file()]
+
+
+def test_a_record_says_who_the_node_is_and_that_it_does_not_answer(records: NodeRecords) -> None:
+    records.write(_node())
+    (found,) = records.read()
+    assert (found.name, found.id, found.host) == ("/a", "abc", "here")
+    assert (found.pid, found.start_time, found.command) == (os.getpid(), 5, "a b")
+    assert found.stale == "runs but does not answer"
+
+
+def test_a_removed_record_leaves_no_file(records: NodeRecords, tmp_path: Path) -> None:
+    records.write(_node())
+    assert len(_files(tmp_path)) == 1
+    records.remove("abc")
+    records.remove("abc")
+    assert _files(tmp_path) == []
+    assert list(records.read()) == []
+
+
+def test_a_renewed_record_is_one_record(records: NodeRecords) -> None:
+    records.write(_node())
+    records.write(_node(name="/b"))
+    assert [node.name for node in records.read()] == ["/b"]
+
+
+def test_two_nodes_of_one_process_leave_two_records(records: NodeRecords) -> None:
+    records.write(_node())
+    records.write(_node(id="def", name="/b"))
+    assert [node.name for node in records.read()] == ["/a", "/b"]
+
+
+def test_records_of_another_bus_stay_apart(records: NodeRecords, tmp_path: Path) -> None:
+    records.write(_node())
+    other = parse_url("udpm://239.255.76.67:19998?ttl=0")
+    assert list(NodeRecords(other, {"XDG_RUNTIME_DIR": str(tmp_path)}).read()) == []
+
+
+@pytest.fixture
+def child() -> Iterator[subprocess.Popen[bytes]]:
+    command = [sys.executable, "-c", "import sys; print(flush=True); sys.stdin.read()"]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        process.stdout.readline()  # it has become what it will be
+        yield process
+        process.kill()
+
+
+def _record_of(records: NodeRecords, pid: int, folder: Path) -> Path:
+    """A record as if the process of ``pid`` had written it."""
+    records.write(_node(pid=pid))
+    (path,) = _files(folder)
+    process = process_of(pid)
+    assert process is not None
+    path.write_text(json.dumps({**json.loads(path.read_text()), "start_ticks": process.start_ticks}))
+    return path
+
+
+def test_a_killed_process_is_known_to_have_ended(
+    records: NodeRecords, tmp_path: Path, child: subprocess.Popen[bytes]
+) -> None:
+    _record_of(records, child.pid, tmp_path)
+    assert [node.stale for node in records.read()] == ["runs but does not answer"]
+    child.kill()
+    child.wait()
+    assert [node.stale for node in records.read()] == ["ended without saying goodbye"]
+
+
+def test_a_killed_process_that_nobody_waits_for_is_known_to_have_ended(
+    records: NodeRecords,
+    tmp_path: Path,
+    child: subprocess.Popen[bytes],
+    wait_until: Callable[..., None],
+) -> None:
+    _record_of(records, child.pid, tmp_path)
+    child.kill()  # and not wait: it stays in the process table as a zombie
+    wait_until(lambda: [n.stale for n in records.read()] == ["ended without saying goodbye"])
+
+
+def test_another_process_with_the_same_pid_is_not_taken_for_the_node(
+    records: NodeRecords, tmp_path: Path
+) -> None:
+    path = _record_of(records, os.getpid(), tmp_path)
+    path.write_text(json.dumps({**json.loads(path.read_text()), "start_ticks": 1}))
+    assert [node.stale for node in records.read()] == ["ended without saying goodbye"]
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", "3", "null", '"a"', "{}", '{"pid": "x"}', '{"pid": null}', "\xff"]
+)
+def test_a_damaged_record_is_passed_over(records: NodeRecords, tmp_path: Path, text: str) -> None:
+    records.write(_node())
+    (path,) = _files(tmp_path)
+    path.with_name("aaa.json").write_bytes(text.encode("latin-1"))
+    assert [node.name for node in records.read()] == ["/a"]
+
+
+@pytest.mark.parametrize("mask", [0o002, 0o000, 0o022, 0o077])
+def test_a_record_is_private_whatever_the_users_umask(tmp_path: Path, mask: int) -> None:
+    records = NodeRecords(_URL, {"XDG_RUNTIME_DIR": str(tmp_path)})
+    before = os.umask(mask)
+    try:
+        records.write(_node())
+    finally:
+        os.umask(before)
+    assert [node.name for node in records.read()] == ["/a"]
+    for path in tmp_path.rglob("*"):
+        assert path.is_file() or not path.stat().st_mode & 0o077, path
+
+
+def test_a_folder_that_others_can_write_to_is_not_believed(tmp_path: Path) -> None:
+    records = NodeRecords(_URL, {"XDG_RUNTIME_DIR": str(tmp_path)})
+    records.write(_node())
+    (tmp_path / "lcmtools").chmod(0o777)
+    assert list(records.read()) == []
+
+
+def test_a_folder_that_is_a_link_is_not_believed(tmp_path: Path) -> None:
+    records = NodeRecords(_URL, {"XDG_RUNTIME_DIR": str(tmp_path)})
+    records.write(_node())
+    (tmp_path / "lcmtools").rename(tmp_path / "elsewhere")
+    (tmp_path / "lcmtools").symlink_to(tmp_path / "elsewhere")
+    (tmp_path / "elsewhere").chmod(0o777)
+    assert list(records.read()) == []
+
+
+def test_a_computer_that_takes_no_records_goes_without(tmp_path: Path) -> None:
+    (tmp_path / "lcmtools").write_text("in the way")
+    records = NodeRecords(_URL, {"XDG_RUNTIME_DIR": str(tmp_path)})
+    records.write(_node())
+    records.remove("abc")
+    assert list(records.read()) == []
+
+
+def test_names_that_are_not_utf8_are_recorded(records: NodeRecords) -> None:
+    records.write(_node(command="run \udcff"))
+    assert [node.command for node in records.read()] == ["run \udcff"]

@@ -1,0 +1,219 @@
+"""The graph grows out of packets: announcements, traffic, silence, goodbyes and records."""
+
+import pytest
+
+from lcmtools.graph.builder import GraphBuilder
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.graph.protocol import (
+    NODE_CHANNEL,
+    PROBE_CHANNEL,
+    Announcement,
+    Probe,
+    encode_announcement,
+    encode_probe,
+)
+from lcmtools.wire.packet import Packet, Sender
+
+_S = 1_000_000_000
+_ALICE, _BOB, _EVE = (Sender("10.0.0.1", port) for port in (40_001, 40_002, 40_003))
+
+
+def _node(name: str = "/a", **changes: object) -> Node:
+    values = {"name": name, "id": f"id of {name}", "host": "h", "pid": 1}
+    return Node(**{**values, **changes})  # type: ignore[arg-type]
+
+
+def _announce(
+    builder: GraphBuilder,
+    node: Node,
+    *,
+    sender: Sender | None = _ALICE,
+    time: int = 0,
+    leaving: bool = False,
+) -> Announcement | None:
+    payload = encode_announcement(Announcement(node, leaving))
+    return builder.hear(Packet(NODE_CHANNEL, payload, time, sender, 0))
+
+
+def _publisher(topic: str, *fingerprints: int) -> Endpoint:
+    types = tuple(f"t/T{n}" for n in range(len(fingerprints)))
+    return Endpoint(topic, Role.PUBLISHER, types, fingerprints)
+
+
+def test_an_announced_node_is_known_with_its_sender_and_time() -> None:
+    builder = GraphBuilder()
+    announcement = _announce(builder, _node(), time=5)
+    assert announcement is not None
+    assert announcement.node.name == "/a"
+    (node,) = builder.snapshot(5).nodes
+    assert (node.name, node.sender, node.last_heard, node.stale) == ("/a", _ALICE, 5, "")
+
+
+def test_nodes_come_sorted_by_name_and_start() -> None:
+    builder = GraphBuilder()
+    for name, identity, start in (("/b", "1", 0), ("/a", "2", 9), ("/a", "3", 4)):
+        _announce(builder, _node(name, id=identity, start_time=start))
+    assert [node.id for node in builder.snapshot(0).nodes] == ["3", "2", "1"]
+
+
+def test_a_later_announcement_replaces_the_earlier() -> None:
+    builder = GraphBuilder()
+    _announce(builder, _node())
+    _announce(builder, _node(endpoints=(_publisher("/t"),)), time=1, sender=_BOB)
+    (node,) = builder.snapshot(1).nodes
+    assert [endpoint.topic for endpoint in node.endpoints] == ["/t"]
+    assert node.sender == _BOB
+
+
+def test_two_nodes_of_one_name_are_two() -> None:
+    builder = GraphBuilder()
+    _announce(builder, _node(id="1"))
+    _announce(builder, _node(id="2"), sender=_BOB)
+    assert len(builder.snapshot(0).nodes) == 2
+
+
+@pytest.mark.parametrize(
+    ("silence", "stale"),
+    [(0, ""), (3 * _S, ""), (3 * _S + 1, "silent for 3 s"), (65 * _S, "silent for 65 s")],
+)
+def test_a_silent_node_is_stale_after_three_seconds(silence: int, stale: str) -> None:
+    builder = GraphBuilder()
+    _announce(builder, _node(), time=100)
+    assert [node.stale for node in builder.snapshot(100 + silence).nodes] == [stale]
+
+
+def test_a_stale_node_that_is_heard_again_is_alive() -> None:
+    builder = GraphBuilder()
+    _announce(builder, _node(), time=0)
+    _announce(builder, _node(), time=9 * _S)
+    assert [node.stale for node in builder.snapshot(9 * _S).nodes] == [""]
+
+
+def test_a_node_that_says_goodbye_is_gone_even_if_an_old_announcement_comes_late() -> None:
+    builder = GraphBuilder()
+    _announce(builder, _node())
+    _announce(builder, _node(), leaving=True)
+    assert builder.snapshot(0).nodes == ()
+    _announce(builder, _node())
+    assert builder.snapshot(0).nodes == ()
+    _announce(builder, _node(id="next run"))
+    assert [node.id for node in builder.snapshot(0).nodes] == ["next run"]
+
+
+def test_a_recorded_node_that_does_not_answer_is_stale() -> None:
+    builder = GraphBuilder()
+    builder.recall([_node("/a", stale="ended without saying goodbye"), _node("/b")])
+    stale = {node.name: node.stale for node in builder.snapshot(0).nodes}
+    assert stale == {"/a": "ended without saying goodbye", "/b": "does not answer"}
+
+
+def test_a_recorded_node_that_answers_is_alive_and_one() -> None:
+    builder = GraphBuilder()
+    builder.recall([_node(stale="runs but does not answer")])
+    _announce(builder, _node())
+    assert [node.stale for node in builder.snapshot(0).nodes] == [""]
+
+
+def test_a_recorded_node_that_left_is_gone() -> None:
+    builder = GraphBuilder()
+    builder.recall([_node(stale="ended without saying goodbye")])
+    _announce(builder, _node(), leaving=True)
+    assert builder.snapshot(0).nodes == ()
+    builder.recall([_node()])
+    assert builder.snapshot(0).nodes == ()
+
+
+def test_a_forgotten_node_is_gone_until_it_is_heard() -> None:
+    builder = GraphBuilder()
+    builder.recall([_node("/b")])
+    _announce(builder, _node("/a"))
+    builder.forget("id of /a")
+    builder.forget("id of /b")
+    builder.forget("nobody")
+    assert builder.snapshot(0).nodes == ()
+    _announce(builder, _node("/a"))
+    assert len(builder.snapshot(0).nodes) == 1
+
+
+def test_traffic_is_counted_by_channel_and_sender() -> None:
+    builder = GraphBuilder()
+    for time, channel, sender, payload in (
+        (10, "A", _ALICE, b"12345678rest"),
+        (20, "A", _BOB, b"12345678"),
+        (30, "A", _ALICE, b"abcdefgh"),
+        (40, "B", _ALICE, b"short"),
+    ):
+        builder.hear(Packet(channel, payload, time, sender, 0))
+    one, other = int.from_bytes(b"12345678", "big"), int.from_bytes(b"abcdefgh", "big")
+    assert builder.snapshot(50).traffic == (
+        Traffic("A", _ALICE, (one, other), 2, 20, 10, 30),
+        Traffic("A", _BOB, (one,), 1, 8, 20, 20),
+        Traffic("B", _ALICE, (), 1, 5, 40, 40),
+    )
+
+
+def test_announcements_and_probes_are_no_traffic() -> None:
+    builder = GraphBuilder()
+    _announce(builder, _node())
+    builder.hear(Packet(PROBE_CHANNEL, encode_probe(Probe()), 0, _EVE, 0))
+    builder.hear(Packet(NODE_CHANNEL, b"nonsense", 0, _EVE, 0))
+    assert builder.snapshot(0).traffic == ()
+    assert builder.heard_senders() == {_ALICE}
+
+
+def test_data_of_no_lcm_type_does_not_fill_the_memory() -> None:
+    builder = GraphBuilder()
+    for number in range(1000):
+        builder.hear(Packet("RAW", number.to_bytes(8, "big"), number, _ALICE, number))
+    (seen,) = builder.snapshot(0).traffic
+    assert seen.messages == 1000
+    assert len(seen.fingerprints) <= 16
+
+
+def test_every_port_of_a_node_is_a_known_sender() -> None:
+    builder = GraphBuilder()
+    _announce(builder, _node(ports=(40_002,)))
+    builder.hear(Packet("X", b"", 0, _EVE, 0))
+    assert builder.heard_senders() == {_ALICE, _BOB, _EVE}
+
+
+def _mixed_graph() -> Graph:
+    """Alice and her extra port are a node that publishes /t; Eve is no node, and does too."""
+    builder = GraphBuilder()
+    _announce(builder, _node(ports=(40_002,), endpoints=(_publisher("/t", 7),)))
+    for sender in (_ALICE, _BOB, _EVE):
+        builder.hear(Packet("/t", bytes(8), 0, sender, 0))
+    builder.hear(Packet("OTHER", bytes(8), 0, _EVE, 0))
+    return builder.snapshot(0)
+
+
+def test_foreign_traffic_is_what_no_announced_sender_sent() -> None:
+    topic = _mixed_graph().topic("/t")
+    assert [seen.sender for seen in topic.traffic] == [_ALICE, _BOB, _EVE]
+    assert [seen.sender for seen in topic.foreign] == [_EVE]
+    assert [node.name for node, _ in topic.publishers] == ["/a"]
+
+
+def test_a_foreign_topic_has_traffic_only() -> None:
+    topic = _mixed_graph().topic("OTHER")
+    assert topic.publishers == topic.subscribers == ()
+    assert topic.foreign == topic.traffic
+    assert topic.types == ()
+    assert topic.fingerprints == (0,)
+
+
+def test_the_same_port_on_another_computer_is_another_sender() -> None:
+    builder = GraphBuilder()
+    _announce(builder, _node())
+    builder.hear(Packet("/t", b"", 0, Sender("10.0.0.9", _ALICE.port), 0))
+    assert len(builder.snapshot(0).topic("/t").foreign) == 1
+
+
+def test_where_the_bus_names_no_sender_an_announced_publisher_explains_the_traffic() -> None:
+    builder = GraphBuilder()
+    _announce(builder, _node(endpoints=(_publisher("/t", 7),)), sender=None)
+    builder.hear(Packet("/t", bytes(8), 0))
+    builder.hear(Packet("OTHER", bytes(8), 0))
+    graph = builder.snapshot(0)
+    assert graph.topic("/t").foreign == ()
+    assert len(graph.topic("OTHER").foreign) == 1

@@ -1,0 +1,130 @@
+"""Announcements and probes: there and back, and nothing hostile raises."""
+
+import struct
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.protocol import (
+    Announcement,
+    Probe,
+    decode_announcement,
+    decode_probe,
+    encode_announcement,
+    encode_probe,
+)
+from lcmtools.messages.codec import encode
+from lcmtools.types import lcmtools_msgs as msgs
+from lcmtools.types.std_msgs import String
+
+_NODE = Node(
+    name="/husky0/driver",
+    id="abc",
+    host="robot",
+    pid=4242,
+    start_time=1_700_000_000_000_000_001,
+    command="driver --ns /husky0 été",
+    tool=True,
+    ports=(40_001, 65_535),
+    endpoints=(
+        Endpoint(
+            "/husky0/odometry",
+            Role.PUBLISHER,
+            ("nav_msgs/Odometry", "nav_msgs/Path"),
+            (0x94E17F94648CF0E4, 0xC3AE62ACB35793E2, 1, (1 << 64) - 1, 1 << 63),
+            "group",
+            10,
+            1 << 40,
+            1 << 41,
+            3,
+            1_700_000_000_000_000_002,
+        ),
+        Endpoint("/a", Role.SUBSCRIBER),
+        Endpoint("/b", Role.SERVICE),
+        Endpoint("/c", Role.CLIENT),
+    ),
+)
+
+
+@pytest.mark.parametrize("leaving", [False, True])
+@pytest.mark.parametrize("answers", [0, 1, -(1 << 63), (1 << 63) - 1])
+def test_an_announcement_survives_the_way_there_and_back(*, leaving: bool, answers: int) -> None:
+    announcement = Announcement(_NODE, leaving, answers)
+    assert decode_announcement(encode_announcement(announcement)) == announcement
+
+
+def test_an_announcement_of_a_bare_node_survives() -> None:
+    announcement = Announcement(Node("/a", "i", "h", 1))
+    assert decode_announcement(encode_announcement(announcement)) == announcement
+
+
+def test_an_announcement_with_hundreds_of_endpoints_survives() -> None:
+    endpoints = tuple(Endpoint(f"/topic_{n}", Role.PUBLISHER) for n in range(500))
+    announcement = Announcement(Node("/a", "i", "h", 1, endpoints=endpoints))
+    assert decode_announcement(encode_announcement(announcement)) == announcement
+
+
+@pytest.mark.parametrize("probe", [Probe(), Probe("/a", 7), Probe("", -1)])
+def test_a_probe_survives_the_way_there_and_back(probe: Probe) -> None:
+    assert decode_probe(encode_probe(probe)) == probe
+
+
+_PAYLOAD = encode_announcement(Announcement(_NODE))
+
+
+def test_a_truncated_announcement_is_none() -> None:
+    assert all(decode_announcement(_PAYLOAD[:end]) is None for end in range(len(_PAYLOAD)))
+
+
+def test_a_truncated_probe_is_none() -> None:
+    payload = encode_probe(Probe("/a", 7))
+    assert all(decode_probe(payload[:end]) is None for end in range(len(payload)))
+
+
+@pytest.mark.parametrize("role", [4, -1, 127, -128])
+def test_an_announcement_with_an_unknown_role_is_none(role: int) -> None:
+    message = msgs.Announcement()
+    endpoint = msgs.Endpoint()
+    endpoint.role = role
+    message.endpoints = [endpoint]
+    assert decode_announcement(encode(message)) is None
+
+
+def test_an_announcement_of_an_unknown_state_is_a_node_that_lives() -> None:
+    message = msgs.Announcement()
+    message.state = 7
+    decoded = decode_announcement(encode(message))
+    assert decoded is not None
+    assert not decoded.leaving
+
+
+@pytest.mark.parametrize("length", [-1, 1 << 30, (1 << 31) - 1, -(1 << 31)])
+@pytest.mark.parametrize("position", [8, 12])
+def test_an_announcement_with_an_absurd_length_is_none(position: int, length: int) -> None:
+    broken = bytearray(_PAYLOAD)
+    struct.pack_into(">i", broken, position, length)
+    assert decode_announcement(bytes(broken)) is None
+
+
+def test_another_message_is_no_announcement_and_no_probe() -> None:
+    payload = encode(String())
+    assert decode_announcement(payload) is None
+    assert decode_probe(payload) is None
+    assert decode_probe(_PAYLOAD) is None
+
+
+@settings(max_examples=300)
+@given(st.data())
+def test_an_announcement_with_any_bytes_changed_never_raises(data: st.DataObject) -> None:
+    broken = bytearray(_PAYLOAD)
+    for _ in range(data.draw(st.integers(1, 8))):
+        broken[data.draw(st.integers(0, len(broken) - 1))] = data.draw(st.integers(0, 255))
+    decode_announcement(bytes(broken))
+
+
+@given(st.binary(max_size=200))
+def test_any_bytes_after_the_fingerprint_never_raise(data: bytes) -> None:
+    decode_announcement(_PAYLOAD[:8] + data)
+    decode_probe(encode_probe(Probe())[:8] + data)

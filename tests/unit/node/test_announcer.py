@@ -1,0 +1,174 @@
+"""A node makes itself known: at once, when asked, each period, and when it leaves."""
+
+import sys
+import threading
+from collections.abc import Callable
+
+import pytest
+
+from lcmtools import Node
+from lcmtools.bus.base import FakeBus
+from lcmtools.errors import BusError
+from lcmtools.graph.protocol import (
+    NODE_CHANNEL,
+    PROBE_CHANNEL,
+    Announcement,
+    Probe,
+    decode_announcement,
+    encode_probe,
+)
+from lcmtools.node.context import Context
+from lcmtools.types.std_msgs import String
+
+Begin = Callable[..., Context]
+WaitUntil = Callable[..., None]
+
+
+def _announced(bus: FakeBus) -> list[Announcement]:
+    payloads = [payload for channel, payload in tuple(bus.published) if channel == NODE_CHANNEL]
+    return [found for payload in payloads if (found := decode_announcement(payload))]
+
+
+def _probe(bus: FakeBus, target: str = "", nonce: int = 0) -> None:
+    bus.publish(PROBE_CHANNEL, encode_probe(Probe(target, nonce)))
+
+
+def test_a_new_node_is_announced_at_once_with_all_that_it_is(
+    begin: Begin, bus: FakeBus, wait_until: WaitUntil
+) -> None:
+    begin("__ns:=/husky0")
+    node = Node("driver")
+    node.create_publisher(String, "chatter", 7)
+    wait_until(lambda: _announced(bus) and len(_announced(bus)[-1].node.endpoints) == 2)
+    announced = _announced(bus)[-1].node
+    assert announced == node.describe()
+    assert announced.name == "/husky0/driver"
+    assert [(e.topic, e.type, e.depth) for e in announced.endpoints] == [
+        ("/rosout", "rosgraph_msgs/Log", 100),
+        ("/husky0/chatter", "std_msgs/String", 7),
+    ]
+
+
+def test_a_node_is_announced_each_period(
+    begin: Begin, bus: FakeBus, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lcmtools.node.announcer.PERIOD", 0.01)
+    begin()
+    Node("a")
+    wait_until(lambda: len(_announced(bus)) > 5)
+
+
+def test_a_probe_of_all_is_answered_with_its_nonce(
+    begin: Begin, bus: FakeBus, wait_until: WaitUntil
+) -> None:
+    begin()
+    Node("a")
+    Node("b")
+    _probe(bus, nonce=42)
+    wait_until(lambda: {a.node.name for a in _announced(bus) if a.answers == 42} == {"/a", "/b"})
+
+
+def test_a_probe_of_one_is_answered_by_that_one_before_the_probe_returns(
+    begin: Begin, bus: FakeBus
+) -> None:
+    begin()
+    Node("a")
+    Node("b")
+    _probe(bus, "/b", 43)
+    _probe(bus, "/nobody", 44)
+    assert [a.node.name for a in _announced(bus) if a.answers] == ["/b"]
+
+
+@pytest.mark.parametrize("payload", [b"", b"nonsense", encode_probe(Probe("/a", 1))[:-1]])
+def test_a_broken_probe_is_passed_over(begin: Begin, bus: FakeBus, payload: bytes) -> None:
+    begin()
+    Node("a")
+    bus.publish(PROBE_CHANNEL, payload)
+    _probe(bus, "/a", 5)
+    assert [a.answers for a in _announced(bus) if a.answers] == [5]
+
+
+def test_a_destroyed_node_says_goodbye_once(begin: Begin, bus: FakeBus) -> None:
+    begin()
+    node = Node("a")
+    node.destroy_node()
+    node.destroy_node()
+    assert [a.node.name for a in _announced(bus) if a.leaving] == ["/a"]
+
+
+def test_closing_says_goodbye_for_every_node(begin: Begin, bus: FakeBus) -> None:
+    context = begin()
+    for name in "abc":
+        Node(name)
+    context.close()
+    assert [a.node.name for a in _announced(bus) if a.leaving] == ["/a", "/b", "/c"]
+
+
+def test_nothing_is_announced_after_the_goodbye(begin: Begin, bus: FakeBus) -> None:
+    """However busily the bus asks meanwhile."""
+    begin()
+    stop = threading.Event()
+
+    def ask() -> None:
+        while not stop.is_set():
+            _probe(bus)
+            for name in ("/n0", "/n1", "/n2"):
+                _probe(bus, name, 1)
+
+    asker = threading.Thread(target=ask)
+    asker.start()
+    for turn in range(60):
+        Node(f"n{turn % 3}").destroy_node()
+    stop.set()
+    asker.join()
+    left: set[str] = set()
+    for announcement in _announced(bus):
+        assert announcement.node.id not in left
+        if announcement.leaving:
+            left.add(announcement.node.id)
+    assert len(left) == 60
+
+
+class _Refusing(FakeBus):
+    """A bus that takes no announcements until it is told to."""
+
+    takes = False
+
+    def publish(self, channel: str, payload: bytes) -> None:
+        if channel == NODE_CHANNEL and not self.takes:
+            raise BusError("the network is down")
+        super().publish(channel, payload)
+
+
+def test_announcing_goes_on_when_the_network_comes_back(
+    begin: Begin, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lcmtools.node.announcer.PERIOD", 0.01)
+    bus = _Refusing()
+    begin(bus=bus)
+    node = Node("a")
+    _probe(bus, "/a", 1)
+    bus.takes = True
+    wait_until(lambda: _announced(bus))
+    node.destroy_node()
+
+
+def test_a_command_line_that_is_not_utf8_is_announced(
+    begin: Begin, bus: FakeBus, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["node", "file\udcff"])
+    begin()
+    Node("a")
+    wait_until(lambda: _announced(bus))
+    assert _announced(bus)[0].node.command == "node file?"
+
+
+def test_a_command_line_without_end_is_announced_in_one_datagram(
+    begin: Begin, bus: FakeBus, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["node", *["--word"] * 100_000])
+    begin()
+    Node("a")
+    wait_until(lambda: _announced(bus))
+    assert _announced(bus)[0].node.command.startswith("node --word --word")
+    assert max(len(payload) for channel, payload in bus.published) < 10_000

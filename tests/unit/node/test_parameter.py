@@ -1,0 +1,107 @@
+"""Parameters are of their default's type."""
+
+from collections.abc import Callable
+
+import pytest
+
+from lcmtools import Node
+from lcmtools.errors import UsageError
+from lcmtools.node.context import Context
+from lcmtools.node.parameter import ParameterValue, read_parameter
+
+Begin = Callable[..., Context]
+
+
+@pytest.mark.parametrize(
+    ("text", "default", "value"),
+    [
+        ("2.5", 1.0, 2.5),
+        ("2", 1.0, 2.0),
+        ("-1e-3", 1.0, -0.001),
+        ("1e3", 1.0, 1000.0),
+        (".5", 1.0, 0.5),
+        ("7", 1, 7),
+        ("-7", 1, -7),
+        ("true", False, True),
+        ("False", True, False),
+        ("text", "", "text"),
+        ("2", "", "2"),
+        ("true", "", "true"),
+        ("'quoted'", "", "quoted"),
+        ('"quoted"', "", "quoted"),
+        ("it's", "", "it's"),
+        ("the dogs'", "", "the dogs'"),
+        ("a: b: c", "", "a: b: c"),
+        ("[1, 2", "", "[1, 2"),
+        ("/tmp/a b", "", "/tmp/a b"),
+        ("été", "", "été"),
+        ("[1, 2.5]", (0.0,), [1, 2.5]),
+        ("[]", [1], []),
+        ("2.5", None, 2.5),
+        ("text", None, "text"),
+        ("[1, a]", None, [1, "a"]),
+    ],
+)
+def test_a_text_is_read_as_its_defaults_type(
+    text: str, default: ParameterValue, value: ParameterValue
+) -> None:
+    read = read_parameter("p", text, default)
+    assert read == value
+    assert type(read) is type(value)
+
+
+@pytest.mark.parametrize(
+    ("text", "default", "expected"),
+    [
+        ("fast", 1.0, "a number"),
+        ("true", 1.0, "a number"),
+        ("[1]", 1.0, "a number"),
+        ("2.5", 1, "a whole number"),
+        ("true", 1, "a whole number"),
+        ("two", 1, "a whole number"),
+        ("1", True, "true or false"),
+        ("maybe", True, "true or false"),
+        ("1", [2], "a list"),
+        ("a: 1", [2], "a list"),
+    ],
+)
+def test_a_text_of_another_type_is_refused(
+    text: str, default: ParameterValue, expected: str
+) -> None:
+    with pytest.raises(UsageError, match=f"parameter p: expected {expected}, got '"):
+        read_parameter("p", text, default)
+
+
+def test_a_text_that_is_no_yaml_is_refused() -> None:
+    with pytest.raises(UsageError, match=r"parameter p: '\[1, 2' is not YAML"):
+        read_parameter("p", "[1, 2", [])
+
+
+def test_the_command_line_beats_the_default(begin: Begin) -> None:
+    begin("_gain:=2.5", "--param", "name:=bob")
+    node = Node("a")
+    assert node.declare_parameter("gain", 1.0).value == 2.5
+    assert node.declare_parameter("name", "eve").value == "bob"
+    assert node.declare_parameter("other", 3).value == 3
+    assert node.get_parameter("gain").value == 2.5
+
+
+def test_an_undeclared_parameter_is_refused_with_the_nearest(begin: Begin) -> None:
+    begin()
+    node = Node("a")
+    node.declare_parameter("gain", 1.0)
+    with pytest.raises(UsageError, match="/a has no parameter 'gian'") as caught:
+        node.get_parameter("gian")
+    assert caught.value.hint == "did you mean gain?"
+
+
+def test_a_wrong_value_is_refused_when_it_is_declared(begin: Begin) -> None:
+    begin("_gain:=high")
+    with pytest.raises(UsageError, match="gain: expected a number, got 'high'"):
+        Node("a").declare_parameter("gain", 1.0)
+
+
+def test_a_wrong_use_sim_time_is_refused(begin: Begin) -> None:
+    begin("_use_sim_time:=2")
+    with pytest.raises(UsageError, match="use_sim_time: expected true or false"):
+        Node("a")

@@ -1,0 +1,159 @@
+"""Publishers: what they send, what they refuse, and who can hear them."""
+
+from collections.abc import Callable
+
+import pytest
+
+import lcmtools
+from lcmtools import Node
+from lcmtools.bus.base import FakeBus
+from lcmtools.errors import BusError, InvalidName, ValueMismatch
+from lcmtools.graph.model import Endpoint, Role
+from lcmtools.graph.model import Node as GraphNode
+from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
+from lcmtools.messages.codec import decode
+from lcmtools.messages.registry import fingerprint
+from lcmtools.node.context import Context
+from lcmtools.types.geometry_msgs import Point, Vector3
+from lcmtools.types.std_msgs import Int32, String
+
+Begin = Callable[..., Context]
+
+
+def test_a_message_goes_out_encoded_on_its_topic(begin: Begin, bus: FakeBus) -> None:
+    begin("chatter:=/news")
+    publisher = Node("a").create_publisher(String, "chatter")
+    message = String()
+    message.data = "hello"
+    publisher.publish(message)
+    sent = [payload for channel, payload in bus.published if channel == "/news"]
+    assert [decode(String, payload).data for payload in sent] == ["hello"]
+    endpoint = publisher.endpoint()
+    assert (endpoint.topic, endpoint.role, endpoint.types) == (
+        "/news",
+        Role.PUBLISHER,
+        ("std_msgs/String",),
+    )
+    assert (endpoint.messages, endpoint.bytes) == (1, len(sent[0]))
+    assert endpoint.last_time > 0
+
+
+@pytest.mark.parametrize(
+    ("message", "name"),
+    [(Int32(), "Int32"), ("hello", "str"), (None, "NoneType"), (String, "type"), ({}, "dict")],
+)
+def test_a_message_of_another_type_is_refused(begin: Begin, message: object, name: str) -> None:
+    begin()
+    publisher = Node("a").create_publisher(String, "chatter")
+    with pytest.raises(ValueMismatch, match=f"/chatter: expected std_msgs/String, got {name}"):
+        publisher.publish(message)  # type: ignore[arg-type]
+    assert publisher.endpoint().messages == 0
+
+
+def test_a_type_with_the_same_fields_is_another_type_all_the_same(begin: Begin) -> None:
+    begin()
+    publisher = Node("a").create_publisher(Point, "p")
+    with pytest.raises(ValueMismatch, match="expected geometry_msgs/Point, got Vector3"):
+        publisher.publish(Vector3())  # type: ignore[arg-type]
+
+
+def test_a_value_that_does_not_fit_names_its_field(begin: Begin) -> None:
+    begin()
+    publisher = Node("a").create_publisher(Int32, "n")
+    message = Int32()
+    message.data = 1 << 31
+    with pytest.raises(ValueMismatch, match="data"):
+        publisher.publish(message)
+
+
+def test_a_literal_topic_is_the_channel_to_the_letter(begin: Begin, bus: FakeBus) -> None:
+    begin("__ns:=/husky0", "EXAMPLE:=/other")
+    node = Node("a")
+    publisher = node.create_publisher(String, "EXAMPLE", literal=True)
+    publisher.publish(String())
+    assert "EXAMPLE" in [channel for channel, _ in bus.published]
+    assert node.create_publisher(String, "été #1", literal=True).topic == "été #1"
+    with pytest.raises(InvalidName):
+        node.create_publisher(String, "a" * 64, literal=True)
+
+
+class _Refusing(FakeBus):
+    """A bus that takes no messages on one channel."""
+
+    def publish(self, channel: str, payload: bytes) -> None:
+        if channel in ("/chatter", "/rosout"):
+            raise BusError(f"cannot publish on {channel}")
+        super().publish(channel, payload)
+
+
+def test_a_message_that_cannot_leave_is_lost_and_the_log_says_so_once(
+    begin: Begin, capsys: pytest.CaptureFixture[str]
+) -> None:
+    begin(bus=_Refusing())
+    publisher = Node("a").create_publisher(String, "chatter")
+    for _ in range(10):
+        publisher.publish(String())
+    log = capsys.readouterr().err
+    assert log.count("\n") == 1
+    assert "[/a]: cannot publish on /chatter" in log
+    assert publisher.endpoint().messages == 0
+
+
+def test_a_tools_message_that_cannot_leave_is_an_error(begin: Begin) -> None:
+    begin(bus=_Refusing())
+    with pytest.raises(BusError, match="cannot publish on /chatter"):
+        Node("a", tool=True).create_publisher(String, "chatter").publish(String())
+
+
+def test_publishing_when_the_bus_was_left_is_a_line_in_the_log(
+    begin: Begin, capsys: pytest.CaptureFixture[str]
+) -> None:
+    context = begin()
+    publisher = Node("a").create_publisher(String, "chatter")
+    context.close()
+    publisher.publish(String())
+    assert "the bus is closed" in capsys.readouterr().err
+
+
+def _hear_of(bus: FakeBus, identity: str, *endpoints: Endpoint, leaving: bool = False) -> None:
+    node = GraphNode(f"/{identity}", identity, "h", 1, endpoints=endpoints)
+    bus.publish(NODE_CHANNEL, encode_announcement(Announcement(node, leaving)))
+
+
+def test_nodes_that_can_hear_a_publisher_are_counted(begin: Begin, bus: FakeBus) -> None:
+    begin()
+    node = Node("a")
+    publisher = node.create_publisher(String, "chatter")
+    assert publisher.subscriber_count() == 0
+    fitting = Endpoint("/chatter", Role.SUBSCRIBER, ("std_msgs/String",), (fingerprint(String),))
+    other = Endpoint("/chatter", Role.SUBSCRIBER, ("std_msgs/Int32",), (fingerprint(Int32),))
+    both = Endpoint("/chatter", Role.SUBSCRIBER, (), (fingerprint(Int32), fingerprint(String)))
+    _hear_of(bus, "fitting", fitting, fitting)
+    _hear_of(bus, "other", other)
+    _hear_of(bus, "both", both)
+    _hear_of(bus, "any", Endpoint("/chatter", Role.SUBSCRIBER))
+    _hear_of(bus, "elsewhere", Endpoint("/news", Role.SUBSCRIBER))
+    _hear_of(bus, "publisher", Endpoint("/chatter", Role.PUBLISHER))
+    assert publisher.subscriber_ids() == {"fitting", "both", "any"}
+    assert publisher.subscriber_count() == 3
+    _hear_of(bus, "fitting", leaving=True)
+    assert publisher.subscriber_count() == 2
+
+
+def test_a_process_counts_its_own_subscriptions(
+    begin: Begin, wait_until: Callable[..., None]
+) -> None:
+    begin()
+    publisher = Node("a").create_publisher(String, "chatter")
+    Node("b").create_subscription(String, "chatter", print)
+    wait_until(lambda: publisher.subscriber_count() == 1)
+
+
+def test_a_change_of_the_graph_wakes_who_waits_for_it(begin: Begin, bus: FakeBus) -> None:
+    begin()
+    node = Node("a")
+    publisher = node.create_publisher(String, "chatter")
+    assert publisher.subscriber_count() == 0
+    lcmtools.spin_once(node, 0.0)
+    _hear_of(bus, "b", Endpoint("/chatter", Role.SUBSCRIBER))
+    assert publisher.subscriber_count() == 1

@@ -1,0 +1,228 @@
+"""Subscriptions: the newest messages are kept, and nothing that comes can stop the node."""
+
+from collections.abc import Callable
+
+import pytest
+
+import lcmtools
+from lcmtools import Node
+from lcmtools.bus.base import FakeBus
+from lcmtools.errors import DecodeError, InvalidName
+from lcmtools.messages.codec import encode
+from lcmtools.node.context import Context
+from lcmtools.node.subscription import Subscription
+from lcmtools.types.geometry_msgs import Twist, TwistStamped
+from lcmtools.types.std_msgs import Int32, String
+
+Begin = Callable[..., Context]
+
+
+def _number(value: int) -> bytes:
+    message = Int32()
+    message.data = value
+    return encode(message)
+
+
+def _text(value: str) -> bytes:
+    message = String()
+    message.data = value
+    return encode(message)
+
+
+def test_of_a_hundred_messages_the_ten_newest_are_kept_and_the_others_counted(
+    begin: Begin, bus: FakeBus
+) -> None:
+    begin()
+    node, heard = Node("a"), []
+    subscription = node.create_subscription(Int32, "n", lambda m: heard.append(m.data))
+    for value in range(100):
+        bus.publish("/n", _number(value))
+    lcmtools.spin_once(node)
+    assert heard == list(range(90, 100))
+    assert subscription.drops == 90
+    endpoint = subscription.endpoint()
+    assert (endpoint.messages, endpoint.bytes, endpoint.drops) == (100, 1200, 90)
+    assert endpoint.depth == 10
+    assert endpoint.last_time > 0
+
+
+def test_messages_that_come_during_a_slow_callback_are_kept_the_same_way(
+    begin: Begin, bus: FakeBus
+) -> None:
+    begin()
+    node, heard = Node("a"), []
+
+    def slow(message: Int32) -> None:
+        heard.append(message.data)
+        if message.data == 0:
+            for value in range(1, 101):
+                bus.publish("/n", _number(value))
+
+    subscription = node.create_subscription(Int32, "n", slow)
+    bus.publish("/n", _number(0))
+    lcmtools.spin_once(node)
+    lcmtools.spin_once(node)
+    assert heard == [0, *range(91, 101)]
+    assert subscription.drops == 90
+
+
+@pytest.mark.parametrize(("depth", "kept"), [(1, 1), (3, 3), (0, 1), (-5, 1), (1000, 20)])
+def test_the_depth_is_how_many_wait(begin: Begin, bus: FakeBus, depth: int, kept: int) -> None:
+    begin()
+    node, heard = Node("a"), []
+    node.create_subscription(Int32, "n", lambda m: heard.append(m.data), depth)
+    for value in range(20):
+        bus.publish("/n", _number(value))
+    lcmtools.spin_once(node)
+    assert heard == list(range(20 - kept, 20))
+
+
+def test_a_callback_that_raises_is_logged_with_topic_and_traceback_and_the_node_goes_on(
+    begin: Begin, bus: FakeBus, capsys: pytest.CaptureFixture[str]
+) -> None:
+    begin()
+    node, heard = Node("a"), []
+
+    def fail(message: Int32) -> None:
+        heard.append(message.data)
+        raise RuntimeError(f"no {message.data}")
+
+    node.create_subscription(Int32, "n", fail)
+    node.create_subscription(Int32, "n", lambda m: heard.append(10 * m.data))
+    bus.publish("/n", _number(1))
+    bus.publish("/n", _number(2))
+    lcmtools.spin_once(node)
+    assert heard == [1, 2, 10, 20]
+    log = capsys.readouterr().err
+    assert log.count("[ERROR]") == 2
+    assert "[/a]: callback of /n raised RuntimeError: no 1" in log
+    assert "Traceback (most recent call last):" in log
+    assert 'raise RuntimeError(f"no {message.data}")' in log
+
+
+def test_a_broken_off_callback_ends_the_spin(begin: Begin, bus: FakeBus) -> None:
+    begin()
+    node = Node("a")
+
+    def interrupted(_message: Int32) -> None:
+        raise KeyboardInterrupt
+
+    node.create_subscription(Int32, "n", interrupted)
+    bus.publish("/n", _number(1))
+    with pytest.raises(KeyboardInterrupt):
+        lcmtools.spin_once(node)
+    bus.publish("/n", _number(1))
+    lcmtools.spin(node)
+
+
+@pytest.mark.parametrize(
+    ("payload", "what"),
+    [
+        (_text("x"), "expected std_msgs/Int32, got std_msgs/String"),
+        (_number(7)[:-1], "broken std_msgs/Int32"),
+        (b"", "expected std_msgs/Int32, got 0 bytes, too short for any message"),
+        (b"1234567", "expected std_msgs/Int32, got 7 bytes, too short for any message"),
+        (b"payload\0", "expected std_msgs/Int32, got an unknown type (fingerprint 0x7061796c6f616"),
+    ],
+)
+def test_what_is_no_such_message_is_one_warning_and_ignored(
+    begin: Begin, bus: FakeBus, capsys: pytest.CaptureFixture[str], payload: bytes, what: str
+) -> None:
+    begin()
+    node, heard = Node("a"), []
+    node.create_subscription(Int32, "n", lambda m: heard.append(m.data))
+    for _ in range(50):
+        bus.publish("/n", payload)
+        bus.publish("/n", _number(5))
+        lcmtools.spin_once(node)
+    assert heard == [5] * 50
+    log = capsys.readouterr().err
+    assert log.count("\n") == 1
+    assert "[WARN]" in log
+    assert f"/n: message ignored: {what}" in log
+
+
+def test_each_topic_with_such_messages_gets_its_warning(
+    begin: Begin, bus: FakeBus, capsys: pytest.CaptureFixture[str]
+) -> None:
+    begin()
+    node = Node("a")
+    for topic in ("n", "m"):
+        node.create_subscription(Int32, topic, print)
+        bus.publish(f"/{topic}", _text("x"))
+        bus.publish(f"/{topic}", _text("x"))
+    lcmtools.spin_once(node)
+    log = capsys.readouterr().err
+    assert log.count("\n") == 2
+    assert "/n: message ignored" in log
+    assert "/m: message ignored" in log
+
+
+def test_bytes_after_a_message_do_not_matter(begin: Begin, bus: FakeBus) -> None:
+    begin()
+    node, heard = Node("a"), []
+    node.create_subscription(Int32, "n", lambda m: heard.append(m.data))
+    bus.publish("/n", _number(5) + b"more")
+    lcmtools.spin_once(node)
+    assert heard == [5]
+
+
+def test_several_types_on_one_topic_are_told_apart_by_their_fingerprints(
+    begin: Begin, bus: FakeBus
+) -> None:
+    begin()
+    node, heard = Node("a"), []
+    subscription = node.create_subscription((Twist, TwistStamped), "cmd", heard.append)  # type: ignore[arg-type]
+    for message in (TwistStamped(), Twist(), TwistStamped()):
+        bus.publish("/cmd", encode(message))
+    lcmtools.spin_once(node)
+    assert [type(message) for message in heard] == [TwistStamped, Twist, TwistStamped]
+    assert subscription.endpoint().types == ("geometry_msgs/Twist", "geometry_msgs/TwistStamped")
+    assert subscription.endpoint().type == "geometry_msgs/Twist"
+
+
+def test_a_message_of_none_of_several_types_names_them_all() -> None:
+    subscription = Subscription((Twist, TwistStamped), "/cmd", print, 1)
+    with pytest.raises(
+        DecodeError,
+        match="expected geometry_msgs/Twist or geometry_msgs/TwistStamped, got std_msgs/String",
+    ):
+        subscription.decode(_text("x"))
+
+
+def test_the_group_is_announced(begin: Begin) -> None:
+    begin()
+    node = Node("a")
+    node.create_subscription(Int32, "n", print, group="speed")
+    assert [e.group for e in node.describe().endpoints if e.topic == "/n"] == ["speed"]
+
+
+def test_an_illegal_topic_is_refused_and_leaves_nothing(begin: Begin) -> None:
+    begin()
+    node = Node("a")
+    before = node.describe()
+    for topic in ("a b", "a" * 80):
+        with pytest.raises(InvalidName):
+            node.create_subscription(Int32, topic, print)
+        with pytest.raises(InvalidName):
+            node.create_publisher(Int32, topic)
+    assert node.describe() == before
+
+
+def test_a_destroyed_node_calls_nobody_any_more(begin: Begin, bus: FakeBus) -> None:
+    begin()
+    node, heard = Node("a"), []
+
+    def last(message: Int32) -> None:
+        heard.append(message.data)
+        node.destroy_node()
+
+    node.create_subscription(Int32, "n", last)
+    node.create_subscription(Int32, "n", lambda m: heard.append(10 * m.data))
+    node.create_timer(1e-9, lambda: heard.append(-1))
+    for value in (1, 2, 3):
+        bus.publish("/n", _number(value))
+    lcmtools.spin_once(node)
+    bus.publish("/n", _number(4))
+    lcmtools.spin_once(node)
+    assert heard == [1]

@@ -1,0 +1,51 @@
+"""Waking a thread that waits."""
+
+import os
+import threading
+import time
+
+from lcmtools.node.wakeup import Wakeup
+
+
+def test_a_set_flag_makes_the_next_wait_return_at_once_and_only_that() -> None:
+    wakeup = Wakeup()
+    for _ in range(3):
+        wakeup.set()
+    before = time.monotonic()
+    wakeup.wait(5.0)
+    assert time.monotonic() - before < 1.0
+    before = time.monotonic()
+    wakeup.wait(0.02)
+    assert time.monotonic() - before >= 0.015
+    wakeup.close()
+
+
+def test_no_wake_up_is_lost_between_threads() -> None:
+    """Work that is ready before the flag is set is always found without waiting long."""
+    wakeup, work, done = Wakeup(), [], threading.Event()
+
+    def produce() -> None:
+        for number in range(5000):
+            work.append(number)
+            wakeup.set()
+        done.set()
+
+    producer = threading.Thread(target=produce)
+    producer.start()
+    seen, longest = 0, 0.0
+    while seen < 5000:
+        before = time.monotonic()
+        wakeup.wait(5.0)
+        longest = max(longest, time.monotonic() - before)
+        seen = len(work)
+    producer.join()
+    assert longest < 2.0
+    wakeup.close()
+
+
+def test_a_closed_wakeup_may_be_set_and_frees_its_files() -> None:
+    before = sorted(os.listdir("/proc/self/fd"))
+    wakeup = Wakeup()
+    wakeup.close()
+    wakeup.set()
+    assert sorted(os.listdir("/proc/self/fd")) == before
