@@ -8,7 +8,7 @@ from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Announcement, d
 from lcmtools.wire.packet import Packet, Sender
 
 MOST_FINGERPRINTS = 4
-"""A sender with so many fingerprints on one channel sends data of no LCM type; more are not kept."""
+"""A sender with so many fingerprints on a channel sends no LCM type; more are not kept."""
 
 
 @dataclass(slots=True)

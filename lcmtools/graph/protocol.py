@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from lcmtools.errors import DecodeError
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.messages.codec import decode, encode
+from lcmtools.messages.registry import fingerprint
 from lcmtools.types import lcmtools_msgs as msgs
 
 NODE_CHANNEL = "/_lcmtools/node"
@@ -21,6 +22,11 @@ ANSWER_SPREAD = 0.01
 
 MOST_OF_COMMAND = 1000
 """Characters of a command line that are announced."""
+
+_FINGERPRINT = fingerprint(msgs.Announcement).to_bytes(8, "big")
+_NAME_OFFSET = 16  # after the fingerprint and two length fields
+_BEFORE_ID_BYTES = 12  # pid and start time
+_STATE_BYTES = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +106,19 @@ def decode_announcement(payload: bytes) -> Announcement | None:
         endpoints=endpoints,
     )
     return Announcement(node, message.state == msgs.Announcement.LEAVING, message.answers)
+
+
+def identity_in(payload: bytes) -> bytes:
+    """The part of an announcement that is one node's own, found without decoding.
+
+    It is equal in all announcements of a node but its goodbye, and empty in what is none.
+    """
+    if not payload.startswith(_FINGERPRINT):
+        return b""
+    end = _NAME_OFFSET
+    for fixed_bytes in (0, _BEFORE_ID_BYTES, _STATE_BYTES):  # after name, after host, after id
+        end += 4 + int.from_bytes(payload[end : end + 4], "big") + fixed_bytes
+    return payload[_NAME_OFFSET:end]
 
 
 def _endpoint_message(endpoint: Endpoint) -> msgs.Endpoint:

@@ -11,22 +11,24 @@ import socket
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import FrameType
 
 from lcmtools.arguments import NodeArguments, split_arguments
 from lcmtools.bus.base import Bus
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl, choose_url
-from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.errors import BusError, LcmtoolsError, UsageError
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import Graph, Node
-from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Probe, encode_probe
+from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Probe, encode_probe, identity_in
 from lcmtools.names import resolve_namespace
 from lcmtools.node.announcer import Announcer
 from lcmtools.node.wakeup import Wakeup
 from lcmtools.wire.packet import Packet
 
+_MOST_ANNOUNCED = 10_000
+"""Announcements that are kept until somebody asks for the graph."""
 _GRACE = 0.5
 """Seconds that a running callback gets to return after Ctrl-C before it is interrupted."""
 
@@ -74,6 +76,8 @@ class Context:
         """Whether the program has been told to end: what it does from then on is its ending."""
         self._graph_lock = threading.Lock()
         self._graph_builder: GraphBuilder | None = None
+        self._announced_lock = threading.Lock()  # held for a moment only, on the receiving thread
+        self._announced: dict[bytes, tuple[bytes, int]] = {}
         self.announcer = Announcer(bus, self._describe)
 
     def ok(self) -> bool:
@@ -114,8 +118,11 @@ class Context:
         if self._graph_builder is None:
             self._graph_builder = GraphBuilder()
             self.bus.subscribe(NODE_CHANNEL, self._hear)
-            self.bus.publish(PROBE_CHANNEL, encode_probe(Probe()))
+            with contextlib.suppress(BusError):  # without it, they announce within a second
+                self.bus.publish(PROBE_CHANNEL, encode_probe(Probe()))
         with self._graph_lock:
+            for payload, now in self._take_announced():
+                self._graph_builder.hear(Packet(NODE_CHANNEL, payload, now))
             return self._graph_builder.snapshot(time.time_ns())
 
     def close(self) -> None:
@@ -134,10 +141,16 @@ class Context:
         return [participant.describe() for participant in tuple(self._participants)]
 
     def _hear(self, payload: bytes, now: int) -> None:
-        assert self._graph_builder is not None
-        with self._graph_lock:
-            self._graph_builder.hear(Packet(NODE_CHANNEL, payload, now))
-        self.wakeup.set()
+        """Keep each node's latest announcement; decoding all would be most of the work."""
+        identity = identity_in(payload)
+        with self._announced_lock:
+            if len(self._announced) < _MOST_ANNOUNCED or identity in self._announced:
+                self._announced[identity] = payload, now
+
+    def _take_announced(self) -> Iterable[tuple[bytes, int]]:
+        with self._announced_lock:
+            announced, self._announced = self._announced, {}
+        return announced.values()
 
 
 class _Process:

@@ -26,7 +26,7 @@ class Wakeup:
                 self._write.send(b"\0")
 
     def wait(self, timeout: float | None) -> None:
-        """Wait until set, or for ``timeout`` seconds; then clear it. Returns at once when closed."""
+        """Wait until set, or for ``timeout`` seconds, and clear it; not at all when closed."""
         with contextlib.suppress(OSError, ValueError):  # another thread closes it just now
             if select.select([self._read], [], [], timeout)[0]:
                 self._read.recv(4096)

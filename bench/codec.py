@@ -1,0 +1,105 @@
+"""How fast messages become bytes and come back: lcmtools beside the code that lcm-gen writes.
+
+Both encode the same object and decode the same payload. Each figure is the median of alternating
+rounds, in microseconds for one message; the ratio is lcm-gen's time by ours (above 1: ours is
+faster). lcmtools checks what it is given and sets length fields by itself; lcm-gen's code does
+neither.
+"""
+
+import timeit
+from collections.abc import Callable
+from statistics import median
+from typing import Protocol
+
+from common import parser, show
+
+from lcmtools.messages.codec import decode, encode
+from lcmtools.messages.registry import Message, type_name
+from lcmtools.types.geometry_msgs import TransformStamped, Twist
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.sensor_msgs import Image, JointState, LaserScan
+from lcmtools.types.tf2_msgs import TFMessage
+
+_ROUND = 0.01  # [s] that one call is repeated before it is the next one's turn
+
+
+class Generated(Message, Protocol):
+    """What lcm-gen's classes have besides: their own decoder."""
+
+    @classmethod
+    def decode(cls, data: bytes) -> "Generated":
+        """The message in a payload."""
+
+
+def samples() -> dict[str, Generated]:
+    """The messages, with values that are not all zero."""
+    twist, odometry, joints, scan, image, transforms = (
+        Twist(), Odometry(), JointState(), LaserScan(), Image(), TFMessage(),
+    )  # fmt: skip
+    twist.linear.x, twist.angular.z = 0.5, 0.3
+    odometry.header.frame_id, odometry.child_frame_id = "odom", "base_link"
+    odometry.pose.pose.position.x, odometry.pose.covariance = 1.5, [0.001] * 36
+    joints.name = [f"wheel_{i}" for i in range(4)]
+    joints.position = joints.velocity = joints.effort = [0.1, 0.2, 0.3, 0.4]
+    scan.ranges = [1.0 + i / 360 for i in range(360)]
+    image.width, image.height, image.encoding, image.step = 640, 480, "rgb8", 3 * 640
+    image.data = bytes(3 * 640 * 480)
+    transforms.transforms = [_transform(i) for i in range(10)]
+    return {
+        "Twist": twist,
+        "Odometry": odometry,
+        "JointState 4": joints,
+        "LaserScan 360": scan,
+        "Image 640x480": image,
+        "TFMessage 10": transforms,
+    }
+
+
+def _transform(number: int) -> TransformStamped:
+    message = TransformStamped()
+    message.header.frame_id, message.child_frame_id = "base_link", f"sensor_{number}"
+    message.transform.translation.x, message.transform.rotation.w = number / 10, 1.0
+    return message
+
+
+def measure(rounds: int, *calls: Callable[[], object]) -> list[float]:
+    """The median time of each call in microseconds; the calls take turns."""
+    numbers = [max(1, int(_ROUND / timeit.timeit(call, number=5) * 5)) for call in calls]
+    times: list[list[float]] = [[] for _ in calls]
+    for _ in range(rounds):
+        for call, number, found in zip(calls, numbers, times, strict=True):
+            found.append(timeit.timeit(call, number=number) / number * 1e6)
+    return [median(found) for found in times]
+
+
+def row(label: str, message: Generated, rounds: int) -> list[object]:
+    """One message's line of the table."""
+    payload = encode(message)
+    cls = type(message)
+    stock = cls.decode(payload)  # with its length fields set, as lcm-gen's encoder needs them
+    ours, theirs, ours_back, theirs_back = measure(
+        rounds,
+        lambda: encode(stock),
+        stock.encode,
+        lambda: decode(cls, payload),
+        lambda: cls.decode(payload),
+    )
+    assert stock.encode() == payload, type_name(message)
+    rates = [ours, theirs, theirs / ours, ours_back, theirs_back, theirs_back / ours_back]
+    return [label, len(payload), *rates]
+
+
+def main() -> None:
+    """Measure and print."""
+    options = parser(__doc__)
+    options.add_argument("--rounds", type=int, default=25)
+    rounds = options.parse_args().rounds
+    show(
+        "One message, microseconds",
+        ["message", "bytes", "encode", "lcm-gen", "ratio", "decode", "lcm-gen", "ratio"],
+        [row(label, message, rounds) for label, message in samples().items()],
+    )
+
+
+if __name__ == "__main__":
+    main()
