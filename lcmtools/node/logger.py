@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TextIO
 
 from lcmtools.clock import Clock, split_stamp
+from lcmtools.types.rosgraph_msgs import Log
 
 
 class Severity(IntEnum):
@@ -50,6 +51,16 @@ class LogEntry:
         return f"[{self.severity.name}] [{sec}.{nsec:09d}] [{self.node}]: {self.text}"
 
 
+def log_message(entry: LogEntry) -> Log:
+    """The entry as it goes to ``/rosout``."""
+    message = Log()
+    message.header.stamp.sec, message.header.stamp.nsec = split_stamp(entry.time)
+    message.level, message.name = entry.severity, entry.node
+    message.msg = entry.text.encode("utf-8", "replace").decode()  # file names may be no UTF-8
+    message.file, message.function, message.line = entry.file, entry.function, entry.line
+    return message
+
+
 class Logger:
     """Writes a node's log. Made by the node; ``Node.get_logger`` returns it.
 
@@ -70,7 +81,8 @@ class Logger:
         self.threshold = Severity.INFO
         """Entries below this severity are forwarded and not printed."""
         self._node = node
-        self._clock = clock
+        self.clock = clock
+        """Stamps the entries."""
         self._forward = forward
         self._stream = stream
         self._last_printed: dict[tuple[str, int], float] = {}
@@ -93,6 +105,8 @@ class Logger:
         """Log what may be at fault."""
         self._log(Severity.WARN, text, once=once, throttle=throttle)
 
+    warn = warning
+
     def error(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
         """Log what went wrong."""
         self._log(Severity.ERROR, text, once=once, throttle=throttle)
@@ -109,7 +123,7 @@ class Logger:
             return
         entry = LogEntry(
             severity,
-            self._clock.now(),
+            self.clock.now(),
             self._node,
             str(text),  # whatever is to be logged; a log raises nothing
             Path(place[0]).name,

@@ -3,19 +3,19 @@
 import os
 import sys
 import time
-import traceback
 import uuid
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeVar, cast
 
 from lcmtools import names
-from lcmtools.clock import Clock, ManualClock, SystemClock, join_stamp, split_stamp
-from lcmtools.errors import BusError, DecodeError, LcmtoolsError, UsageError
+from lcmtools.clock import Clock, ManualClock, SystemClock, join_stamp
+from lcmtools.errors import BusError, UsageError
 from lcmtools.graph import model
 from lcmtools.messages.registry import Message
+from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.context import Context, Participant, current_context
-from lcmtools.node.logger import LogEntry, Logger
+from lcmtools.node.logger import LogEntry, Logger, log_message
 from lcmtools.node.parameter import Parameter, ParameterValue, ValueT, read_parameter
 from lcmtools.node.publisher import Publisher
 from lcmtools.node.service import (
@@ -55,6 +55,9 @@ class Node(Participant):
         LcmtoolsError: ``lcmtools.init`` has not been called.
     """
 
+    # Private names begin with two underscores: a user's class inherits from this one, and may have
+    # a _clock or a _timers of its own.
+
     def __init__(
         self,
         name: str,
@@ -63,29 +66,25 @@ class Node(Participant):
         tool: bool = False,
         context: Context | None = None,
     ) -> None:
-        self._context = context or current_context()
-        said = self._context.arguments
-        own_name = said.name if said.name and self._context.is_first() else name
+        self.__context = context or current_context()
+        said = self.__context.arguments
+        own_name = said.name if said.name and self.__context.is_first() else name
         names.check_base_name(own_name)
-        self.namespace = self._namespace(said.namespace or namespace)
+        self.namespace = self.__namespace(said.namespace or namespace)
         self.name = names.check_length(names.resolve(f"{self.namespace}/{own_name}"))
-        self._names = names.Resolver(self.namespace, self.name, tuple(said.remaps))
-        self._parameters: dict[str, Parameter[ParameterValue]] = {}
-        self._publishers: list[Publisher[Message]] = []
-        self._subscriptions: list[Subscription] = []
-        self._timers: list[Timer] = []
-        self._services: list[Service[Message, Message]] = []
-        self._clients: list[Client[Message, Message]] = []
-        self._destroyed = False
-        self._identity = self._identify(tool=tool)
-        self._clock: Clock = SystemClock()
-        self._logger = Logger(self.name, self._clock, self._forward_log)
-        self._rosout = None if tool else self.create_publisher(Log, "/rosout", 100)
-        if self._rosout:
-            self._rosout.on_failure = lambda _: None  # the line has been printed all the same
+        self.__names = names.Resolver(self.namespace, self.name, tuple(said.remaps))
+        self.__parameters: dict[str, Parameter[ParameterValue]] = {}
+        self.__publishers: list[Publisher[Message]] = []
+        self.__clients: list[Client[Message, Message]] = []
+        self.__identity = self.__identify(tool=tool)
+        self.__logger = Logger(self.name, SystemClock(), self.__forward_log)
+        self.__callbacks = Callbacks(self.__logger, self.__context.ok)
+        self.__rosout = None if tool else self.create_publisher(Log, "/rosout", 100)
+        if self.__rosout:
+            self.__rosout.on_failure = lambda _: None  # the line has been printed all the same
         if self.declare_parameter("use_sim_time", default=False).value:
-            self._use_sim_time()
-        self._context.add(self)
+            self.__use_sim_time()
+        self.__context.add(self)
 
     def __enter__(self) -> "Node":
         """Use the node as a context manager."""
@@ -110,10 +109,10 @@ class Node(Participant):
             InvalidName: The topic's name breaks the naming rules.
         """
         resolved = names.check_length(topic) if literal else self.resolve_name(topic)
-        context = self._context
+        context = self.__context
         publisher = Publisher(context.bus, message_type, resolved, depth, context.graph)
-        publisher.on_failure = None if self._identity.tool else self._log_lost_message
-        self._publishers.append(publisher)  # type: ignore[arg-type] # kept to be announced only
+        publisher.on_failure = None if self.__identity.tool else self.__log_lost_message
+        self.__publishers.append(publisher)  # type: ignore[arg-type] # kept to be announced only
         context.announcer.announce_soon()
         return publisher
 
@@ -146,10 +145,10 @@ class Node(Participant):
         types = message_type if isinstance(message_type, tuple) else (message_type,)
         resolved = names.check_length(topic) if literal else self.resolve_name(topic)
         subscription = Subscription(types, resolved, callback, depth, group)  # type: ignore[arg-type]
-        subscription.on_ready = self._context.wakeup.set
-        self._context.bus.subscribe(resolved, subscription.receive)
-        self._subscriptions.append(subscription)
-        self._context.announcer.announce_soon()
+        subscription.on_ready = self.__context.wakeup.set
+        self.__context.bus.subscribe(resolved, subscription.receive)
+        self.__callbacks.subscriptions.append(subscription)
+        self.__context.announcer.announce_soon()
         return subscription
 
     def create_timer(self, seconds: float, callback: Callable[[], object]) -> Timer:
@@ -158,8 +157,8 @@ class Node(Participant):
         Raises:
             UsageError: The period is not positive.
         """
-        timer = Timer(seconds, callback, self._timer_time())
-        self._timers.append(timer)
+        timer = Timer(seconds, callback, self.__callbacks.time())
+        self.__callbacks.timers.append(timer)
         return timer
 
     def create_service(
@@ -175,11 +174,11 @@ class Node(Participant):
         """
         resolved = self.resolve_name(name)
         names.check_length(request_channel(resolved), name)
-        service = Service(self._context.bus, service_type, resolved, callback)
-        service.on_ready = self._context.wakeup.set
-        self._context.bus.subscribe(request_channel(resolved), service.receive)
-        self._services.append(service)  # type: ignore[arg-type] # run by what they have in common
-        self._context.announcer.announce_soon()
+        service = Service(self.__context.bus, service_type, resolved, callback)
+        service.on_ready = self.__context.wakeup.set
+        self.__context.bus.subscribe(request_channel(resolved), service.receive)
+        self.__callbacks.services.append(service)  # type: ignore[arg-type] # run by what they have in common
+        self.__context.announcer.announce_soon()
         return service
 
     def create_client(
@@ -192,11 +191,11 @@ class Node(Participant):
         """
         resolved = self.resolve_name(name)
         names.check_length(request_channel(resolved), name)
-        client = Client(self._context.bus, service_type, resolved)
-        client.is_interrupted = lambda: not self._context.ok()
-        self._context.bus.subscribe(reply_channel(resolved), client.receive)
-        self._clients.append(client)  # type: ignore[arg-type] # run by what they have in common
-        self._context.announcer.announce_soon()
+        client = Client(self.__context.bus, service_type, resolved)
+        client.is_interrupted = lambda: not self.__context.ok()
+        self.__context.bus.subscribe(reply_channel(resolved), client.receive)
+        self.__clients.append(client)  # type: ignore[arg-type] # run by what they have in common
+        self.__context.announcer.announce_soon()
         return client
 
     def declare_parameter(self, name: str, default: ValueT) -> Parameter[ValueT]:
@@ -205,11 +204,11 @@ class Node(Participant):
         Raises:
             UsageError: The command line's value is not of the default's type.
         """
-        text = self._context.arguments.parameters.get(name)
+        text = self.__context.arguments.parameters.get(name)
         # read_parameter gives a value of the default's own type
         value = default if text is None else cast("ValueT", read_parameter(name, text, default))
-        self._parameters[name] = Parameter(name, value)
-        self._context.declared_parameters.add(name)
+        self.__parameters[name] = Parameter(name, value)
+        self.__context.declared_parameters.add(name)
         return Parameter(name, value)
 
     def get_parameter(self, name: str) -> Parameter[ParameterValue]:
@@ -218,35 +217,36 @@ class Node(Participant):
         Raises:
             UsageError: It was not declared.
         """
-        if name not in self._parameters:
+        if name not in self.__parameters:
             raise UsageError(
-                f"{self.name} has no parameter '{name}'", names.did_you_mean(name, self._parameters)
+                f"{self.name} has no parameter '{name}'",
+                names.did_you_mean(name, self.__parameters),
             )
-        return self._parameters[name]
+        return self.__parameters[name]
 
     def warn_of_unknown_parameters(self) -> None:
         """Log the command line's parameters that no node here has declared: likely misspelt."""
-        declared = self._context.declared_parameters
-        for name in self._context.arguments.parameters.keys() - declared:
+        declared = self.__context.declared_parameters
+        for name in self.__context.arguments.parameters.keys() - declared:
             hint = names.did_you_mean(name, declared)
-            self._logger.warning(f"there is no parameter '{name}'{f'; {hint}' if hint else ''}")
+            self.__logger.warning(f"there is no parameter '{name}'{f'; {hint}' if hint else ''}")
 
     def get_logger(self) -> Logger:
         """The node's log."""
-        return self._logger
+        return self.__logger
 
     def get_clock(self) -> Clock:
         """The node's time: the computer's, or ``/clock`` with ``_use_sim_time:=true``."""
-        return self._clock
+        return self.__callbacks.clock
 
     @property
     def context(self) -> Context:
         """What this node shares with the others of its process."""
-        return self._context
+        return self.__context
 
     def graph(self) -> model.Graph:
         """The announced nodes of the bus; the first call starts listening to them."""
-        return self._context.graph()
+        return self.__context.graph()
 
     def resolve_name(self, name: str) -> str:
         """The topic or service that a name means for this node, remapped.
@@ -254,138 +254,61 @@ class Node(Participant):
         Raises:
             InvalidName: The name breaks the naming rules.
         """
-        return self._names.resolve(name)
+        return self.__names.resolve(name)
 
     def destroy_node(self) -> None:
         """Say goodbye and receive nothing any more. Does nothing the second time."""
-        self._destroyed = True
-        self._context.remove(self)
-        bus = self._context.bus
-        for subscription in self._subscriptions:
+        self.__context.remove(self)
+        bus = self.__context.bus
+        for subscription in self.__callbacks.subscriptions:
             bus.unsubscribe(subscription.topic, subscription.receive)
-        for service in self._services:
+        for service in self.__callbacks.services:
             bus.unsubscribe(request_channel(service.name), service.receive)
-        for client in self._clients:
+        for client in self.__clients:
             bus.unsubscribe(reply_channel(client.name), client.receive)
-        for owned in (self._subscriptions, self._services, self._clients, self._timers):
-            owned.clear()
+        self.__clients.clear()
+        self.__callbacks.clear()
 
     def describe(self) -> model.Node:
         """What is announced of this node."""
         endpoints = (
-            *(publisher.endpoint() for publisher in tuple(self._publishers)),
-            *(subscription.endpoint() for subscription in tuple(self._subscriptions)),
-            *(service.endpoint() for service in tuple(self._services)),
-            *(client.endpoint() for client in tuple(self._clients)),
+            *(publisher.endpoint() for publisher in tuple(self.__publishers)),
+            *(subscription.endpoint() for subscription in tuple(self.__callbacks.subscriptions)),
+            *(service.endpoint() for service in tuple(self.__callbacks.services)),
+            *(client.endpoint() for client in tuple(self.__clients)),
         )
-        return replace(self._identity, ports=tuple(self._context.bus.ports), endpoints=endpoints)
+        ports = tuple(self.__context.bus.ports)
+        return replace(self.__identity, ports=ports, endpoints=endpoints)
 
-    def run_ready(self) -> int:
-        """Run every callback that is ready; return how many ran. Called by the spin functions."""
-        return self._run_subscriptions() + self._run_services() + self._run_timers()
+    @property
+    def callbacks(self) -> Callbacks:
+        """What the spin functions run."""
+        return self.__callbacks
 
-    def time_to_timer(self) -> float | None:
-        """Seconds until the next timer; None when only a message can bring work."""
-        if isinstance(self._clock, ManualClock):
-            return None
-        now = self._timer_time()
-        waits = [wait for t in self._timers if (wait := t.remaining(now)) is not None]
-        return min(waits, default=None)
+    def __log_lost_message(self, error: BusError) -> None:
+        self.__logger.error(f"{error}", throttle=_LOST_MESSAGE_PERIOD)
 
-    def _run_subscriptions(self) -> int:
-        ran = 0
-        for subscription in tuple(self._subscriptions):
-            for _ in range(subscription.waiting()):
-                payload = subscription.take()
-                if payload is None or not self._is_running():
-                    break
-                self._deliver(subscription, payload)
-                ran += 1
-        return ran
+    def __forward_log(self, entry: LogEntry) -> None:
+        if self.__rosout is not None:
+            self.__rosout.publish(log_message(entry))
 
-    def _deliver(self, subscription: Subscription, payload: bytes) -> None:
-        try:
-            message = subscription.decode(payload)
-        except DecodeError as error:
-            if subscription.is_warning_due(time.monotonic()):
-                self._logger.warning(f"{subscription.topic}: message ignored: {error}")
-            return
-        self._guard(f"callback of {subscription.topic}", lambda: subscription.callback(message))
-
-    def _run_services(self) -> int:
-        ran = 0
-        for service in tuple(self._services):
-            while self._is_running() and (request := service.take()) is not None:
-                ran += 1
-                failure = service.answer(request)
-                if failure is not None:
-                    self._log_failure(f"service {service.name}", failure)
-        return ran
-
-    def _run_timers(self) -> int:
-        ran = 0
-        for timer in tuple(self._timers):
-            now = self._timer_time()
-            if self._is_running() and timer.is_due(now):
-                timer.advance(now)
-                self._guard("timer", timer.callback)
-                ran += 1
-        return ran
-
-    def _is_running(self) -> bool:
-        """Whether callbacks may be called; one of them may have ended the node or the program."""
-        return self._context.ok() and not self._destroyed
-
-    def _guard(self, what: str, call: Callable[[], object]) -> None:
-        """Call user code; log what it raises and go on."""
-        try:
-            call()
-        except Exception as error:  # noqa: BLE001 - a node outlives its callbacks' faults
-            if isinstance(error, LcmtoolsError) and not self._context.ok():
-                return  # no fault: the program ends, and what it waited for with it
-            self._log_failure(what, error)
-
-    def _log_lost_message(self, error: BusError) -> None:
-        self._logger.error(f"{error}", throttle=_LOST_MESSAGE_PERIOD)
-
-    def _log_failure(self, what: str, error: BaseException) -> None:
-        trace = "".join(traceback.format_exception(error)).rstrip()
-        self._logger.error(f"{what} raised {type(error).__name__}: {error}\n{trace}")
-
-    def _forward_log(self, entry: LogEntry) -> None:
-        if self._rosout is None:
-            return
-        message = Log()
-        message.header.stamp.sec, message.header.stamp.nsec = split_stamp(entry.time)
-        message.level, message.name = entry.severity, entry.node
-        message.msg = entry.text.encode("utf-8", "replace").decode()  # file names may be no UTF-8
-        message.file, message.function, message.line = entry.file, entry.function, entry.line
-        self._rosout.publish(message)
-
-    def _use_sim_time(self) -> None:
+    def __use_sim_time(self) -> None:
         clock = ManualClock()
-        self._clock = clock
-        self._logger = Logger(self.name, clock, self._forward_log)
+        self.__callbacks.clock = self.__logger.clock = clock
 
         def set_clock(message: ClockMessage) -> None:
             clock.set(join_stamp(message.clock.sec, message.clock.nsec))
 
         self.create_subscription(ClockMessage, "/clock", set_clock, 1)
 
-    def _timer_time(self) -> int:
-        """Timers follow simulated time, or else a clock that nobody sets back."""
-        if isinstance(self._clock, ManualClock):
-            return self._clock.now()
-        return time.monotonic_ns()
+    def __namespace(self, given: str) -> str:
+        return names.resolve_namespace(given) if given else self.__context.default_namespace
 
-    def _namespace(self, given: str) -> str:
-        return names.resolve_namespace(given) if given else self._context.default_namespace
-
-    def _identify(self, *, tool: bool) -> model.Node:
+    def __identify(self, *, tool: bool) -> model.Node:
         return model.Node(
             name=self.name,
             id=uuid.uuid4().hex,
-            host=self._context.host,
+            host=self.__context.host,
             pid=os.getpid(),
             start_time=time.time_ns(),
             command=" ".join(sys.argv),

@@ -29,10 +29,10 @@ def spin_once(node: Node, timeout: float | None = 0.0) -> None:
 def _run_once(context: Context, nodes: tuple[Node, ...], timeout: float | None) -> None:
     deadline = None if timeout is None else time.monotonic() + timeout
     while context.ok():
-        if sum(node.run_ready() for node in nodes):
+        if sum(node.callbacks.run_ready() for node in nodes):
             return
         left = None if deadline is None else deadline - time.monotonic()
         if left is not None and left <= 0:
             return
-        waits = [wait for node in nodes if (wait := node.time_to_timer()) is not None]
+        waits = [wait for node in nodes if (wait := node.callbacks.time_to_timer()) is not None]
         context.wakeup.wait(min([*waits, *([] if left is None else [left])], default=None))

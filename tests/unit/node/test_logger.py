@@ -77,9 +77,7 @@ def test_once_is_once_for_each_place(desk: _Desk) -> None:
     assert len(desk.entries) == 2
 
 
-def test_a_throttled_place_waits_its_period(
-    desk: _Desk, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_throttled_place_waits_its_period(desk: _Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     now = [100.0]
     monkeypatch.setattr("lcmtools.node.logger.time.monotonic", lambda: now[0])
     for tenth in range(30):
@@ -127,7 +125,7 @@ def test_no_text_is_an_error_to_log(begin: Begin, bus: FakeBus, text: object) ->
     begin()
     logger = Node("a").get_logger()
     logger._stream = io.StringIO()
-    logger.info(text)  # type: ignore[arg-type]
+    logger.info(text)
     assert logger._stream.getvalue().endswith(f"{text}\n")
     assert "/rosout" in [channel for channel, _ in bus.published]
 

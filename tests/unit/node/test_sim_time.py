@@ -56,7 +56,7 @@ def test_timers_follow_simulated_time(begin: Begin, bus: FakeBus) -> None:
     node, called = Node("a"), []
     _tell(bus, node, 100.0)
     node.create_timer(1.0, lambda: called.append(node.get_clock().now() / _S))
-    assert node.time_to_timer() is None  # only a message can bring work
+    assert node.callbacks.time_to_timer() is None  # only a message can bring work
     for tenth in range(1000, 1031, 4):
         _tell(bus, node, tenth / 10)
     assert called == [101.2, 102.0]

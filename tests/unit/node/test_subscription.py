@@ -172,7 +172,7 @@ def test_several_types_on_one_topic_are_told_apart_by_their_fingerprints(
 ) -> None:
     begin()
     node, heard = Node("a"), []
-    subscription = node.create_subscription((Twist, TwistStamped), "cmd", heard.append)  # type: ignore[arg-type]
+    subscription = node.create_subscription((Twist, TwistStamped), "cmd", heard.append)
     for message in (TwistStamped(), Twist(), TwistStamped()):
         bus.publish("/cmd", encode(message))
     lcmtools.spin_once(node)

@@ -7,6 +7,7 @@ import pytest
 import lcmtools
 from lcmtools import Node
 from lcmtools.errors import UsageError
+from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.context import Context
 from lcmtools.node.timer import Timer
 
@@ -91,7 +92,7 @@ def test_a_timer_is_late_never_early_when_time_jumps_ahead() -> None:
 def clock(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """The monotonic clock of nodes: one number that a test sets [ns]."""
     now = [0]
-    monkeypatch.setattr(Node, "_timer_time", lambda _node: now[0])
+    monkeypatch.setattr(Callbacks, "time", lambda _callbacks: now[0])
     return now
 
 
@@ -100,7 +101,7 @@ def test_a_node_calls_its_timers_when_they_are_due(begin: Begin, clock: list[int
     node, called = Node("a"), []
     node.create_timer(1.0, lambda: called.append("slow"))
     node.create_timer(0.5, lambda: called.append("fast"))
-    assert node.time_to_timer() == 0.5
+    assert node.callbacks.time_to_timer() == 0.5
     for tenth in range(21):
         clock[0] = tenth * _S // 10
         lcmtools.spin_once(node)
@@ -135,7 +136,7 @@ def test_a_timer_may_cancel_itself(begin: Begin, clock: list[int]) -> None:
         clock[0] = second * _S
         lcmtools.spin_once(node)
     assert called == [1]
-    assert node.time_to_timer() is None
+    assert node.callbacks.time_to_timer() is None
 
 
 def test_a_timer_wakes_a_waiting_node_in_time(begin: Begin) -> None:

@@ -1,8 +1,8 @@
 """Waking a thread that waits."""
 
-import os
 import threading
 import time
+from pathlib import Path
 
 from lcmtools.node.wakeup import Wakeup
 
@@ -44,8 +44,8 @@ def test_no_wake_up_is_lost_between_threads() -> None:
 
 
 def test_a_closed_wakeup_may_be_set_and_frees_its_files() -> None:
-    before = sorted(os.listdir("/proc/self/fd"))
+    before = sorted(Path("/proc/self/fd").iterdir())
     wakeup = Wakeup()
     wakeup.close()
     wakeup.set()
-    assert sorted(os.listdir("/proc/self/fd")) == before
+    assert sorted(Path("/proc/self/fd").iterdir()) == before

@@ -1,0 +1,118 @@
+"""What the spinning thread runs for a node: subscriptions, services and timers that are ready.
+
+Whatever user code raises ends here, in the node's log. What a node is called and what it announces
+is not known here.
+"""
+
+import time
+import traceback
+from collections.abc import Callable
+
+from lcmtools.clock import Clock, ManualClock, SystemClock
+from lcmtools.errors import DecodeError, LcmtoolsError
+from lcmtools.messages.registry import Message
+from lcmtools.node.logger import Logger
+from lcmtools.node.service import Service
+from lcmtools.node.subscription import Subscription
+from lcmtools.node.timer import Timer
+
+
+class Callbacks:
+    """The callbacks of one node.
+
+    Args:
+        logger: Where their faults are logged.
+        go_on: Whether the program should go on.
+    """
+
+    def __init__(self, logger: Logger, go_on: Callable[[], bool]) -> None:
+        self.subscriptions: list[Subscription] = []
+        self.services: list[Service[Message, Message]] = []
+        self.timers: list[Timer] = []
+        self.clock: Clock = SystemClock()
+        """The node's clock; timers follow it where it is simulated time."""
+        self._logger = logger
+        self._go_on = go_on
+        self._cleared = False
+
+    def clear(self) -> None:
+        """Run nothing any more."""
+        self._cleared = True
+        self.subscriptions.clear()
+        self.services.clear()
+        self.timers.clear()
+
+    def run_ready(self) -> int:
+        """Run every callback that is ready; return how many ran."""
+        return self._run_subscriptions() + self._run_services() + self._run_timers()
+
+    def time(self) -> int:
+        """The timers' time [ns]: simulated, or else of a clock that nobody sets back."""
+        if isinstance(self.clock, ManualClock):
+            return self.clock.now()
+        return time.monotonic_ns()
+
+    def time_to_timer(self) -> float | None:
+        """Seconds until the next timer; None when only a message can bring work."""
+        if isinstance(self.clock, ManualClock):
+            return None
+        now = self.time()
+        waits = [wait for t in self.timers if (wait := t.remaining(now)) is not None]
+        return min(waits, default=None)
+
+    def _run_subscriptions(self) -> int:
+        ran = 0
+        for subscription in tuple(self.subscriptions):
+            for _ in range(subscription.waiting()):
+                payload = subscription.take()
+                if payload is None or not self._is_running():
+                    break
+                self._deliver(subscription, payload)
+                ran += 1
+        return ran
+
+    def _deliver(self, subscription: Subscription, payload: bytes) -> None:
+        try:
+            message = subscription.decode(payload)
+        except DecodeError as error:
+            if subscription.is_warning_due(time.monotonic()):
+                self._logger.warning(f"{subscription.topic}: message ignored: {error}")
+            return
+        self._guard(f"callback of {subscription.topic}", lambda: subscription.callback(message))
+
+    def _run_services(self) -> int:
+        ran = 0
+        for service in tuple(self.services):
+            while self._is_running() and (request := service.take()) is not None:
+                ran += 1
+                failure = service.answer(request)
+                if failure is not None:
+                    self._log_failure(f"service {service.name}", failure)
+        return ran
+
+    def _run_timers(self) -> int:
+        ran = 0
+        for timer in tuple(self.timers):
+            now = self.time()
+            if self._is_running() and timer.is_due(now):
+                timer.advance(now)
+                self._guard("timer", timer.callback)
+                ran += 1
+        return ran
+
+    def _is_running(self) -> bool:
+        """Whether callbacks may be called; one of them may have ended the node or the program."""
+        return self._go_on() and not self._cleared
+
+    def _guard(self, what: str, call: Callable[[], object]) -> None:
+        """Call user code; log what it raises and go on."""
+        try:
+            call()
+        except Exception as error:  # noqa: BLE001 - a node outlives its callbacks' faults
+            if isinstance(error, LcmtoolsError) and not self._go_on():
+                return  # no fault: the program ends, and what it waited for with it
+            self._log_failure(what, error)
+
+    def _log_failure(self, what: str, error: BaseException) -> None:
+        trace = "".join(traceback.format_exception(error)).rstrip()
+        self._logger.error(f"{what} raised {type(error).__name__}: {error}\n{trace}")
