@@ -15,7 +15,7 @@ import sysconfig
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -88,10 +88,8 @@ class Program:
 
     def end(self) -> None:
         """End it and all that it has started, whatever state it is in."""
-        try:
+        with suppress(ProcessLookupError):
             os.killpg(self.pid, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
         self._process.wait(10)
         self._reader.join(10)
         assert self._process.stdout is not None
@@ -109,10 +107,10 @@ class Program:
 def _clean_environment(
     monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    """No bus of the developer's own, and node records in a folder of the tests'."""
+    """No bus of the developer's own, and node records in a folder of the test's."""
     for name in _INHERITED:
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path_factory.getbasetemp()))
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path_factory.mktemp("runtime")))
 
 
 @pytest.fixture
@@ -189,9 +187,19 @@ def bare_network() -> Iterator[None]:
 def private_network() -> Iterator[None]:
     """A network of the test's own where multicast works: for floods and malformed datagrams."""
     with _own_network():
-        subprocess.run(["ip", "link", "set", "lo", "up"], check=True)
-        subprocess.run(["ip", "route", "add", "224.0.0.0/4", "dev", "lo"], check=True)
+        _ip("link", "set", "lo", "up")
+        _ip("route", "add", "224.0.0.0/4", "dev", "lo")
         yield
+
+
+@pytest.fixture
+def ip() -> Callable[..., None]:
+    """``ip("route", "del", ...)``: changes the network of ``private_network``."""
+    return _ip
+
+
+def _ip(*arguments: str) -> None:
+    subprocess.run([shutil.which("ip") or "ip", *arguments], check=True)
 
 
 @contextmanager
@@ -202,7 +210,7 @@ def _own_network() -> Iterator[None]:
     home = os.open("/proc/thread-self/ns/net", os.O_RDONLY)
     try:
         if libc.unshare(_CLONE_NEWNET) != 0:
-            pytest.skip("network namespaces are not permitted; run: unshare -rn pytest")
+            pytest.skip("network namespaces are not permitted; run the tests as root")
         try:
             yield
         finally:
@@ -254,7 +262,7 @@ def lcmtools() -> Callable[..., subprocess.CompletedProcess[str]]:
     return run
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def lcmtools_path() -> str:
     """The installed command, for ``start``."""
     return COMMAND
@@ -276,6 +284,7 @@ def module_start(
     shared = {
         "LCM_DEFAULT_URL": module_bus_url,
         "XDG_RUNTIME_DIR": str(tmp_path_factory.getbasetemp()),
+        "LCMTOOLS_NAMESPACE": "",
     }
 
     def run(*command: str, **environment: str) -> Program:

@@ -3,13 +3,16 @@
 What the binding does not forgive, and is therefore kept here:
 
 - ``subscribe`` freezes the whole process for ten seconds where multicast does not work, and then
-  returns None: the bus is checked before (``lcmtools.bus.multicast``).
+  returns None: the bus is checked before (``lcmtools.bus.preflight``).
 - Channel names are regular expressions there: they are escaped.
+- Malformed datagrams can crash it: a filter keeps them out (``lcmtools.bus.shield``).
 - ``.*`` on udpm can crash on a malformed datagram: never used there (the tap is).
 - ``unsubscribe`` while another thread handles crashes: both happen on the receiving thread only.
 - ``handle_timeout`` crashes with file descriptors from 1024 on: refused before.
 - A subscription's queue keeps the oldest messages: it is drained at once, into queues that keep
   the newest.
+- On tcpq, two threads that publish or subscribe at once mix up their bytes: a lock keeps them
+  apart.
 - ``handle`` turns Ctrl-C into OSError: the thread waits in ``select`` instead.
 """
 
@@ -18,17 +21,17 @@ import os
 import queue
 import re
 import select
-import socket
 import threading
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 import lcm
 
 from lcmtools.bus.base import Handler
-from lcmtools.bus.multicast import check_multicast, receive_buffer_bytes
+from lcmtools.bus.multicast import receive_buffer_bytes
 from lcmtools.bus.paced import PACED_ABOVE_BYTES, PacedSender
+from lcmtools.bus.preflight import check_bus
+from lcmtools.bus.shield import open_descriptors, protect
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.names import check_length
@@ -36,9 +39,6 @@ from lcmtools.wire.packet import Packet
 
 _QUEUE_CAPACITY = 10_000  # messages that liblcm may hold while Python does not get to run
 _BATCH = 100  # messages handled before whoever wants to subscribe gets a turn
-_SELECT_LIMIT = 1024
-_LOG_SYNC = bytes.fromhex("eda1da01")  # every event of a log starts with it
-_CONNECT_TIMEOUT = 0.8  # [s]
 _REQUEST_TIMEOUT = 15.0  # [s]; above liblcm's own ten seconds
 
 
@@ -63,6 +63,7 @@ class LcmBus:
         self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._wake_read, self._wake_write = os.pipe()
         self._asking = threading.Lock()
+        self._sending = threading.RLock()  # not Lock: a signal handler may publish too
         self._closed = False
         self._thread = threading.Thread(target=self._run, name="lcm receiver", daemon=True)
         self._thread.start()
@@ -85,7 +86,8 @@ class LcmBus:
             self._paced.send(channel, payload)
             return
         try:
-            instance.publish(channel, payload)
+            with self._sending:
+                instance.publish(channel, payload)
         except OSError as error:
             raise BusError(f"cannot publish on {channel}: {error.strerror or error}") from error
 
@@ -156,7 +158,8 @@ class LcmBus:
 
     def _subscribe(self, channel: str, handler: Handler) -> None:
         if channel not in self._subscriptions:
-            subscription = self._instance().subscribe(re.escape(channel), self._dispatch)
+            with self._sending:
+                subscription = self._instance().subscribe(re.escape(channel), self._dispatch)
             if subscription is None:
                 raise BusError(f"LCM refuses to subscribe to '{channel}'")
             subscription.set_queue_capacity(_QUEUE_CAPACITY)
@@ -168,7 +171,8 @@ class LcmBus:
         if handler in handlers:
             handlers.remove(handler)
         if not handlers and channel in self._subscriptions:
-            self._instance().unsubscribe(self._subscriptions.pop(channel))
+            with self._sending:
+                self._instance().unsubscribe(self._subscriptions.pop(channel))
 
     def _dispatch(self, channel: str, payload: bytes) -> None:
         now = time.time_ns()
@@ -261,11 +265,11 @@ class LcmListener:
         """
         if self._lcm is None:
             raise EOFError
-        if select.select([self._lcm.fileno()], [], [], max(0.0, timeout))[0]:
-            try:
+        try:
+            if select.select([self._lcm.fileno()], [], [], max(0.0, timeout))[0]:
                 self._lcm.handle_timeout(0)
-            except OSError:
-                self._lcm = None
+        except (OSError, ValueError):  # at its end, or closed by liblcm when sending failed
+            self._lcm = None
         packets, self._packets = self._packets, []
         return packets
 
@@ -279,33 +283,20 @@ def open_lcm(url: BusUrl) -> "lcm.LCM":
     Raises:
         BusError: The bus cannot be reached, with what to do.
     """
-    _check_descriptors()
-    if url.is_multicast:
-        check_multicast(url)
-        url = url.with_option("ttl", "0").with_option("recv_buf_size", str(receive_buffer_bytes()))
-    elif url.provider == "mpudpm":
-        check_multicast(url)
+    check_bus(url)
+    if url.provider in ("udpm", "mpudpm"):
         url = url.with_option("ttl", "0")
-    elif url.provider == "tcpq":
-        _check_server(url)
-    elif url.provider == "file":
-        _check_log(url)
+    if url.is_multicast:
+        url = url.with_option("recv_buf_size", str(receive_buffer_bytes()))
+    known = open_descriptors()
     try:
         instance = lcm.LCM(str(url))
         instance.fileno()  # only now are the receiving sockets made
     except (RuntimeError, OSError) as error:
         raise BusError(f"LCM cannot open {url}") from error
+    if url.is_multicast:
+        protect(url, known)
     return instance
-
-
-def _check_descriptors() -> None:
-    """``select`` takes file descriptors below 1024 only; a bus needs about ten."""
-    with Path(os.devnull).open("rb") as lowest_free:
-        if lowest_free.fileno() > _SELECT_LIMIT - 20:
-            raise BusError(
-                f"this process has over {lowest_free.fileno()} open files, and liblcm cannot wait"
-                f" for a descriptor above {_SELECT_LIMIT}"
-            )
 
 
 def _check_channel(channel: str) -> None:
@@ -313,26 +304,6 @@ def _check_channel(channel: str) -> None:
     try:
         channel.encode()
     except UnicodeEncodeError as error:
-        raise BusError(f"{channel!a} is not UTF-8, and the lcm package takes nothing else") from error
-
-
-def _check_server(url: BusUrl) -> None:
-    try:
-        socket.create_connection((url.host, url.port), timeout=_CONNECT_TIMEOUT).close()
-    except OSError as error:
         raise BusError(
-            f"no LCM server at {url.host}:{url.port} ({error.strerror or 'no answer'})",
-            "start one, for example the TCPService of lcm.jar",
+            f"{channel!a} is not UTF-8, and the lcm package takes nothing else"
         ) from error
-
-
-def _check_log(url: BusUrl) -> None:
-    if url.options.get("mode", "r") != "r":
-        return
-    try:
-        with Path(url.network).open("rb") as log:
-            start = log.read(len(_LOG_SYNC))
-    except OSError as error:
-        raise BusError(f"there is no log file '{url.network}'") from error
-    if start != _LOG_SYNC:
-        raise BusError(f"'{url.network}' is empty or no LCM log")

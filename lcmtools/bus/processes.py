@@ -5,14 +5,17 @@ guess. See proc(5).
 """
 
 import contextlib
+import mmap
 import os
 import socket
 import struct
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from ipaddress import IPv4Address
 from pathlib import Path
 
 _PROC = Path("/proc")
+_LCM_MARK = b"LCM_SELF_TEST"  # a program that is linked with liblcm statically has this in it
 _SOCKET_TABLE = _PROC / "net" / "udp"
 
 
@@ -105,39 +108,66 @@ def is_local(address: str) -> bool:
     return True
 
 
-def unheard_senders(group: str, heard_ports: set[int], known_pids: set[int]) -> set[int]:
+def unheard_senders(
+    group: str, group_port: int, heard_ports: set[int], known_pids: set[int]
+) -> set[int]:
     """Ports of programs on this computer that may publish to the group but were not heard yet.
 
     LCM programs publish from an unbound socket on an ephemeral port, and join the group with it.
-    Candidates are such sockets of processes that use liblcm and are not among ``known_pids``.
+    Candidates are such sockets of processes that use liblcm and are not among ``known_pids``; a
+    process that listens on other buses only is none.
 
     Args:
         group: The multicast group.
+        group_port: The port of the bus.
         heard_ports: UDP ports that were heard already.
         known_pids: Processes whose publications are known otherwise (announced nodes).
     """
     if not _is_joined(group):
         return set()
-    candidates = {
-        row.inode: row.port
-        for row in udp_sockets()
-        if row.address == "0.0.0.0" and row.port not in heard_ports  # noqa: S104 - a comparison
-    }
-    listeners_elsewhere = known_pids | {os.getpid()}
+    rows = udp_sockets()
+    holders = owners(row.inode for row in rows)
+    known = known_pids | {os.getpid()} | _listening_elsewhere(rows, holders, group_port)
     return {
-        candidates[inode]
-        for inode, process in owners(candidates).items()
-        if process.pid not in listeners_elsewhere and _uses_lcm(process.pid)
+        row.port
+        for row in rows
+        if row.address == "0.0.0.0"  # noqa: S104 - a comparison
+        and row.port not in heard_ports
+        and (process := holders.get(row.inode))
+        and process.pid not in known
+        and _uses_lcm(process.pid)
     }
+
+
+def _listening_elsewhere(
+    rows: Iterable[UdpSocket], holders: Mapping[int, Process], group_port: int
+) -> set[int]:
+    """The processes that listen to multicast groups, and to none on this port."""
+    ports: dict[int, set[int]] = {}
+    for row in rows:
+        if row.inode in holders and IPv4Address(row.address).is_multicast:
+            ports.setdefault(holders[row.inode].pid, set()).add(row.port)
+    return {pid for pid, heard in ports.items() if group_port not in heard}
 
 
 def _uses_lcm(pid: int) -> bool:
-    """Whether the process has liblcm or its Python binding loaded."""
+    """Whether the process has liblcm or its Python binding loaded, or is linked with it."""
     try:
         maps = (_PROC / str(pid) / "maps").read_bytes()
     except OSError:
         return False
-    return b"liblcm" in maps or b"/_lcm" in maps
+    return b"liblcm" in maps or b"/_lcm" in maps or _contains(_PROC / str(pid) / "exe", _LCM_MARK)
+
+
+def _contains(file: Path, text: bytes) -> bool:
+    """Whether a file has these bytes in it, looking without reading it all into memory."""
+    with (
+        contextlib.suppress(OSError, ValueError),
+        file.open("rb") as opened,
+        mmap.mmap(opened.fileno(), 0, access=mmap.ACCESS_READ) as content,
+    ):
+        return content.find(text) >= 0
+    return False
 
 
 def _is_joined(group: str) -> bool:

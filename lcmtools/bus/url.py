@@ -166,7 +166,9 @@ def _parse_server(where: str, network: str) -> tuple[str, int]:
 
 def _parse_port(where: str, text: str, example: str) -> int:
     if not (_is_number(text) and 0 < int(text) < 65536):  # noqa: PLR2004 - UDP and TCP
-        raise InvalidUrl(f"{where}: '{text}' is not a port", f"ports are 1 to 65535; write {example}")
+        raise InvalidUrl(
+            f"{where}: '{text}' is not a port", f"ports are 1 to 65535; write {example}"
+        )
     return int(text)
 
 

@@ -177,7 +177,7 @@ class Watch:
             heard = {s.port for s in self._builder.heard_senders() if is_local(s.address)}
             heard.add(self._observer.port)
             known = {node.pid for node in self.graph().nodes}
-            if not unheard_senders(self.url.host, heard, known):
+            if not unheard_senders(self.url.host, self.url.port, heard, known):
                 return
             self.receive(min(left, 0.1))
 

@@ -33,6 +33,7 @@ _NODE_COMMANDS = {
     "list": Entry("lcmtools.cli.node.list:command", "List the nodes on the bus."),
     "info": Entry("lcmtools.cli.node.info:command", "Show a node's publications and more."),
     "ping": Entry("lcmtools.cli.node.ping:command", "Measure how fast a node answers."),
+    "cleanup": Entry("lcmtools.cli.node.cleanup:command", "Forget nodes that were killed."),
 }
 _MSG_COMMANDS = {
     "list": Entry("lcmtools.cli.msg.list:command", "List the message types."),
@@ -40,7 +41,7 @@ _MSG_COMMANDS = {
 }
 _COMMANDS = {
     **_TOPIC_COMMANDS,
-    "node": Entry("lcmtools.cli.main:node", "Look at nodes: list, info, ping."),
+    "node": Entry("lcmtools.cli.main:node", "Look at nodes: list, info, ping, cleanup."),
     "msg": Entry("lcmtools.cli.main:msg", "Look at message types: list, show."),
     "wtf": Entry("lcmtools.cli.wtf:command", "Find what is wrong and say how to mend it."),
     "run": Entry("lcmtools.cli.run:command", "Run a node, or the simulator."),

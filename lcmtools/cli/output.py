@@ -8,6 +8,9 @@ import click
 
 from lcmtools.errors import LcmtoolsError
 
+# Anybody can put a channel on the bus whose name would clear or recolour the terminal.
+_ESCAPES = {code: f"\\x{code:02x}" for code in (*range(32), *range(127, 160)) if code != ord("\t")}
+
 
 def data(text: str) -> None:
     """Print a piece of data, ended by a newline, at once."""
@@ -15,8 +18,8 @@ def data(text: str) -> None:
 
 
 def lines(rows: Iterable[str]) -> None:
-    """Print lines of data together."""
-    _write("".join(f"{row}\n" for row in rows))
+    """Print lines of data together; control characters, as a name may have them, escaped."""
+    _write("".join(f"{row.translate(_ESCAPES)}\n" for row in rows))
 
 
 def document(value: object) -> None:
@@ -26,7 +29,7 @@ def document(value: object) -> None:
 
 def talk(text: str) -> None:
     """Say something to the person, not to the pipe."""
-    click.echo(text, err=True)
+    click.echo("\n".join(row.translate(_ESCAPES) for row in text.split("\n")), err=True)
 
 
 def complain(command: str, error: LcmtoolsError) -> None:

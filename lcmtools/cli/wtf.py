@@ -23,9 +23,7 @@ _HEADINGS = {
 
 
 @click.command("wtf", context_settings=CONTEXT)
-@click.option(
-    "--wait", type=duration, default=1.0, help="Listen so long to the traffic (else 1s)."
-)
+@click.option("--wait", type=duration, default=1.0, help="Listen so long to the traffic (else 1s).")
 @json_option
 @bus_options
 def command(*, wait: float, as_json: bool) -> int:

@@ -1,5 +1,6 @@
 """Collecting the evidence: all that ``wtf`` reads from the outside, once."""
 
+import contextlib
 from collections.abc import Mapping
 
 from lcmtools.bus.url import BusUrl
@@ -13,8 +14,9 @@ def collect(url: BusUrl, environment: Mapping[str, str], listen: float) -> Evide
     try:
         with Watch(url, "wtf", environment) as watch:
             watch.settle(foreign=False)
-            for _ in watch.packets(listen):
-                pass
+            with contextlib.suppress(EOFError):  # a log has ended
+                for _ in watch.packets(listen):
+                    pass
             return Evidence(
                 url=str(url),
                 graph=watch.graph(),

@@ -6,6 +6,7 @@ import struct
 import sysconfig
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -31,7 +32,8 @@ class TcpqServer:
         self._listener.close()
         with self._lock:
             for client in self._clients:
-                client.shutdown(socket.SHUT_RDWR)
+                with suppress(OSError):  # gone already
+                    client.shutdown(socket.SHUT_RDWR)
 
     def _accept(self) -> None:
         while True:
@@ -39,7 +41,8 @@ class TcpqServer:
                 client, _ = self._listener.accept()
             except OSError:
                 return
-            self._clients[client] = []
+            with self._lock:
+                self._clients[client] = []
             self._spawn(self._serve, client)
 
     def _serve(self, client: socket.socket) -> None:
@@ -57,13 +60,14 @@ class TcpqServer:
 
     def _take(self, client: socket.socket, kind: int, channel: bytes, stream: object) -> None:
         patterns = self._clients[client]
+        assert kind in (1, 2, 3), "the frames of two threads are mixed"
         if kind == 2:
             patterns.append(channel.decode())
         elif kind == 3:
             patterns.remove(channel.decode())
         else:
-            (size,) = struct.unpack(">I", stream.read(4))  # type: ignore[attr-defined]
-            payload = stream.read(size)  # type: ignore[attr-defined]
+            (size,) = struct.unpack(">I", stream.read(4))
+            payload = stream.read(size)
             head = struct.pack(">II", 1, len(channel)) + channel + struct.pack(">I", size)
             with self._lock:
                 for other, wanted in self._clients.items():

@@ -3,8 +3,10 @@
 import socket
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import lcm
 import pytest
@@ -18,8 +20,8 @@ from lcmtools.errors import BusError
 WaitUntil = Callable[..., None]
 
 
-def test_tcpq_carries_messages_of_any_size(tcpq_server: object, wait_until: WaitUntil) -> None:
-    url = parse_url(tcpq_server.url)  # type: ignore[attr-defined]
+def test_tcpq_carries_messages_of_any_size(tcpq_server: Any, wait_until: WaitUntil) -> None:
+    url = parse_url(tcpq_server.url)
     bus, other = LcmBus(url), LcmBus(url)
     heard: list[bytes] = []
     other.subscribe("a.b", lambda payload, _: heard.append(payload))
@@ -34,6 +36,32 @@ def test_tcpq_carries_messages_of_any_size(tcpq_server: object, wait_until: Wait
     assert bus.ports == []
     bus.close()
     other.close()
+
+
+def test_many_threads_may_use_tcpq_at_once(tcpq_server: Any, wait_until: WaitUntil) -> None:
+    """liblcm itself mixes up their bytes: it guards the socket on udpm only."""
+    bus, heard = LcmBus(parse_url(tcpq_server.url)), []
+    bus.subscribe("a", lambda payload, _: heard.append(payload))
+
+    def talk(number: int) -> None:
+        for _ in range(1500):
+            bus.publish("a", bytes([number]) * 50)
+
+    def come_and_go() -> None:
+        def handler(_payload: bytes, _time: int) -> None:
+            """Hear, and do nothing."""
+
+        for _ in range(100):
+            bus.subscribe("b", handler)
+            bus.unsubscribe("b", handler)
+
+    with ThreadPoolExecutor(4) as threads:
+        talkers = [threads.submit(talk, number) for number in range(3)]
+        for busy in (*talkers, threads.submit(come_and_go)):
+            busy.result(timeout=30)
+    wait_until(lambda: len(heard) == 4500)
+    assert {(len(payload), len(set(payload))) for payload in heard} == {(50, 1)}
+    bus.close()
 
 
 def test_no_tcpq_server_is_one_line_with_the_address(capfd: pytest.CaptureFixture[str]) -> None:
@@ -56,12 +84,12 @@ def test_an_unknown_tcpq_host_is_one_line() -> None:
 
 @pytest.mark.parametrize("_turn", range(8))  # which thread notices first is a matter of luck
 def test_a_tcpq_server_that_dies_hangs_nobody(
-    tcpq_server: object, wait_until: WaitUntil, _turn: int
+    tcpq_server: Any, wait_until: WaitUntil, _turn: int
 ) -> None:
-    bus = LcmBus(parse_url(tcpq_server.url))  # type: ignore[attr-defined]
+    bus = LcmBus(parse_url(tcpq_server.url))
     handler = lambda _payload, _time: None  # noqa: E731
     bus.subscribe("a", handler)
-    tcpq_server.close()  # type: ignore[attr-defined]
+    tcpq_server.close()
 
     def refused() -> bool:
         try:
@@ -79,8 +107,8 @@ def test_a_tcpq_server_that_dies_hangs_nobody(
     assert time.monotonic() - before < 1.0
 
 
-def test_a_listener_on_tcpq_hears_everything(tcpq_server: object, wait_until: WaitUntil) -> None:
-    url = parse_url(tcpq_server.url)  # type: ignore[attr-defined]
+def test_a_listener_on_tcpq_hears_everything(tcpq_server: Any, wait_until: WaitUntil) -> None:
+    url = parse_url(tcpq_server.url)
     bus = LcmBus(url)
     with LcmListener(url) as listener:
         heard: list[object] = []
@@ -93,15 +121,35 @@ def test_a_listener_on_tcpq_hears_everything(tcpq_server: object, wait_until: Wa
         before = time.time_ns()
         wait_until(hear)
         packet = heard[0]
-        assert (packet.channel, packet.payload) == ("A.b*", b"12345678rest")  # type: ignore[attr-defined]
-        assert packet.sender is None  # type: ignore[attr-defined]
-        assert packet.seqno is None  # type: ignore[attr-defined]
-        assert before <= packet.time <= time.time_ns()  # type: ignore[attr-defined]
+        assert (packet.channel, packet.payload) == ("A.b*", b"12345678rest")
+        assert packet.sender is None
+        assert packet.seqno is None
+        assert before <= packet.time <= time.time_ns()
         assert listener.port == 0
         listener.send("x", b"y")
     with pytest.raises(BusError):
         listener.send("x", b"y")
     bus.close()
+
+
+def test_a_listener_on_a_server_that_dies_is_at_its_end(tcpq_server: Any) -> None:
+    with LcmListener(parse_url(tcpq_server.url)) as listener:
+        tcpq_server.close()
+        with pytest.raises((BusError, EOFError)):
+            _use(listener)
+        with pytest.raises(EOFError):
+            _receive(listener)
+
+
+def _use(listener: LcmListener) -> None:
+    for _ in range(100):
+        listener.send("x", b"y")
+        listener.receive(0.01)
+
+
+def _receive(listener: LcmListener) -> None:
+    for _ in range(3):
+        listener.receive(0.1)
 
 
 @pytest.fixture
@@ -116,10 +164,13 @@ def log(tmp_path: Path) -> Path:
 
 def test_a_listener_on_a_log_hears_all_of_it_and_then_its_end(log: Path) -> None:
     payloads: list[bytes] = []
-    with LcmListener(parse_url(f"file://{log}?speed=0")) as listener, pytest.raises(EOFError):
-        while True:
+    with LcmListener(parse_url(f"file://{log}?speed=0")) as listener:
+        while len(payloads) < 5:
             payloads += [packet.payload for packet in listener.receive(5.0)]
-    assert payloads == [b"0", b"1", b"2", b"3", b"4"]
+        assert payloads == [b"0", b"1", b"2", b"3", b"4"]
+        listener.receive(5.0)
+        with pytest.raises(EOFError):
+            listener.receive(5.0)
 
 
 def test_a_watch_on_a_log_sees_its_topics(log: Path) -> None:
@@ -134,14 +185,14 @@ def test_a_file_that_is_no_log_is_named(
     tmp_path: Path, content: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "a.log").write_text(content)
-    with pytest.raises(BusError, match="'.*/a.log' is empty or no LCM log"):
+    with pytest.raises(BusError, match=r"'.*/a\.log' is empty or no LCM log"):
         LcmListener(parse_url(f"file://{tmp_path}/a.log"))
     assert capfd.readouterr() == ("", "")
 
 
 def test_a_log_that_is_not_there_is_named(tmp_path: Path) -> None:
     for open_bus in (LcmBus, LcmListener):
-        with pytest.raises(BusError, match="there is no log file '.*/none.log'"):
+        with pytest.raises(BusError, match=r"there is no log file '.*/none\.log'"):
             open_bus(parse_url(f"file://{tmp_path}/none.log"))
 
 

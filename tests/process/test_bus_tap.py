@@ -4,9 +4,9 @@ import os
 import random
 import signal
 import socket
-import subprocess
 import time
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import lcm
 import pytest
@@ -79,7 +79,7 @@ def test_two_connections_of_one_process_are_two_senders(tap: Tap, bus_url: str) 
 
 
 def test_the_port_of_another_program_leads_to_it(
-    tap: Tap, bus_url: str, start: Callable[..., object], lcm_program: Callable[[str], str]
+    tap: Tap, bus_url: str, start: Callable[..., Any], lcm_program: Callable[[str], str]
 ) -> None:
     source = start(lcm_program("lcm-source"), "-m", "SRC", "-p", "10000", LCM_DEFAULT_URL=bus_url)
     packet = _receive(tap, 1)[0]
@@ -87,19 +87,17 @@ def test_the_port_of_another_program_leads_to_it(
     assert packet.sender is not None
     process = process_of_port(packet.sender.port)
     assert process is not None
-    assert process.pid == source.pid  # type: ignore[attr-defined]
+    assert process.pid == source.pid
     assert "lcm-source -m SRC" in process.command
 
 
-def test_the_ports_that_a_bus_announces_are_the_ones_it_sends_from(
-    tap: Tap, bus_url: str
-) -> None:
+def test_the_ports_that_a_bus_announces_are_the_ones_it_sends_from(tap: Tap, bus_url: str) -> None:
     bus = LcmBus(parse_url(bus_url))
     bus.publish("SMALL", b"x")
     bus.publish("LARGE", bytes(200_000))
     packets = {packet.channel: packet.sender for packet in _receive(tap, 2)}
-    assert [packets["LARGE"].port] == bus.ports  # type: ignore[union-attr]
-    assert packets["SMALL"].port not in bus.ports  # type: ignore[union-attr]
+    assert [packets["LARGE"].port] == bus.ports
+    assert packets["SMALL"].port not in bus.ports
     process = process_of_port(bus.ports[0])
     assert process is not None
     assert process.pid == os.getpid()
@@ -214,10 +212,10 @@ def test_a_node_survives_malformed_datagrams(wait_until: WaitUntil) -> None:
 
 
 @pytest.mark.usefixtures("private_network")
-def test_a_network_that_goes_away_is_an_error_when_sending() -> None:
+def test_a_network_that_goes_away_is_an_error_when_sending(ip: Callable[..., None]) -> None:
     with Tap(_URL) as tap:
         tap.send("A", b"")
-        subprocess.run(["ip", "route", "del", "224.0.0.0/4"], check=True)
+        ip("route", "del", "224.0.0.0/4")
         with pytest.raises(BusError, match=r"cannot send to 239\.255\.76\.67: Network is unreach"):
             tap.send("A", b"")
         assert [p.channel for p in tap.receive(1.0)][-1] == "A"
@@ -234,15 +232,15 @@ while True:
 
 
 def test_a_program_that_may_publish_is_known_before_it_does(
-    bus_url: str, start_python: Callable[..., object]
+    bus_url: str, start_python: Callable[..., Any]
 ) -> None:
     url = parse_url(bus_url)
     listener = start_python(_LISTENER, bus_url)
-    listener.wait_for("ready")  # type: ignore[attr-defined]
-    pid = listener.pid  # type: ignore[attr-defined]
+    listener.wait_for("ready")
+    pid = listener.pid
 
     def pids(heard: set[int], known: set[int]) -> set[int]:
-        ports = unheard_senders(url.host, heard, known)
+        ports = unheard_senders(url.host, url.port, heard, known)
         return {process.pid for port in ports if (process := process_of_port(port))}
 
     with Tap(url) as tap:
@@ -252,9 +250,22 @@ def test_a_program_that_may_publish_is_known_before_it_does(
         assert pid not in pids(set(), {pid})
         ports = {row.port for row in udp_sockets() if _owner(row.port) == pid}
         assert pid not in pids(ports, set())
-        listener.send_signal(signal.SIGKILL)  # type: ignore[attr-defined]
-        listener.wait()  # type: ignore[attr-defined]
+        listener.send_signal(signal.SIGKILL)
+        listener.wait()
         assert pid not in pids(set(), set())
+
+
+def test_a_program_that_listens_on_another_bus_is_not_waited_for(
+    bus_url: str, start_python: Callable[..., Any], free_port: Callable[[], int]
+) -> None:
+    """Many students share one computer, each on a domain of his own."""
+    url = parse_url(bus_url)
+    listener = start_python(_LISTENER, bus_url)
+    listener.wait_for("ready")
+    here = unheard_senders(url.host, url.port, set(), set())
+    elsewhere = unheard_senders(url.host, free_port(), set(), set())
+    assert listener.pid in {_owner(port) for port in here}
+    assert listener.pid not in {_owner(port) for port in elsewhere}
 
 
 def _owner(port: int) -> int | None:
@@ -263,14 +274,14 @@ def _owner(port: int) -> int | None:
 
 
 def test_a_port_that_several_programs_share_leads_to_none_of_them(
-    bus_url: str, start_python: Callable[..., object]
+    bus_url: str, start_python: Callable[..., Any]
 ) -> None:
     """Java sends from the group's own port, which every listener has bound: never guess."""
     port = parse_url(bus_url).port
     listener = start_python(_LISTENER, bus_url)
-    listener.wait_for("ready")  # type: ignore[attr-defined]
+    listener.wait_for("ready")
     process = process_of_port(port)
     assert process is not None
-    assert process.pid == listener.pid  # type: ignore[attr-defined]
+    assert process.pid == listener.pid
     with Tap(parse_url(bus_url)):
         assert process_of_port(port) is None

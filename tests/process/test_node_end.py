@@ -5,6 +5,7 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -25,7 +26,7 @@ def watch(bus_url: str) -> Iterator[Watch]:
 
 
 @pytest.fixture
-def run(start_python: Callable[..., object], bus_url: str) -> Callable[..., object]:
+def run(start_python: Callable[..., Any], bus_url: str) -> Callable[..., Any]:
     """Start a node's script on the test's bus."""
 
     def start(source: str, *arguments: str) -> object:
@@ -132,130 +133,128 @@ with Node("victim") as node:
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
 @pytest.mark.parametrize("doing", _BUSY)
 def test_a_signal_ends_a_node_soon_with_a_goodbye(
-    run: Callable[..., object], watch: Watch, bus_url: str, doing: str, number: int
+    run: Callable[..., Any], watch: Watch, bus_url: str, doing: str, number: int
 ) -> None:
     victim = run(_HEAD + _BUSY[doing] + "\nlcmtools.shutdown()\n")
-    victim.wait_for("ready")  # type: ignore[attr-defined]
+    victim.wait_for("ready")
     assert "/victim" in [node.name for node in _alive(watch)]
     before = time.monotonic()
-    victim.send_signal(number)  # type: ignore[attr-defined]
-    code = victim.wait()  # type: ignore[attr-defined]
+    victim.send_signal(number)
+    code = victim.wait()
     assert time.monotonic() - before < SOON
-    assert code == 0, victim.output  # type: ignore[attr-defined]
-    assert "Traceback" not in victim.output  # type: ignore[attr-defined]
-    assert "Exception" not in victim.output  # type: ignore[attr-defined]
+    assert code == 0, victim.output
+    assert "Traceback" not in victim.output
+    assert "Exception" not in victim.output
     assert "/victim" in _goodbyes(watch)
     assert _alive(watch) == []
     assert _records(bus_url) == []
 
 
 def test_a_node_without_shutdown_says_goodbye_all_the_same(
-    run: Callable[..., object], watch: Watch, bus_url: str
+    run: Callable[..., Any], watch: Watch, bus_url: str
 ) -> None:
     victim = run(_HEAD + 'Node("victim")\nprint("ready")\n')
-    assert victim.wait() == 0  # type: ignore[attr-defined]
+    assert victim.wait() == 0
     assert _goodbyes(watch) == ["/victim"]
     assert _records(bus_url) == []
 
 
 def test_a_program_that_fails_says_goodbye_and_shows_why(
-    run: Callable[..., object], watch: Watch, bus_url: str
+    run: Callable[..., Any], watch: Watch, bus_url: str
 ) -> None:
     victim = run(_HEAD + 'node = Node("victim")\n1 / 0\n')
-    assert victim.wait() == 1  # type: ignore[attr-defined]
-    assert "ZeroDivisionError" in victim.output  # type: ignore[attr-defined]
+    assert victim.wait() == 1
+    assert "ZeroDivisionError" in victim.output
     assert _goodbyes(watch) == ["/victim"]
     assert _records(bus_url) == []
 
 
-def test_shutdown_in_a_callback_ends_the_program(
-    run: Callable[..., object], watch: Watch
-) -> None:
+def test_shutdown_in_a_callback_ends_the_program(run: Callable[..., Any], watch: Watch) -> None:
     victim = run(
         _HEAD + 'node = Node("victim")\nnode.create_timer(0.01, lcmtools.shutdown)\n'
         "lcmtools.spin(node)\nprint('end', lcmtools.ok())\n"
     )
-    assert victim.wait() == 0  # type: ignore[attr-defined]
-    assert victim.lines == ["end False"]  # type: ignore[attr-defined]
+    assert victim.wait() == 0
+    assert victim.lines == ["end False"]
     assert _goodbyes(watch) == ["/victim"]
 
 
 def test_a_second_ctrl_c_breaks_a_callback_off_at_once_and_the_goodbye_is_said(
-    run: Callable[..., object], watch: Watch
+    run: Callable[..., Any], watch: Watch
 ) -> None:
     victim = run(_HEAD + _BUSY["asleep in a callback"] + "\nlcmtools.shutdown()\n")
-    victim.wait_for("ready")  # type: ignore[attr-defined]
+    victim.wait_for("ready")
     before = time.monotonic()
-    victim.send_signal(signal.SIGINT)  # type: ignore[attr-defined]
+    victim.send_signal(signal.SIGINT)
     time.sleep(0.1)  # nobody presses Ctrl-C twice any faster
-    victim.send_signal(signal.SIGINT)  # type: ignore[attr-defined]
-    assert victim.wait() == 0, victim.output  # type: ignore[attr-defined]
+    victim.send_signal(signal.SIGINT)
+    assert victim.wait() == 0, victim.output
     assert time.monotonic() - before < 0.45
-    assert "Traceback" not in victim.output  # type: ignore[attr-defined]
+    assert "Traceback" not in victim.output
     assert _goodbyes(watch) == ["/victim"]
 
 
 def test_what_a_program_does_after_the_spin_is_not_broken_off(
-    run: Callable[..., object],
+    run: Callable[..., Any],
 ) -> None:
     """To stop a robot takes time, and Ctrl-C is when it is done."""
     victim = run(
         _HEAD + 'node = Node("victim")\nprint("ready")\nlcmtools.spin(node)\n'
         "time.sleep(1.0)\nprint('robot stopped')\nlcmtools.shutdown()\n"
     )
-    victim.wait_for("ready")  # type: ignore[attr-defined]
-    victim.send_signal(signal.SIGINT)  # type: ignore[attr-defined]
-    assert victim.wait() == 0, victim.output  # type: ignore[attr-defined]
-    assert victim.lines[-1] == "robot stopped"  # type: ignore[attr-defined]
+    victim.wait_for("ready")
+    victim.send_signal(signal.SIGINT)
+    assert victim.wait() == 0, victim.output
+    assert victim.lines[-1] == "robot stopped"
 
 
 def test_what_a_program_does_after_its_own_loop_is_not_broken_off(
-    run: Callable[..., object],
+    run: Callable[..., Any],
 ) -> None:
     victim = run(
         _HEAD + 'node = Node("victim")\nprint("ready")\n'
         "while lcmtools.ok():\n    lcmtools.spin_once(node, 0.1)\n"
         "time.sleep(1.0)\nprint('robot stopped')\n"
     )
-    victim.wait_for("ready")  # type: ignore[attr-defined]
-    victim.send_signal(signal.SIGINT)  # type: ignore[attr-defined]
-    assert victim.wait() == 0, victim.output  # type: ignore[attr-defined]
-    assert victim.lines[-1] == "robot stopped"  # type: ignore[attr-defined]
+    victim.wait_for("ready")
+    victim.send_signal(signal.SIGINT)
+    assert victim.wait() == 0, victim.output
+    assert victim.lines[-1] == "robot stopped"
 
 
-def test_after_shutdown_ctrl_c_is_pythons_own_again(run: Callable[..., object]) -> None:
+def test_after_shutdown_ctrl_c_is_pythons_own_again(run: Callable[..., Any]) -> None:
     victim = run(_HEAD + 'lcmtools.shutdown()\nprint("ready")\ntime.sleep(60)\n')
-    victim.wait_for("ready")  # type: ignore[attr-defined]
-    victim.send_signal(signal.SIGINT)  # type: ignore[attr-defined]
-    assert victim.wait() != 0  # type: ignore[attr-defined]
-    assert "KeyboardInterrupt" in victim.output  # type: ignore[attr-defined]
+    victim.wait_for("ready")
+    victim.send_signal(signal.SIGINT)
+    assert victim.wait() != 0
+    assert "KeyboardInterrupt" in victim.output
 
 
-def test_signals_may_stay_the_programs_own(run: Callable[..., object]) -> None:
+def test_signals_may_stay_the_programs_own(run: Callable[..., Any]) -> None:
     victim = run(
         _HEAD.replace("init()", "init(handle_signals=False)")
-        + 'node = Node("victim")\nprint("ready")\n'
-        "try:\n    time.sleep(60)\nexcept KeyboardInterrupt:\n    print('mine')\n"
+        + 'node = Node("victim")\ntry:\n    print("ready")\n    time.sleep(60)\n'
+        "except KeyboardInterrupt:\n    print('mine')\n"
     )
-    victim.wait_for("ready")  # type: ignore[attr-defined]
-    victim.send_signal(signal.SIGINT)  # type: ignore[attr-defined]
-    assert victim.wait() == 0  # type: ignore[attr-defined]
-    assert victim.lines[-1] == "mine"  # type: ignore[attr-defined]
+    victim.wait_for("ready")
+    victim.send_signal(signal.SIGINT)
+    assert victim.wait() == 0
+    assert victim.lines[-1] == "mine"
 
 
 def test_a_killed_node_is_known_to_have_ended_until_it_is_forgotten(
-    run: Callable[..., object], bus_url: str
+    run: Callable[..., Any], bus_url: str
 ) -> None:
     url = parse_url(bus_url)
     victim = run(_HEAD + _BUSY["idle"])
-    victim.wait_for("ready")  # type: ignore[attr-defined]
-    victim.send_signal(signal.SIGKILL)  # type: ignore[attr-defined]
-    victim.wait()  # type: ignore[attr-defined]
+    victim.wait_for("ready")
+    victim.send_signal(signal.SIGKILL)
+    victim.wait()
     for _ in range(2):
         with Watch(url, "test", os.environ) as later:
             (node,) = later.settle(foreign=False).nodes
             assert (node.name, node.stale) == ("/victim", "ended without saying goodbye")
-            assert node.pid == victim.pid  # type: ignore[attr-defined]
+            assert node.pid == victim.pid
     with Watch(url, "test", os.environ) as cleaner:
         (node,) = cleaner.settle(foreign=False).nodes
         cleaner.forget(node)
@@ -264,14 +263,14 @@ def test_a_killed_node_is_known_to_have_ended_until_it_is_forgotten(
 
 
 def test_a_stopped_node_is_known_to_run_but_not_to_answer(
-    run: Callable[..., object], bus_url: str
+    run: Callable[..., Any], bus_url: str
 ) -> None:
     victim = run(_HEAD + _BUSY["idle"])
-    victim.wait_for("ready")  # type: ignore[attr-defined]
-    victim.send_signal(signal.SIGSTOP)  # type: ignore[attr-defined]
+    victim.wait_for("ready")
+    victim.send_signal(signal.SIGSTOP)
     with Watch(parse_url(bus_url), "test", os.environ) as later:
         (node,) = later.settle(foreign=False).nodes
         assert node.stale == "runs but does not answer"
-        victim.send_signal(signal.SIGCONT)  # type: ignore[attr-defined]
+        victim.send_signal(signal.SIGCONT)
         (node,) = later.settle(foreign=False).nodes
         assert node.stale == ""

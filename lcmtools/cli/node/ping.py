@@ -25,12 +25,8 @@ _PERIOD = 1.0  # [s] between two pings
 
 @click.command("ping", context_settings=CONTEXT)
 @click.argument("node")
-@click.option(
-    "-c", "--count", metavar="N", type=whole_number(1), help="Stop after so many pings."
-)
-@click.option(
-    "--timeout", type=duration, default=3.0, help="Wait so long for an answer (else 3s)."
-)
+@click.option("-c", "--count", metavar="N", type=whole_number(1), help="Stop after so many pings.")
+@click.option("--timeout", type=duration, default=3.0, help="Wait so long for an answer (else 3s).")
 @json_option
 @bus_options
 def command(node: str, *, count: int | None, timeout: float, as_json: bool) -> None:

@@ -27,9 +27,7 @@ _PATIENCE = 2.0  # [s] without a message before the person is told what is on th
 
 @click.command("echo", context_settings=CONTEXT)
 @click.argument("topic")
-@click.option(
-    "-n", "count", metavar="N", type=whole_number(1), help="Stop after so many messages."
-)
+@click.option("-n", "count", metavar="N", type=whole_number(1), help="Stop after so many messages.")
 @click.option("-1", "--once", is_flag=True, help="Stop after one message.")
 @click.option("--timeout", type=duration, help="Give up (exit code 4) when none comes so long.")
 @json_option

@@ -1,11 +1,12 @@
 """``lcmtools hz``."""
 
+import math
 import time
 
 import click
 
 from lcmtools.bus.watch import Watch
-from lcmtools.cli.find import known_spelling, near_topic
+from lcmtools.cli.find import ask_nodes, known_spelling, near_topic
 from lcmtools.cli.options import (
     CONTEXT,
     bus_options,
@@ -50,13 +51,15 @@ def command(topic: str, *, window: int, timeout: float | None, as_json: bool) ->
     rates = RateWindow(window)
     start = time.monotonic()
     report = start + _REPORT_PERIOD
+    give_up = math.inf if timeout is None else start + timeout
     with open_watch("hz") as watch:
         known = known_spelling(ask_nodes(watch), topic)
         watch.listen_to(topic_spellings(topic))
         talk(f"subscribed to [{known or topic_spellings(topic)[-1]}]")
         while True:
+            until = report if rates.total else min(report, give_up)
             try:
-                rates.extend(_arrivals(watch, channels, min(report, give_up) - time.monotonic()))
+                rates.extend(_arrivals(watch, channels, until - time.monotonic()))
             except EOFError:  # the log has ended
                 _report(rates, watch, topic, as_json=as_json, waited=0.0)
                 return

@@ -1,5 +1,7 @@
 """``lcmtools list``."""
 
+import contextlib
+
 import click
 
 from lcmtools.cli.describe import type_text
@@ -47,8 +49,9 @@ def command(
     with open_watch("list") as watch:
         graph = watch.settle(foreign=wait is None)
         if wait is not None:
-            for _ in watch.packets(wait):
-                pass
+            with contextlib.suppress(EOFError):  # a log has ended
+                for _ in watch.packets(wait):
+                    pass
             graph = watch.graph()
         url = watch.url
     topics = [graph.topic(name) for name in _names(graph, namespace, show_all=show_all)]

@@ -15,7 +15,9 @@ from lcmtools.arguments import NodeArguments, split_arguments
 from lcmtools.cli.options import CONTEXT, bus_options, chosen_url
 from lcmtools.cli.options import rate as rate_option
 from lcmtools.cli.output import talk
-from lcmtools.errors import InvalidFile, UsageError
+from lcmtools.cli.topic.negative import CommandWithValues, ends_in_one
+from lcmtools.errors import InvalidFile, UsageError, ValueMismatch
+from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import Message, message_class
 from lcmtools.messages.yaml_input import message_from_values, messages_from_document
 from lcmtools.node.publisher import Publisher
@@ -40,7 +42,7 @@ class _Plan:
     once: bool
 
 
-@click.command("pub", context_settings={**CONTEXT, "ignore_unknown_options": True})
+@click.command("pub", cls=CommandWithValues, context_settings=CONTEXT)
 @click.argument("topic")
 @click.argument("type_", metavar="TYPE")
 @click.argument("values", nargs=-1)
@@ -50,6 +52,9 @@ class _Plan:
     "-f", "--file", type=click.Path(), help="Read messages from a YAML file ('-': standard input)."
 )
 @click.option("--literal", is_flag=True, help="TOPIC is the LCM channel, to the letter.")
+@click.option("--ns", metavar="NAME", help="The namespace that TOPIC stands in; as __ns:=NAME.")
+@click.option("--name", metavar="NAME", help="The name of this node; as __name:=NAME.")
+@click.option("--remap", metavar="FROM:=TO", multiple=True, help="Another topic in place of FROM.")
 @bus_options
 def command(  # noqa: PLR0913 - one parameter an option
     topic: str,
@@ -60,6 +65,9 @@ def command(  # noqa: PLR0913 - one parameter an option
     once: bool,
     file: str | None,
     literal: bool,
+    ns: str | None,
+    name: str | None,
+    remap: tuple[str, ...],
 ) -> None:
     """Publish messages on a topic; VALUES are YAML, as rostopic takes them.
 
@@ -74,15 +82,28 @@ def command(  # noqa: PLR0913 - one parameter an option
     """  # noqa: D301 - \b is click's mark
     if rate is not None and once:
         raise UsageError("-r and -1 exclude each other", "use one of them")
-    names, words = split_arguments(values)
+    _check(topic, literal=literal)
+    flags = {"--ns": [ns], "--name": [name], "--remap": remap}
+    said = [f"{flag}={value}" for flag, given in flags.items() for value in given if value]
+    names, words = split_arguments([*said, *values])
     kind = message_class(type_)
-    plan = _Plan(list(_read(kind, words, file)), rate, once)
+    if ends_in_one() and not (words or file) and fields(kind):
+        raise UsageError("-1 may mean the option or the value", "write --once, or -- -1")
+    plan = _Plan(_read(kind, words, file), rate, once)
     with _publisher(kind, topic, names, literal=literal) as publisher:
         _wait_for_subscriber(publisher)
         _follow(plan, publisher)
 
 
-def _read(kind: type[Message], values: Sequence[str], file: str | None) -> Iterator[Message]:
+def _check(topic: str, *, literal: bool) -> None:
+    """Refuse what no node could announce; the rest is the naming rules' business."""
+    if not literal and not topic.strip("/ "):
+        raise UsageError("the topic's name is empty", "give one, for example /chatter")
+    if any("\ud800" <= character <= "\udfff" for character in topic):
+        raise UsageError(f"{topic!a} is not UTF-8", "nodes can name no other channel")
+
+
+def _read(kind: type[Message], values: Sequence[str], file: str | None) -> list[Message]:
     """The messages to send; everything is read and checked before anything is sent.
 
     Raises:
@@ -91,21 +112,22 @@ def _read(kind: type[Message], values: Sequence[str], file: str | None) -> Itera
         ValueMismatch: A value does not fit its field.
     """
     if file is None:
-        yield message_from_values(kind, values)
-        return
+        return [message_from_values(kind, values)]
     if values:
         raise UsageError("values and -f exclude each other", "use one of them")
+    source = "standard input" if file == "-" else file
     try:
-        text = sys.stdin.read() if file == "-" else Path(file).read_text(encoding="utf-8")
+        text = (sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()).decode()
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
-        raise InvalidFile(f"cannot read {file}: {reason}") from error
-    empty = True
-    for message in messages_from_document(kind, text):
-        empty = False
-        yield message
-    if empty:
-        raise UsageError(f"{file} has no message in it", "write YAML documents, separated by ---")
+        raise InvalidFile(f"cannot read {source}: {reason}") from error
+    try:
+        messages = list(messages_from_document(kind, text))
+    except ValueMismatch as mismatch:
+        raise ValueMismatch(f"{source}: {mismatch.what}", mismatch.hint) from None
+    if not messages:
+        raise UsageError(f"{source} has no message in it", "write YAML documents, separated by ---")
+    return messages
 
 
 @contextlib.contextmanager

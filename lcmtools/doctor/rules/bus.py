@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from lcmtools.doctor.model import Evidence, Finding, Severity
+from lcmtools.graph.model import Role
 from lcmtools.names import is_hidden
 
 
@@ -20,7 +21,7 @@ def something_is_there(evidence: Evidence) -> Iterator[Finding]:
     if evidence.bus_problem:
         return
     seen = any(not is_hidden(traffic.channel) for traffic in evidence.graph.traffic)
-    nodes = any(not node.tool for node in evidence.graph.nodes)
+    nodes = any(not node.tool or node.having(Role.PUBLISHER) for node in evidence.graph.nodes)
     if not seen and not nodes:
         yield Finding(
             "no-traffic",

@@ -9,7 +9,15 @@ from lcmtools.graph.model import Node
 
 def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
     """Every node that was there and did not say goodbye still answers."""
-    stale = [node for node in evidence.graph.nodes if node.stale]
+    nodes = evidence.graph.nodes
+    alive = {node.name for node in nodes if not node.stale}
+    stale = [
+        node
+        for node in nodes
+        if node.stale
+        and not node.is_hidden  # a command that was killed is no part of the system
+        and (_runs(node) or node.name not in alive)  # it has been started again
+    ]
     if stale:
         yield Finding(
             "stale-nodes",
@@ -37,7 +45,11 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
             )
 
 
+def _runs(node: Node) -> bool:
+    return "answer" in node.stale
+
+
 def _remedy(node: Node) -> str:
-    if "answer" in node.stale:
+    if _runs(node):
         return f"wake it (kill -CONT {node.pid}) or end it (kill {node.pid})"
-    return f"start {node.name} again if it is needed"
+    return f"start {node.name} again, or forget it: lcmtools node cleanup"

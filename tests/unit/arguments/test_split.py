@@ -65,8 +65,8 @@ def test_everything_about_names_is_taken_out(words: list[str], said: NodeArgumen
     "word",
     [
         ":=bar", "1foo:=bar", "foo", "-v", "--verbose", "foo=bar", "a b:=c", "é:=c", "", ":=", "-",
-        "--names", "--nsx=/a", "--remapper", "-rx", "-ra:=b", "a:b=c", "--domains=3", "0.5", "[1,2]",
-        "a\n:=b",
+        "--names", "--nsx=/a", "--remapper", "-rx", "-ra:=b", "a:b=c", "--domains=3", "0.5",
+        "[1,2]", "a\n:=b",
     ],
 )  # fmt: skip
 def test_everything_else_stays_where_it_was(word: str) -> None:

@@ -19,7 +19,7 @@ _URL = parse_url("udpm://239.255.76.67:19999?ttl=0")
 
 def _node(**changes: object) -> Node:
     values = {"name": "/a", "id": "abc", "host": "here", "pid": os.getpid(), "start_time": 5}
-    return Node(**{**values, "command": "a b", **changes})  # type: ignore[arg-type]
+    return Node(**{**values, "command": "a b", **changes})
 
 
 @pytest.fixture
@@ -82,7 +82,9 @@ def _record_of(records: NodeRecords, pid: int, folder: Path) -> Path:
     (path,) = _files(folder)
     process = process_of(pid)
     assert process is not None
-    path.write_text(json.dumps({**json.loads(path.read_text()), "start_ticks": process.start_ticks}))
+    path.write_text(
+        json.dumps({**json.loads(path.read_text()), "start_ticks": process.start_ticks})
+    )
     return path
 
 

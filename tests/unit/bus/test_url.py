@@ -17,7 +17,7 @@ from lcmtools.errors import InvalidUrl, UsageError
         ("udpm://239.255.76.67:7667?ttl=0", "udpm", "239.255.76.67", 7667, {"ttl": "0"}),
         ("udpm://224.0.0.1:1", "udpm", "224.0.0.1", 1, {}),
         ("udpm://239.255.255.255:65535", "udpm", "239.255.255.255", 65535, {}),
-        ("mpudpm://239.255.76.67:7667?nports=10", "mpudpm", "239.255.76.67", 7667, {"nports": "10"}),
+        ("mpudpm://239.255.76.67:7667?nports=1", "mpudpm", "239.255.76.67", 7667, {"nports": "1"}),
         ("tcpq://", "tcpq", "127.0.0.1", 7700, {}),
         ("tcpq://robot:7701", "tcpq", "robot", 7701, {}),
         ("tcpq://robot", "tcpq", "robot", 7700, {}),
@@ -55,7 +55,7 @@ def test_a_url_is_read_as_liblcm_reads_it(
         ("udpm://239.255.76.67:65536", "'65536' is not a port", "1 to 65535"),
         ("udpm://239.255.76.67:-1", "'-1' is not a port", "1 to 65535"),
         ("udpm://239.255.76.67:http", "'http' is not a port", "1 to 65535"),
-        ("udpm://239.255.76.67:٧", "is not a port", "1 to 65535"),
+        ("udpm://239.255.76.67:\u0667", "is not a port", "1 to 65535"),
         ("udpm://10.0.0.1:7667", "10.0.0.1 is not a multicast address", "224.0.0.0 to 239.255"),
         ("udpm://240.0.0.1:7667", "240.0.0.1 is not a multicast address", "224.0.0.0"),
         ("udpm://robot:7667", "robot is not a multicast address", "224.0.0.0"),
@@ -135,7 +135,7 @@ def test_a_domain_is_the_default_group_on_a_port_of_its_own() -> None:
     assert domain_url("007").port == 7674
 
 
-@pytest.mark.parametrize("domain", ["233", "-1", "x", "", " 3", "3.0", "٣", "1" * 5000])
+@pytest.mark.parametrize("domain", ["233", "-1", "x", "", " 3", "3.0", "\u0663", "1" * 5000])
 def test_what_is_no_domain_is_refused(domain: str) -> None:
     with pytest.raises(UsageError, match="is not a domain") as caught:
         domain_url(domain, "--domain")

@@ -223,7 +223,10 @@ def test_a_restarted_node_is_no_duplicate_of_its_stale_self() -> None:
     ("stale", "remedy"),
     [
         ("runs but does not answer", "wake it (kill -CONT 7) or end it (kill 7)"),
-        ("ended without saying goodbye", "start /talker again if it is needed"),
+        (
+            "ended without saying goodbye",
+            "start /talker again, or forget it: lcmtools node cleanup",
+        ),
     ],
 )
 def test_stale_nodes_are_an_error(stale: str, remedy: str) -> None:
@@ -231,6 +234,22 @@ def test_stale_nodes_are_an_error(stale: str, remedy: str) -> None:
     assert finding.severity is Severity.ERROR
     assert finding.items == (f" * /talker (pid 7): {stale}",)
     assert finding.remedies == (remedy,)
+
+
+def test_a_node_that_ended_and_was_started_again_is_no_stale_one() -> None:
+    ended = node("/talker", pid=7, stale="ended without saying goodbye")
+    assert "stale-nodes" not in findings(ended, node("/talker", pid=8))
+
+
+def test_a_node_that_hangs_is_stale_beside_another_of_its_name() -> None:
+    hanging = node("/talker", pid=7, stale="runs but does not answer")
+    finding = findings(hanging, node("/talker", pid=8))["stale-nodes"]
+    assert finding.items == (" * /talker (pid 7): runs but does not answer",)
+
+
+def test_a_command_that_was_killed_is_no_stale_node() -> None:
+    killed = node("/_lcmtools_pub_7", pid=7, stale="ended without saying goodbye")
+    assert "stale-nodes" not in findings(killed)
 
 
 def test_an_empty_bus_is_a_warning_that_names_it() -> None:
@@ -241,6 +260,10 @@ def test_an_empty_bus_is_a_warning_that_names_it() -> None:
 
 def test_a_tool_alone_is_an_empty_bus() -> None:
     assert "no-traffic" in findings(node("/_lcmtools_echo_1", tool=True))
+
+
+def test_a_tool_that_publishes_is_something_on_the_bus() -> None:
+    assert findings(node("/_lcmtools_pub_1", pub("/chatter", STRING), tool=True)) == {}
 
 
 def test_a_bus_that_does_not_work_is_the_only_finding() -> None:

@@ -20,7 +20,7 @@ _ALICE, _BOB, _EVE = (Sender("10.0.0.1", port) for port in (40_001, 40_002, 40_0
 
 def _node(name: str = "/a", **changes: object) -> Node:
     values = {"name": name, "id": f"id of {name}", "host": "h", "pid": 1}
-    return Node(**{**values, **changes})  # type: ignore[arg-type]
+    return Node(**{**values, **changes})
 
 
 def _announce(

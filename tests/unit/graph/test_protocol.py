@@ -1,6 +1,7 @@
 """Announcements and probes: there and back, and nothing hostile raises."""
 
 import struct
+from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings
@@ -14,6 +15,7 @@ from lcmtools.graph.protocol import (
     decode_probe,
     encode_announcement,
     encode_probe,
+    identity_in,
 )
 from lcmtools.messages.codec import encode
 from lcmtools.types import lcmtools_msgs as msgs
@@ -128,3 +130,21 @@ def test_an_announcement_with_any_bytes_changed_never_raises(data: st.DataObject
 def test_any_bytes_after_the_fingerprint_never_raise(data: bytes) -> None:
     decode_announcement(_PAYLOAD[:8] + data)
     decode_probe(encode_probe(Probe())[:8] + data)
+
+
+def test_the_identity_in_an_announcement_is_the_nodes_own() -> None:
+    def identity(node: Node, *, leaving: bool = False, answers: int = 0) -> bytes:
+        return identity_in(encode_announcement(Announcement(node, leaving, answers)))
+
+    assert identity(_NODE)
+    changed = replace(_NODE, endpoints=(), ports=(1,), command="")
+    assert identity(changed, answers=9) == identity(_NODE)
+    assert identity(_NODE, leaving=True) != identity(_NODE)
+    for other in (replace(_NODE, name="/b"), replace(_NODE, id="x"), replace(_NODE, host="h2")):
+        assert identity(other) != identity(_NODE)
+
+
+@given(st.binary(max_size=120))
+def test_the_identity_in_anything_else_is_empty_or_some_bytes(data: bytes) -> None:
+    assert identity_in(data) == b"" or data.startswith(_PAYLOAD[:8])
+    identity_in(_PAYLOAD[:8] + data)

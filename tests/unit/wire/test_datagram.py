@@ -92,7 +92,10 @@ _HEADER = b"LC03" + bytes.fromhex("00000001")
         (_HEADER + bytes.fromhex("00000010 0000000e 0001 0002") + b"abc", "beyond the message's"),
         (_HEADER + bytes.fromhex("00000010 ffffffff 0001 0002") + b"abc", "beyond the message's"),
         (_HEADER + bytes.fromhex("00000010 00000000 0000 0002") + b"abc", "channel name not ended"),
-        (_HEADER + bytes.fromhex("00000000 00000000 0000 0001") + b"a\0b", "beyond the message's 0"),
+        (
+            _HEADER + bytes.fromhex("00000000 00000000 0000 0001") + b"a\0b",
+            "beyond the message's 0",
+        ),
     ],
 )
 def test_a_datagram_that_is_none_of_lcms_says_why(datagram: bytes, reason: str) -> None:

@@ -116,7 +116,7 @@ def _fragment(number: int, offset: int, part: bytes, **changes: object) -> Fragm
         "channel": "A" if number == 0 else None,
         "part": part,
     }
-    return Fragment(**{**values, **changes})  # type: ignore[arg-type]
+    return Fragment(**{**values, **changes})
 
 
 @pytest.mark.parametrize(
@@ -195,9 +195,7 @@ def test_a_claim_of_256_mib_allocates_nothing() -> None:
 
 
 def test_a_flood_of_empty_parts_of_one_message_is_bounded() -> None:
-    flood = (
-        (_ALICE, _fragment(n, 0, b"", count=65_535, channel=None)) for n in range(1, 65_535)
-    )
+    flood = ((_ALICE, _fragment(n, 0, b"", count=65_535, channel=None)) for n in range(1, 65_535))
     assert _memory_of(flood, Reassembler(max_bytes=1_000_000)) < 2_000_000
 
 

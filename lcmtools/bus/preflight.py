@@ -1,0 +1,63 @@
+"""What would make liblcm hang, crash or print, found out before it is asked.
+
+Belongs here: a look at the outside that a URL needs to work. Must not import lcm.
+"""
+
+import os
+import socket
+from pathlib import Path
+
+from lcmtools.bus.multicast import check_multicast
+from lcmtools.bus.url import BusUrl
+from lcmtools.errors import BusError
+
+_SELECT_LIMIT = 1024
+_CONNECT_TIMEOUT = 0.8  # [s]
+_LOG_SYNC = bytes.fromhex("eda1da01")  # every event of a log starts with it
+
+
+def check_bus(url: BusUrl) -> None:
+    """Make sure that liblcm can use the bus. It takes under a second to find out.
+
+    Raises:
+        BusError: It cannot, with what to do.
+    """
+    _check_descriptors()
+    if url.provider in ("udpm", "mpudpm"):
+        check_multicast(url)
+    elif url.provider == "tcpq":
+        _check_server(url)
+    elif url.provider == "file":
+        _check_log(url)
+
+
+def _check_descriptors() -> None:
+    """``select`` takes file descriptors below 1024 only; a bus needs about ten."""
+    with Path(os.devnull).open("rb") as lowest_free:
+        if lowest_free.fileno() > _SELECT_LIMIT - 20:
+            raise BusError(
+                f"this process has over {lowest_free.fileno()} open files, and liblcm cannot wait"
+                f" for a descriptor above {_SELECT_LIMIT}"
+            )
+
+
+def _check_server(url: BusUrl) -> None:
+    try:
+        socket.create_connection((url.host, url.port), timeout=_CONNECT_TIMEOUT).close()
+    except OSError as error:
+        raise BusError(
+            f"no LCM server at {url.host}:{url.port} ({error.strerror or 'no answer'})",
+            "start one, for example the TCPService of lcm.jar",
+        ) from error
+
+
+def _check_log(url: BusUrl) -> None:
+    if url.options.get("mode", "r") != "r":
+        return
+    try:
+        with Path(url.network).open("rb") as log:
+            start = log.read(len(_LOG_SYNC))
+    except OSError as error:
+        raise BusError(f"there is no log file '{url.network}'") from error
+    if start != _LOG_SYNC:
+        raise BusError(f"'{url.network}' is empty or no LCM log")

@@ -1,0 +1,29 @@
+"""``lcmtools node cleanup``."""
+
+import click
+
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
+from lcmtools.cli.output import document, lines, talk
+
+
+@click.command("cleanup", context_settings=CONTEXT)
+@json_option
+@bus_options
+def command(*, as_json: bool) -> None:
+    """Forget the nodes that ended without saying goodbye, and print their names.
+
+    A node that runs and does not answer is not forgotten.
+
+    \b
+    Examples:
+      lcmtools node cleanup
+      lcmtools node cleanup --domain 3
+    """  # noqa: D301 - \b is click's mark
+    with open_watch("node_cleanup") as watch:
+        ended = [node for node in watch.settle(foreign=False).nodes if "ended" in node.stale]
+        for node in ended:
+            watch.forget(node)
+    names = [node.name for node in ended]
+    document(names) if as_json else lines(names)
+    if not ended:
+        talk("no node has ended without saying goodbye")

@@ -1,0 +1,98 @@
+"""What every command says of itself, and under which names it is found."""
+
+import importlib.metadata
+import sys
+from collections.abc import Iterator
+
+import click
+import pytest
+
+from lcmtools import __version__
+from lcmtools.cli.main import main, root
+
+
+def tree(command: click.Command, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """The words after "lcmtools" of every command, aliases too."""
+    yield path
+    if isinstance(command, click.Group):
+        context = click.Context(command)
+        for name in command._entries:  # type: ignore[attr-defined] # aliases are not listed
+            below = command.get_command(context, name)
+            assert below is not None
+            yield from tree(below, (*path, name))
+
+
+COMMANDS = list(tree(root))
+
+
+def test_the_tree_has_the_commands_of_rostopic_and_rosnode() -> None:
+    verbs = {"list", "info", "echo", "pub", "hz", "type"}
+    assert {(verb,) for verb in verbs} <= set(COMMANDS)
+    assert {("topic", verb) for verb in verbs} <= set(COMMANDS)
+    assert {("node", verb) for verb in ("list", "info", "ping", "cleanup")} <= set(COMMANDS)
+    assert {("msg", "list"), ("msg", "show"), ("wtf",), ("run",)} <= set(COMMANDS)
+
+
+@pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
+def test_help_has_two_examples_that_begin_as_one_types_them(
+    path: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*path, "--help"]) == 0
+    text, error = capsys.readouterr()
+    assert error == ""
+    assert text.startswith(" ".join(("Usage: lcmtools", *path)))
+    _, _, examples = text.partition("Examples:\n")
+    lines = [line.strip() for line in examples.split("\n\n")[0].splitlines()]
+    assert len(lines) >= 2
+    assert all(line.startswith("lcmtools ") for line in lines)
+
+    assert main([*path, "-h"]) == 0
+    assert capsys.readouterr().out == text
+
+
+@pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
+def test_examples_name_commands_that_exist(
+    path: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    main([*path, "--help"])
+    _, _, examples = capsys.readouterr().out.partition("Examples:\n")
+    for line in examples.split("\n\n")[0].splitlines():
+        words = tuple(line.split()[1:3])
+        is_group = words[0] in ("node", "msg", "topic")
+        assert (words if is_group else words[:1]) in COMMANDS, line
+
+
+@pytest.mark.parametrize("group", [(), ("node",), ("msg",), ("topic",)])
+def test_help_of_a_group_has_a_line_for_each_command(
+    group: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    main([*group, "--help"])
+    _, _, table = capsys.readouterr().out.partition("Commands:\n")
+    listed = {line.split()[0] for line in table.split("\n\n")[0].splitlines()}
+    below = {path[-1] for path in COMMANDS if path and path[:-1] == group}
+    aliases = {"topic", "doctor", "interface"} if not group else set()
+    assert listed == below - aliases
+
+
+@pytest.mark.parametrize("verb", ["list", "info", "echo", "pub", "hz", "type"])
+def test_topic_verbs_are_the_same_commands_with_and_without_topic(verb: str) -> None:
+    context = click.Context(root)
+    topic = root.get_command(context, "topic")
+    assert isinstance(topic, click.Group)
+    assert topic.get_command(context, verb) is root.get_command(context, verb)
+
+
+def test_version_names_lcmtools_lcm_and_python(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    python = ".".join(map(str, sys.version_info[:3]))
+    lcm = importlib.metadata.version("lcm")
+    assert capsys.readouterr().out == f"lcmtools {__version__} (lcm {lcm}, Python {python})\n"
+
+
+def test_without_a_command_the_help_goes_to_standard_error_with_exit_code_2(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main([]) == 2
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert "Commands:" in error

@@ -1,0 +1,166 @@
+"""What is typed wrongly costs one line on standard error, which says what, where and what to do.
+
+The mistakes are in mistakes.txt, as in a terminal.
+"""
+
+import re
+import shlex
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+import lcmtools
+from lcmtools.cli.main import main
+
+Complaint = Callable[[str], tuple[int, str]]
+
+COMMANDS_WITH_BUS = [
+    ("list", ""),
+    ("info", "a"),
+    ("echo", "a"),
+    ("hz", "a"),
+    ("type", "a"),
+    ("pub", "a std_msgs/String x"),
+    ("node list", ""),
+    ("node info", "a"),
+    ("node ping", "a"),
+    ("wtf", ""),
+    ("run", "talker"),
+]
+
+
+def read_mistakes() -> Iterator[tuple[str, int, str]]:
+    """What is typed, the exit code, and the line that comes back."""
+    code = 2
+    lines = iter((Path(__file__).parent / "mistakes.txt").read_text().splitlines())
+    for line in lines:
+        if line.startswith("# exit code "):
+            code = int(line.removeprefix("# exit code "))
+        elif line.startswith("$ lcmtools "):
+            yield line.removeprefix("$ lcmtools "), code, next(lines)
+
+
+MISTAKES = list(read_mistakes())
+
+
+@pytest.fixture(autouse=True)
+def _files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A folder with files that are no messages."""
+    (tmp_path / "empty.yaml").touch()
+    (tmp_path / "dashes.yaml").write_text("---\n---\n")
+    (tmp_path / "latin1.yaml").write_bytes(b"data: caf\xe9\n")
+    (tmp_path / "second_is_bad.yaml").write_text("data: one\n---\ndata: [2]\n")
+    (tmp_path / "good.yaml").write_text("data: one\n")
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def complaint(capsys: pytest.CaptureFixture[str]) -> Iterator[Complaint]:
+    """Runs a command line; gives its exit code and the one line that it wrote."""
+
+    def run(typed: str) -> tuple[int, str]:
+        code = main(shlex.split(typed))
+        out, error = capsys.readouterr()
+        assert out == ""
+        assert error.count("\n") == 1, error
+        return code, error.removesuffix("\n")
+
+    yield run
+    lcmtools.shutdown()  # a node's program that failed leaves this to the end of its process
+
+
+@pytest.mark.parametrize(("typed", "code", "line"), MISTAKES, ids=[row[0] for row in MISTAKES])
+def test_mistake_costs_one_line(
+    typed: str,
+    code: int,
+    line: str,
+    complaint: Complaint,
+    bus_url: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    if "--domain" not in typed:  # a URL would win over it
+        monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+    assert complaint(typed) == (code, line)
+
+
+def test_there_are_mistakes_of_every_kind_for_every_command() -> None:
+    commands = {"list", "info", "type", "echo", "hz", "pub", "wtf", "run", "node", "msg", "topic"}
+    assert commands <= {typed.split(maxsplit=1)[0] for typed, _, _ in MISTAKES}
+    assert len(MISTAKES) > 100
+
+
+@pytest.mark.parametrize(
+    ("typed", "command", "option"),
+    [
+        ("--bogus", "", "--bogus"),
+        ("list --al", " list", "--al"),
+        ("echo a --tiemout 3", " echo", "--tiemout"),
+        ("pub /a std_msgs/String x --onec", " pub", "--onec"),
+        ("pub /a std_msgs/String --rat 5 x", " pub", "--rat"),
+        ("run --bogus", " run", "--bogus"),
+        ("msg list --domain 3", " msg list", "--domain"),
+    ],
+)
+def test_unknown_option_costs_one_line_and_exit_code_2(
+    typed: str, command: str, option: str, complaint: Complaint
+) -> None:
+    code, line = complaint(typed)
+    assert code == 2
+    # what click says of it, and what it suggests instead, depends on click's version
+    start = rf"lcmtools{command}: no such option:? '?{option}\b.*"
+    assert re.fullmatch(rf"{start} \(see lcmtools{command} --help\)", line)
+
+
+@pytest.mark.parametrize(("command", "arguments"), COMMANDS_WITH_BUS)
+def test_bad_domain_in_the_environment_is_named(
+    command: str, arguments: str, complaint: Complaint, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LCMTOOLS_DOMAIN", "x")
+    line = "LCMTOOLS_DOMAIN 'x' is not a domain; a domain is a number from 0 to 232"
+    assert complaint(f"{command} {arguments}") == (2, f"lcmtools {command}: {line}")
+
+
+@pytest.mark.parametrize(("command", "arguments"), COMMANDS_WITH_BUS)
+def test_url_without_a_port_in_the_environment_is_named(
+    command: str, arguments: str, complaint: Complaint, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LCM_DEFAULT_URL", "udpm://239.255.76.67")
+    line = "the port is missing; write 'udpm://239.255.76.67:7667?ttl=0'"
+    assert complaint(f"{command} {arguments}") == (
+        2,
+        f"lcmtools {command}: LCM_DEFAULT_URL 'udpm://239.255.76.67': {line}",
+    )
+
+
+def test_channel_that_is_no_utf_8_is_refused(complaint: Complaint) -> None:
+    assert complaint("pub --literal a\udcff std_msgs/String x") == (
+        2,
+        "lcmtools pub: 'a\\udcff' is not UTF-8; nodes can name no other channel",
+    )
+
+
+def test_url_that_wins_over_a_domain_says_so(
+    capsys: pytest.CaptureFixture[str], bus_url: str
+) -> None:
+    assert main(["list", "--domain", "3", "--lcm-url", bus_url]) == 0
+    error = capsys.readouterr().err
+    assert error.splitlines()[0] == "lcmtools: --domain 3 has no effect: --lcm-url wins"
+
+
+def test_fault_of_its_own_is_one_line_and_a_traceback_only_with_debug(
+    complaint: Complaint, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail() -> None:
+        raise ZeroDivisionError("by zero")
+
+    monkeypatch.setattr("lcmtools.cli.msg.list.type_names", fail)
+    code, line = complaint("msg list")
+    assert code == 1
+    assert line == (
+        "lcmtools msg list: a fault of lcmtools (ZeroDivisionError: by zero);"
+        " lcmtools --debug shows where"
+    )
+    monkeypatch.setenv("LCMTOOLS_DEBUG", "1")
+    with pytest.raises(ZeroDivisionError):
+        main(["msg", "list"])

@@ -1,0 +1,129 @@
+"""The real bus under traffic, used and closed from many threads at once."""
+
+import itertools
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from lcmtools.bus.liblcm import LcmBus
+from lcmtools.bus.url import parse_url
+from lcmtools.errors import BusError
+
+WaitUntil = Callable[..., None]
+
+
+@pytest.fixture
+def bus(bus_url: str) -> Iterator[LcmBus]:
+    bus = LcmBus(parse_url(bus_url))
+    yield bus
+    bus.close()
+
+
+@pytest.fixture
+def other(bus_url: str) -> Iterator[LcmBus]:
+    """A second connection to the same bus."""
+    bus = LcmBus(parse_url(bus_url))
+    yield bus
+    bus.close()
+
+
+def test_other_threads_may_subscribe_and_unsubscribe_under_traffic(
+    bus: LcmBus, other: LcmBus
+) -> None:
+    stop = threading.Event()
+    heard = itertools.count()
+
+    def talk() -> None:
+        while not stop.is_set():
+            for channel in range(4):
+                bus.publish(f"c{channel}", b"x" * 100)
+            stop.wait(0.0005)
+
+    def come_and_go(number: int) -> None:
+        def handler(_payload: bytes, _time: int) -> None:
+            next(heard)
+
+        for _ in range(150):
+            other.subscribe(f"c{number % 4}", handler)
+            other.unsubscribe(f"c{number % 4}", handler)
+
+    with ThreadPoolExecutor(7) as threads:
+        threads.submit(talk)
+        visits = [threads.submit(come_and_go, number) for number in range(6)]
+        try:
+            for visit in visits:
+                visit.result(timeout=20)
+        finally:
+            stop.set()
+    assert next(heard) > 0
+
+
+@pytest.mark.usefixtures("private_network")
+def test_a_flood_does_not_keep_anybody_from_subscribing(wait_until: WaitUntil) -> None:
+    url = parse_url("udpm://239.255.76.67:7667?ttl=0")
+    sender, receiver = LcmBus(url), LcmBus(url)
+    stop = threading.Event()
+    slow: list[int] = []
+
+    def flood() -> None:
+        while not stop.is_set():
+            sender.publish("flood", b"x")
+
+    def handle(_payload: bytes, _time: int) -> None:
+        slow.append(sum(range(5000)))  # slower than the sender, so that messages always wait
+
+    receiver.subscribe("flood", handle)
+    flooder = threading.Thread(target=flood)
+    flooder.start()
+    try:
+        wait_until(lambda: len(slow) > 1000)
+        before = time.monotonic()
+        for _ in range(5):
+            receiver.subscribe("other", handle)
+            receiver.unsubscribe("other", handle)
+        assert time.monotonic() - before < 2.0
+    finally:
+        stop.set()
+        flooder.join()
+        receiver.close()
+        sender.close()
+
+
+@pytest.mark.parametrize("turn", range(15))
+def test_a_bus_closes_while_others_use_it(bus_url: str, turn: int) -> None:
+    """Whoever comes too late gets a BusError, at once, and nothing else happens."""
+    bus = LcmBus(parse_url(bus_url))
+
+    def handle(_payload: bytes, _time: int) -> None:
+        """Hear, and do nothing."""
+
+    def come_and_go() -> None:
+        bus.subscribe("a", handle)
+        bus.unsubscribe("a", handle)
+
+    def use(act: Callable[[], object]) -> None:
+        with pytest.raises(BusError, match="the bus is closed"):
+            _repeat(act)
+
+    with ThreadPoolExecutor(3) as threads:
+        users = [
+            threads.submit(use, lambda: bus.publish("a", b"x")),
+            threads.submit(use, lambda: bus.publish("a", bytes(130_000))),
+            threads.submit(use, come_and_go),
+        ]
+        time.sleep(0.001 * turn)  # not for luck: closing is to happen at any moment
+        before = time.monotonic()
+        bus.close()
+        bus.close()
+        for user in users:
+            user.result(timeout=10)
+    assert time.monotonic() - before < 2.0
+
+
+def _repeat(act: Callable[[], object]) -> None:
+    """Until it raises."""
+    while True:
+        act()

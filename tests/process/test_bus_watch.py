@@ -1,0 +1,202 @@
+"""A watch: what the commands that look at a bus learn from it, and how soon."""
+
+import os
+import socket
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from typing import Any
+
+import lcm
+import pytest
+
+from lcmtools import Node
+from lcmtools.arguments import split_arguments
+from lcmtools.bus.liblcm import LcmBus
+from lcmtools.bus.url import parse_url
+from lcmtools.bus.watch import Watch
+from lcmtools.graph.model import Role
+from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement
+from lcmtools.messages.codec import encode
+from lcmtools.node.context import Context
+from lcmtools.types.std_msgs import String
+
+WaitUntil = Callable[..., None]
+
+
+@pytest.fixture
+def open_watch(bus_url: str) -> Iterator[Callable[[str], Watch]]:
+    with ExitStack() as stack:
+        yield lambda tool: stack.enter_context(Watch(parse_url(bus_url), tool, os.environ))
+
+
+@pytest.fixture
+def context(bus_url: str) -> Iterator[Context]:
+    """A program with nodes, on a connection of its own."""
+    said, _ = split_arguments([])
+    context = Context(LcmBus(parse_url(bus_url)), said, {})
+    yield context
+    context.close()
+
+
+def test_the_graph_is_complete_at_once(
+    context: Context, open_watch: Callable[[str], Watch]
+) -> None:
+    nodes = [Node(f"n{number}", context=context) for number in range(20)]
+    nodes[3].create_publisher(String, "chatter")
+    watch = open_watch("list")
+    before = time.monotonic()
+    graph = watch.settle(foreign=False)
+    assert time.monotonic() - before < 0.35
+    assert len(graph.nodes) == 20
+    (found,) = graph.named("n3")
+    assert found.sender is not None
+    assert found.pid == os.getpid()
+    assert [e.topic for e in found.having(Role.PUBLISHER)] == ["/chatter", "/rosout"]
+
+
+def test_all_that_a_node_sends_is_known_to_be_its_own(
+    context: Context, open_watch: Callable[[str], Watch], wait_until: WaitUntil
+) -> None:
+    watch = open_watch("list")
+    node = Node("a", context=context)
+    small, large = node.create_publisher(String, "small"), node.create_publisher(String, "large")
+    message = String()
+    small.publish(message)
+    message.data = "x" * 200_000
+    large.publish(message)
+
+    def seen() -> bool:
+        watch.receive(0.05)
+        return {"/small", "/large"} <= {t.channel for t in watch.graph().traffic}
+
+    wait_until(seen)
+    graph = watch.settle(foreign=False)
+    assert graph.topic("/small").foreign == ()
+    assert graph.topic("/large").foreign == ()
+    assert graph.topic("/large").traffic[0].sender != graph.topic("/small").traffic[0].sender
+
+
+def test_a_program_that_is_no_node_is_waited_for(
+    open_watch: Callable[[str], Watch], start_python: Callable[..., Any], bus_url: str
+) -> None:
+    program = start_python(
+        """
+import sys, time, lcm
+bus = lcm.LCM(sys.argv[1])
+bus.publish("EXAMPLE", b"payload\\0")
+print("ready", flush=True)
+while True:
+    time.sleep(0.6)
+    bus.publish("EXAMPLE", b"payload\\0")
+""",
+        bus_url,
+    )
+    program.wait_for("ready")
+    graph = open_watch("list").settle()
+    assert graph.topic_names() == ["EXAMPLE"]
+    (seen,) = graph.topic("EXAMPLE").foreign
+    assert seen.sender is not None
+
+
+@pytest.mark.usefixtures("private_network")
+def test_nobody_is_waited_for_on_an_empty_bus() -> None:
+    with Watch(parse_url("udpm://"), "list", os.environ) as watch:
+        before = time.monotonic()
+        assert watch.settle().nodes == ()
+        assert time.monotonic() - before < 0.5
+
+
+def test_a_command_that_listens_is_announced_and_says_goodbye(
+    context: Context, open_watch: Callable[[str], Watch], bus_url: str, wait_until: WaitUntil
+) -> None:
+    node = Node("a", context=context)
+    publisher = node.create_publisher(String, "chatter")
+    assert publisher.subscriber_count() == 0
+    with Watch(parse_url(bus_url), "echo", os.environ) as echo:
+        echo.listen_to(["/chatter"])
+        wait_until(lambda: publisher.subscriber_count() == 1)
+        other = open_watch("list")
+        other.probe()
+
+        def answered() -> bool:
+            echo.receive(0.02)
+            other.receive(0.02)
+            return len(other.graph().nodes) == 2
+
+        wait_until(answered)
+        (tool,) = [n for n in other.graph().nodes if n.tool]
+        assert tool.is_hidden
+        assert tool.name.startswith("/_lcmtools_echo_")
+        assert "/chatter" in other.graph().topic_names()  # for the publisher's sake
+    wait_until(lambda: publisher.subscriber_count() == 0)
+
+
+def test_a_command_that_only_looks_is_silent(
+    open_watch: Callable[[str], Watch],
+) -> None:
+    other = open_watch("list")
+    with ExitStack() as stack:
+        watch = stack.enter_context(open_watch("info"))
+        watch.settle(foreign=False)
+    assert not any(p.channel == NODE_CHANNEL for p in other.receive(0.1))
+
+
+def test_packets_come_as_they_are_pulled_until_the_time_is_over(
+    open_watch: Callable[[str], Watch], bus_url: str
+) -> None:
+    watch = open_watch("hz")
+    plain = lcm.LCM(bus_url)
+    for number in range(5):
+        plain.publish("N", b"%d" % number)
+    before = time.monotonic()
+    packets = [p for p in watch.packets(0.2) if p.channel == "N"]
+    assert [packet.payload for packet in packets] == [b"0", b"1", b"2", b"3", b"4"]
+    assert 0.15 < time.monotonic() - before < 1.0
+    plain.publish("N", b"6")
+    assert next(p for p in watch.packets() if p.channel == "N").payload == b"6"
+
+
+def test_a_node_answers_a_targeted_probe_with_its_nonce(
+    context: Context, open_watch: Callable[[str], Watch], wait_until: WaitUntil
+) -> None:
+    Node("a", context=context)
+    Node("b", context=context)
+    watch = open_watch("ping")
+    answers: list[tuple[str, int]] = []
+
+    def answered() -> bool:
+        for packet in watch.receive(0.05):
+            if packet.channel == NODE_CHANNEL:
+                announcement = decode_announcement(packet.payload)
+                if announcement and announcement.answers:
+                    answers.append((announcement.node.name, announcement.answers))
+        return bool(answers)
+
+    watch.probe("/b", 77)
+    wait_until(answered)
+    assert answers == [("/b", 77)]
+
+
+@pytest.mark.usefixtures("private_network")
+def test_malformed_datagrams_are_told_of(wait_until: WaitUntil) -> None:
+    url = parse_url("udpm://239.255.76.67:7667?ttl=0")
+    with (
+        Watch(url, "wtf", os.environ) as watch,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger,
+    ):
+        stranger.sendto(b"nonsense", (url.host, url.port))
+        wait_until(lambda: watch.receive(0.02) or watch.malformed())
+        assert list(watch.malformed().values()) == ["starts with b'nons', not with LC02 or LC03"]
+
+
+def test_a_nodes_counters_are_announced(
+    context: Context, open_watch: Callable[[str], Watch]
+) -> None:
+    node = Node("a", context=context)
+    publisher = node.create_publisher(String, "chatter")
+    for _ in range(3):
+        publisher.publish(String())
+    graph = open_watch("info").settle(foreign=False)
+    ((_, endpoint),) = graph.topic("/chatter").publishers
+    assert (endpoint.messages, endpoint.bytes) == (3, 3 * len(encode(String())))

@@ -1,0 +1,255 @@
+"""How commands and nodes end: by signals, by a reader who has had enough, by a full disk."""
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+SIGNALS = [signal.SIGINT, signal.SIGTERM]
+NODES = ["talker", "listener", "moving_robot", "simple_controller", "evaluate_controller"]
+
+pytestmark = pytest.mark.usefixtures("use_module_bus")
+
+
+class Ending:
+    """How a process ended."""
+
+    def __init__(self, process: subprocess.Popen[str], number: int) -> None:
+        asked = time.monotonic()
+        process.send_signal(number)
+        self.out, self.error = process.communicate(timeout=10)
+        self.seconds = time.monotonic() - asked
+        self.code = process.returncode
+
+
+@pytest.fixture
+def begin(lcmtools_path: str) -> Iterator[Callable[..., subprocess.Popen[str]]]:
+    """``begin("echo", "a")``: a command whose output and errors are told apart."""
+    running: list[subprocess.Popen[str]] = []
+
+    def run(*arguments: str, **options: Any) -> subprocess.Popen[str]:
+        command: Sequence[str] = [lcmtools_path, *arguments]
+        pipe = subprocess.PIPE
+        running.append(
+            subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, text=True, **options)
+        )
+        return running[-1]
+
+    yield run
+    for process in running:
+        process.kill()
+        process.communicate()
+
+
+@pytest.fixture
+def shell(lcmtools_path: str) -> Callable[..., subprocess.CompletedProcess[str]]:
+    """Runs a line of bash with lcmtools on the PATH."""
+    path = f"{Path(lcmtools_path).parent}:{os.environ['PATH']}"
+
+    def run(line: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            ["bash", "-c", line],  # noqa: S607 - bash is where the system has it
+            env={**os.environ, "PATH": path},
+            capture_output=True,
+            text=True,
+            timeout=20,
+            check=False,
+        )
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def talker(module_start: Callable[..., Any], lcmtools_path: str) -> Any:
+    """A talker on the module's bus."""
+    talker = module_start(lcmtools_path, "run", "talker")
+    talker.wait_for("hello world")
+    return talker
+
+
+def is_on_the_bus(process: subprocess.Popen[str]) -> Callable[[], bool]:
+    """Whether a process has made a socket, and so is past its command line."""
+
+    def look() -> bool:
+        with suppress(OSError):  # a file that was closed meanwhile
+            folder = Path(f"/proc/{process.pid}/fd")
+            return any("socket:" in str(path.readlink()) for path in folder.iterdir())
+        return False
+
+    return look
+
+
+@pytest.mark.usefixtures("talker")
+@pytest.mark.parametrize("number", SIGNALS)
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["echo", "chatter"],
+        ["echo", "/nothing"],
+        ["hz", "/nothing"],
+        ["list", "--wait", "1m"],
+        ["wtf", "--wait", "1m"],
+        ["node", "ping", "talker"],
+        ["pub", "/a", "std_msgs/String", "x"],
+        ["pub", "-r", "100", "/a", "std_msgs/String", "x"],
+    ],
+    ids=" ".join,
+)
+def test_command_ends_at_once_with_the_signals_code_and_without_a_word(
+    number: signal.Signals,
+    arguments: list[str],
+    begin: Callable[..., subprocess.Popen[str]],
+    wait_until: Callable[..., None],
+) -> None:
+    process = begin(*arguments)
+    wait_until(is_on_the_bus(process))
+    ending = Ending(process, number)
+    assert ending.code == 128 + number
+    assert ending.seconds < 1.0
+    assert set(ending.error.splitlines()) <= {
+        f"subscribed to [{arguments[-1]}]",
+        "lcmtools pub: no node subscribes to /a yet; publishing all the same",
+        "publishing and latching message. Press ctrl-C to terminate",
+    }
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_pub_that_waits_for_standard_input_ends_with_the_signals_code(
+    number: signal.Signals,
+    begin: Callable[..., subprocess.Popen[str]],
+    wait_until: Callable[..., None],
+) -> None:
+    process = begin("pub", "-f", "-", "/a", "std_msgs/String")
+
+    def reads() -> bool:
+        return "pipe_read" in Path(f"/proc/{process.pid}/wchan").read_text()
+
+    if os.access(f"/proc/{process.pid}/wchan", os.R_OK):
+        wait_until(reads)
+    ending = Ending(process, number)
+    assert (ending.code, ending.out, ending.error) == (128 + number, "", "")
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+@pytest.mark.parametrize("node", NODES)
+def test_node_ends_within_a_second_quietly_with_0(
+    number: signal.Signals,
+    node: str,
+    begin: Callable[..., subprocess.Popen[str]],
+    lcmtools: Callable[..., subprocess.CompletedProcess[str]],
+    wait_until: Callable[..., None],
+) -> None:
+    process = begin("run", node, "__ns:=/ending")
+    wait_until(lambda: f"/ending/{node}" in lcmtools("node", "list").stdout)
+    ending = Ending(process, number)
+    assert (ending.code, ending.out) == (0, "")
+    assert ending.seconds < 1.0
+    assert all(line.startswith("[INFO] ") for line in ending.error.splitlines())
+    assert f"/ending/{node}" not in lcmtools("node", "list").stdout
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_node_that_is_asked_to_end_while_it_starts_ends_with_0(
+    number: signal.Signals, begin: Callable[..., subprocess.Popen[str]], tmp_path: Path
+) -> None:
+    slow = tmp_path / "lcm"  # takes the place of the real one, and never ends to be imported
+    slow.mkdir()
+    (slow / "__init__.py").write_text("import sys, time\nprint('hi', flush=True)\ntime.sleep(60)")
+    process = begin("run", "talker", env={**os.environ, "PYTHONPATH": str(tmp_path)})
+    assert process.stdout is not None
+    process.stdout.readline()
+    ending = Ending(process, number)
+    assert (ending.code, ending.error) == (0, "")
+
+
+@pytest.mark.parametrize("command", ["run talker __ns:=/ending", "echo /nothing", "hz /nothing"])
+def test_sigint_ends_what_a_shell_script_has_started_in_the_background(
+    command: str, shell: Callable[..., subprocess.CompletedProcess[str]]
+) -> None:
+    """There the shell has SIGINT ignored."""
+    result = shell(
+        f"lcmtools {command} > /dev/null 2>&1 & pid=$!\n"
+        "until ls -l /proc/$pid/fd 2> /dev/null | grep -q socket: ; do sleep 0.01; done\n"
+        "lcmtools list > /dev/null 2>&1\n"  # so long it takes to be ready
+        "kill -INT $pid; wait $pid; echo $?"
+    )
+    assert result.stdout == ("0\n" if command.startswith("run") else "130\n")
+    assert result.stderr == ""
+
+
+@pytest.mark.usefixtures("talker")
+@pytest.mark.parametrize(
+    "command",
+    [
+        "echo chatter",
+        "echo --json chatter",
+        "hz chatter",
+        "list",
+        "info chatter",
+        "node ping talker",
+        "node info talker",
+        "msg list",
+        "msg show Odometry",
+        "wtf --wait 0.1",
+        "--help",
+    ],
+)
+def test_reader_who_has_had_enough_is_no_fault(
+    command: str, shell: Callable[..., subprocess.CompletedProcess[str]]
+) -> None:
+    result = shell(f"lcmtools {command} | head -1; echo ${{PIPESTATUS[0]}}")
+    assert result.stdout.splitlines()[1:] == ["0"]
+    assert set(result.stderr.splitlines()) <= {"subscribed to [/chatter]"}
+
+
+@pytest.mark.usefixtures("talker")
+@pytest.mark.parametrize(
+    "command",
+    ["echo chatter", "hz chatter", "list", "info chatter", "node ping talker", "msg list", "wtf"],
+)
+def test_full_disk_is_one_line_and_exit_code_1(
+    command: str, shell: Callable[..., subprocess.CompletedProcess[str]]
+) -> None:
+    result = shell(f"lcmtools {command} > /dev/full")
+    name = command.removesuffix(" chatter").removesuffix(" talker")
+    assert result.returncode == 1
+    assert result.stderr.splitlines()[-1] == (
+        f"lcmtools {name}: cannot write to standard output: No space left on device"
+    )
+    assert set(result.stderr.splitlines()[:-1]) <= {"subscribed to [/chatter]"}
+
+
+@pytest.mark.parametrize("command", ["--help", "--version", "echo --help"])
+def test_help_on_a_full_disk_is_one_line_and_exit_code_1(
+    command: str, shell: Callable[..., subprocess.CompletedProcess[str]]
+) -> None:
+    result = shell(f"lcmtools {command} > /dev/full")
+    assert result.returncode == 1
+    assert result.stderr.count("\n") == 1
+    assert result.stderr.endswith("No space left on device\n")
+
+
+@pytest.mark.parametrize("stream", ["1", "2"])
+def test_closed_stream_is_no_fault(
+    stream: str, shell: Callable[..., subprocess.CompletedProcess[str]]
+) -> None:
+    result = shell(f"lcmtools list -v /nothing {stream}>&-")
+    assert result.returncode == 0
+    assert "Traceback" not in result.stderr
+
+
+def test_data_goes_to_standard_output_and_talk_to_standard_error(
+    lcmtools: Callable[..., subprocess.CompletedProcess[str]], bus_url: str
+) -> None:
+    result = lcmtools("list", LCM_DEFAULT_URL=bus_url)
+    assert (result.returncode, result.stdout) == (0, "")
+    assert result.stderr == f"no topics on {bus_url}\n"
+    result = lcmtools("node", "list", LCM_DEFAULT_URL=bus_url)
+    assert (result.returncode, result.stdout) == (0, "")
+    assert result.stderr == f"no nodes on {bus_url}\n"

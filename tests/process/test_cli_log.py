@@ -1,0 +1,61 @@
+"""Commands that look, on a log file in place of a bus."""
+
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import lcm
+import pytest
+
+from lcmtools.messages.codec import encode
+from lcmtools.types.std_msgs import String
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+MESSAGES = 30
+PERIOD_US = 10_000
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> str:
+    """The path of a log with 30 messages at 100 Hz on /chatter."""
+    path = str(tmp_path / "a.log")
+    log = lcm.EventLog(path, "w", overwrite=True)
+    for number in range(MESSAGES):
+        message = String()
+        message.data = f"message {number}"
+        log.write_event(1_000_000 + number * PERIOD_US, "/chatter", encode(message))
+    log.close()
+    return path
+
+
+@pytest.mark.parametrize("speed", ["1", "0"])
+def test_echo_prints_all_of_a_log_and_ends_with_it(speed: str, log: str, lcmtools: Run) -> None:
+    result = lcmtools("echo", "chatter", "--lcm-url", f"file://{log}?speed={speed}")
+    expected = "".join(f'data: "message {number}"\n---\n' for number in range(MESSAGES))
+    assert (result.returncode, result.stdout, result.stderr) == (0, expected, "")
+
+
+def test_hz_measures_a_log_and_ends_with_it(log: str, lcmtools: Run) -> None:
+    result = lcmtools("hz", "chatter", "--lcm-url", f"file://{log}")
+    rate, spread = result.stdout.splitlines()
+    assert float(rate.removeprefix("average rate: ")) == pytest.approx(100, rel=0.3)
+    assert spread.endswith(f"window: {MESSAGES}")
+    assert (result.returncode, result.stderr) == (0, "subscribed to [/chatter]\n")
+
+
+@pytest.mark.parametrize("wait", [[], ["--wait", "2s"]])
+def test_list_shows_what_is_in_a_log(wait: list[str], log: str, lcmtools: Run) -> None:
+    result = lcmtools("list", "-t", *wait, "--lcm-url", f"file://{log}?speed=0")
+    assert (result.returncode, result.stderr) == (0, "")
+    assert result.stdout == "/chatter [std_msgs/String]\n"
+
+
+def test_wtf_looks_into_a_log(log: str, lcmtools: Run) -> None:
+    result = lcmtools("wtf", "--lcm-url", f"file://{log}?speed=0")
+    assert (result.returncode, result.stdout) == (0, "No errors or warnings\n")
+
+
+def test_info_says_that_a_log_does_not_tell_senders(log: str, lcmtools: Run) -> None:
+    result = lcmtools("info", "/chatter", "--lcm-url", f"file://{log}?speed=0")
+    assert " * a program that is no node (this kind of bus does not tell senders)" in result.stdout

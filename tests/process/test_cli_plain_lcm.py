@@ -1,0 +1,173 @@
+"""Programs that know nothing of lcmtools: lcm-source, as C has it, and a plain Python script."""
+
+import json
+import re
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+# The program itself, and not the wrapper on the PATH: a signal to that ends the wrapper only.
+SOURCE = str(Path(sysconfig.get_path("purelib")) / "bin" / "lcm-source")
+
+# What a user of lcm-gen writes: his own class, his own channel. EMPTY and NOISE are no LCM types.
+_PLAIN = """
+import time
+import lcm
+from lcmtools.types.geometry_msgs import Point
+
+bus = lcm.LCM()
+point = Point()
+point.x = 1.5
+while True:
+    bus.publish("POSE", point.encode())
+    bus.publish("EMPTY", b"")
+    bus.publish("NOISE", bytes(range(200)))
+    print("sent", flush=True)
+    time.sleep(0.05)
+"""
+
+on_the_modules_bus = pytest.mark.usefixtures("use_module_bus", "programs")
+
+
+@pytest.fixture(scope="module")
+def programs(
+    module_start: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, Any]:
+    """Publishers on EXAMPLE (100 Hz), SLOW (1.1 Hz) and three channels of a script (20 Hz)."""
+    script = tmp_path_factory.mktemp("plain") / "plain.py"
+    script.write_text(_PLAIN)
+    started = {
+        "EXAMPLE": module_start(SOURCE, "-m", "EXAMPLE"),
+        "SLOW": module_start(SOURCE, "-m", "SLOW", "-s", "100", "-p", "900000"),
+        "POSE": module_start(sys.executable, str(script)),
+    }
+    started["POSE"].wait_for("sent")
+    return started
+
+
+@on_the_modules_bus
+def test_list_shows_their_channels_slow_ones_too(lcmtools: Run) -> None:
+    result = lcmtools("list")
+    assert result.stdout.splitlines() == ["EMPTY", "EXAMPLE", "NOISE", "POSE", "SLOW"]
+    assert (result.returncode, result.stderr) == (0, "")
+
+
+@on_the_modules_bus
+def test_list_does_not_call_what_it_cannot_know_by_a_type(lcmtools: Run) -> None:
+    types = dict(line.split(" ", 1) for line in lcmtools("list", "-t").stdout.splitlines())
+    assert types["EXAMPLE"] == "[unknown type]"
+    assert types["EMPTY"] == "[unknown type]"
+    assert types["NOISE"] == "[unknown type]"
+
+
+@on_the_modules_bus
+def test_list_v_counts_them_as_publishers(lcmtools: Run) -> None:
+    rows = lcmtools("list", "-v").stdout.splitlines()
+    assert " * EXAMPLE [unknown type] 1 publisher" in rows
+
+
+@on_the_modules_bus
+def test_info_names_the_process_behind_the_channel(lcmtools: Run, programs: dict[str, Any]) -> None:
+    rows = lcmtools("info", "EXAMPLE").stdout.splitlines()
+    program = rows[rows.index("Publishers: ") + 1]
+    assert re.fullmatch(
+        rf" \* \S+/lcm-source -m EXAMPLE \(pid {programs['EXAMPLE'].pid}, port \d+\)", program
+    )
+    assert rows[0] == "Type: unknown type"
+    assert rows[1].startswith("Fingerprint: ")
+    assert not rows[2]
+
+
+@on_the_modules_bus
+def test_info_of_a_known_type_names_all_that_it_may_be(
+    lcmtools: Run, programs: dict[str, Any]
+) -> None:
+    rows = lcmtools("info", "POSE").stdout.splitlines()
+    assert rows[:2] == [
+        "Type: geometry_msgs/Vector3",
+        "Fingerprint: 0xae7e5fba5eeca11e (geometry_msgs/Vector3 or geometry_msgs/Point)",
+    ]
+    assert f"(pid {programs['POSE'].pid}, port " in rows[4]
+
+
+@on_the_modules_bus
+def test_info_json_has_rate_and_sender(lcmtools: Run) -> None:
+    (topic,) = json.loads(lcmtools("info", "--json", "POSE").stdout)
+    (program,) = topic["other_publishers"]
+    assert program["rate"] == pytest.approx(20, rel=0.3)
+    assert re.fullmatch(r"[\d.]+:\d+", program["sender"])
+
+
+@on_the_modules_bus
+def test_type_tells_what_the_fingerprint_tells(lcmtools: Run) -> None:
+    assert lcmtools("type", "POSE").stdout == "geometry_msgs/Vector3\n"
+    result = lcmtools("type", "EMPTY")
+    assert (result.returncode, result.stdout) == (1, "")
+    assert result.stderr == "lcmtools type: the type of EMPTY is not known\n"
+
+
+@on_the_modules_bus
+def test_echo_decodes_what_has_a_known_fingerprint(lcmtools: Run) -> None:
+    assert lcmtools("echo", "-1", "POSE").stdout == "x: 1.5\ny: 0.0\nz: 0.0\n---\n"
+
+
+@on_the_modules_bus
+def test_echo_shows_other_payloads_in_hexadecimal(lcmtools: Run) -> None:
+    start = bytes(range(64)).hex(" ")
+    assert lcmtools("echo", "-1", "NOISE").stdout == (
+        f"# unknown type, fingerprint 0x0001020304050607\nbytes: 200\ndata: '{start} ...'\n---\n"
+    )
+    assert lcmtools("echo", "-1", "EMPTY").stdout == (
+        "# too short for an LCM message\nbytes: 0\ndata: ''\n---\n"
+    )
+
+
+@on_the_modules_bus
+def test_echo_json_has_the_whole_payload(lcmtools: Run) -> None:
+    message = json.loads(lcmtools("echo", "-1", "--json", "NOISE").stdout)
+    assert bytes.fromhex(message["data"]) == bytes(range(200))
+    assert message["bytes"] == 200
+    assert message["error"] == "unknown type, fingerprint 0x0001020304050607"
+
+
+@on_the_modules_bus
+def test_echo_waits_for_a_slow_publisher(lcmtools: Run) -> None:
+    result = lcmtools("echo", "-1", "SLOW")
+    assert result.stdout.splitlines()[1] == "bytes: 100"
+
+
+@on_the_modules_bus
+def test_hz_measures_them(start: Callable[..., Any], lcmtools_path: str) -> None:
+    hz = start(lcmtools_path, "hz", "POSE")
+    rate = float(hz.wait_for("average rate: ").removeprefix("average rate: "))
+    assert rate == pytest.approx(20, rel=0.2)
+
+
+@on_the_modules_bus
+def test_wtf_does_not_take_them_for_a_fault(lcmtools: Run) -> None:
+    result = lcmtools("wtf", "--wait", "0.3s")
+    assert (result.returncode, result.stdout) == (0, "No errors or warnings\n")
+
+
+@on_the_modules_bus
+def test_near_miss_of_a_literal_channel_is_found(lcmtools: Run) -> None:
+    result = lcmtools("info", "EXAMPEL")
+    assert result.stderr == "lcmtools info: unknown topic /EXAMPEL; did you mean EXAMPLE?\n"
+
+
+@pytest.mark.parametrize("_time", range(2))
+@pytest.mark.usefixtures("private_network")
+def test_list_waits_for_one_slow_program_alone(
+    _time: int, lcmtools: Run, start: Callable[..., Any]
+) -> None:
+    """In a network of its own, where no other program makes list wait; lcm-source is static."""
+    start(SOURCE, "-m", "SLOW", "-p", "900000")
+    lcmtools("echo", "-1", "SLOW")  # the next one comes long after list has started
+    assert lcmtools("list").stdout == "SLOW\n"

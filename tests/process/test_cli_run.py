@@ -1,0 +1,143 @@
+"""run: nodes by their names, with names, remaps and parameters in both forms."""
+
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+pytestmark = pytest.mark.usefixtures("use_module_bus")
+
+
+def test_list_names_what_can_be_run(lcmtools: Run) -> None:
+    result = lcmtools("run", "--list")
+    known = set(result.stdout.splitlines())
+    assert result.returncode == 0
+    assert known >= {"talker", "listener", "simple_controller", "evaluate_controller", "sim"}
+    assert result.stdout.splitlines() == sorted(known)
+    assert json.loads(lcmtools("run", "--list", "--json").stdout) == sorted(known)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["__ns:=/husky0", "__name:=speaker", "chatter:=news"],
+        ["--ns", "/husky0", "--name", "speaker", "--remap", "chatter:=news"],
+        ["--ns=husky0", "--name=speaker", "-r", "chatter:=/husky0/news"],
+    ],
+)
+def test_names_and_remaps_are_taken_in_both_forms(
+    arguments: list[str], start: Callable[..., Any], lcmtools: Run, lcmtools_path: str
+) -> None:
+    start(lcmtools_path, "run", "talker", *arguments).wait_for("[/husky0/speaker]: hello world")
+    info = lcmtools("node", "info", "/husky0/speaker").stdout
+    assert " * /husky0/news [std_msgs/String]\n" in info
+
+
+@pytest.mark.parametrize("arguments", [["_kp:=2", "_ki:=0"], ["--param", "kp:=2", "--param=ki:=0"]])
+def test_parameters_are_taken_in_both_forms(
+    arguments: list[str], start: Callable[..., Any], lcmtools_path: str
+) -> None:
+    namespace = f"/gains{len(arguments)}{arguments[0].strip('_-')[0]}"
+    topics = [f"{namespace}/{name}" for name in ("odometry", "desired_velocity")]
+    controller = f"{namespace}/controlled_velocity"
+    effort = start(lcmtools_path, "echo", "--json", controller)
+    start(lcmtools_path, "run", "simple_controller", f"__ns:={namespace}", *arguments)
+    odometry = start(lcmtools_path, "pub", topics[0], "nav_msgs/Odometry")
+    odometry.wait_for("latching")
+    desired = start(
+        lcmtools_path, "pub", topics[1], "geometry_msgs/Twist", "{linear: [0.25, 0, 0]}"
+    )
+    desired.wait_for("latching")
+    # the first command is kp * 0.25 m/s: there is no integral yet
+    assert json.loads(effort.wait_for("effort"))["effort"] == [0.5, 0.5]
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["-h"]])
+def test_help_after_the_name_is_the_nodes_own(arguments: list[str], lcmtools: Run) -> None:
+    result = lcmtools("run", "talker", *arguments, LCM_DEFAULT_URL="no bus is needed")
+    assert (result.returncode, result.stderr) == (0, "")
+    assert result.stdout.startswith('Say "hello world" ten times a second')
+
+
+@pytest.mark.parametrize("place", [0, 1, 2, 3])
+def test_bus_can_be_said_anywhere(
+    place: int,
+    start: Callable[..., Any],
+    bus_url: str,
+    lcmtools: Run,
+    lcmtools_path: str,
+    wait_until: Callable[..., None],
+) -> None:
+    words = ["run", "listener", "__ns:=/elsewhere"]
+    words[place:place] = ["--lcm-url", bus_url]
+    start(lcmtools_path, *words)
+    wait_until(
+        lambda: lcmtools("node", "list", "--lcm-url", bus_url).stdout == "/elsewhere/listener\n"
+    )
+    assert "/elsewhere/listener" not in lcmtools("node", "list").stdout
+
+
+def test_exit_code_is_the_nodes(lcmtools: Run, tmp_path: Path) -> None:
+    metadata = tmp_path / "mine-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text("[lcmtools.nodes]\nmine = mine:main\n")
+    (tmp_path / "mine.py").write_text("def main(args=None):\n    print(args)\n    return 7\n")
+    environment = {"PYTHONPATH": str(tmp_path)}
+    result = lcmtools("run", "mine", "a", "--b", "c:=d", **environment)
+    assert (result.returncode, result.stdout) == (7, "['a', '--b', 'c:=d']\n")
+    assert "mine" in lcmtools("run", "--list", **environment).stdout.splitlines()
+
+
+def test_simulator_without_pybullet_says_what_to_type_with_exit_code_3(
+    lcmtools: Run, tmp_path: Path
+) -> None:
+    (tmp_path / "pybullet.py").write_text(
+        "raise ModuleNotFoundError(\"No module named 'pybullet'\", name='pybullet')\n"
+    )
+    result = lcmtools("run", "sim", PYTHONPATH=str(tmp_path))
+    assert (result.returncode, result.stdout) == (3, "")
+    assert result.stderr.count("\n") == 1
+    assert result.stderr.startswith("lcmtools run sim: the simulator needs pybullet")
+    assert "pip install" in result.stderr
+
+
+def test_node_whose_package_is_missing_says_what_to_type_with_exit_code_3(
+    lcmtools: Run, tmp_path: Path
+) -> None:
+    (tmp_path / "lcm.py").write_text(
+        "raise ModuleNotFoundError(\"No module named 'lcm'\", name='lcm')\n"
+    )
+    metadata = tmp_path / "mine-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text("[lcmtools.nodes]\nmine = lcm:main\n")
+    result = lcmtools("run", "mine", PYTHONPATH=str(tmp_path))
+    assert (result.returncode, result.stdout) == (3, "")
+    assert result.stderr == (
+        "lcmtools run: mine needs the Python package 'lcm', which is not installed;"
+        " type: pip install lcm\n"
+    )
+
+
+def test_msg_list_and_show_agree_in_all_spellings(lcmtools: Run) -> None:
+    names = lcmtools("msg", "list").stdout.splitlines()
+    assert names == sorted(names)
+    assert {"geometry_msgs/Twist", "std_msgs/String", "nav_msgs/Odometry"} <= set(names)
+    shown = lcmtools("msg", "show", "geometry_msgs/Twist").stdout
+    assert shown == (
+        "geometry_msgs/Vector3 linear\n  float64 x\n  float64 y\n  float64 z\n"
+        "geometry_msgs/Vector3 angular\n  float64 x\n  float64 y\n  float64 z\n"
+    )
+    assert lcmtools("msg", "show", "geometry_msgs/msg/Twist").stdout == shown
+    assert lcmtools("interface", "show", "geometry_msgs.Twist").stdout == shown
+    assert lcmtools("msg", "show", "Twist").stdout == f"[geometry_msgs/Twist]:\n{shown}"
+    record = json.loads(lcmtools("msg", "show", "--json", "Twist").stdout)
+    assert record["type"] == "geometry_msgs/Twist"
+    assert record["fingerprint"] == "0x2e7c07d7cdf7e027"
+    assert json.loads(lcmtools("msg", "list", "--json").stdout) == names

@@ -1,0 +1,152 @@
+"""Nodes in processes of their own, over the real bus."""
+
+import os
+from collections.abc import Callable
+from typing import Any
+
+import lcm
+import pytest
+
+from lcmtools.bus.url import parse_url
+from lcmtools.bus.watch import Watch
+from lcmtools.messages.codec import decode, encode
+from lcmtools.types.rosgraph_msgs import Log
+from lcmtools.types.std_msgs import String
+
+WaitUntil = Callable[..., None]
+
+_ECHOER = """
+import lcmtools
+from lcmtools.types.std_msgs import String
+
+class Echoer(lcmtools.Node):
+    def __init__(self):
+        super().__init__("echoer")
+        self.answers = self.create_publisher(String, "answers")
+        self.create_subscription(String, "questions", self.take)
+        self.get_logger().info(f"I am {self.name}")
+        print("ready")
+
+    def take(self, message):
+        self.answers.publish(message)
+
+lcmtools.init()
+lcmtools.spin(Echoer())
+lcmtools.shutdown()
+"""
+
+_SERVER = """
+import lcmtools
+from lcmtools.types.std_srvs import SetBool
+lcmtools.init()
+node = lcmtools.Node("server")
+def switch(request, response):
+    response.success, response.message = request.data, "done"
+    return response
+node.create_service(SetBool, "switch", switch)
+print("ready")
+lcmtools.spin(node)
+lcmtools.shutdown()
+"""
+
+_CALLER = """
+import sys
+import lcmtools
+from lcmtools.types.std_srvs import SetBool
+lcmtools.init()
+node = lcmtools.Node("caller")
+client = node.create_client(SetBool, "switch")
+request = SetBool.Request()
+request.data = True
+def ask():
+    response = client.call(request, timeout=10.0)
+    print("answer", response.success, response.message)
+    lcmtools.shutdown()
+node.create_timer(0.01, ask)
+lcmtools.spin(node)
+"""
+
+
+def test_a_plain_lcm_program_and_a_node_talk(
+    start_python: Callable[..., Any], bus_url: str, wait_until: WaitUntil
+) -> None:
+    node = start_python(_ECHOER, "__ns:=/x", "answers:=/news", "--lcm-url", bus_url)
+    node.wait_for("ready")
+    heard: list[str] = []
+    plain = lcm.LCM(bus_url)
+    plain.subscribe("/news", lambda _, payload: heard.append(decode(String, payload).data))
+    question = String()
+    question.data = "été?"
+    plain.publish("/x/questions", encode(question))
+    wait_until(lambda: plain.handle_timeout(20) and heard)
+    assert heard == ["été?"]
+    assert node.lines[0].startswith("[INFO] [")
+    assert node.lines[0].endswith("[/x/echoer]: I am /x/echoer")
+
+
+def test_a_node_gets_another_name(start_python: Callable[..., Any], bus_url: str) -> None:
+    node = start_python(_ECHOER, "__name:=bob", LCM_DEFAULT_URL=bus_url)
+    node.wait_for("ready")
+    with Watch(parse_url(bus_url), "test", os.environ) as watch:
+        (found,) = watch.settle(foreign=False).nodes
+    assert found.name == "/bob"
+    assert found.pid == node.pid
+    assert found.command.endswith(".py __name:=bob")
+    assert {e.topic for e in found.endpoints} == {"/rosout", "/answers", "/questions"}
+
+
+def test_rosout_has_what_was_logged(start_python: Callable[..., Any], bus_url: str) -> None:
+    with Watch(parse_url(bus_url), "test", os.environ) as watch:
+        start_python(_ECHOER, LCM_DEFAULT_URL=bus_url)
+        packet = next(p for p in watch.packets(15.0) if p.channel == "/rosout")
+    entry = decode(Log, packet.payload)
+    assert (entry.level, entry.name, entry.msg) == (Log.INFO, "/echoer", "I am /echoer")
+    assert (entry.function, entry.line) == ("__init__", 10)
+    assert entry.file.startswith("script_")
+
+
+@pytest.mark.parametrize("server_first", [True, False])
+def test_a_service_is_called_from_another_process(
+    start_python: Callable[..., Any], bus_url: str, *, server_first: bool
+) -> None:
+    """Whichever starts first: the request is repeated until there is somebody to hear it."""
+    order = [_SERVER, _CALLER] if server_first else [_CALLER, _SERVER]
+    first, second = (start_python(source, LCM_DEFAULT_URL=bus_url) for source in order)
+    caller = second if server_first else first
+    assert caller.wait() == 0, caller.output
+    assert caller.lines == ["answer True done"]
+
+
+def test_a_domain_is_a_bus_of_its_own(start_python: Callable[..., Any]) -> None:
+    node = start_python(
+        "import lcmtools; lcmtools.init(); print(lcmtools.Node('a').context.bus.url)",
+        "--domain",
+        "232",
+    )
+    assert node.wait() == 0
+    assert node.lines == ["udpm://239.255.76.67:7899?ttl=0"]
+
+
+@pytest.mark.usefixtures("bare_network")
+def test_without_multicast_init_says_what_to_type(start_python: Callable[..., Any]) -> None:
+    node = start_python(
+        "import lcmtools\ntry:\n    lcmtools.init()\n"
+        "except lcmtools.LcmtoolsError as error:\n    print(error)\n"
+    )
+    assert node.wait() == 0
+    (line,) = node.lines
+    assert line.startswith("no multicast route to 239.255.76.67:7667; type: sudo ip link set lo up")
+
+
+def test_a_node_on_tcpq_works_without_multicast(
+    start_python: Callable[..., Any], tcpq_server: Any, wait_until: WaitUntil
+) -> None:
+    url = tcpq_server.url
+    server = start_python(_SERVER, LCM_DEFAULT_URL=url)
+    caller = start_python(_CALLER, LCM_DEFAULT_URL=url)
+    assert caller.wait() == 0, caller.output
+    assert "answer True done" in caller.lines
+    with Watch(parse_url(url), "test", os.environ) as watch:
+        wait_until(lambda: [n.name for n in watch.settle().nodes if not n.stale] == ["/server"])
+    server.send_signal(2)
+    assert server.wait() == 0
