@@ -91,6 +91,30 @@ def check_legal(name: str) -> None:
         )
 
 
+def check_node(name: str) -> None:
+    """Refuse what is no full name of a node.
+
+    Raises:
+        InvalidName: It is empty, not global, or has characters that names do not have.
+    """
+    check_legal(name)
+    if resolve(name) != name or name == "/":
+        raise InvalidName(f"'{name}' is not a node's full name", "for example /husky0/driver")
+
+
+def check_channel(channel: str) -> str:
+    """Return ``channel``, or refuse what cannot be published on: see also ``check_length``.
+
+    Raises:
+        InvalidName: It is empty, too long, or not UTF-8.
+    """
+    try:
+        channel.encode()
+    except UnicodeEncodeError:
+        raise InvalidName(f"the channel {channel!a} is not UTF-8", "use another name") from None
+    return check_length(channel)
+
+
 def check_base_name(name: str) -> None:
     """Refuse what is no node name of its own: one part, without a namespace.
 

@@ -34,7 +34,7 @@ from lcmtools.bus.preflight import check_bus
 from lcmtools.bus.shield import open_descriptors, protect
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
-from lcmtools.names import check_length
+from lcmtools.names import check_channel
 from lcmtools.wire.packet import Packet
 
 _QUEUE_CAPACITY = 10_000  # messages that liblcm may hold while Python does not get to run
@@ -80,7 +80,7 @@ class LcmBus:
             BusError: It cannot be sent.
             InvalidName: LCM cannot carry this channel name.
         """
-        _check_channel(channel)
+        check_channel(channel)
         instance = self._instance()
         if self._paced and len(payload) > PACED_ABOVE_BYTES:
             self._paced.send(channel, payload)
@@ -98,7 +98,7 @@ class LcmBus:
             BusError: The subscription cannot be made.
             InvalidName: LCM cannot carry this channel name.
         """
-        _check_channel(channel)
+        check_channel(channel)
         self._on_receiver(lambda: self._subscribe(channel, handler))
 
     def unsubscribe(self, channel: str, handler: Handler) -> None:
@@ -297,13 +297,3 @@ def open_lcm(url: BusUrl) -> "lcm.LCM":
     if url.is_multicast:
         protect(url, known)
     return instance
-
-
-def _check_channel(channel: str) -> None:
-    check_length(channel)
-    try:
-        channel.encode()
-    except UnicodeEncodeError as error:
-        raise BusError(
-            f"{channel!a} is not UTF-8, and the lcm package takes nothing else"
-        ) from error

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from lcmtools.bus.processes import process_of
 from lcmtools.bus.url import BusUrl
-from lcmtools.graph.model import Node
+from lcmtools.graph.model import Node, Staleness
 
 
 class NodeRecords:
@@ -31,7 +31,13 @@ class NodeRecords:
         self._folders = [base / "nodes" / bus for base in _base_folders(environment)]
 
     def write(self, node: Node) -> None:
-        """Leave or renew a node's record. A computer that has no room for it goes without."""
+        """Leave a node's record, in place of those of dead nodes of its name.
+
+        A computer that has no room for it goes without.
+        """
+        for dead in self.read():
+            if dead.name == node.name and dead.stale is Staleness.ENDED:
+                self.remove(dead.id)
         process = process_of(os.getpid())
         record = {
             "name": node.name,
@@ -80,8 +86,7 @@ def _node(record: Mapping[str, object]) -> Node:
         start_time=int(str(record["start_time"])),
         command=str(record["command"]),
     )
-    matter = "runs but does not answer" if alive else "ended without saying goodbye"
-    return replace(node, stale=matter)
+    return replace(node, stale=Staleness.HANGS if alive else Staleness.ENDED)
 
 
 def _base_folders(environment: Mapping[str, str]) -> list[Path]:

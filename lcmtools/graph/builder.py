@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
-from lcmtools.graph.model import STALE_AFTER, Graph, Node, Traffic
+from lcmtools.graph.model import STALE_AFTER, Graph, Node, Staleness, Traffic
 from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Announcement, decode_announcement
 from lcmtools.wire.packet import Packet, Sender
 
@@ -72,7 +72,7 @@ class GraphBuilder:
         """The graph at the time ``now`` (nanoseconds since 1970)."""
         heard = [_aged(node, now) for node in self._nodes.values()]
         silent = [
-            replace(node, stale=node.stale or "does not answer")
+            replace(node, stale=node.stale or Staleness.UNANSWERED)
             for identifier, node in self._recorded.items()
             if identifier not in self._nodes and identifier not in self._left
         ]
@@ -107,7 +107,6 @@ def _order(item: tuple[tuple[str, Sender | None], _Count]) -> tuple[str, str]:
 
 
 def _aged(node: Node, now: int) -> Node:
-    silence = now - node.last_heard
-    if silence <= STALE_AFTER:
+    if now - node.last_heard <= STALE_AFTER:
         return node
-    return replace(node, stale=f"silent for {silence / 1e9:.0f} s")
+    return replace(node, stale=Staleness.SILENT)

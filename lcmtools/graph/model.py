@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from enum import IntEnum
+from enum import Enum, IntEnum
 
 from lcmtools.names import base_name_of, is_hidden
 from lcmtools.wire.packet import Sender
@@ -18,6 +18,24 @@ class Role(IntEnum):
     SUBSCRIBER = 1
     SERVICE = 2
     CLIENT = 3
+
+
+class Staleness(str, Enum):
+    """Why a node counts as stale; empty, and so false, for one that is alive."""
+
+    NOT = ""
+    SILENT = "announces itself no more"
+    UNANSWERED = "does not answer"
+    HANGS = "runs but does not answer"
+    ENDED = "ended without saying goodbye"
+
+    def __str__(self) -> str:
+        """As it is shown."""
+        return self.value
+
+    def __format__(self, spec: str) -> str:
+        """As it is shown; Python versions differ in what they make of it otherwise."""
+        return format(self.value, spec)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +88,7 @@ class Node:
         endpoints: What it publishes, subscribes and serves.
         sender: Where its announcements come from; None where the bus does not say.
         last_heard: When it last announced itself, nanoseconds since 1970; 0 for never.
-        stale: Why it counts as stale; "" for a node that is alive.
+        stale: Why it counts as stale; false for a node that is alive.
     """
 
     name: str
@@ -84,7 +102,7 @@ class Node:
     endpoints: tuple[Endpoint, ...] = ()
     sender: Sender | None = None
     last_heard: int = 0
-    stale: str = ""
+    stale: Staleness = Staleness.NOT
 
     def having(self, role: Role) -> tuple[Endpoint, ...]:
         """The endpoints of one role, sorted by topic."""

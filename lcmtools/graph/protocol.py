@@ -7,10 +7,11 @@ LEAVING when it ends.
 
 from dataclasses import dataclass
 
-from lcmtools.errors import DecodeError
+from lcmtools.errors import DecodeError, InvalidName
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import fingerprint
+from lcmtools.names import check_node
 from lcmtools.types import lcmtools_msgs as msgs
 
 NODE_CHANNEL = "/_lcmtools/node"
@@ -92,7 +93,8 @@ def decode_announcement(payload: bytes) -> Announcement | None:
     try:
         message = decode(msgs.Announcement, payload)
         endpoints = tuple(_endpoint(part) for part in message.endpoints)
-    except (DecodeError, ValueError):
+        check_node(message.name)
+    except (DecodeError, InvalidName, ValueError):
         return None
     node = Node(
         name=message.name,

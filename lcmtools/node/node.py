@@ -108,7 +108,7 @@ class Node(Participant):
         Raises:
             InvalidName: The topic's name breaks the naming rules.
         """
-        resolved = names.check_length(topic) if literal else self.resolve_name(topic)
+        resolved = names.check_channel(topic) if literal else self.resolve_name(topic)
         context = self.__context
         publisher = Publisher(context.bus, message_type, resolved, depth, context.graph)
         publisher.on_failure = None if self.__identity.tool else self.__log_lost_message
@@ -143,7 +143,7 @@ class Node(Participant):
             BusError: The bus does not take the subscription.
         """
         types = message_type if isinstance(message_type, tuple) else (message_type,)
-        resolved = names.check_length(topic) if literal else self.resolve_name(topic)
+        resolved = names.check_channel(topic) if literal else self.resolve_name(topic)
         subscription = Subscription(types, resolved, callback, depth, group)  # type: ignore[arg-type]
         subscription.on_ready = self.__context.wakeup.set
         self.__context.bus.subscribe(resolved, subscription.receive)

@@ -39,7 +39,7 @@ def test_tcpq_carries_messages_of_any_size(tcpq_server: Any, wait_until: WaitUnt
 
 
 def test_many_threads_may_use_tcpq_at_once(tcpq_server: Any, wait_until: WaitUntil) -> None:
-    """liblcm itself mixes up their bytes: it guards the socket on udpm only."""
+    """Without a lock, liblcm mixes up their bytes."""
     bus, heard = LcmBus(parse_url(tcpq_server.url)), []
     bus.subscribe("a", lambda payload, _: heard.append(payload))
 

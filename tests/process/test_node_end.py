@@ -263,14 +263,24 @@ def test_a_killed_node_is_known_to_have_ended_until_it_is_forgotten(
 
 
 def test_a_stopped_node_is_known_to_run_but_not_to_answer(
-    run: Callable[..., Any], bus_url: str
+    run: Callable[..., Any], bus_url: str, wait_until: Callable[..., None]
 ) -> None:
     victim = run(_HEAD + _BUSY["idle"])
     victim.wait_for("ready")
     victim.send_signal(signal.SIGSTOP)
+    wait_until(lambda: _is_stopped(victim.pid))
     with Watch(parse_url(bus_url), "test", os.environ) as later:
         (node,) = later.settle(foreign=False).nodes
         assert node.stale == "runs but does not answer"
         victim.send_signal(signal.SIGCONT)
         (node,) = later.settle(foreign=False).nodes
         assert node.stale == ""
+
+
+def _is_stopped(pid: int) -> bool:
+    """Whether every thread has stopped, which takes a moment after the signal."""
+    states = [
+        (task / "stat").read_text().rpartition(")")[2].split()[0]
+        for task in Path(f"/proc/{pid}/task").iterdir()
+    ]
+    return set(states) == {"T"}

@@ -4,6 +4,7 @@ import click
 
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
 from lcmtools.cli.output import document, lines, talk
+from lcmtools.graph.model import Staleness
 
 
 @click.command("cleanup", context_settings=CONTEXT)
@@ -20,7 +21,8 @@ def command(*, as_json: bool) -> None:
       lcmtools node cleanup --domain 3
     """  # noqa: D301 - \b is click's mark
     with open_watch("node_cleanup") as watch:
-        ended = [node for node in watch.settle(foreign=False).nodes if "ended" in node.stale]
+        nodes = watch.settle(foreign=False).nodes
+        ended = [node for node in nodes if node.stale is Staleness.ENDED]
         for node in ended:
             watch.forget(node)
     names = [node.name for node in ended]

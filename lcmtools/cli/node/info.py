@@ -83,7 +83,7 @@ def _record(node: Node) -> dict[str, object]:
         "pid": node.pid,
         "command": node.command,
         "start_time": node.start_time,
-        "stale": node.stale or None,
+        "stale": node.stale.value or None,
         "publications": [_endpoint_record(e) for e in node.having(Role.PUBLISHER)],
         "subscriptions": [_endpoint_record(e) for e in node.having(Role.SUBSCRIBER)],
         "services": [_endpoint_record(e) for e in node.having(Role.SERVICE)],

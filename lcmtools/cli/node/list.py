@@ -45,5 +45,5 @@ def _record(node: Node) -> dict[str, object]:
         "pid": node.pid,
         "command": node.command,
         "start_time": node.start_time,
-        "stale": node.stale or None,
+        "stale": node.stale.value or None,
     }

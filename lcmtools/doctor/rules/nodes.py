@@ -4,7 +4,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 
 from lcmtools.doctor.model import Evidence, Finding, Severity
-from lcmtools.graph.model import Node
+from lcmtools.graph.model import Node, Staleness
 
 
 def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
@@ -46,7 +46,7 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
 
 
 def _runs(node: Node) -> bool:
-    return "answer" in node.stale
+    return node.stale is not Staleness.ENDED
 
 
 def _remedy(node: Node) -> str:

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -96,6 +97,16 @@ def test_a_killed_process_is_known_to_have_ended(
     child.kill()
     child.wait()
     assert [node.stale for node in records.read()] == ["ended without saying goodbye"]
+
+
+def test_a_node_that_is_started_again_takes_the_place_of_its_dead_self(
+    records: NodeRecords, tmp_path: Path, child: subprocess.Popen[bytes]
+) -> None:
+    _record_of(records, child.pid, tmp_path)
+    child.kill()
+    child.wait()
+    records.write(replace(_node(pid=os.getpid()), id="another"))
+    assert [node.id for node in records.read()] == ["another"]
 
 
 def test_a_killed_process_that_nobody_waits_for_is_known_to_have_ended(

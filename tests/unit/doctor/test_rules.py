@@ -6,7 +6,7 @@ import pytest
 
 from lcmtools.doctor.model import Evidence, Finding, Severity
 from lcmtools.doctor.rules import examine
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.messages.registry import fingerprint, message_class
 from lcmtools.wire.packet import Sender
 
@@ -30,7 +30,11 @@ def sub(topic: str, *types: str, group: str = "") -> Endpoint:
 
 
 def node(
-    name: str, *endpoints: Endpoint, pid: int = 1, stale: str = "", tool: bool = False
+    name: str,
+    *endpoints: Endpoint,
+    pid: int = 1,
+    stale: Staleness = Staleness.NOT,
+    tool: bool = False,
 ) -> Node:
     return Node(
         name=name,
@@ -122,7 +126,7 @@ def test_a_plain_lcm_programs_traffic_feeds_a_subscription() -> None:
 
 
 def test_a_stale_publisher_feeds_nobody() -> None:
-    dead = node("/talker", pub("/chatter", STRING), stale="ended without saying goodbye")
+    dead = node("/talker", pub("/chatter", STRING), stale=Staleness.ENDED)
     found = findings(dead, node("/listener", sub("/chatter", STRING)))
     assert found["unconnected-subscriptions"].items == (" * /listener:", "   * /chatter")
 
@@ -215,40 +219,40 @@ def test_two_live_nodes_of_one_name_are_an_error() -> None:
 
 
 def test_a_restarted_node_is_no_duplicate_of_its_stale_self() -> None:
-    found = findings(node("/talker", pid=7, stale="does not answer"), node("/talker", pid=8))
+    found = findings(node("/talker", pid=7, stale=Staleness.UNANSWERED), node("/talker", pid=8))
     assert "duplicate-names" not in found
 
 
 @pytest.mark.parametrize(
     ("stale", "remedy"),
     [
-        ("runs but does not answer", "wake it (kill -CONT 7) or end it (kill 7)"),
+        (Staleness.HANGS, "wake it (kill -CONT 7) or end it (kill 7)"),
         (
-            "ended without saying goodbye",
+            Staleness.ENDED,
             "start /talker again, or forget it: lcmtools node cleanup",
         ),
     ],
 )
-def test_stale_nodes_are_an_error(stale: str, remedy: str) -> None:
+def test_stale_nodes_are_an_error(stale: Staleness, remedy: str) -> None:
     finding = findings(node("/talker", pid=7, stale=stale))["stale-nodes"]
     assert finding.severity is Severity.ERROR
-    assert finding.items == (f" * /talker (pid 7): {stale}",)
+    assert finding.items == (f" * /talker (pid 7): {stale.value}",)
     assert finding.remedies == (remedy,)
 
 
 def test_a_node_that_ended_and_was_started_again_is_no_stale_one() -> None:
-    ended = node("/talker", pid=7, stale="ended without saying goodbye")
+    ended = node("/talker", pid=7, stale=Staleness.ENDED)
     assert "stale-nodes" not in findings(ended, node("/talker", pid=8))
 
 
 def test_a_node_that_hangs_is_stale_beside_another_of_its_name() -> None:
-    hanging = node("/talker", pid=7, stale="runs but does not answer")
+    hanging = node("/talker", pid=7, stale=Staleness.HANGS)
     finding = findings(hanging, node("/talker", pid=8))["stale-nodes"]
     assert finding.items == (" * /talker (pid 7): runs but does not answer",)
 
 
 def test_a_command_that_was_killed_is_no_stale_node() -> None:
-    killed = node("/_lcmtools_pub_7", pid=7, stale="ended without saying goodbye")
+    killed = node("/_lcmtools_pub_7", pid=7, stale=Staleness.ENDED)
     assert "stale-nodes" not in findings(killed)
 
 

@@ -96,7 +96,7 @@ def test_an_announcement_with_an_unknown_role_is_none(role: int) -> None:
 
 def test_an_announcement_of_an_unknown_state_is_a_node_that_lives() -> None:
     message = msgs.Announcement()
-    message.state = 7
+    message.name, message.state = "/driver", 7
     decoded = decode_announcement(encode(message))
     assert decoded is not None
     assert not decoded.leaving
@@ -148,3 +148,10 @@ def test_the_identity_in_an_announcement_is_the_nodes_own() -> None:
 def test_the_identity_in_anything_else_is_empty_or_some_bytes(data: bytes) -> None:
     assert identity_in(data) == b"" or data.startswith(_PAYLOAD[:8])
     identity_in(_PAYLOAD[:8] + data)
+
+
+@pytest.mark.parametrize("name", ["", "/", "driver", "/a//b", "/a/", "/a b", "/\x1b[2J", "~a"])
+def test_an_announcement_of_a_node_without_a_proper_name_is_none(name: str) -> None:
+    message = msgs.Announcement()
+    message.name = name
+    assert decode_announcement(encode(message)) is None

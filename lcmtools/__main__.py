@@ -1,0 +1,23 @@
+"""The console script, and ``python -m lcmtools``.
+
+As small as it is because importing the command line takes a moment, in which Ctrl-C should be as
+quiet as at any other.
+"""
+
+import os
+import sys
+
+
+def run() -> None:
+    """Run the command line and end the process."""
+    try:
+        from lcmtools.cli.main import run as run_command_line
+
+        run_command_line()
+    except KeyboardInterrupt:
+        sys.stderr.flush()
+        os._exit(130)  # the interpreter is half started: nothing is open that would need closing
+
+
+if __name__ == "__main__":
+    run()
