@@ -58,6 +58,6 @@ def _check_log(url: BusUrl) -> None:
         with Path(url.network).open("rb") as log:
             start = log.read(len(_LOG_SYNC))
     except OSError as error:
-        raise BusError(f"there is no log file '{url.network}'") from error
+        raise BusError(f"cannot read the log '{url.network}': {error.strerror}") from error
     if start != _LOG_SYNC:
         raise BusError(f"'{url.network}' is empty or no LCM log")

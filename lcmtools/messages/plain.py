@@ -149,7 +149,8 @@ def _fill_in_order(message: Message, values: Sequence[Value]) -> None:
         return
     if len(values) != len(targets):
         names = ", ".join(field.name for field in targets)
-        wanted = f"{len(targets)} values ({names})" if targets else "no fields"
+        plural = "s" if len(targets) > 1 else ""
+        wanted = f"{len(targets)} value{plural} ({names})" if targets else "no fields"
         raise Misfit(f"expected {wanted}, got {len(values)}")
     for field, value in zip(targets, values, strict=True):
         _fill_field(message, field, value)

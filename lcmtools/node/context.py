@@ -67,6 +67,8 @@ class Context:
         self.arguments = arguments
         self.wakeup = Wakeup()
         self.declared_parameters: set[str] = set()
+        self.notices: list[str] = []
+        """What the first node should log: something on the command line has no effect."""
         self.host = socket.gethostname()
         self._records = records
         self._participants: list[Participant] = []
@@ -188,10 +190,13 @@ def init(
     if _process.context is not None:
         raise LcmtoolsError("lcmtools.init() was called twice", "call lcmtools.shutdown() between")
     arguments, rest = split_arguments(sys.argv[1:] if args is None else args)
-    bus_url, _ = choose_url(arguments.lcm_url or url, arguments.domain, os.environ)
+    bus_url, source = choose_url(arguments.lcm_url or url, arguments.domain, os.environ)
     _process.context = Context(
         _open_bus(bus_url), arguments, os.environ, NodeRecords(bus_url, os.environ)
     )
+    if arguments.domain and source != "--domain":
+        notice = f"--domain {arguments.domain} has no effect: {source} wins"
+        _process.context.notices.append(notice)
     if handle_signals and threading.current_thread() is threading.main_thread():
         _process.handlers = {
             number: signal.signal(number, _interrupted)

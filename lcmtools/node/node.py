@@ -85,6 +85,8 @@ class Node(Participant):
         if self.declare_parameter("use_sim_time", default=False).value:
             self.__use_sim_time()
         self.__context.add(self)
+        while self.__context.notices:
+            self.__logger.warning(self.__context.notices.pop())
 
     def __enter__(self) -> "Node":
         """Use the node as a context manager."""

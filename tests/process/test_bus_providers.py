@@ -192,7 +192,7 @@ def test_a_file_that_is_no_log_is_named(
 
 def test_a_log_that_is_not_there_is_named(tmp_path: Path) -> None:
     for open_bus in (LcmBus, LcmListener):
-        with pytest.raises(BusError, match=r"there is no log file '.*/none\.log'"):
+        with pytest.raises(BusError, match=r"cannot read the log '.*/none\.log'"):
             open_bus(parse_url(f"file://{tmp_path}/none.log"))
 
 

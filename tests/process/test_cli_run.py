@@ -82,6 +82,14 @@ def test_bus_can_be_said_anywhere(
     assert "/elsewhere/listener" not in lcmtools("node", "list").stdout
 
 
+def test_a_domain_that_has_no_effect_is_told(
+    start: Callable[..., Any], bus_url: str, lcmtools_path: str
+) -> None:
+    talker = start(lcmtools_path, "run", "talker", "--domain", "3", LCM_DEFAULT_URL=bus_url)
+    talker.wait_for("[WARN]")
+    assert talker.lines[0].endswith("--domain 3 has no effect: LCM_DEFAULT_URL wins")
+
+
 def test_exit_code_is_the_nodes(lcmtools: Run, tmp_path: Path) -> None:
     metadata = tmp_path / "mine-1.0.dist-info"
     metadata.mkdir()
