@@ -37,6 +37,10 @@ bench: $(VENV)/.installed-dev
 	for script in $(filter-out bench/common.py,$(wildcard bench/*.py)); do echo "== $$script"; $(BIN)/python $$script || exit 1; done
 
 $(VENV)/.venv:
+	@$(PYTHON) -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 11))' || { \
+	  echo "the simulator's pybullet has no wheel for $$($(PYTHON) --version); type:" >&2; \
+	  echo '  uv python install 3.11 && make $(MAKECMDGOALS) PYTHON="$$(uv python find 3.11)"' >&2; \
+	  exit 1; }
 	$(PYTHON) -m venv $(VENV)
 	touch $@
 

@@ -82,7 +82,8 @@ class LcmBus:
         """
         check_channel(channel)
         instance = self._instance()
-        if self._paced and len(payload) > PACED_ABOVE_BYTES:
+        is_large = len(payload) > PACED_ABOVE_BYTES
+        if self._paced and (is_large or self._paced.has_waiting(channel)):
             self._paced.send(channel, payload)
             return
         try:

@@ -69,6 +69,13 @@ class PacedSender:
             self._waiting_bytes += len(payload)
             self._changed.notify_all()
 
+    def has_waiting(self, channel: str) -> bool:
+        """Whether a message of this channel waits or is on its way, that none may overtake."""
+        if not self._waiting:
+            return False
+        with self._changed:
+            return any(waiting == channel for waiting, _ in self._waiting)
+
     def close(self) -> None:
         """Send what is queued, for half a second at most, and close the socket."""
         with self._changed:
@@ -84,9 +91,10 @@ class PacedSender:
                 self._changed.wait_for(lambda: self._closed or self._waiting)
                 if not self._waiting:
                     return
-                channel, payload = self._waiting.popleft()
+                channel, payload = self._waiting[0]
             self._send_now(channel, payload)
             with self._changed:
+                self._waiting.popleft()  # only now: see has_waiting
                 self._waiting_bytes -= len(payload)
                 self._changed.notify_all()
 

@@ -86,7 +86,7 @@ def test_every_entry_point_is_in_the_wheel(wheel: zipfile.ZipFile) -> None:
         target.partition(":")[0] for part in points.sections() for target in points[part].values()
     }
     modules = {f"{target.replace('.', '/')}.py" for target in targets}
-    assert "lcmtools/cli/main.py" in modules
+    assert "lcmtools/__main__.py" in modules
     assert modules - set(wheel.namelist()) == set()
 
 
