@@ -40,6 +40,11 @@ def node_text(node: Node) -> str:
     return f"{node.name} ({node.host}, pid {node.pid}{stale})"
 
 
+def listed_node(node: Node) -> str:
+    """A node as lists show it: its name, and what is the matter with it."""
+    return f"{node.name} (stale: {node.stale})" if node.stale else node.name
+
+
 def program_text(traffic: Traffic) -> str:
     """The program behind a sender that is no node, as far as the system tells."""
     from lcmtools.bus.processes import is_local, process_of_port

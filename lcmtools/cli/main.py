@@ -1,24 +1,15 @@
-"""The command ``lcmtools``: its table of commands, and where errors become exit codes."""
+"""The command ``lcmtools``: its table of commands, and how one is run."""
 
-import contextlib
 import os
-import signal
 import sys
-from collections.abc import Iterator, Sequence
-from pathlib import Path
-from types import FrameType
-from typing import TextIO
+from collections.abc import Sequence
 
 import click
 
 from lcmtools import __version__
+from lcmtools.cli.ending import BY_SIGNAL, endable, exit_code, explain, flush, writable
 from lcmtools.cli.lazy import Entry, LazyGroup
 from lcmtools.cli.options import CONTEXT, bus_options
-from lcmtools.cli.output import complain, talk
-from lcmtools.errors import LcmtoolsError
-
-INTERRUPTED = 130
-_BY_SIGNAL = 128  # a shell adds it to the number of the signal that ended a command
 
 _TOPIC = "lcmtools.cli.topic"
 _TOPIC_COMMANDS = {
@@ -26,23 +17,38 @@ _TOPIC_COMMANDS = {
     "info": Entry(f"{_TOPIC}.info:command", "Show a topic's type, publishers and subscribers."),
     "echo": Entry(f"{_TOPIC}.echo:command", "Print the messages of a topic."),
     "pub": Entry(f"{_TOPIC}.pub:command", "Publish messages written in YAML."),
-    "hz": Entry(f"{_TOPIC}.hz:command", "Measure a topic's rate."),
+    "hz": Entry(f"{_TOPIC}.hz:command", "Measure the rate of topics."),
+    "bw": Entry(f"{_TOPIC}.bw:command", "Measure the bandwidth of topics."),
+    "delay": Entry(f"{_TOPIC}.delay:command", "Measure how late a topic's messages arrive."),
     "type": Entry(f"{_TOPIC}.type:command", "Print a topic's type."),
+    "find": Entry(f"{_TOPIC}.find:command", "List the topics of a type."),
 }
 _NODE_COMMANDS = {
     "list": Entry("lcmtools.cli.node.list:command", "List the nodes on the bus."),
     "info": Entry("lcmtools.cli.node.info:command", "Show a node's publications and more."),
+    "machine": Entry("lcmtools.cli.node.machine:command", "List the computers that nodes run on."),
     "ping": Entry("lcmtools.cli.node.ping:command", "Measure how fast a node answers."),
     "cleanup": Entry("lcmtools.cli.node.cleanup:command", "Forget nodes that were killed."),
 }
 _MSG_COMMANDS = {
     "list": Entry("lcmtools.cli.msg.list:command", "List the message types."),
     "show": Entry("lcmtools.cli.msg.show:command", "Show the fields of a message type."),
+    "proto": Entry("lcmtools.cli.msg.proto:command", "Print a message to fill in, for pub."),
+    "find-field": Entry("lcmtools.cli.msg.find_field:command", "Find types by a field's name."),
+    "package": Entry("lcmtools.cli.msg.package:command", "List the message types of a package."),
+    "packages": Entry("lcmtools.cli.msg.packages:command", "List the packages."),
+    "fingerprint": Entry("lcmtools.cli.msg.fingerprint:command", "Print a type's fingerprint."),
+    "md5": Entry("lcmtools.cli.msg.fingerprint:command", "fingerprint, as ROS.", is_alias=True),
+}
+_SRV_COMMANDS = {
+    "list": Entry("lcmtools.cli.srv.list:command", "List the service types."),
+    "show": Entry("lcmtools.cli.srv.show:command", "Show the fields of a service type."),
 }
 _COMMANDS = {
     **_TOPIC_COMMANDS,
-    "node": Entry("lcmtools.cli.main:node", "Look at nodes: list, info, ping, cleanup."),
-    "msg": Entry("lcmtools.cli.main:msg", "Look at message types: list, show."),
+    "node": Entry("lcmtools.cli.main:node", "Look at nodes: list, info, ping and more."),
+    "msg": Entry("lcmtools.cli.main:msg", "Look at message types: list, show, proto and more."),
+    "srv": Entry("lcmtools.cli.main:srv", "Look at service types: list, show."),
     "wtf": Entry("lcmtools.cli.wtf:command", "Find what is wrong and say how to mend it."),
     "run": Entry("lcmtools.cli.run:command", "Run a node, or the simulator."),
     "topic": Entry("lcmtools.cli.main:topic", "topic list is list, and so on.", is_alias=True),
@@ -126,128 +132,47 @@ def msg() -> None:
     """  # noqa: D301 - \b is click's mark
 
 
+@click.group(cls=LazyGroup, entries=_SRV_COMMANDS, context_settings=CONTEXT)
+def srv() -> None:
+    """Look at service types.
+
+    \b
+    Examples:
+      lcmtools srv list
+      lcmtools srv show std_srvs/Trigger
+    """  # noqa: D301 - \b is click's mark
+
+
 def main(arguments: Sequence[str]) -> int:
     """Run one command; return its exit code."""
     signals: list[int] = []
     try:
         # not root.main(): it answers Ctrl-C with an empty line
-        with _endable(signals), root.make_context("lcmtools", list(arguments)) as context:
-            return _exit_code(root.invoke(context))
+        with endable(signals), root.make_context("lcmtools", list(arguments)) as context:
+            return exit_code(root.invoke(context))
     except BaseException as error:
         if signals:  # whatever the code that was interrupted has made of it
-            return _BY_SIGNAL + signals[0]
-        code = _explain(error, _command_name(arguments))
+            return BY_SIGNAL + signals[0]
+        code = explain(error, _command_name(arguments))
         if code is None:
             raise
         return code
 
 
-def _explain(error: BaseException, command: str) -> int | None:
-    """Say what went wrong in one line; the exit code, or None for what a traceback should show."""
-    if isinstance(error, click.exceptions.Exit):
-        return error.exit_code
-    if isinstance(error, click.ClickException):
-        return _usage_error(error, command)
-    for kind, code in _QUIET_ENDS.items():
-        if isinstance(error, kind):
-            return code
-    if os.environ.get("LCMTOOLS_DEBUG") or not isinstance(error, Exception):
-        return None
-    return _failure(error, command)
-
-
-def _failure(error: Exception, command: str) -> int:
-    """Print why a command failed."""
-    if isinstance(error, LcmtoolsError):
-        complain(command, error)
-        return error.exit_code
-    if isinstance(error, OSError):
-        talk(f"{command}: {error.strerror or error}")
-        return 1
-    kind = type(error).__name__
-    talk(f"{command}: a fault of lcmtools ({kind}: {error}); lcmtools --debug shows where")
-    return 1
-
-
 def run() -> None:
     """The console script."""
-    sys.stdout, sys.stderr = _writable(sys.stdout), _writable(sys.stderr)
+    sys.stdout, sys.stderr = writable(sys.stdout), writable(sys.stderr)
     code = main(sys.argv[1:])
-    code = _flush(code)
+    code = flush(code)
     sys.exit(code)
-
-
-_QUIET_ENDS: dict[type[BaseException], int] = {
-    KeyboardInterrupt: INTERRUPTED,
-    click.Abort: INTERRUPTED,
-    BrokenPipeError: 0,  # whoever reads has had enough
-}
-
-
-@contextlib.contextmanager
-def _endable(signals: list[int]) -> Iterator[None]:
-    """Let Ctrl-C and SIGTERM end a command in an orderly way; ``signals`` gets their numbers.
-
-    Also where SIGINT was ignored when it began, as a shell script has it for what it starts with
-    "&": kill -INT ends a command there as it ends rostopic.
-    """
-
-    def end(number: int, _frame: FrameType | None) -> None:
-        signals.append(number)
-        raise KeyboardInterrupt
-
-    before = {number: signal.signal(number, end) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-def _exit_code(result: object) -> int:
-    return result if isinstance(result, int) else 0
-
-
-def _usage_error(error: click.ClickException, command: str) -> int:
-    """Print a usage error in one line."""
-    context = getattr(error, "ctx", None)
-    command = context.command_path if context else command
-    if isinstance(error, click.exceptions.NoArgsIsHelpError):
-        click.echo(error.format_message(), err=True)
-        return error.exit_code
-    message = error.format_message().rstrip(".")
-    talk(f"{command}: {message[:1].lower()}{message[1:]} (see {command} --help)")
-    return error.exit_code
 
 
 def _command_name(arguments: Sequence[str]) -> str:
     """The command as typed, for messages: "lcmtools node info"."""
-    known = {**_COMMANDS, **_NODE_COMMANDS, **_MSG_COMMANDS}
+    known = {**_COMMANDS, **_NODE_COMMANDS, **_MSG_COMMANDS, **_SRV_COMMANDS}
     words = []
     for word in arguments:
         if word not in known:
             break
         words.append(word)
     return " ".join(["lcmtools", *words])
-
-
-def _writable(stream: TextIO | None) -> TextIO:
-    """A stream that takes any text: a channel's name may be no UTF-8, and is shown escaped."""
-    if stream is None:  # closed by whoever started this process
-        return Path(os.devnull).open("w", encoding="utf-8")
-    with contextlib.suppress(AttributeError):
-        stream.reconfigure(errors="backslashreplace")  # type: ignore[attr-defined]
-    return stream
-
-
-def _flush(code: int) -> int:
-    """Write what is left; a closed pipe is no fault, a full disk is."""
-    try:
-        sys.stdout.flush()
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    except OSError as error:
-        talk(f"lcmtools: cannot write: {error.strerror}")
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
-    return code

@@ -1,7 +1,10 @@
-"""How often something comes: rates over a window of arrival times. Plain arithmetic."""
+"""How often, how much and how late something comes: sums over a window of the latest arrivals.
+
+Plain arithmetic; times come in as arguments.
+"""
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import sqrt
@@ -16,6 +19,45 @@ class Rate:
         shortest: The shortest interval [s].
         longest: The longest interval [s].
         deviation: The population standard deviation of the intervals [s].
+        window: How many arrivals this is about.
+    """
+
+    mean: float
+    shortest: float
+    longest: float
+    deviation: float
+    window: int
+
+
+@dataclass(frozen=True, slots=True)
+class Bandwidth:
+    """How much comes, as rostopic bw sums it up.
+
+    Attributes:
+        average: The window's bytes over the time since its first arrival [byte/s]; it falls when
+            nothing comes any more.
+        mean: The mean size [byte].
+        smallest: The smallest size [byte].
+        largest: The largest size [byte].
+        window: How many arrivals this is about.
+    """
+
+    average: float
+    mean: float
+    smallest: int
+    largest: int
+    window: int
+
+
+@dataclass(frozen=True, slots=True)
+class Delay:
+    """How late things come, as rostopic delay sums it up.
+
+    Attributes:
+        mean: The mean delay [s].
+        shortest: The shortest delay [s]; negative where a clock is ahead.
+        longest: The longest delay [s].
+        deviation: The population standard deviation of the delays [s].
         window: How many arrivals this is about.
     """
 
@@ -50,14 +92,77 @@ class RateWindow:
         if self.total == self._reported or len(self._times) < 2:  # noqa: PLR2004 - an interval
             return None
         self._reported = self.total
-        times = list(self._times)
-        intervals = [(b - a) / 1e9 for a, b in pairwise(times)]
+        intervals = [(b - a) / 1e9 for a, b in pairwise(self._times)]
         mean = sum(intervals) / len(intervals)
-        variance = sum((interval - mean) ** 2 for interval in intervals) / len(intervals)
         return Rate(
             mean=1 / mean if mean > 0 else 0.0,
             shortest=min(intervals),
             longest=max(intervals),
-            deviation=sqrt(variance),
-            window=len(times),
+            deviation=_deviation(intervals),
+            window=len(self._times),
         )
+
+
+class BandwidthWindow:
+    """The sizes of the latest arrivals of one stream.
+
+    Args:
+        size: How many arrivals are kept; at least 2.
+    """
+
+    def __init__(self, size: int) -> None:
+        self._arrivals: deque[tuple[int, int]] = deque(maxlen=size)
+
+    def add(self, time: int, size: int) -> None:
+        """Add an arrival: when, in nanoseconds, and how many bytes."""
+        self._arrivals.append((time, size))
+
+    def take(self, now: int) -> Bandwidth | None:
+        """The bandwidth at a time in nanoseconds; None before two arrivals."""
+        if len(self._arrivals) < 2:  # noqa: PLR2004 - the time between
+            return None
+        sizes = [size for _, size in self._arrivals]
+        seconds = (now - self._arrivals[0][0]) / 1e9
+        return Bandwidth(
+            average=sum(sizes) / seconds if seconds > 0 else 0.0,
+            mean=sum(sizes) / len(sizes),
+            smallest=min(sizes),
+            largest=max(sizes),
+            window=len(sizes),
+        )
+
+
+class DelayWindow:
+    """The delays of the latest arrivals of one stream.
+
+    Args:
+        size: How many arrivals are kept; at least 1.
+    """
+
+    def __init__(self, size: int) -> None:
+        self._delays: deque[float] = deque(maxlen=size)
+        self._is_new = False
+
+    def add(self, arrived: int, stamped: int) -> None:
+        """Add an arrival: when it came and when it was stamped, in nanoseconds."""
+        self._delays.append((arrived - stamped) / 1e9)
+        self._is_new = True
+
+    def take(self) -> Delay | None:
+        """The delay; None when nothing came since it was last taken."""
+        if not self._is_new:
+            return None
+        self._is_new = False
+        return Delay(
+            mean=sum(self._delays) / len(self._delays),
+            shortest=min(self._delays),
+            longest=max(self._delays),
+            deviation=_deviation(tuple(self._delays)),
+            window=len(self._delays),
+        )
+
+
+def _deviation(values: Sequence[float]) -> float:
+    """The population standard deviation."""
+    mean = sum(values) / len(values)
+    return sqrt(sum((value - mean) ** 2 for value in values) / len(values))

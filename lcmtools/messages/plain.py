@@ -53,7 +53,11 @@ def to_json(message: Message) -> str:
 
     Infinities and NaN are the strings "inf", "-inf" and "nan".
     """
-    plain: Plain = to_plain(message)
+    return plain_json(to_plain(message))
+
+
+def plain_json(plain: Plain) -> str:
+    """A plain value as one line of JSON, as in ``to_json``."""
     try:
         text = _json(plain)
     except ValueError:

@@ -112,6 +112,15 @@ class Registry:
         Raises:
             UnknownType: There is no such service, or several packages have it.
         """
+        found = self.service_name(name)
+        return cast("type[ServiceType]", _load(self._services[found].prefix, found))
+
+    def service_name(self, name: str) -> str:
+        """The full name of a service pair ("std_srvs/Trigger"), of any way to write it.
+
+        Raises:
+            UnknownType: There is no such service, or several packages have it.
+        """
         found = _find(name, self._services, "service")
         if not found:
             near = _near(name, self._services)
@@ -119,7 +128,7 @@ class Registry:
                 f"unknown service type '{name}'",
                 near or f"known: {', '.join(self.service_names())}",
             )
-        return cast("type[ServiceType]", _load(self._services[found].prefix, found))
+        return found
 
     def candidates(self, fingerprint: int) -> list[str]:
         """Names of the types with this fingerprint, the likeliest first (see PREFERRED).
@@ -159,6 +168,16 @@ def type_names() -> list[str]:
     return default_registry().type_names()
 
 
+def packages() -> list[str]:
+    """Names of the packages that have message types, sorted."""
+    return sorted({name.partition("/")[0] for name in type_names()})
+
+
+def service_names() -> list[str]:
+    """Names of all service pairs, sorted."""
+    return default_registry().service_names()
+
+
 def message_class(name: str) -> type[Message]:
     """The class of a type (see Registry.message_class).
 
@@ -175,6 +194,15 @@ def service_class(name: str) -> type[ServiceType]:
         UnknownType: There is no such service, or several packages have it.
     """
     return default_registry().service_class(name)
+
+
+def service_name(name: str) -> str:
+    """The full name of a service pair (see Registry.service_name).
+
+    Raises:
+        UnknownType: There is no such service, or several packages have it.
+    """
+    return default_registry().service_name(name)
 
 
 def candidates(fingerprint: int) -> list[str]:

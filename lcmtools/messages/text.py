@@ -95,10 +95,11 @@ def _block(field: Field, value: object, head: str, indent: str, depth: int = 1) 
             yield f"{indent}- "
             yield from _message_lines(cast("Message", element), f"{indent}  ")
         else:
-            yield f"{indent}- {_word_or_quoted(cast('str', element))}"
+            yield f"{indent}- {word_or_quoted(cast('str', element))}"
 
 
-def _word_or_quoted(text: str) -> str:
+def word_or_quoted(text: str) -> str:
+    """A string in a list: without quotes where no YAML parser needs them."""
     is_word = _WORD.fullmatch(text) and text.lower() not in _RESERVED
     return text if is_word else quoted(text)
 

@@ -26,11 +26,16 @@ COMMANDS = list(tree(root))
 
 
 def test_the_tree_has_the_commands_of_rostopic_and_rosnode() -> None:
-    verbs = {"list", "info", "echo", "pub", "hz", "type"}
+    verbs = {"list", "info", "echo", "pub", "hz", "type", "find", "bw", "delay"}
     assert {(verb,) for verb in verbs} <= set(COMMANDS)
     assert {("topic", verb) for verb in verbs} <= set(COMMANDS)
-    assert {("node", verb) for verb in ("list", "info", "ping", "cleanup")} <= set(COMMANDS)
-    assert {("msg", "list"), ("msg", "show"), ("wtf",), ("run",)} <= set(COMMANDS)
+    assert {("node", verb) for verb in ("list", "info", "ping", "machine", "cleanup")} <= set(
+        COMMANDS
+    )
+    assert {("msg", verb) for verb in ("list", "show", "md5", "package", "packages")} <= set(
+        COMMANDS
+    )
+    assert {("srv", "list"), ("srv", "show"), ("wtf",), ("run",)} <= set(COMMANDS)
 
 
 @pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
@@ -58,11 +63,11 @@ def test_examples_name_commands_that_exist(
     _, _, examples = capsys.readouterr().out.partition("Examples:\n")
     for line in examples.split("\n\n")[0].splitlines():
         words = tuple(line.split()[1:3])
-        is_group = words[0] in ("node", "msg", "topic")
+        is_group = words[0] in ("node", "msg", "srv", "topic")
         assert (words if is_group else words[:1]) in COMMANDS, line
 
 
-@pytest.mark.parametrize("group", [(), ("node",), ("msg",), ("topic",)])
+@pytest.mark.parametrize("group", [(), ("node",), ("msg",), ("srv",), ("topic",)])
 def test_help_of_a_group_has_a_line_for_each_command(
     group: tuple[str, ...], capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -70,11 +75,13 @@ def test_help_of_a_group_has_a_line_for_each_command(
     _, _, table = capsys.readouterr().out.partition("Commands:\n")
     listed = {line.split()[0] for line in table.split("\n\n")[0].splitlines()}
     below = {path[-1] for path in COMMANDS if path and path[:-1] == group}
-    aliases = {"topic", "doctor", "interface"} if not group else set()
+    aliases = {(): {"topic", "doctor", "interface"}, ("msg",): {"md5"}}.get(group, set())
     assert listed == below - aliases
 
 
-@pytest.mark.parametrize("verb", ["list", "info", "echo", "pub", "hz", "type"])
+@pytest.mark.parametrize(
+    "verb", ["list", "info", "echo", "pub", "hz", "type", "find", "bw", "delay"]
+)
 def test_topic_verbs_are_the_same_commands_with_and_without_topic(verb: str) -> None:
     context = click.Context(root)
     topic = root.get_command(context, "topic")

@@ -2,6 +2,7 @@
 
 import click
 
+from lcmtools.cli.describe import listed_node
 from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_watch
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.graph.model import Node
@@ -33,7 +34,7 @@ def command(namespace: str, *, show_all: bool, as_json: bool) -> None:
     if as_json:
         document([_record(node) for node in nodes])
     else:
-        lines(f"{node.name}{f' (stale: {node.stale})' if node.stale else ''}" for node in nodes)
+        lines(map(listed_node, nodes))
     if not nodes:
         talk(f"no nodes{f' in {namespace}' if namespace else ''} on {url}")
 

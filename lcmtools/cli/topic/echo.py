@@ -1,12 +1,8 @@
 """``lcmtools echo``."""
 
-import time
-from collections.abc import Iterator
-
 import click
 
-from lcmtools.bus.watch import Watch
-from lcmtools.cli.find import ask_nodes, known_spelling, near_topic
+from lcmtools.cli.find import ask_nodes
 from lcmtools.cli.options import (
     CONTEXT,
     bus_options,
@@ -16,13 +12,11 @@ from lcmtools.cli.options import (
     topic_spellings,
     whole_number,
 )
-from lcmtools.cli.output import data, talk
+from lcmtools.cli.output import data
 from lcmtools.cli.topic.payload import Decoder
-from lcmtools.errors import NothingReceived
-from lcmtools.names import is_hidden
-from lcmtools.wire.packet import Packet
-
-_PATIENCE = 2.0  # [s] without a message before the person is told what is on the bus
+from lcmtools.cli.topic.shown import Shower, look
+from lcmtools.cli.topic.stream import Stream
+from lcmtools.messages.view import Hidden
 
 
 @click.command("echo", context_settings=CONTEXT)
@@ -30,79 +24,58 @@ _PATIENCE = 2.0  # [s] without a message before the person is told what is on th
 @click.option("-n", "count", metavar="N", type=whole_number(1), help="Stop after so many messages.")
 @click.option("-1", "--once", is_flag=True, help="Stop after one message.")
 @click.option("--timeout", type=duration, help="Give up (exit code 4) when none comes so long.")
+@click.option(
+    "--field", "fields", metavar="PATH", multiple=True, help="Show this field; may be repeated."
+)
+@click.option("--filter", "condition", metavar="EXPR", help="Show messages for which this is true.")
+@click.option("--noarr", is_flag=True, help="Show only type and length of arrays.")
+@click.option("--nostr", is_flag=True, help="Show only the length of strings.")
+@click.option("-p", "--csv", "as_csv", is_flag=True, help="Print comma-separated values.")
+@click.option("--flow-style", "as_flow", is_flag=True, help="Print each message in one line.")
+@click.option("--raw", is_flag=True, help="Print the payload in hexadecimal.")
 @json_option
 @bus_options
-def command(
-    topic: str, *, count: int | None, once: bool, timeout: float | None, as_json: bool
+def command(  # noqa: PLR0913 - one parameter an option
+    topic: str,
+    *,
+    count: int | None,
+    once: bool,
+    timeout: float | None,
+    fields: tuple[str, ...],
+    condition: str | None,
+    noarr: bool,
+    nostr: bool,
+    as_csv: bool,
+    as_flow: bool,
+    raw: bool,
+    as_json: bool,
 ) -> None:
     """Print the messages of a topic as they come, as rostopic does.
 
+    TOPIC may end in a field's path: dots or slashes, [0] or [0:5] for arrays. In --filter, m is the
+    message; there are comparisons, arithmetic, and, or, not, in, and functions as len and hypot.
     A message of an unknown type is shown in hexadecimal. With --json each is one line.
 
     \b
     Examples:
       lcmtools echo /husky0/odometry
-      lcmtools echo EXAMPLE -n 1 --timeout 5s
+      lcmtools echo /husky0/odometry/pose.pose.position --csv
+      lcmtools echo /scan/ranges[0:5] -n 1 --timeout 5s
+      lcmtools echo /scan --field header.stamp --field ranges[::90]
+      lcmtools echo /chatter --filter "m.data == 'hello'"
+      lcmtools echo /joint_states --filter "len(position) > 2 and abs(position[0]) < 0.1"
+      lcmtools echo EXAMPLE --noarr
     """  # noqa: D301 - \b is click's mark
+    flags = {"--json": as_json, "--csv": as_csv, "--flow-style": as_flow, "--raw": raw}
+    wanted = look(flags, fields, condition, Hidden(noarr, nostr))
     limit = 1 if once else count
+    topic_spellings(topic)  # an empty name is wrong whatever the bus is
     with open_watch("echo") as watch:
         ask_nodes(watch)
-        # only now: what a latching publisher sends to a new listener must not come before
-        watch.listen_to(topic_spellings(topic))
-        decoder = Decoder(watch)
-        show = decoder.as_json if as_json else decoder.as_text
-        for shown, packet in enumerate(_messages(watch, topic, timeout), 1):
-            data(show(packet))
+        stream = Stream(watch, topic)
+        wanted.check(stream.types, stream.path)
+        shower = Shower(Decoder(watch), wanted)
+        for shown, text in enumerate(stream.texts(shower.show, timeout), 1):
+            data(text)
             if shown == limit:
                 return
-
-
-def _messages(watch: Watch, topic: str, timeout: float | None) -> Iterator[Packet]:
-    """The topic's messages; tells the person when it takes long.
-
-    Raises:
-        NothingReceived: None came within ``timeout`` seconds.
-    """
-    wanted = set(topic_spellings(topic))
-    last = time.monotonic()
-    told = False
-    while True:
-        packets = _pull(watch, 0.2 if timeout is None else min(0.2, timeout))
-        if packets is None:
-            return
-        for packet in packets:
-            if packet.channel in wanted:
-                last, told = time.monotonic(), True
-                yield packet
-        waited = time.monotonic() - last
-        if timeout is not None and waited >= timeout:
-            raise NothingReceived(
-                f"nothing came on {topic} within {timeout:g} s", _situation(watch, topic)
-            )
-        if not told and waited >= _PATIENCE:
-            told = True
-            talk(f"lcmtools echo: no message on {topic} yet; {_situation(watch, topic)}")
-
-
-def _pull(watch: Watch, timeout: float) -> list[Packet] | None:
-    """The next packets; None at the end of a log."""
-    try:
-        return watch.receive(timeout)
-    except EOFError:
-        return None
-
-
-def _situation(watch: Watch, topic: str) -> str:
-    """What is on the bus instead."""
-    graph = watch.graph()
-    spelling = known_spelling(graph, topic)
-    if spelling is not None:
-        publishers = [node.name for node, _ in graph.topic(spelling).publishers]
-        if publishers:
-            return f"it is published by {', '.join(publishers)}"
-    else:
-        near = near_topic(graph, topic)
-        if near.startswith("did you mean"):
-            return near
-    seen = [name for name in graph.topic_names() if not is_hidden(name)]
-    return f"on the bus: {', '.join(seen[:8])}" if seen else "no topic is on the bus"

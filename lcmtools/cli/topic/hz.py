@@ -1,31 +1,22 @@
 """``lcmtools hz``."""
 
-import math
-import time
+import json
+from collections.abc import Mapping
+from functools import partial
 
 import click
 
-from lcmtools.bus.watch import Watch
-from lcmtools.cli.find import ask_nodes, known_spelling, near_topic
-from lcmtools.cli.options import (
-    CONTEXT,
-    bus_options,
-    duration,
-    json_option,
-    open_watch,
-    topic_spellings,
-    whole_number,
-)
-from lcmtools.cli.output import data, talk
-from lcmtools.errors import NothingReceived
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch, whole_number
+from lcmtools.cli.output import data, lines
+from lcmtools.cli.topic.table import table
+from lcmtools.cli.topic.turns import reported_when_interrupted, timeout_option, turns
 from lcmtools.graph.rates import Rate, RateWindow
 
-_REPORT_PERIOD = 1.0  # [s]
-_PATIENCE = 2.0  # [s]
+_HEADER = ("topic", "rate", "min_delta", "max_delta", "std_dev", "window")
 
 
 @click.command("hz", context_settings=CONTEXT)
-@click.argument("topic")
+@click.argument("topics", metavar="TOPIC...", nargs=-1, required=True)
 @click.option(
     "-w",
     "--window",
@@ -34,59 +25,45 @@ _PATIENCE = 2.0  # [s]
     default=50_000,
     help="Messages to average over.",
 )
-@click.option("--timeout", type=duration, help="Give up (exit code 4) when none comes so long.")
+@timeout_option
 @json_option
 @bus_options
-def command(topic: str, *, window: int, timeout: float | None, as_json: bool) -> None:
-    """Measure how often messages come on a topic, once a second until Ctrl-C.
+def command(topics: tuple[str, ...], *, window: int, timeout: float | None, as_json: bool) -> None:
+    """Measure how often messages come on topics, once a second until Ctrl-C.
 
     The times are the kernel's; a message need not be of a known type.
 
     \b
     Examples:
       lcmtools hz /husky0/odometry
-      lcmtools hz EXAMPLE -w 100
+      lcmtools hz EXAMPLE /chatter -w 100
     """  # noqa: D301 - \b is click's mark
-    channels = set(topic_spellings(topic))
-    rates = RateWindow(window)
-    start = time.monotonic()
-    report = start + _REPORT_PERIOD
-    give_up = math.inf if timeout is None else start + timeout
-    with open_watch("hz") as watch:
-        known = known_spelling(ask_nodes(watch), topic)
-        watch.listen_to(topic_spellings(topic))
-        talk(f"subscribed to [{known or topic_spellings(topic)[-1]}]")
-        while True:
-            until = report if rates.total else min(report, give_up)
-            try:
-                rates.extend(_arrivals(watch, channels, until - time.monotonic()))
-            except EOFError:  # the log has ended
-                _report(rates, watch, topic, as_json=as_json, waited=0.0)
-                return
-            now = time.monotonic()
-            if not rates.total and now >= give_up:
-                raise NothingReceived(f"nothing came on {topic} within {timeout:g} s")
-            if now >= report:
-                _report(rates, watch, topic, as_json=as_json, waited=now - start)
-                report += _REPORT_PERIOD
+    windows = {topic: RateWindow(window) for topic in topics}
+
+    def report(*, is_last: bool = False) -> None:
+        rates = {topic: arrivals.take() for topic, arrivals in windows.items()}
+        if any(rates.values()) or not is_last:
+            _report(rates, as_json=as_json)
+
+    last_report = partial(report, is_last=True)
+    with open_watch("hz") as watch, reported_when_interrupted(last_report):
+        for turn in turns(watch, tuple(windows), timeout):
+            for topic, packet in turn.arrivals:
+                windows[topic].extend([packet.time])
+            if turn.is_due:
+                report()
 
 
-def _arrivals(watch: Watch, channels: set[str], timeout: float) -> list[int]:
-    """When messages of the topic arrived, nanoseconds since 1970."""
-    packets = watch.receive(max(0.0, timeout))
-    return [packet.time for packet in packets if packet.channel in channels]
-
-
-def _report(rates: RateWindow, watch: Watch, topic: str, *, as_json: bool, waited: float) -> None:
-    rate = rates.take()
+def _report(rates: Mapping[str, Rate | None], *, as_json: bool) -> None:
     if as_json:
-        data(_json(topic, rate))
-    elif rate is None:
+        for topic, rate in rates.items():
+            data(_json(topic, rate))
+    elif not any(rates.values()):
         data("no new messages")
+    elif len(rates) > 1:
+        lines(table(_HEADER, [_cells(topic, rate) for topic, rate in rates.items()]))
     else:
-        data(_text(rate))
-    if not rates.total and _PATIENCE <= waited < _PATIENCE + _REPORT_PERIOD:
-        talk(f"lcmtools hz: no message on {topic} yet; {near_topic(watch.graph(), topic)}")
+        data("\n".join(_text(rate) for rate in rates.values() if rate))
 
 
 def _text(rate: Rate) -> str:
@@ -98,9 +75,15 @@ def _text(rate: Rate) -> str:
     )
 
 
-def _json(topic: str, rate: Rate | None) -> str:
-    import json
+def _cells(topic: str, rate: Rate | None) -> list[str]:
+    """A row of the table; dashes for a topic on which nothing new has come."""
+    if rate is None:
+        return [topic, *"-----"]
+    numbers = (rate.mean, rate.shortest, rate.longest, rate.deviation)
+    return [topic, *(f"{number:.4}" for number in numbers), str(rate.window)]
 
+
+def _json(topic: str, rate: Rate | None) -> str:
     if rate is None:
         return json.dumps({"topic": topic, "rate": None})
     return json.dumps(

@@ -1,20 +1,16 @@
 """What a packet's payload says: decoded by the topic's type where that is known."""
 
-import json
-
 from lcmtools.bus.watch import Watch
 from lcmtools.errors import DecodeError
 from lcmtools.messages.codec import decode
-from lcmtools.messages.plain import to_json
 from lcmtools.messages.registry import Message, candidates, message_class
-from lcmtools.messages.text import format_message
 from lcmtools.wire.packet import Packet
 
 _SHOWN_BYTES = 64
 
 
 class Decoder:
-    """Turns packets into text.
+    """Turns packets into messages.
 
     Two types with the same fields have the same fingerprint: a node's announcement settles which
     one is meant, else the likeliest is taken.
@@ -24,22 +20,7 @@ class Decoder:
         self._watch = watch
         self._classes: dict[tuple[str, int], type[Message] | None] = {}
 
-    def as_text(self, packet: Packet) -> str:
-        """A packet as rostopic echo prints it, with the line of dashes that ends it."""
-        message = self._decode(packet)
-        if isinstance(message, str):
-            return f"{_raw_text(packet, message)}\n---"
-        return f"{format_message(message)}\n---"
-
-    def as_json(self, packet: Packet) -> str:
-        """A packet as one line of JSON."""
-        message = self._decode(packet)
-        if isinstance(message, str):
-            raw = {"bytes": len(packet.payload), "error": message, "data": packet.payload.hex()}
-            return json.dumps(raw)
-        return to_json(message)
-
-    def _decode(self, packet: Packet) -> Message | str:
+    def decode(self, packet: Packet) -> Message | str:
         """The message, or why there is none."""
         fingerprint = packet.fingerprint
         if fingerprint is None:
@@ -62,8 +43,13 @@ class Decoder:
         return message_class(name) if name else None
 
 
-def _raw_text(packet: Packet, reason: str) -> str:
+def raw_text(packet: Packet, reason: str) -> str:
     """A payload that cannot be decoded, as YAML all the same."""
     shown = packet.payload[:_SHOWN_BYTES].hex(" ")
     more = " ..." if len(packet.payload) > _SHOWN_BYTES else ""
     return f"# {reason}\nbytes: {len(packet.payload)}\ndata: '{shown}{more}'"
+
+
+def raw_record(packet: Packet) -> dict[str, object]:
+    """A payload as it is, for JSON."""
+    return {"bytes": len(packet.payload), "data": packet.payload.hex()}

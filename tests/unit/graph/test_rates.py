@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from lcmtools.graph.rates import RateWindow
+from lcmtools.graph.rates import BandwidthWindow, DelayWindow, RateWindow
 
 _S = 1_000_000_000
 
@@ -51,3 +51,70 @@ def test_arrivals_at_one_instant_have_no_finite_rate() -> None:
     assert rate is not None
     assert rate.mean == 0.0
     assert math.isfinite(rate.deviation)
+
+
+def test_bandwidth_is_the_windows_bytes_over_the_time_since_its_first_arrival() -> None:
+    window = BandwidthWindow(10)
+    for number in range(3):
+        window.add(number * _S, 100 + number)
+    found = window.take(3 * _S)
+    assert found is not None
+    assert found.average == pytest.approx(303 / 3)
+    assert (found.mean, found.smallest, found.largest, found.window) == (101, 100, 102, 3)
+
+
+def test_bandwidth_falls_when_nothing_comes() -> None:
+    window = BandwidthWindow(10)
+    window.add(0, 100)
+    window.add(_S, 100)
+    sooner, later = window.take(2 * _S), window.take(20 * _S)
+    assert sooner is not None
+    assert later is not None
+    assert (sooner.average, later.average) == pytest.approx((100, 10))
+
+
+def test_bandwidth_is_about_the_latest_arrivals_and_needs_two() -> None:
+    window = BandwidthWindow(2)
+    assert window.take(0) is None
+    window.add(0, 1)
+    assert window.take(0) is None
+    window.add(_S, 10)
+    window.add(2 * _S, 20)
+    found = window.take(3 * _S)
+    assert found is not None
+    assert (found.average, found.smallest, found.window) == (15, 10, 2)
+
+
+def test_bandwidth_of_an_instant_is_finite() -> None:
+    window = BandwidthWindow(2)
+    window.add(_S, 1)
+    window.add(_S, 1)
+    found = window.take(_S)
+    assert found is not None
+    assert found.average == 0.0
+
+
+def test_a_delay_is_arrival_less_stamp() -> None:
+    window = DelayWindow(10)
+    window.add(2 * _S, _S)
+    window.add(5 * _S, 2 * _S)
+    delay = window.take()
+    assert delay is not None
+    assert (delay.mean, delay.shortest, delay.longest) == pytest.approx((2, 1, 3))
+    assert (delay.deviation, delay.window) == (pytest.approx(1), 2)
+
+
+def test_a_delay_is_exact_for_times_since_1970() -> None:
+    window = DelayWindow(1)
+    window.add(1_795_244_479_000_000_123, 1_795_244_479_000_000_000)
+    delay = window.take()
+    assert delay is not None
+    assert delay.mean == pytest.approx(123e-9)
+
+
+def test_a_delay_is_reported_once() -> None:
+    window = DelayWindow(10)
+    assert window.take() is None
+    window.add(_S, 0)
+    assert window.take() is not None
+    assert window.take() is None

@@ -10,10 +10,12 @@ from lcmtools.messages.registry import (
     Registry,
     TypeSource,
     candidates,
-    default_registry,
     fingerprint,
     message_class,
+    packages,
     service_class,
+    service_name,
+    service_names,
     type_name,
     type_names,
 )
@@ -130,11 +132,13 @@ def test_an_unknown_fingerprint_has_no_candidates() -> None:
 
 def test_all_types_and_services_are_listed_in_order() -> None:
     assert type_names() == sorted(FINGERPRINTS)
-    assert default_registry().service_names() == [
-        "std_srvs/Empty",
-        "std_srvs/SetBool",
-        "std_srvs/Trigger",
-    ]
+    assert service_names() == ["std_srvs/Empty", "std_srvs/SetBool", "std_srvs/Trigger"]
+    assert packages() == sorted({name.split("/")[0] for name in FINGERPRINTS})
+
+
+@pytest.mark.parametrize("name", ["std_srvs/Trigger", "std_srvs/srv/Trigger", "Trigger"])
+def test_a_services_full_name_is_found_from_every_spelling(name: str) -> None:
+    assert service_name(name) == "std_srvs/Trigger"
 
 
 def test_an_earlier_source_hides_a_type_of_the_same_name() -> None:

@@ -1,0 +1,37 @@
+"""``lcmtools msg find-field``."""
+
+import click
+
+from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.output import document, lines
+from lcmtools.errors import LcmtoolsError
+from lcmtools.messages.definition import declaration
+from lcmtools.messages.fields import Field, visible_fields
+from lcmtools.messages.registry import message_class, type_names
+from lcmtools.names import did_you_mean
+
+
+@click.command("find-field", context_settings=CONTEXT)
+@click.argument("name")
+@json_option
+def command(name: str, *, as_json: bool) -> None:
+    """Find the message types that have a field of this name themselves, not in a nested type.
+
+    \b
+    Examples:
+      lcmtools msg find-field covariance
+      lcmtools msg find-field header --json
+    """  # noqa: D301 - \b is click's mark
+    known = [(type_, field) for type_ in type_names() for field in _fields(type_)]
+    found = [(type_, declaration(field)) for type_, field in known if field.name == name]
+    if not found:
+        hint = did_you_mean(name, sorted({field.name for _, field in known}))
+        raise LcmtoolsError(f"no message type has a field '{name}'", hint)
+    if as_json:
+        document([{"type": type_, "field": text} for type_, text in found])
+    else:
+        lines(f"{type_}: {text}" for type_, text in found)
+
+
+def _fields(name: str) -> tuple[Field, ...]:
+    return visible_fields(message_class(name))

@@ -1,0 +1,35 @@
+"""``lcmtools msg fingerprint``."""
+
+import click
+
+from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.output import document, lines
+from lcmtools.messages.registry import fingerprint, message_class, type_name, type_names
+
+
+@click.command("fingerprint", context_settings=CONTEXT)
+@click.argument("type_", metavar="TYPE")
+@json_option
+def command(type_: str, *, as_json: bool) -> None:
+    """Print a type's fingerprint: the first 8 bytes of its messages, in hexadecimal.
+
+    Types with the same fields have the same fingerprint. TYPE without its package stands for each
+    type of that name.
+
+    \b
+    Examples:
+      lcmtools msg fingerprint geometry_msgs/Twist
+      lcmtools msg md5 Twist
+    """  # noqa: D301 - \b is click's mark
+    named = [name for name in type_names() if name.rpartition("/")[2] == type_]
+    found = {name: _digits(name) for name in named or [type_name(message_class(type_))]}
+    if as_json:
+        document([{"type": name, "fingerprint": digits} for name, digits in found.items()])
+    elif named:
+        lines(f"[{name}]: {digits}" for name, digits in found.items())
+    else:
+        lines(found.values())
+
+
+def _digits(name: str) -> str:
+    return f"{fingerprint(message_class(name)):016x}"

@@ -1,0 +1,52 @@
+"""``lcmtools node machine``."""
+
+import click
+
+from lcmtools.cli.describe import listed_node
+from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_watch
+from lcmtools.cli.output import document, lines, talk
+from lcmtools.errors import LcmtoolsError
+from lcmtools.graph.model import Node
+from lcmtools.names import did_you_mean
+
+
+@click.command("machine", context_settings=CONTEXT)
+@click.argument("host", required=False)
+@all_option
+@json_option
+@bus_options
+def command(host: str | None, *, show_all: bool, as_json: bool) -> None:
+    """List the computers that nodes run on, or the nodes of one computer, HOST.
+
+    \b
+    Examples:
+      lcmtools node machine
+      lcmtools node machine husky0-pc
+    """  # noqa: D301 - \b is click's mark
+    with open_watch("node_machine") as watch:
+        graph, url = watch.settle(foreign=False), watch.url
+    nodes = [node for node in graph.nodes if show_all or not node.is_hidden]
+    hosts = sorted({node.host for node in nodes})
+    found = nodes if host is None else _nodes_of(host, nodes)
+    if as_json:
+        names = {name: [node.name for node in found if node.host == name] for name in hosts}
+        document([{"host": name, "nodes": of} for name, of in names.items() if of])
+    else:
+        lines(hosts if host is None else map(listed_node, found))
+    if not nodes:
+        talk(f"no nodes on {url}")
+
+
+def _nodes_of(host: str, nodes: list[Node]) -> list[Node]:
+    """The nodes of a computer.
+
+    Raises:
+        LcmtoolsError: No node runs on it; with what may have been meant.
+    """
+    found = [node for node in nodes if node.host == host]
+    if not found:
+        hint = did_you_mean(host, {node.host for node in nodes})
+        raise LcmtoolsError(
+            f"no node runs on machine {host}", hint or "lcmtools node machine lists the machines"
+        )
+    return found

@@ -1,0 +1,1 @@
+"""The verbs of ``lcmtools srv``, one file each."""

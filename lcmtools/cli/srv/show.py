@@ -1,0 +1,30 @@
+"""``lcmtools srv show``."""
+
+import click
+
+from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.output import document, lines
+from lcmtools.messages.definition import definition
+from lcmtools.messages.registry import service_class, service_name
+
+
+@click.command("show", context_settings=CONTEXT)
+@click.argument("type_", metavar="TYPE")
+@json_option
+def command(type_: str, *, as_json: bool) -> None:
+    """Show the fields of a service type: the request's, a line of dashes, the response's.
+
+    TYPE is std_srvs/Trigger, std_srvs/srv/Trigger, std_srvs.Trigger or Trigger.
+
+    \b
+    Examples:
+      lcmtools srv show std_srvs/SetBool
+      lcmtools srv show Trigger --json
+    """  # noqa: D301 - \b is click's mark
+    pair, name = service_class(type_), service_name(type_)
+    request, response = definition(pair.Request), definition(pair.Response)
+    if as_json:
+        document({"type": name, "request": request, "response": response})
+        return
+    heading = [] if "/" in type_ or "." in type_ else [f"[{name}]:"]
+    lines([*heading, *request.splitlines(), "---", *response.splitlines()])

@@ -1,0 +1,48 @@
+"""``lcmtools find``."""
+
+import click
+
+from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_watch
+from lcmtools.cli.output import document, lines, talk
+from lcmtools.graph.model import Topic
+from lcmtools.messages.registry import candidates, message_class, type_name
+from lcmtools.names import is_hidden
+
+
+@click.command("find", context_settings=CONTEXT)
+@click.argument("type_", metavar="TYPE")
+@all_option
+@json_option
+@bus_options
+def command(type_: str, *, show_all: bool, as_json: bool) -> None:
+    """List the topics of a type: announced, or by the fingerprint of what plain programs send.
+
+    TYPE is geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or Twist.
+
+    \b
+    Examples:
+      lcmtools find geometry_msgs/Twist
+      lcmtools find std_msgs.String --json
+    """  # noqa: D301 - \b is click's mark
+    name = type_name(message_class(type_))
+    with open_watch("find") as watch:
+        graph, url = watch.settle(), watch.url
+    topics = [topic for topic in graph.topic_names() if show_all or not is_hidden(topic)]
+    found = [topic for topic in topics if is_of_type(graph.topic(topic), name)]
+    if as_json:
+        document(found)
+    else:
+        lines(found)
+    if not found:
+        talk(f"no topics of type {name} on {url}")
+
+
+def is_of_type(topic: Topic, name: str) -> bool:
+    """Whether a type is announced, or may be what a program that announces nothing sends.
+
+    A fingerprint that an announced type has too is taken for that type's.
+    """
+    seen = map(candidates, topic.fingerprints)
+    return name in topic.types or any(
+        name in names and not set(names) & set(topic.types) for names in seen
+    )

@@ -1,0 +1,276 @@
+"""Field paths: ``pose.pose.position``, ``/ranges[0:5]``, ``transforms[0].header/stamp``.
+
+Belongs here: how a path is written, what it means for a type, and the value it selects. Must not
+know the bus, files or the terminal, nor how a value is shown.
+
+Names are separated by dots, as in ROS 2, or slashes, as rostopic has them. Indices and slices are
+Python's, on arrays only. A name after a slice is taken from each element of it.
+"""
+
+import re
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import TypeAlias
+
+from lcmtools.errors import UsageError, ValueMismatch
+from lcmtools.messages.fields import Field, MessageClass, visible_fields
+from lcmtools.messages.registry import Message, type_name
+from lcmtools.messages.shape import as_sequence
+from lcmtools.names import did_you_mean
+
+Slice: TypeAlias = tuple[int | None, int | None, int | None]
+"""Start, stop and step, as Python's slices have them."""
+
+Step: TypeAlias = str | int | Slice
+"""A field's name, an index into an array, or a slice of it."""
+
+_NAME = re.compile(r"[^./\[\]]+")
+_WHOLE = re.compile(r"[+-]?\d{1,18}", re.ASCII)
+_MOST_PARTS = 3  # of a slice
+_EXAMPLES = "write [0], [-1], [0:5] or [::2]"
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """The way from a message to a value in it.
+
+    Attributes:
+        steps: From the message inwards; none for the message itself.
+    """
+
+    steps: tuple[Step, ...] = ()
+
+    def __str__(self) -> str:
+        """The path as ROS 2 writes it: ``pose.covariance[0:3]``."""
+        return "".join(map(_written, self.steps)).removeprefix(".")
+
+    def then(self, other: "Path") -> "Path":
+        """This path and, from where it ends, another."""
+        return Path(self.steps + other.steps)
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """What a path leads to in messages of one type.
+
+    Attributes:
+        type: A primitive ("float64") or a message type ("geometry_msgs/Point").
+        message_class: The class of a message type, None for a primitive.
+        dimensions: Array sizes that are left, outermost first; see ``fields.Field``.
+        mapped: Lists around it that come from a name after a slice.
+        sliced: The outermost dimension is a slice, whose elements a name may follow.
+    """
+
+    type: str
+    message_class: MessageClass | None = None
+    dimensions: tuple[int | str, ...] = ()
+    mapped: int = 0
+    sliced: bool = False
+
+    @property
+    def depth(self) -> int:
+        """How many lists are around each element; 0 for a single value."""
+        return self.mapped + len(self.dimensions)
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """A value that was selected, and what it is."""
+
+    value: object
+    target: Target
+
+
+def parse_path(text: str) -> Path:
+    """The path that a text means; a separator before it, or a slash at its end, means nothing.
+
+    Raises:
+        UsageError: It is no path; it names the text and what is wrong with it.
+    """
+    rest = text.removesuffix("/")
+    if rest[:1] not in ("", ".", "/", "["):
+        rest = f".{rest}"
+    steps: list[Step] = []
+    while rest:
+        if rest[0] == "[":
+            inside, bracket, after = rest[1:].partition("]")
+            if not bracket:
+                raise UsageError(f"field path '{text}': '{rest}' has no closing ']'", _EXAMPLES)
+            steps.append(_parse_index(inside, text))
+            rest = after
+        else:
+            name = _NAME.match(rest, 1) if rest[0] in "./" else None
+            if not name:
+                raise UsageError(f"field path '{text}': expected a field's name at '{rest}'")
+            steps.append(name[0])
+            rest = rest[name.end() :]
+    return Path(tuple(steps))
+
+
+def target(cls: type[Message], path: Path) -> Target:
+    """What a path leads to in all messages of a type, known without one.
+
+    Raises:
+        ValueMismatch: The type has no such field, or the path goes on where nothing is; it names
+            the path and the fields there are.
+    """
+    return _target(cls, path)
+
+
+def select(message: Message, path: Path) -> Selection:
+    """The value that a path leads to in a message.
+
+    Raises:
+        ValueMismatch: As ``target``; or an index is outside of the message's array.
+    """
+    found = _target(type(message), path)  # first: it checks the names
+    return Selection(_walk(message, path.steps, path), found)
+
+
+def splits(argument: str) -> Iterator[tuple[str, str]]:
+    """All ways to read an argument as a topic with a field path behind it, longest topic first."""
+    yield argument, ""
+    for end in range(len(argument) - 1, 0, -1):
+        if argument[end] in "./[":
+            yield argument[:end], argument[end:]
+
+
+def split_topic_and_path(argument: str, known: Collection[str]) -> tuple[str, Path] | None:
+    """The longest known topic that an argument begins with, and the field path behind it.
+
+    Returns:
+        None where it begins with none of them: ask again when messages have come.
+
+    Raises:
+        UsageError: What follows the topic is no field path.
+    """
+    for topic, rest in splits(argument):
+        if topic in known:
+            return topic, parse_path(rest)
+    return None
+
+
+def root_target(cls: type[Message]) -> Target:
+    """A whole message of a type."""
+    return Target(type_name(cls), cls)
+
+
+def field_target(owner: Target, name: str, where: str) -> Target:
+    """What a field of a message is; ``where`` is how an error calls the owner's place.
+
+    Raises:
+        ValueMismatch: There is no such field.
+    """
+    if owner.dimensions and not owner.sliced:
+        says = f"{where} is an array of {owner.type}" if where else "it is an array"
+        raise ValueMismatch(f"{says}, which has no field '{name}'", "put an index before it: [0]")
+    if len(owner.dimensions) > 1 or owner.message_class is None:
+        raise ValueMismatch(f"{where} is a {owner.type}, which has no field '{name}'")
+    field = _field(owner.message_class, name, where)
+    mapped = owner.mapped + len(owner.dimensions)
+    return Target(field.type, field.message_class, field.dimensions, mapped)
+
+
+def element_target(owner: Target, step: int | Slice, where: str) -> Target:
+    """What an element or a slice of an array is.
+
+    Raises:
+        ValueMismatch: It is no array, or one of fixed size without such an element.
+    """
+    if not owner.dimensions:
+        known = _fields_of(owner)
+        raise ValueMismatch(f"{where or 'the message'} is no array but a {owner.type}{known}")
+    if not isinstance(step, int):
+        return replace(owner, sliced=True)
+    size = owner.dimensions[0]
+    if isinstance(size, int) and not owner.sliced and not -size <= step < size:
+        raise _outside(f"{where}[{step}]", size)
+    return replace(owner, dimensions=owner.dimensions[1:], sliced=False)
+
+
+@cache
+def _target(cls: type[Message], path: Path) -> Target:
+    found = root_target(cls)
+    for done, step in enumerate(path.steps):
+        where = str(Path(path.steps[:done]))
+        if isinstance(step, str):
+            found = field_target(found, step, where)
+        else:
+            found = element_target(found, step, where)
+    return found
+
+
+def _walk(value: object, steps: tuple[Step, ...], path: Path) -> object:
+    for done, step in enumerate(steps, 1):
+        if isinstance(step, str):
+            value = getattr(value, step)
+        elif isinstance(step, int):
+            value = _element(value, step, path)
+        else:
+            elements = value = _sequence(value)[slice(*step)]
+            rest = steps[done:]
+            if rest and isinstance(rest[0], str):
+                return [_walk(element, rest, path) for element in elements]
+    return value
+
+
+def _element(array: object, index: int, path: Path) -> object:
+    elements = _sequence(array)
+    try:
+        return elements[index]
+    except IndexError:
+        raise _outside(str(path), len(elements), f"[{index}]") from None
+
+
+def _sequence(array: object) -> "bytes | list[object] | tuple[object, ...]":
+    return array if isinstance(array, bytes) else as_sequence(array)  # type: ignore[return-value] # as decoded
+
+
+def _outside(where: str, size: int, index: str = "") -> ValueMismatch:
+    count = "1 element" if size == 1 else f"{size or 'no'} elements"
+    return ValueMismatch(f"{where}: the array has {count}{index and f', none at {index}'}")
+
+
+def _field(cls: type[Message], name: str, where: str) -> Field:
+    known = {field.name: field for field in visible_fields(cls)}
+    if name in known:
+        return known[name]
+    path = f"{where}.{name}" if where else name
+    fields = f"fields: {', '.join(known)}" if known else "it has no fields"
+    what = f"{path}: {type_name(cls)} has no field '{name}' ({fields})"
+    raise ValueMismatch(what, did_you_mean(name, known))
+
+
+def _fields_of(owner: Target) -> str:
+    if owner.message_class is None:
+        return ""
+    return f" (fields: {', '.join(field.name for field in visible_fields(owner.message_class))})"
+
+
+def _parse_index(inside: str, text: str) -> int | Slice:
+    parts = [part.strip() for part in inside.split(":")]
+    if parts == [""]:
+        raise UsageError(f"field path '{text}': the index in '[]' is missing", _EXAMPLES)
+    if len(parts) > _MOST_PARTS:
+        what = f"field path '{text}': '[{inside}]' has more than start, stop and step"
+        raise UsageError(what, _EXAMPLES)
+    for part in parts:
+        if part and not _WHOLE.fullmatch(part):
+            raise UsageError(f"field path '{text}': '{part}' is not a whole number", _EXAMPLES)
+    numbers = [int(part) if part else None for part in parts]
+    if len(numbers) == 1:
+        return int(parts[0])
+    start, stop, step = (*numbers, None)[:_MOST_PARTS]
+    if step == 0:
+        raise UsageError(f"field path '{text}': the step in '[{inside}]' is 0", _EXAMPLES)
+    return start, stop, step
+
+
+def _written(step: Step) -> str:
+    if isinstance(step, str):
+        return f".{step}"
+    if isinstance(step, int):
+        return f"[{step}]"
+    start, stop, stride = ("" if part is None else str(part) for part in step)
+    return f"[{start}:{stop}:{stride}]" if stride else f"[{start}:{stop}]"

@@ -1,0 +1,207 @@
+"""echo's field paths, filters and forms, on a bus with publishers of several types."""
+
+import csv
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+pytestmark = pytest.mark.usefixtures("use_module_bus", "publishers")
+
+_SCAN = "{header: {stamp: {sec: 3, nsec: 5}, frame_id: 'laser, front'}, ranges: [0, 1, 2, 3, 4]}"
+_TRANSFORMS = "{transforms: [{header: {frame_id: odom}}, {header: {frame_id: map}}]}"
+
+# The numbers 0 to 9 again and again, and what is no known type in between.
+_COUNTER = """
+import time
+import lcm
+from lcmtools.types.std_msgs import Int32
+
+bus = lcm.LCM()
+number = Int32()
+while True:
+    bus.publish("NUMBER", number.encode())
+    bus.publish("NOISE", bytes(range(40)))
+    number.data = (number.data + 1) % 10
+    print("sent", flush=True)
+    time.sleep(0.02)
+"""
+
+
+@pytest.fixture(scope="module")
+def publishers(
+    module_start: Callable[..., Any], lcmtools_path: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    """/scan, /tf and /chatter of nodes that announce their types; NUMBER and NOISE of a script."""
+    script = tmp_path_factory.mktemp("counter") / "counter.py"
+    script.write_text(_COUNTER)
+    counter = module_start(sys.executable, str(script))
+    for topic, kind, values in [
+        ("/scan", "sensor_msgs/LaserScan", _SCAN),
+        ("/tf", "tf2_msgs/TFMessage", _TRANSFORMS),
+        ("/chatter", "std_msgs/String", "data: 'a \"word\", or two'"),
+    ]:
+        started = module_start(lcmtools_path, "pub", "-r", "30", topic, kind, values)
+        started.wait_for("no node subscribes")
+    counter.wait_for("sent")
+
+
+def output(result: subprocess.CompletedProcess[str]) -> str:
+    assert (result.returncode, result.stderr) == (0, "")
+    return result.stdout
+
+
+@pytest.mark.parametrize(
+    ("argument", "text"),
+    [
+        ("/scan/ranges[0:3]", "[0.0, 1.0, 2.0]"),
+        ("/scan/ranges[::-2]", "[4.0, 2.0, 0.0]"),
+        ("scan/ranges[-1]", "4.0"),
+        ("/scan.header.frame_id", '"laser, front"'),
+        ("/scan/header/stamp", "sec: 3\nnsec:         5"),
+        ("/chatter/data", '"a \\"word\\", or two"'),
+        ("/chatter/", 'data: "a \\"word\\", or two"'),
+        ("/tf/transforms[1].header/frame_id", '"map"'),
+        ("/tf/transforms[:].header.frame_id", "- odom\n- map"),
+    ],
+)
+def test_a_field_path_behind_the_topic_shows_that_field(
+    argument: str, text: str, lcmtools: Run
+) -> None:
+    assert output(lcmtools("echo", argument, "-1")) == f"{text}\n---\n"
+
+
+def test_several_fields_are_shown_by_their_paths(lcmtools: Run) -> None:
+    fields = ("--field", "header.stamp.sec", "--field", "/ranges[0:2]")
+    shown = "header.stamp.sec: 3\nranges[0:2]: [0.0, 1.0]\n---\n"
+    assert output(lcmtools("echo", "/scan", "-1", *fields)) == shown
+    record = json.loads(output(lcmtools("echo", "/scan", "-1", "--json", *fields)))
+    assert record == {"header.stamp.sec": 3, "ranges[0:2]": [0.0, 1.0]}
+
+
+def test_field_goes_on_where_the_topics_path_ends(lcmtools: Run) -> None:
+    assert output(lcmtools("echo", "/scan/header", "--field", "stamp.sec", "-1")) == "3\n---\n"
+
+
+def test_json_of_a_field_is_that_field(lcmtools: Run) -> None:
+    assert output(lcmtools("echo", "/scan/ranges[3:]", "-1", "--json")) == "[3.0,4.0]\n"
+
+
+def test_filter_shows_the_messages_that_meet_it(lcmtools: Run) -> None:
+    result = lcmtools("echo", "NUMBER/data", "--filter", "m.data % 3 == 1 and data < 5", "-n", "4")
+    assert set(output(result).split()) == {"1", "4", "---"}
+
+
+def test_timeout_is_for_messages_that_meet_the_filter(lcmtools: Run) -> None:
+    result = lcmtools("echo", "NUMBER", "--filter", "data > 99", "--timeout", "500ms")
+    assert (result.returncode, result.stdout) == (4, "")
+    assert result.stderr.startswith(
+        "lcmtools echo: nothing that can be shown came on NUMBER within 0.5 s; "
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error"),
+    [
+        (["/chatter/nope"], "nope: std_msgs/String has no field 'nope' (fields: data)"),
+        (["/chatter[0]"], "the message is no array but a std_msgs/String (fields: data)"),
+        (["/scan/ranges[9]"], "ranges[9]: the array has 5 elements, none at [9]"),
+        (
+            ["/scan/ranges[a]"],
+            "field path '/ranges[a]': 'a' is not a whole number; write [0], [-1], [0:5] or [::2]",
+        ),
+        (
+            ["/chatter", "--field", "nope"],
+            "nope: std_msgs/String has no field 'nope' (fields: data)",
+        ),
+        (["NUMBER.nope"], "nope: std_msgs/Int32 has no field 'nope' (fields: data)"),
+        (
+            ["/chatter", "--filter", "m.nope == 1"],
+            "m.nope: std_msgs/String has no field 'nope' (fields: data)",
+        ),
+        (["NUMBER", "--filter", "nope"], "nope: std_msgs/Int32 has no field 'nope' (fields: data)"),
+        (["NUMBER", "--filter", "data / 0"], "filter: 'data / 0': division by zero"),
+        (["/chatter", "--csv", "--json"], "--json and --csv exclude each other; leave out --csv"),
+        (
+            ["/chatter/data", "--raw"],
+            "--raw shows whole messages; leave out the field, or --raw",
+        ),
+        (
+            ["/chatter", "--raw", "--nostr"],
+            "--raw shows whole messages; leave out --noarr and --nostr",
+        ),
+    ],
+)
+def test_a_mistake_ends_echo_with_one_line_and_exit_code_2(
+    arguments: list[str], error: str, lcmtools: Run
+) -> None:
+    result = lcmtools("echo", *arguments)
+    assert (result.returncode, result.stdout) == (2, "")
+    assert result.stderr == f"lcmtools echo: {error}\n"
+
+
+def test_noarr_and_nostr_name_what_they_hide(lcmtools: Run) -> None:
+    shown = output(lcmtools("echo", "/scan", "-1", "--noarr", "--nostr")).splitlines()
+    assert 'ranges: "<array type: float32, length: 5>"' in shown
+    assert '  frame_id: "<string length: 12>"' in shown
+    assert "angle_min: 0.0" in shown
+    record = json.loads(output(lcmtools("echo", "/tf", "-1", "--json", "--noarr")))
+    assert record == {
+        "transforms": "<array type: geometry_msgs/TransformStamped, length: 2>",
+    }
+
+
+def test_csv_has_rostopics_columns_and_the_headers_stamp(lcmtools: Run) -> None:
+    first, second, third = csv.reader(
+        output(lcmtools("echo", "/scan", "-n", "2", "-p")).splitlines()
+    )
+    stamp = ["field.header.stamp.sec", "field.header.stamp.nsec"]
+    assert first[:5] == ["%time", "field.header.seq", *stamp, "field.header.frame_id"]
+    assert first[-5:] == [f"field.ranges{index}" for index in range(5)]
+    assert second[:5] == ["3000000005", "0", "3", "5", "laser, front"]
+    assert second == third
+
+
+def test_csv_quotes_text_and_takes_the_arrival_where_there_is_no_header(lcmtools: Run) -> None:
+    head, row = output(lcmtools("echo", "/chatter/data", "-1", "--csv")).splitlines()
+    assert head == "%time,field"
+    time, text = row.split(",", 1)
+    assert len(time) == 19
+    assert text == '"a ""word"", or two"'
+
+
+def test_flow_style_is_one_line_a_message(lcmtools: Run) -> None:
+    shown = output(lcmtools("echo", "/scan/header", "-1", "--flow-style"))
+    assert shown == '{seq: 0, stamp: {sec: 3, nsec: 5}, frame_id: "laser, front"}\n---\n'
+
+
+def test_raw_is_the_payload_in_hexadecimal(lcmtools: Run) -> None:
+    assert output(lcmtools("echo", "NOISE", "-1", "--raw")) == f"{bytes(range(40)).hex()}\n"
+    record = json.loads(output(lcmtools("echo", "NOISE", "-1", "--raw", "--json")))
+    assert record == {"bytes": 40, "data": bytes(range(40)).hex()}
+
+
+def test_fields_of_an_unknown_type_are_said_to_be_unknown_once(lcmtools: Run) -> None:
+    result = lcmtools("echo", "NOISE/x", "--timeout", "400ms")
+    assert (result.returncode, result.stdout) == (4, "")
+    first, second = result.stderr.splitlines()
+    assert first == (
+        "lcmtools echo: a message on NOISE has no known fields:"
+        " unknown type, fingerprint 0x0001020304050607"
+    )
+    assert second.startswith("lcmtools echo: nothing that can be shown came on NOISE")
+
+
+def test_a_topic_that_comes_later_is_told_from_its_path(
+    start: Callable[..., Any], lcmtools_path: str
+) -> None:
+    echo = start(lcmtools_path, "echo", "/later/topic/data", "-1")
+    echo.wait_for("no message on /later/topic/data yet")
+    start(lcmtools_path, "pub", "-r", "20", "/later/topic", "std_msgs/Int32", "7")
+    assert echo.wait() == 0
+    assert echo.lines[-2:] == ["7", "---"]

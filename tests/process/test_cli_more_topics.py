@@ -1,0 +1,235 @@
+"""find, bw, delay and hz of several topics, on a bus with nodes and a plain program."""
+
+import json
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lcmtools.messages.codec import encode
+from lcmtools.types.std_msgs import String
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+# Knows no nodes. It sends a point, which is a vector to LCM; a pose stamped 0.25 s ago; noise.
+_PLAIN = """
+import time
+import lcm
+from lcmtools.types.geometry_msgs import Point, PoseStamped
+
+bus = lcm.LCM()
+stamped = PoseStamped()
+while True:
+    then = time.time_ns() - 250_000_000
+    stamped.header.stamp.sec, stamped.header.stamp.nsec = divmod(then, 1_000_000_000)
+    bus.publish("POSE", stamped.encode())
+    bus.publish("POINT", Point().encode())
+    bus.publish("NOISE", bytes(range(200)))
+    print("sent", flush=True)
+    time.sleep(0.05)
+"""
+
+pytestmark = pytest.mark.usefixtures("use_module_bus", "programs")
+
+
+@pytest.fixture(scope="module")
+def programs(
+    module_start: Callable[..., Any], lcmtools_path: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    """A listener, a publisher of "hello" at 20 Hz, and the plain program."""
+    script = tmp_path_factory.mktemp("plain") / "plain.py"
+    Path(script).write_text(_PLAIN)
+    listener = module_start(lcmtools_path, "run", "listener")
+    module_start(lcmtools_path, "pub", "-r", "20", "/chatter", "std_msgs/String", "hello")
+    listener.wait_for("I heard: [hello")
+    module_start(sys.executable, str(script)).wait_for("sent")
+
+
+def size() -> int:
+    """The bytes of a message on /chatter."""
+    message = String()
+    message.data = "hello"
+    return len(encode(message))
+
+
+def next_table(program: Any, column: str) -> dict[str, list[str]]:
+    """The next table's cells by the first of each row, the header's too."""
+    header = program.wait_for(column)
+    assert set(program.wait_for("=")) == {"="}
+    rows = [header, *(program.wait_for(topic) for topic in ("/chatter", "POINT", "/zzz"))]
+    return {cells[0]: cells[1:] for cells in map(str.split, rows)}
+
+
+@pytest.mark.parametrize(
+    "name", ["std_msgs/String", "std_msgs/msg/String", "std_msgs.String", "String"]
+)
+def test_find_prints_the_topics_that_are_announced_with_a_type(name: str, lcmtools: Run) -> None:
+    result = lcmtools("find", name)
+    assert (result.returncode, result.stdout, result.stderr) == (0, "/chatter\n", "")
+
+
+@pytest.mark.parametrize("name", ["geometry_msgs/Point", "geometry_msgs/Vector3"])
+def test_find_knows_plain_programs_by_every_type_of_their_fingerprint(
+    name: str, lcmtools: Run
+) -> None:
+    assert json.loads(lcmtools("topic", "find", name, "--json").stdout) == ["POINT"]
+
+
+def test_find_of_a_type_that_no_topic_has_says_so_on_standard_error(
+    lcmtools: Run, module_bus_url: str
+) -> None:
+    result = lcmtools("find", "sensor_msgs/Image")
+    assert (result.returncode, result.stdout) == (0, "")
+    assert result.stderr == f"no topics of type sensor_msgs/Image on {module_bus_url}\n"
+
+
+def test_find_of_an_unknown_type_is_exit_code_2_with_a_near_miss(lcmtools: Run) -> None:
+    result = lcmtools("find", "std_msgs/Strin")
+    assert (result.returncode, result.stdout) == (2, "")
+    assert result.stderr == (
+        "lcmtools find: unknown type 'std_msgs/Strin'; did you mean std_msgs/String?\n"
+    )
+
+
+def test_bw_prints_the_lines_of_rostopic(start: Callable[..., Any], lcmtools_path: str) -> None:
+    bw = start(lcmtools_path, "bw", "chatter")
+    bw.wait_for("subscribed to [/chatter]")
+    average = re.fullmatch(r"average: (\d+\.\d\d)B/s", bw.wait_for("average: "))
+    assert average is not None
+    assert float(average[1]) == pytest.approx(20 * size(), rel=0.5)
+    assert re.fullmatch(
+        rf"\tmean: {size()}\.00B min: {size()}\.00B max: {size()}\.00B window: \d+",
+        bw.wait_for("mean: "),
+    )
+
+
+def test_bw_is_in_kilobytes_from_a_thousand_on(
+    start: Callable[..., Any], lcmtools_path: str
+) -> None:
+    bw = start(lcmtools_path, "bw", "NOISE", "-w", "2")
+    assert re.fullmatch(r"average: \d+\.\d\dKB/s", bw.wait_for("KB/s"))
+    assert bw.wait_for("mean: ") == "\tmean: 0.20KB min: 0.20KB max: 0.20KB window: 2"
+
+
+def test_bw_of_several_topics_is_a_table(start: Callable[..., Any], lcmtools_path: str) -> None:
+    bw = start(lcmtools_path, "bw", "/chatter", "POINT", "/zzz")
+    rows = next_table(bw, "average")
+    while "-" in (*rows["/chatter"], *rows["POINT"]):
+        rows = next_table(bw, "average")  # the first may come before two messages
+    assert rows["topic"] == ["average", "mean", "min", "max", "window"]
+    assert rows["/chatter"][1:4] == [f"{size()}.00B"] * 3
+    assert rows["POINT"][1:4] == ["32.00B"] * 3
+    assert rows["/zzz"] == ["-"] * 5
+
+
+def test_bw_json_is_an_object_a_line(start: Callable[..., Any], lcmtools_path: str) -> None:
+    bw = start(lcmtools_path, "bw", "--json", "NOISE")
+    measured = json.loads(bw.wait_for("mean_bytes"))
+    assert measured["bytes_per_second"] == pytest.approx(4000, rel=0.5)
+    assert [measured[f"{name}_bytes"] for name in ("mean", "min", "max")] == [200] * 3
+
+
+def test_delay_prints_the_lines_of_rostopic(start: Callable[..., Any], lcmtools_path: str) -> None:
+    delay = start(lcmtools_path, "delay", "POSE")
+    mean = delay.wait_for("average delay: ").removeprefix("average delay: ")
+    assert float(mean) == pytest.approx(0.25, abs=0.05)
+    assert re.fullmatch(
+        r"\tmin: 0\.\d{3}s max: 0\.\d{3}s std dev: 0\.\d{5}s window: \d+", delay.wait_for("min: ")
+    )
+
+
+def test_delay_json_is_an_object_a_line(start: Callable[..., Any], lcmtools_path: str) -> None:
+    measured = json.loads(start(lcmtools_path, "delay", "POSE", "--json").wait_for('"delay"'))
+    assert 0.24 <= measured["min"] <= measured["delay"] <= measured["max"]
+
+
+def test_delay_of_a_type_without_a_header_is_one_error_with_exit_code_1(lcmtools: Run) -> None:
+    result = lcmtools("delay", "/chatter")
+    assert (result.returncode, result.stdout) == (1, "")
+    assert result.stderr == (
+        "subscribed to [/chatter]\n"
+        "lcmtools delay: std_msgs/String, which comes on /chatter, has no header with a stamp; "
+        "lcmtools msg find-field header lists the types that have one\n"
+    )
+
+
+def test_delay_of_an_unknown_type_is_one_error_with_exit_code_1(lcmtools: Run) -> None:
+    result = lcmtools("delay", "NOISE")
+    assert (result.returncode, result.stdout) == (1, "")
+    _, _, error = result.stderr.partition("\n")
+    assert error == (
+        "lcmtools delay: the type of the messages on NOISE is not known; "
+        "lcmtools echo NOISE shows their bytes\n"
+    )
+
+
+def test_hz_of_several_topics_is_rostopics_table(
+    start: Callable[..., Any], lcmtools_path: str
+) -> None:
+    hz = start(lcmtools_path, "hz", "/chatter", "POINT", "/zzz", "-w", "5")
+    rows = next_table(hz, "min_delta")
+    while [rows[topic][-1] for topic in ("/chatter", "POINT")] != ["5", "5"]:
+        rows = next_table(hz, "min_delta")  # the first may come before five messages
+    assert rows["topic"] == ["rate", "min_delta", "max_delta", "std_dev", "window"]
+    assert rows["/zzz"] == ["-"] * 5
+    for topic in ("/chatter", "POINT"):
+        rate, shortest, longest, deviation = map(float, rows[topic][:4])
+        assert 0.999 * shortest <= 1 / rate <= 1.001 * longest  # of four digits
+        assert deviation <= longest - shortest + 1e-5
+
+
+def test_hz_tells_which_of_several_topics_is_silent(
+    start: Callable[..., Any], lcmtools_path: str
+) -> None:
+    hz = start(lcmtools_path, "hz", "/chatter", "/POINTS")
+    line = hz.wait_for("no message on")
+    assert line == "lcmtools hz: no message on /POINTS yet; did you mean POINT?"
+
+
+def test_hz_measures_a_topic_under_two_spellings_twice(
+    start: Callable[..., Any], lcmtools_path: str
+) -> None:
+    hz = start(lcmtools_path, "hz", "--json", "chatter", "/chatter")
+    measured = [json.loads(hz.wait_for('"rate"')) for _ in range(2)]
+    assert [one["topic"] for one in measured] == ["chatter", "/chatter"]
+    assert measured[0]["rate"] == measured[1]["rate"]
+
+
+@pytest.mark.parametrize("verb", ["bw", "delay", "hz"])
+def test_nothing_within_the_timeout_is_exit_code_4(verb: str, lcmtools: Run) -> None:
+    result = lcmtools(verb, "/zzz", "--timeout", "200ms")
+    assert (result.returncode, result.stdout) == (4, "")
+    assert result.stderr.endswith(f"lcmtools {verb}: nothing came on /zzz within 0.2 s\n")
+
+
+def test_timeout_of_several_topics_is_about_all_of_them(lcmtools: Run) -> None:
+    result = lcmtools("hz", "/zzz", "/yyy", "--timeout", "200ms")
+    assert result.returncode == 4
+    assert result.stderr.endswith("nothing came on /zzz, /yyy within 0.2 s\n")
+
+
+@pytest.mark.parametrize(
+    ("verb", "topic", "first"),
+    [
+        ("bw", "POINT", "average: "),
+        ("delay", "POSE", "average delay: "),
+        ("hz", "POINT", "average"),
+    ],
+)
+def test_ctrl_c_prints_what_was_measured_and_is_exit_code_130(
+    verb: str, topic: str, first: str, start: Callable[..., Any], lcmtools_path: str
+) -> None:
+    command = start(lcmtools_path, verb, topic)
+    command.wait_for(first)
+    command.wait_for("window: ")
+    echo = start(lcmtools_path, "echo", "-n", "2", topic)
+    assert echo.wait() == 0  # so two messages have come since
+    command.send_signal(signal.SIGINT)
+    assert command.wait() == 130
+    assert command.output.count(first) >= 2
+    assert "Traceback" not in command.output

@@ -1,0 +1,214 @@
+"""Field paths: what they select, and what is said of those that select nothing."""
+
+from contextlib import suppress
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lcmtools.errors import UsageError, ValueMismatch
+from lcmtools.messages.path import (
+    Path,
+    parse_path,
+    select,
+    split_topic_and_path,
+    splits,
+    target,
+)
+from lcmtools.types.geometry_msgs import Pose, TransformStamped
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.sensor_msgs import LaserScan
+from lcmtools.types.tf2_msgs import TFMessage
+
+EXAMPLES = "; write [0], [-1], [0:5] or [::2]"
+
+
+@pytest.fixture
+def scan() -> LaserScan:
+    message = LaserScan()
+    message.ranges = [0.0, 1.0, 2.0, 3.0, 4.0]
+    return message
+
+
+@pytest.fixture
+def transforms() -> TFMessage:
+    message = TFMessage()
+    message.transforms = [TransformStamped() for _ in range(3)]
+    for index, transform in enumerate(message.transforms):
+        transform.header.frame_id = f"frame_{index}"
+        transform.transform.translation.x = float(index)
+    return message
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "pose.pose.position.x",
+        "/pose.pose.position.x",
+        "/pose/pose/position/x",
+        "pose/pose/position/x/",
+        ".pose.pose.position/x",
+    ],
+)
+def test_dots_and_slashes_mean_the_same(text: str) -> None:
+    message = Odometry()
+    message.pose.pose.position.x = 2.5
+    assert select(message, parse_path(text)).value == 2.5
+    assert str(parse_path(text)) == "pose.pose.position.x"
+
+
+@pytest.mark.parametrize("text", ["", "/"])
+def test_an_empty_path_is_the_whole_message(text: str) -> None:
+    message = Odometry()
+    assert parse_path(text) == Path()
+    assert select(message, parse_path(text)).value is message
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("ranges[0]", 0.0),
+        ("ranges[-1]", 4.0),
+        ("/ranges[1:3]", [1.0, 2.0]),
+        ("ranges[:]", [0.0, 1.0, 2.0, 3.0, 4.0]),
+        ("ranges[-2:]", [3.0, 4.0]),
+        ("ranges[::2]", [0.0, 2.0, 4.0]),
+        ("ranges[::-2]", [4.0, 2.0, 0.0]),
+        ("ranges[ 1 : 2 ]", [1.0]),
+        ("ranges[9:]", []),
+        ("ranges[1:4][0]", 1.0),
+    ],
+)
+def test_indices_and_slices_are_pythons(text: str, value: object, scan: LaserScan) -> None:
+    assert select(scan, parse_path(text)).value == value
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("transforms[1].header.frame_id", "frame_1"),
+        ("transforms[-1]/transform/translation/x", 2.0),
+        ("transforms[0:2].header.frame_id", ["frame_0", "frame_1"]),
+        ("transforms[:].transform.translation.x", [0.0, 1.0, 2.0]),
+    ],
+)
+def test_paths_go_into_arrays_of_messages(text: str, value: object, transforms: TFMessage) -> None:
+    assert select(transforms, parse_path(text)).value == value
+
+
+def test_the_target_of_a_path_is_known_without_a_message() -> None:
+    found = target(TFMessage, parse_path("transforms[0:2].header.frame_id"))
+    assert (found.type, found.depth) == ("string", 1)
+    assert target(Pose, parse_path("position")).type == "geometry_msgs/Point"
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("linear[0", f"field path 'linear[0': '[0' has no closing ']'{EXAMPLES}"),
+        ("a[]", f"field path 'a[]': the index in '[]' is missing{EXAMPLES}"),
+        ("a[b]", f"field path 'a[b]': 'b' is not a whole number{EXAMPLES}"),
+        ("a[1:b]", f"field path 'a[1:b]': 'b' is not a whole number{EXAMPLES}"),
+        ("a[1.5]", f"field path 'a[1.5]': '1.5' is not a whole number{EXAMPLES}"),
+        (
+            "a[1:2:3:4]",
+            f"field path 'a[1:2:3:4]': '[1:2:3:4]' has more than start, stop and step{EXAMPLES}",
+        ),
+        ("a[::0]", f"field path 'a[::0]': the step in '[::0]' is 0{EXAMPLES}"),
+        ("a..b", "field path 'a..b': expected a field's name at '..b'"),
+        ("a.", "field path 'a.': expected a field's name at '.'"),
+        ("a]", "field path 'a]': expected a field's name at ']'"),
+        ("a[0]b", "field path 'a[0]b': expected a field's name at 'b'"),
+    ],
+)
+def test_what_is_no_path_is_said_in_one_line(text: str, error: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        parse_path(text)
+    assert str(caught.value) == error
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("nope", "nope: geometry_msgs/Pose has no field 'nope' (fields: position, orientation)"),
+        (
+            "positon.x",
+            "positon: geometry_msgs/Pose has no field 'positon' (fields: position, orientation)",
+        ),
+        (
+            "position.w",
+            "position.w: geometry_msgs/Point has no field 'w' (fields: x, y, z)",
+        ),
+        ("position[0]", "position is no array but a geometry_msgs/Point (fields: x, y, z)"),
+        ("position.x[0]", "position.x is no array but a float64"),
+        ("position.x.y", "position.x is a float64, which has no field 'y'"),
+        ("[0]", "the message is no array but a geometry_msgs/Pose"),
+    ],
+)
+def test_what_a_type_does_not_have_is_said_with_what_it_has(text: str, error: str) -> None:
+    with pytest.raises(ValueMismatch) as caught:
+        select(Pose(), parse_path(text))
+    assert str(caught.value).startswith(error)
+    assert caught.value.exit_code == 2
+
+
+def test_an_index_outside_of_an_array_is_an_error(scan: LaserScan) -> None:
+    with pytest.raises(ValueMismatch) as caught:
+        select(scan, parse_path("ranges[9]"))
+    assert str(caught.value) == "ranges[9]: the array has 5 elements, none at [9]"
+
+
+def test_an_index_outside_of_an_array_of_fixed_size_is_found_without_a_message() -> None:
+    with pytest.raises(ValueMismatch) as caught:
+        target(Odometry, parse_path("pose.covariance[36]"))
+    assert str(caught.value) == "pose.covariance[36]: the array has 36 elements"
+
+
+def test_a_name_after_an_array_asks_for_an_index() -> None:
+    with pytest.raises(ValueMismatch) as caught:
+        target(TFMessage, parse_path("transforms.header"))
+    assert str(caught.value) == (
+        "transforms is an array of geometry_msgs/TransformStamped, which has no field 'header';"
+        " put an index before it: [0]"
+    )
+
+
+def test_length_fields_are_not_selected(scan: LaserScan) -> None:
+    with pytest.raises(ValueMismatch, match="has no field 'ranges_length'"):
+        select(scan, parse_path("ranges_length"))
+
+
+@pytest.mark.parametrize(
+    ("argument", "topic", "path"),
+    [
+        ("/odom", "/odom", ""),
+        ("/odom/", "/odom", ""),
+        ("/odom/twist.twist", "/odom", "twist.twist"),
+        ("/odom/pose.x", "/odom/pose", "x"),
+        ("/odom/pose/x", "/odom/pose", "x"),
+        ("/scan/ranges[0:5]", "/scan", "ranges[0:5]"),
+        ("PLAIN.x", "PLAIN", "x"),
+        ("PLAIN.CHANNEL[0].x", "PLAIN.CHANNEL", "[0].x"),
+    ],
+)
+def test_the_longest_known_topic_is_the_topic(argument: str, topic: str, path: str) -> None:
+    known = {"/odom", "/odom/pose", "/scan", "PLAIN", "PLAIN.CHANNEL"}
+    assert split_topic_and_path(argument, known) == (topic, parse_path(path))
+
+
+@pytest.mark.parametrize("argument", ["/odometry", "/od", "odom/pose", ""])
+def test_a_topic_that_is_not_known_is_none(argument: str) -> None:
+    assert split_topic_and_path(argument, {"/odom"}) is None
+
+
+@given(st.text(alphabet="/.[]:ab01-", max_size=20))
+def test_every_split_gives_the_argument_again(argument: str) -> None:
+    assert all(topic + path == argument for topic, path in splits(argument))
+
+
+@given(st.text(alphabet="/.[]:-0123456789ab_ranges ", max_size=30))
+def test_no_path_raises_anything_but_a_usage_error(text: str) -> None:
+    message = LaserScan()
+    message.ranges = [1.0, 2.0]
+    with suppress(UsageError):
+        select(message, parse_path(text))
