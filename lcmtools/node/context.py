@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import FrameType
+from typing import Protocol
 
 from lcmtools.arguments import NodeArguments, split_arguments
 from lcmtools.bus.base import Bus
@@ -33,16 +34,16 @@ _GRACE = 0.5
 """Seconds that a running callback gets to return after Ctrl-C before it is interrupted."""
 
 
-class Participant:
+class Participant(Protocol):
     """What the context needs of a node; see lcmtools.node.node."""
 
     def describe(self) -> Node:
         """What is announced."""
-        raise NotImplementedError
+        ...
 
     def destroy_node(self) -> None:
         """Leave the bus."""
-        raise NotImplementedError
+        ...
 
 
 class Context:

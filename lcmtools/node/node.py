@@ -14,7 +14,7 @@ from lcmtools.errors import BusError, UsageError
 from lcmtools.graph import model
 from lcmtools.messages.registry import Message
 from lcmtools.node.callbacks import Callbacks
-from lcmtools.node.context import Context, Participant, current_context
+from lcmtools.node.context import Context, current_context
 from lcmtools.node.logger import LogEntry, Logger, log_message
 from lcmtools.node.parameter import Parameter, ParameterValue, ValueT, read_parameter
 from lcmtools.node.publisher import Publisher
@@ -38,7 +38,7 @@ MessageT = TypeVar("MessageT", bound=Message)
 _LOST_MESSAGE_PERIOD = 5.0  # [s] between two complaints about a bus that takes no messages
 
 
-class Node(Participant):
+class Node:
     """A named participant of the bus.
 
     Names are resolved by the ROS rules: "/a" is global, "a" stands in the node's namespace, "~a"
