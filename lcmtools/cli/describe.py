@@ -34,6 +34,18 @@ def fingerprint_rows(topic: Topic) -> list[str]:
     return [f"Fingerprint: {fingerprint_text(value)}" for value in topic.fingerprints]
 
 
+def node_record(node: Node) -> dict[str, object]:
+    """A node and where it runs, for JSON."""
+    return {
+        "node": node.name,
+        "host": node.host,
+        "pid": node.pid,
+        "command": node.command,
+        "start_time": node.start_time,
+        "stale": node.stale.value or None,
+    }
+
+
 def node_text(node: Node) -> str:
     """A node with where it runs."""
     stale = f", stale: {node.stale}" if node.stale else ""

@@ -55,7 +55,7 @@ def decode(cls: type[M], payload: bytes | bytearray | memoryview) -> M:
     """
     data = payload if isinstance(payload, bytes) else bytes(payload)
     if data[:_FINGERPRINT_BYTES] != layout(cls).fingerprint:
-        raise DecodeError(f"expected {type_name(cls)}, got {_described(data)}")
+        raise DecodeError(f"expected {type_name(cls)}, got {describe_payload(data)}")
     try:
         return cast("M", layout(cls).read(Cursor(data, _FINGERPRINT_BYTES)))
     except Malformed as malformed:
@@ -68,10 +68,10 @@ def _payload(message: Message, cls: type[Message]) -> bytes:
     return b"".join(parts)
 
 
-def _described(data: bytes) -> str:
-    """What a payload of another type is."""
+def describe_payload(data: bytes) -> str:
+    """What a payload is, for who expected something else: its type, as far as it is known."""
     if len(data) < _FINGERPRINT_BYTES:
         return f"{len(data)} bytes, which is no LCM message"
     fingerprint = int.from_bytes(data[:_FINGERPRINT_BYTES], "big")
     names = candidates(fingerprint)
-    return names[0] if names else f"an unknown type (fingerprint {fingerprint:016x})"
+    return names[0] if names else f"an unknown type (fingerprint {fingerprint:#018x})"

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from lcmtools.errors import DecodeError
 from lcmtools.graph.model import Endpoint, Role
-from lcmtools.messages.codec import decode
-from lcmtools.messages.registry import Message, candidates, fingerprint, type_name
+from lcmtools.messages.codec import decode, describe_payload
+from lcmtools.messages.registry import Message, fingerprint, type_name
 
 FINGERPRINT_BYTES = 8
 _WARNING_PERIOD = 5.0  # [s] between two warnings about messages that cannot be read
@@ -81,7 +81,7 @@ class Subscription:
         """
         kind = self._by_fingerprint.get(payload[:FINGERPRINT_BYTES])
         if kind is None:
-            raise DecodeError(f"expected {self._expected()}, got {_describe(payload)}")
+            raise DecodeError(f"expected {self._expected()}, got {describe_payload(payload)}")
         return decode(kind, payload)
 
     def is_warning_due(self, now: float) -> bool:
@@ -108,11 +108,3 @@ class Subscription:
 
     def _expected(self) -> str:
         return " or ".join(type_name(kind) for kind in self.message_types)
-
-
-def _describe(payload: bytes) -> str:
-    if len(payload) < FINGERPRINT_BYTES:
-        return f"{len(payload)} bytes, too short for any message"
-    number = int.from_bytes(payload[:FINGERPRINT_BYTES], "big")
-    names = candidates(number)
-    return names[0] if names else f"an unknown type (fingerprint {number:#018x})"

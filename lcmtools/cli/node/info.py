@@ -4,6 +4,7 @@ import time
 
 import click
 
+from lcmtools.cli.describe import node_record
 from lcmtools.cli.find import find_node
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
 from lcmtools.cli.output import document, lines
@@ -78,12 +79,7 @@ def _connections(node: Node, graph: Graph) -> list[str]:
 
 def _record(node: Node) -> dict[str, object]:
     return {
-        "node": node.name,
-        "host": node.host,
-        "pid": node.pid,
-        "command": node.command,
-        "start_time": node.start_time,
-        "stale": node.stale.value or None,
+        **node_record(node),
         "publications": [_endpoint_record(e) for e in node.having(Role.PUBLISHER)],
         "subscriptions": [_endpoint_record(e) for e in node.having(Role.SUBSCRIBER)],
         "services": [_endpoint_record(e) for e in node.having(Role.SERVICE)],

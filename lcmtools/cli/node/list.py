@@ -2,10 +2,9 @@
 
 import click
 
-from lcmtools.cli.describe import listed_node
+from lcmtools.cli.describe import listed_node, node_record
 from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_watch
 from lcmtools.cli.output import document, lines, talk
-from lcmtools.graph.model import Node
 
 
 @click.command("list", context_settings=CONTEXT)
@@ -32,19 +31,8 @@ def command(namespace: str, *, show_all: bool, as_json: bool) -> None:
         and (not prefix or node.name == prefix or node.name.startswith(f"{prefix}/"))
     ]
     if as_json:
-        document([_record(node) for node in nodes])
+        document([node_record(node) for node in nodes])
     else:
         lines(map(listed_node, nodes))
     if not nodes:
         talk(f"no nodes{f' in {namespace}' if namespace else ''} on {url}")
-
-
-def _record(node: Node) -> dict[str, object]:
-    return {
-        "node": node.name,
-        "host": node.host,
-        "pid": node.pid,
-        "command": node.command,
-        "start_time": node.start_time,
-        "stale": node.stale.value or None,
-    }

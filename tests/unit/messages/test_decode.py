@@ -68,7 +68,7 @@ def image_payload(length: int) -> bytes:
         (
             std_msgs.Int32,
             b"12345678",
-            "expected std_msgs/Int32, got an unknown type (fingerprint 3132333435363738)",
+            "expected std_msgs/Int32, got an unknown type (fingerprint 0x3132333435363738)",
         ),
         (
             geometry_msgs.Twist,
