@@ -17,6 +17,7 @@ from lcmtools.bus.processes import is_local, unheard_senders
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
+from lcmtools.errors import BusError
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.graph.protocol import (
@@ -188,7 +189,9 @@ class Watch:
 
     def _announce(self, *, leaving: bool = False, answers: int = 0) -> None:
         announcement = Announcement(self._node, leaving, answers)
-        self._observer.send(NODE_CHANNEL, encode_announcement(announcement))
+        # a network that is gone may come back: who looks goes on looking, and announces later
+        with contextlib.suppress(BusError):
+            self._observer.send(NODE_CHANNEL, encode_announcement(announcement))
         self._next_announcement = time.monotonic() + PERIOD
 
 

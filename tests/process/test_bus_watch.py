@@ -1,7 +1,9 @@
 """A watch: what the commands that look at a bus learn from it, and how soon."""
 
 import os
+import shutil
 import socket
+import subprocess
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -200,3 +202,18 @@ def test_a_nodes_counters_are_announced(
     graph = open_watch("info").settle(foreign=False)
     ((_, endpoint),) = graph.topic("/chatter").publishers
     assert (endpoint.messages, endpoint.bytes) == (3, 3 * len(encode(String())))
+
+
+@pytest.mark.usefixtures("private_network")
+def test_a_watch_goes_on_while_the_network_is_gone(bus_url: str) -> None:
+    ip = str(shutil.which("ip"))
+    route = ["224.0.0.0/4", "dev", "lo"]
+    with Watch(parse_url(bus_url), "test", os.environ) as watch, ExitStack() as network:
+        subprocess.run([ip, "route", "del", *route], check=True)
+        network.callback(subprocess.run, [ip, "route", "add", *route], check=True)
+        watch.listen_to(["/chatter"])  # announced when there is a network again
+        assert watch.receive(0.0) == []
+        network.close()
+        assert [node.endpoints[0].topic for node in watch.settle().nodes] == ["/chatter"]
+        subprocess.run([ip, "route", "del", *route], check=True)
+        # and leaving without one is no error either
