@@ -36,6 +36,7 @@ QUIET = 0.03
 """The graph counts as complete when no node has appeared for so long [s]."""
 _AT_LEAST = 0.05  # [s] that nodes have to answer, several times what they need
 _AT_MOST = 0.3  # [s] on a bus where nodes keep appearing
+_TALK = (NODE_CHANNEL, PROBE_CHANNEL)
 _FOREIGN = 1.2  # [s] for programs that do not answer: a little more than one period at 1 Hz
 
 
@@ -152,8 +153,11 @@ class Watch:
         self.probe()
         start = changed = time.monotonic()
         with contextlib.suppress(EOFError):  # a log that has ended is complete
-            while not _complete(time.monotonic(), start, changed):
-                if any(packet.channel == NODE_CHANNEL for packet in self.receive(QUIET / 2)):
+            # where this process itself was held up, what has come meanwhile still counts
+            while not _complete(time.monotonic(), start, changed) or self._hears_talk(0.0):
+                if time.monotonic() - start > _FOREIGN:
+                    break
+                if self._hears_talk(QUIET / 2):
                     changed = time.monotonic()
         if foreign and self.url.is_multicast:
             self._await_foreign(start + _FOREIGN)
@@ -172,6 +176,9 @@ class Watch:
         """Drop a stale node and its record."""
         self._builder.forget(node.id)
         self._records.remove(node.id)
+
+    def _hears_talk(self, timeout: float) -> bool:
+        return any(packet.channel in _TALK for packet in self.receive(timeout))
 
     def _await_foreign(self, deadline: float) -> None:
         while (left := deadline - time.monotonic()) > 0:

@@ -22,6 +22,7 @@ from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement
 from lcmtools.messages.codec import encode
 from lcmtools.node.context import Context
 from lcmtools.types.std_msgs import String
+from lcmtools.wire.packet import Packet
 
 WaitUntil = Callable[..., None]
 
@@ -217,3 +218,19 @@ def test_a_watch_goes_on_while_the_network_is_gone(bus_url: str) -> None:
         assert [node.endpoints[0].topic for node in watch.settle().nodes] == ["/chatter"]
         subprocess.run([ip, "route", "del", *route], check=True)
         # and leaving without one is no error either
+
+
+def test_a_watch_that_was_held_up_still_hears_who_has_answered(
+    bus_url: str, context: Context, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Node("talker", context=context)
+    with Watch(parse_url(bus_url), "test", os.environ) as watch:
+        receive = watch.receive
+
+        def be_held_up(_timeout: float) -> list[Packet]:
+            time.sleep(0.4)  # longer than a look ever takes
+            monkeypatch.setattr(watch, "receive", receive)
+            return []
+
+        monkeypatch.setattr(watch, "receive", be_held_up)
+        assert [node.name for node in watch.settle(foreign=False).nodes] == ["/talker"]
