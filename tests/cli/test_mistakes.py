@@ -1,6 +1,6 @@
 """What is typed wrongly costs one line on standard error, which says what, where and what to do.
 
-The mistakes are in mistakes.txt, as in a terminal.
+The mistakes are in the folder mistakes, as in a terminal.
 """
 
 import re
@@ -36,13 +36,14 @@ COMMANDS_WITH_BUS = [
 
 def read_mistakes() -> Iterator[tuple[str, int, str]]:
     """What is typed, the exit code, and the line that comes back."""
-    code = 2
-    lines = iter((Path(__file__).parent / "mistakes.txt").read_text().splitlines())
-    for line in lines:
-        if line.startswith("# exit code "):
-            code = int(line.removeprefix("# exit code "))
-        elif line.startswith("$ lcmtools "):
-            yield line.removeprefix("$ lcmtools "), code, next(lines)
+    for file in sorted((Path(__file__).parent / "mistakes").glob("*.txt")):
+        code = 2
+        lines = iter(file.read_text().splitlines())
+        for line in lines:
+            if line.startswith("# exit code "):
+                code = int(line.removeprefix("# exit code "))
+            elif line.startswith("$ lcmtools "):
+                yield line.removeprefix("$ lcmtools "), code, next(lines)
 
 
 MISTAKES = list(read_mistakes())
