@@ -16,8 +16,10 @@ import lcmtools
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.loop import run
+from lcmtools_sim.pose import Pose
 from lcmtools_sim.robots import MODELS
-from lcmtools_sim.scene import Pose, RobotPlacement, Scene
+from lcmtools_sim.robots.husky import HUSKY
+from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.schedule import Pacer
 from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.world import World
@@ -31,7 +33,7 @@ COLUMNS = 5  # robots in a row
 def scene_of(robots: int) -> Scene:
     """The lab's yard with so many Huskies; the engine does not mind that they leave it."""
     poses = [Pose(-40.0 - 6 * (i % COLUMNS), 6.0 * (i // COLUMNS)) for i in range(robots)]
-    placements = [RobotPlacement("husky", f"/husky{i}", pose) for i, pose in enumerate(poses)]
+    placements = [RobotPlacement(HUSKY, f"/husky{i}", pose) for i, pose in enumerate(poses)]
     return replace(read_scene(*find_world("husky")), robots=tuple(placements))
 
 

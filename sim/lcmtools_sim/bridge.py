@@ -11,16 +11,11 @@ from lcmtools_sim.simulation import Sample, Simulation
 
 Command = JointState | Twist
 
-COMMAND_TOPICS: dict[str, tuple[type[Command], ...]] = {
-    "velocity_cmd": (JointState, Twist),
-    "wheel_cmd": (JointState, Twist),
-    "wheel_velocity_cmd": (JointState, Twist),
-    "cmd_vel": (Twist, JointState),
+_TYPES: dict[bool, tuple[type[Command], ...]] = {
+    False: (JointState, Twist),
+    True: (Twist, JointState),
 }
-"""The names by which a robot is steered, and the types each takes, the declared one first.
-
-They mean the same: the lab's text uses all of them. ``wtf`` names the first one when nobody
-publishes any."""
+"""What a command topic takes, the declared type first; by whether that is Twist."""
 
 
 class Bridge:
@@ -57,9 +52,10 @@ class Bridge:
     def _subscribe(self, robot: Robot) -> None:
         prefix = robot.namespace.rstrip("/")
         group = f"wheel command of {robot.namespace}"
-        for name, types in COMMAND_TOPICS.items():
-            topic = f"{prefix}/{name}"
+        for command in robot.model.commands:
+            topic = f"{prefix}/{command.name}"
             callback = self._commander(robot, self._node.resolve_name(topic))
+            types = _TYPES[command.is_twist]
             self._node.create_subscription(types, topic, callback, group=group)
 
     def _commander(self, robot: Robot, topic: str) -> Callable[[Command], None]:

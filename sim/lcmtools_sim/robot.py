@@ -1,5 +1,7 @@
 """One robot of the running simulation: its body in the engine, its wheels and its command."""
 
+from collections.abc import Sequence
+
 from lcmtools.errors import InvalidFile
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
@@ -13,11 +15,23 @@ from lcmtools_sim.drive import (
     body_velocity,
     grip,
 )
-from lcmtools_sim.robots import MODELS
+from lcmtools_sim.pose import Pose
 from lcmtools_sim.robots.model import Drive
-from lcmtools_sim.rotation import Vector, add, axes, components, cross, dot, scaled, turned
+from lcmtools_sim.rotation import (
+    Vector,
+    add,
+    axes,
+    components,
+    cross,
+    dot,
+    scaled,
+    subtract,
+    turn,
+    turned,
+)
 from lcmtools_sim.scene import RobotPlacement, Scene
-from lcmtools_sim.sensors.sensor import RobotState, WheelState
+from lcmtools_sim.sensors.sensor import Contact, RobotState, WheelState
+from lcmtools_sim.shapes import Part
 from lcmtools_sim.world import Motion, World
 
 _LIFTING_OFF = 0.2  # [m/s] along its own up axis: what stands on its wheels has none
@@ -35,13 +49,13 @@ class Robot:
     """
 
     def __init__(self, world: World, scene: Scene, placement: RobotPlacement) -> None:
-        self.model = MODELS[placement.model]
+        self.model = placement.model
         self.namespace = placement.namespace
         self._world = world
         self._dt = scene.dt
         self._timeout = placement.cmd_timeout
         self._body = world.add_robot(self.namespace, self.model.body, placement.pose)
-        self._motion = world.motion(self._body)
+        self._motion = self._before = world.motion(self._body)
         friction = self.model.drive.tyre_friction * scene.ground.friction
         side_load = self.model.body.mass * scene.gravity / 2  # [N]
         self._largest_impulse = friction * side_load * scene.dt
@@ -83,7 +97,34 @@ class Robot:
 
     def observe(self) -> None:
         """Look at the body, after the engine's step."""
-        self._motion = self._world.motion(self._body)
+        self._before, self._motion = self._motion, self._world.motion(self._body)
+
+    def remove(self) -> None:
+        """Take its body out of the world."""
+        self._world.remove(self._body)
+
+    def place(self, pose: Pose) -> None:
+        """Put its base_footprint elsewhere, at rest; the wheels stop, the encoders go on."""
+        height = scaled(turn((0.0, 0.0, 1.0), pose.rotation), self.model.body.centre_of_mass)
+        self._world.place(self._body, add(pose.position, height), pose.rotation)
+        self._wheels.speeds = self._targets = STOPPED
+        self._motion = self._before = self._world.motion(self._body)
+
+    def cast(self, starts: Sequence[Vector], ends: Sequence[Vector]) -> Sequence[float]:
+        """What a laser on it sees; see Surroundings, which a robot is for its sensors."""
+        return self._world.cast(starts, ends)
+
+    def fixed_parts(self) -> tuple[Part, ...]:
+        """The shapes that stand for ever, in the world."""
+        return self._world.fixed_parts()
+
+    def moving_parts(self) -> list[Part]:
+        """The shapes that can move, in the world now, but for its own."""
+        return self._world.moving_parts(but=self._body)
+
+    def touching(self) -> list[Contact]:
+        """Where it touches something that is not the ground."""
+        return self._world.contacts(self._body)
 
     def state(self, time: int) -> RobotState:
         """What its sensors may measure; ``time`` in simulated nanoseconds."""
@@ -97,10 +138,23 @@ class Robot:
             rotation=motion.rotation,
             velocity=components(velocity, frame),
             turning=components(motion.turning, frame),
+            acceleration=components(self._change_of_velocity(base_link), frame),
+            turning_change=components(self._change_of_turning(), frame),
             wheels=_wheel_states(self._wheels, self._targets, self.model.drive),
             reckoned_pose=(self._odometer.x, self._odometer.y, self._odometer.yaw),
             reckoned_speed=body_velocity(self._wheels.speeds, self.model.drive.track),
         )
+
+    def _change_of_velocity(self, lever: Vector) -> Vector:
+        """The acceleration of a point, ``lever`` from the centre of mass, in the last step."""
+        motion, before = self._motion, self._before
+        centre = scaled(subtract(motion.velocity, before.velocity), 1 / self._dt)
+        spin = cross(motion.turning, cross(motion.turning, lever))
+        return add(add(centre, cross(self._change_of_turning(), lever)), spin)
+
+    def _change_of_turning(self) -> Vector:
+        """The angular acceleration in the last step, in the world."""
+        return scaled(subtract(self._motion.turning, self._before.turning), 1 / self._dt)
 
     def _obeyed_targets(self) -> SideSpeeds:
         """The last command's, until it is too old."""

@@ -58,6 +58,11 @@ def add(a: Vector, b: Vector) -> Vector:
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
+def subtract(a: Vector, b: Vector) -> Vector:
+    """The difference."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
 def scaled(vector: Vector, factor: float) -> Vector:
     """A vector ``factor`` times as long."""
     return vector[0] * factor, vector[1] * factor, vector[2] * factor
@@ -76,4 +81,22 @@ def turned(frame: tuple[Vector, Vector, Vector], angle: float) -> tuple[Vector, 
         add(scaled(forward, cosine), scaled(left, sine)),
         add(scaled(left, cosine), scaled(forward, -sine)),
         up,
+    )
+
+
+def turn(vector: Vector, rotation: Quaternion) -> Vector:
+    """A vector of the turned frame as the frame around it has it."""
+    forward, left, up = axes(rotation)
+    return add(add(scaled(forward, vector[0]), scaled(left, vector[1])), scaled(up, vector[2]))
+
+
+def chain(outer: Quaternion, inner: Quaternion) -> Quaternion:
+    """The rotation of a frame that is turned by ``inner`` in one that is turned by ``outer``."""
+    x1, y1, z1, w1 = outer
+    x2, y2, z2, w2 = inner
+    return (
+        w1 * x2 + x1 * w2 + y1 * z2 - z1 * y2,
+        w1 * y2 - x1 * z2 + y1 * w2 + z1 * x2,
+        w1 * z2 + x1 * y2 - y1 * x2 + z1 * w2,
+        w1 * w2 - x1 * x2 - y1 * y2 - z1 * z2,
     )

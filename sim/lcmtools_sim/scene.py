@@ -5,23 +5,14 @@ Only values live here: world_file.py reads them from YAML, world.py builds them 
 
 from dataclasses import dataclass, field
 
-Color = tuple[float, float, float]
+from lcmtools_sim.pose import ORIGIN, Pose
+from lcmtools_sim.robots.model import RobotModel
+from lcmtools_sim.rotation import Vector
+from lcmtools_sim.shapes import Color, Cuboid, Part
 
-BOX_FRICTION = 0.6
-BOX_COLOR: Color = (0.7, 0.6, 0.45)
-WALL_COLOR: Color = (0.6, 0.6, 0.62)
-
-
-@dataclass(frozen=True, slots=True)
-class Pose:
-    """A place in the world: metres, and fixed-axis roll, pitch, yaw in radians (REP-103)."""
-
-    x: float = 0.0
-    y: float = 0.0
-    z: float = 0.0
-    roll: float = 0.0
-    pitch: float = 0.0
-    yaw: float = 0.0
+FRICTION = 0.6
+"""Of things, where nothing else is said."""
+WOOD: Color = (0.7, 0.6, 0.45)
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,24 +29,29 @@ class Ground:
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
-    """A cuboid, or one straight piece of a wall.
+class Thing:
+    """Something that stands in the world or can be pushed: one rigid body.
 
     Attributes:
         name: For messages.
-        size: Length, width, height [m].
-        pose: Of its centre.
+        parts: Its shapes, in its own frame.
+        pose: Of that frame in the world.
         mass: [kg]; 0 stands for ever.
         friction: Coulomb coefficient.
-        color: Red, green, blue, 0 to 1.
     """
 
     name: str
-    size: tuple[float, float, float]
-    pose: Pose
+    parts: tuple[Part, ...]
+    pose: Pose = ORIGIN
     mass: float = 0.0
-    friction: float = BOX_FRICTION
-    color: Color = BOX_COLOR
+    friction: float = FRICTION
+
+
+def box(
+    name: str, size: Vector, pose: Pose, mass: float = 0.0, friction: float = FRICTION
+) -> Thing:
+    """A box; ``pose`` is that of its centre."""
+    return Thing(name, (Part(Cuboid(size), color=WOOD),), pose, mass, friction)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,16 +59,16 @@ class RobotPlacement:
     """A robot of a model, and where it starts.
 
     Attributes:
-        model: A key of robots.MODELS.
+        model: What it is, with all that the world file changes of it.
         namespace: Global, "/husky0".
         pose: Of the point on the ground between its wheels.
         cmd_timeout: Simulated seconds after which a command ends; None holds it for ever.
         where: File and line that it comes from ("yard.yaml:12"), for messages.
     """
 
-    model: str
+    model: RobotModel
     namespace: str
-    pose: Pose = Pose()
+    pose: Pose = ORIGIN
     cmd_timeout: float | None = None
     where: str = field(default="", compare=False)
 
@@ -88,7 +84,7 @@ class Scene:
         dt: Simulated seconds of one step.
         gravity: [m/s^2] downwards.
         ground: What everything stands on.
-        boxes: Boxes and the pieces of walls.
+        things: Boxes, pieces of walls, tables and so on.
         robots: Who drives.
     """
 
@@ -98,11 +94,11 @@ class Scene:
     dt: float = 1 / 240
     gravity: float = 9.81
     ground: Ground = Ground()
-    boxes: tuple[Box, ...] = ()
+    things: tuple[Thing, ...] = ()
     robots: tuple[RobotPlacement, ...] = ()
 
 
 def contents(scene: Scene) -> str:
     """What stands in a scene, in one line."""
-    robots = ", ".join(f"{robot.model} {robot.namespace}" for robot in scene.robots)
-    return f"{robots or 'no robot'}; {len(scene.boxes)} boxes and walls"
+    robots = ", ".join(f"{robot.model.name} {robot.namespace}" for robot in scene.robots)
+    return f"{robots or 'no robot'}; {len(scene.things)} things"

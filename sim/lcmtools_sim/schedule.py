@@ -6,7 +6,7 @@ Steps are numbered from 1 and are the only time here; the wall clock comes in as
 import heapq
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Generic, TypeVar
 
 Item = TypeVar("Item")
@@ -32,10 +32,19 @@ class Timetable(Generic[Item]):
         self._next: list[tuple[int, int, int]] = []  # step, place in _items, count
         self._items: list[tuple[float, Item]] = []
 
-    def add(self, rate: float, item: Item) -> None:
-        """Let ``item`` be due ``rate`` times a second, at most once a step."""
+    def add(self, rate: float, item: Item, *, after: int = 0) -> None:
+        """Let ``item`` be due ``rate`` times a second, at most once a step, from ``after`` on."""
+        count = math.floor(after * self._dt * rate) + 1
+        while self._step(count, rate) <= after:
+            count += 1
         self._items.append((rate, item))
-        heapq.heappush(self._next, (self._step(1, rate), len(self._items) - 1, 1))
+        heapq.heappush(self._next, (self._step(count, rate), len(self._items) - 1, count))
+
+    def remove(self, items: Sequence[Item]) -> None:
+        """Let these be due no more."""
+        gone = {place for place, (_, item) in enumerate(self._items) if item in items}
+        self._next = [entry for entry in self._next if entry[1] not in gone]
+        heapq.heapify(self._next)
 
     def due(self, step: int) -> list[Item]:
         """What is due at ``step``, in the order of adding; steps are asked for in their order."""

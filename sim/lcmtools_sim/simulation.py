@@ -4,17 +4,18 @@ It knows no bus and no wall clock: commands come in as messages, each step gives
 that are due. bridge.py connects it to the bus, loop.py to the wall clock.
 """
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from lcmtools.clock import NANOSECONDS, split_stamp
 from lcmtools.errors import InvalidFile
 from lcmtools.messages.registry import Message
 from lcmtools.types.rosgraph_msgs import Clock
+from lcmtools_sim.readings import Reading, mount_sensors
 from lcmtools_sim.robot import Robot
-from lcmtools_sim.scene import Scene
+from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.schedule import Timetable
-from lcmtools_sim.sensors import SENSORS
-from lcmtools_sim.sensors.sensor import RobotState, Sensor
+from lcmtools_sim.sensors.sensor import RobotState
 from lcmtools_sim.world import World
 
 CLOCK_TOPIC = "/clock"
@@ -30,13 +31,8 @@ class Sample:
     message: Message
 
 
-@dataclass(frozen=True, slots=True)
-class _Reading:
-    """A sensor of a robot, and the topic of its messages."""
-
-    topic: str
-    robot: Robot
-    sensor: Sensor
+def _everything(_topic: str) -> bool:
+    return True
 
 
 class Simulation:
@@ -48,8 +44,9 @@ class Simulation:
 
     Attributes:
         scene: As given.
-        robots: In the order of the scene.
+        robots: In the order of the scene, then as they were added.
         steps: How many have been done.
+        is_wanted: Whether anybody can be listening to a topic: what nobody hears is not measured.
 
     Raises:
         MissingExtra: pybullet is not installed.
@@ -58,15 +55,13 @@ class Simulation:
 
     def __init__(self, scene: Scene, *, window: bool = False) -> None:
         self.scene = scene
-        self.steps = 0
+        self.is_wanted: Callable[[str], bool] = _everything
         self._world = World(scene, window=window)
-        self.robots = [Robot(self._world, scene, placement) for placement in scene.robots]
-        self._check_starts()
-        self._readings: list[_Reading] = []
-        self._timetable: Timetable[_Reading | None] = Timetable(scene.dt)
-        self._timetable.add(CLOCK_RATE, None)
-        for robot in self.robots:
-            self._mount_sensors(robot)
+        try:
+            self._begin()
+        except InvalidFile:
+            self._world.close()
+            raise
 
     def __enter__(self) -> "Simulation":
         """Use it in a with statement."""
@@ -87,8 +82,11 @@ class Simulation:
 
     def topics(self) -> dict[str, type[Message]]:
         """Every topic of its samples, with the type."""
-        sensors = {reading.topic: reading.sensor.message_type for reading in self._readings}
-        return {CLOCK_TOPIC: Clock, **sensors}
+        found: dict[str, type[Message]] = {CLOCK_TOPIC: Clock}
+        for robot in self.robots:
+            for reading in self._readings[robot.namespace]:
+                found.update(reading.topics())
+        return found
 
     def step(self) -> list[Sample]:
         """Let dt pass and return what is due then, all with the same time.
@@ -104,33 +102,61 @@ class Simulation:
         due = self._timetable.due(self.steps)
         return self._samples(due) if due else []
 
-    def _check_starts(self) -> None:
+    def reset(self) -> None:
+        """Begin anew: the same start, to the bit, as that of a new process with this scene."""
+        self._world.reset(self.scene)
+        self._begin()
+
+    def add(self, placement: RobotPlacement) -> Robot:
+        """Put up one more robot; ``reset`` takes it away again.
+
+        Raises:
+            InvalidFile: It would stand inside something else; nothing has been added.
+        """
+        robot = Robot(self._world, self.scene, placement)
         try:
-            for robot, placement in zip(self.robots, self.scene.robots, strict=True):
-                robot.check_start(placement.where)
+            robot.check_start(placement.where)
         except InvalidFile:
-            self._world.close()
+            robot.remove()
             raise
+        self.robots.append(robot)
+        readings = mount_sensors(robot, self.scene)
+        self._readings[robot.namespace] = readings
+        for reading in readings:
+            self._timetable.add(reading.rate, reading, after=self.steps)
+        return robot
 
-    def _mount_sensors(self, robot: Robot) -> None:
-        for mount in robot.model.sensors:
-            sensor = SENSORS[mount.kind](robot.namespace)
-            topic = f"{robot.namespace.rstrip('/')}/{mount.topic}"
-            reading = _Reading(topic, robot, sensor)
-            self._readings.append(reading)
-            self._timetable.add(mount.rate, reading)
+    def remove(self, robot: Robot) -> None:
+        """Take a robot away; ``reset`` brings it back if it is the scene's."""
+        gone = self._readings.pop(robot.namespace)
+        self._timetable.remove(gone)
+        self.robots.remove(robot)
+        robot.remove()
 
-    def _samples(self, due: list[_Reading | None]) -> list[Sample]:
+    def _begin(self) -> None:
+        self.steps = 0
+        self.robots: list[Robot] = []
+        self._readings: dict[str, list[Reading]] = {}
+        self._timetable: Timetable[Reading | None] = Timetable(self.scene.dt)
+        self._timetable.add(CLOCK_RATE, None)
+        for placement in self.scene.robots:
+            self.add(placement)
+
+    def _samples(self, due: Iterable[Reading | None]) -> list[Sample]:
         time = self.time
         samples = [Sample(CLOCK_TOPIC, _clock(time))]
         states: dict[str, RobotState] = {}
         for reading in due:
-            if reading is None:  # the clock's own turn
+            wanted = reading.wanted(self.is_wanted) if reading else ()
+            if reading is None or not wanted:  # the clock's own turn, or nobody hears it
                 continue
             namespace = reading.robot.namespace
             if namespace not in states:
                 states[namespace] = reading.robot.state(time)
-            samples.append(Sample(reading.topic, reading.sensor.sample(states[namespace])))
+            samples += [
+                Sample(topic, message)
+                for topic, message in reading.measure(states[namespace], wanted).items()
+            ]
         return samples
 
 

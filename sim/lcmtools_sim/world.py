@@ -1,19 +1,27 @@
 """The engine: what collides, falls and is pushed. The only module that knows pybullet.
 
-It builds the ground, boxes and robot bodies, steps them, and tells and sets their velocities.
-What wheels and tyres do is not known here: a robot's body has no friction, drive.py pulls it.
+It builds the ground, things and robot bodies (by bodies.py), steps them, tells and sets how they
+move, and lets sensors look at them. What wheels and tyres do is not known here: a robot's body has
+no friction, drive.py pulls it.
 """
 
-from importlib import import_module
+from collections.abc import Sequence
 from importlib.util import find_spec
 from types import ModuleType
 from typing import NamedTuple, cast
 
 from lcmtools.errors import MissingExtra
-from lcmtools_sim.robots.model import Body, Mesh
-from lcmtools_sim.rotation import Quaternion, Vector, from_euler
-from lcmtools_sim.scene import Box, Color, Ground, Pose, Scene
+from lcmtools_sim.bodies import BodyMaker
+from lcmtools_sim.pose import Pose
+from lcmtools_sim.robots.model import Body
+from lcmtools_sim.rotation import Quaternion, Vector, add, chain, turn
+from lcmtools_sim.scene import Scene, Thing
+from lcmtools_sim.sensors.sensor import Contact
+from lcmtools_sim.shapes import Part
 from lcmtools_sim.silence import silenced
+
+_MOST_RAYS = 16_000
+"""Of one call; Bullet takes 16384."""
 
 
 class Motion(NamedTuple):
@@ -33,12 +41,12 @@ class Motion(NamedTuple):
 
 
 class World:
-    """One Bullet world, built from a scene's ground and boxes; robots are added to it.
+    """One Bullet world, built from a scene's ground and things; robots are added to it.
 
     A context manager: it owns its connection to the engine.
 
     Args:
-        scene: Step, gravity, ground and boxes.
+        scene: Step, gravity, ground and things.
         window: Whether to show it; needs a display (see display.py: without one, Bullet ends the
             whole process).
 
@@ -53,7 +61,7 @@ class World:
                 self._bullet.GUI if window else self._bullet.DIRECT
             )
             self._window = window
-            self._names: dict[int, str] = {}
+            self._make = BodyMaker(self._bullet, self._client, has_window=window)
             self._build(scene)
 
     def __enter__(self) -> "World":
@@ -97,38 +105,72 @@ class World:
             return 0.0, ""
         return -deepest[8], self._names[deepest[2]]
 
-    def add_box(self, box: Box) -> int:
-        """Put up a box and return its body's number."""
-        half = [side / 2 for side in box.size]
-        shape = self._bullet.createCollisionShape(
-            self._bullet.GEOM_BOX, halfExtents=half, physicsClientId=self._client
-        )
-        body = self._add_body(box.name, box.mass, shape, box.pose)
-        self._set_surface(body, box.friction, box.color)
+    def add(self, thing: Thing) -> int:
+        """Put up a thing and return its body's number."""
+        body = self._make.thing(thing)
+        self._names[body] = thing.name
+        if thing.mass:
+            self._moving[body] = thing.parts
+        else:
+            self._fixed += tuple(_placed(part, thing.pose) for part in thing.parts)
         return body
 
     def add_robot(self, name: str, body: Body, pose: Pose) -> int:
         """Put up a robot's body, ``pose`` being that of its base_footprint; return its number."""
-        number = self._add_body(
-            name,
-            body.mass,
-            self._collision_shape(body),
-            pose,
-            baseInertialFramePosition=(0.0, 0.0, body.centre_of_mass),
-            **(self._looks(body) if self._window else {}),
-        )
+        number = self._make.robot(body, pose)
+        self._names[number] = name
+        centre = body.centre_of_mass  # the engine tells where that is
+        self._moving[number] = tuple(_lowered(part, centre) for part in body.parts)
         if self._window:
             self._look_at(pose)
-        self._bullet.changeDynamics(
-            number,
-            -1,
-            lateralFriction=0.0,
-            linearDamping=0.0,
-            angularDamping=0.0,
-            localInertiaDiagonal=body.inertia,
-            physicsClientId=self._client,
-        )
         return number
+
+    def remove(self, body: int) -> None:
+        """Take away a robot or a thing that can move."""
+        self._bullet.removeBody(body, physicsClientId=self._client)
+        del self._names[body], self._moving[body]
+
+    def place(self, body: int, position: Vector, rotation: Quaternion) -> None:
+        """Put a body's centre of mass elsewhere, at rest."""
+        self._bullet.resetBasePositionAndOrientation(body, position, rotation, self._client)
+        self.set_velocity(body, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+    def reset(self, scene: Scene) -> None:
+        """Begin anew with the ground and the things of a scene; robots are gone."""
+        with silenced():
+            self._bullet.resetSimulation(physicsClientId=self._client)
+            self._build(scene)
+
+    def cast(self, starts: Sequence[Vector], ends: Sequence[Vector]) -> list[float]:
+        """How far along each line the first thing is, 0 to 1; 1 where there is none."""
+        fractions: list[float] = []
+        for first in range(0, len(starts), _MOST_RAYS):
+            part = slice(first, first + _MOST_RAYS)
+            hits = self._bullet.rayTestBatch(starts[part], ends[part], physicsClientId=self._client)
+            fractions += [hit[2] for hit in hits]
+        return fractions
+
+    def fixed_parts(self) -> tuple[Part, ...]:
+        """The shapes that stand for ever, in the world; the same object until one is added."""
+        return self._fixed
+
+    def moving_parts(self, but: int) -> list[Part]:
+        """The shapes of all bodies that can move but one, in the world now."""
+        return [
+            _carried(part, *self._bullet.getBasePositionAndOrientation(body, self._client))
+            for body, parts in self._moving.items()
+            if body != but
+            for part in parts
+        ]
+
+    def contacts(self, body: int) -> list[Contact]:
+        """Where a body touches something that is not the ground, as of the last step."""
+        points = self._bullet.getContactPoints(body, physicsClientId=self._client)
+        return [
+            Contact(self._names[point[2]], point[5], point[7], point[9])
+            for point in points
+            if point[2] != self._ground and point[9] > 0
+        ]
 
     def _build(self, scene: Scene) -> None:
         bullet, client = self._bullet, self._client
@@ -136,85 +178,14 @@ class World:
         bullet.setTimeStep(scene.dt, physicsClientId=client)
         if self._window:
             bullet.configureDebugVisualizer(bullet.COV_ENABLE_GUI, 0, physicsClientId=client)
-        self._add_ground(scene.ground)
-        for box in scene.boxes:
-            self.add_box(box)
-
-    def _add_ground(self, ground: Ground) -> None:
-        shape = self._bullet.createCollisionShape(
-            self._bullet.GEOM_PLANE, physicsClientId=self._client
-        )
-        body = self._add_body("the ground", 0.0, shape, Pose())
-        self._set_surface(body, ground.friction, ground.color)
-
-    def _add_body(self, name: str, mass: float, shape: int, pose: Pose, **more: object) -> int:
-        """Make a body; ``more`` are createMultiBody's own names."""
-        number = self._bullet.createMultiBody(
-            mass,
-            shape,
-            basePosition=(pose.x, pose.y, pose.z),
-            baseOrientation=from_euler(pose.roll, pose.pitch, pose.yaw),
-            physicsClientId=self._client,
-            **more,
-        )
-        self._names[number] = name
-        return int(number)
-
-    def _set_surface(self, body: int, friction: float, color: Color) -> None:
-        self._bullet.changeDynamics(
-            body, -1, lateralFriction=friction, physicsClientId=self._client
-        )
-        self._bullet.changeVisualShape(
-            body, -1, rgbaColor=(*color, 1.0), physicsClientId=self._client
-        )
-
-    def _collision_shape(self, body: Body) -> int:
-        """The cuboids and the feet as one compound."""
-        bullet, cuboids, radius = self._bullet, body.cuboids, body.foot_radius
-        number = bullet.createCollisionShapeArray(
-            shapeTypes=[bullet.GEOM_BOX] * len(cuboids) + [bullet.GEOM_SPHERE] * len(body.feet),
-            halfExtents=[[side / 2 for side in part.size] for part in cuboids]
-            + [[0.0, 0.0, 0.0]] * len(body.feet),
-            radii=[0.0] * len(cuboids) + [radius] * len(body.feet),
-            collisionFramePositions=[part.centre for part in cuboids]
-            + [(x, y, radius) for x, y in body.feet],
-            physicsClientId=self._client,
-        )
-        return int(number)
-
-    def _looks(self, body: Body) -> dict[str, object]:
-        """The first mesh as the body's look, the others as links without mass and collision.
-
-        One body shows only one colour, and without a look it shows its collision shapes.
-        """
-        if not body.meshes:
-            return {}
-        bullet, (base, *links), count = self._bullet, body.meshes, len(body.meshes) - 1
-        nowhere, unturned = [(0.0, 0.0, 0.0)] * count, [(0.0, 0.0, 0.0, 1.0)] * count
-        return {
-            "baseVisualShapeIndex": self._mesh_shape(base, base.position),
-            "linkMasses": [0.0] * count,
-            "linkCollisionShapeIndices": [-1] * count,
-            "linkVisualShapeIndices": [self._mesh_shape(mesh) for mesh in links],
-            "linkPositions": [mesh.position for mesh in links],
-            "linkOrientations": [mesh.rotation for mesh in links],
-            "linkInertialFramePositions": nowhere,
-            "linkInertialFrameOrientations": unturned,
-            "linkParentIndices": [0] * count,
-            "linkJointTypes": [bullet.JOINT_FIXED] * count,
-            "linkJointAxis": nowhere,
-        }
-
-    def _mesh_shape(self, mesh: Mesh, position: Vector = (0.0, 0.0, 0.0)) -> int:
-        folder = import_module("pybullet_data").getDataPath()
-        number = self._bullet.createVisualShape(
-            self._bullet.GEOM_MESH,
-            fileName=f"{folder}/{mesh.file}",
-            rgbaColor=(*mesh.color, 1.0),
-            visualFramePosition=position,
-            physicsClientId=self._client,
-        )
-        return int(number)
+        self._names: dict[int, str] = {}
+        self._fixed: tuple[Part, ...] = ()
+        self._moving: dict[int, tuple[Part, ...]] = {}
+        """The shapes of what can move, in the frame that the engine tells of it."""
+        self._ground = self._make.ground(scene.ground)
+        self._names[self._ground] = "the ground"
+        for thing in scene.things:
+            self.add(thing)
 
     def _look_at(self, pose: Pose) -> None:
         """Point the window's camera at a place, from behind and above."""
@@ -225,6 +196,21 @@ class World:
             cameraTargetPosition=(pose.x, pose.y, pose.z),
             physicsClientId=self._client,
         )
+
+
+def _placed(part: Part, pose: Pose) -> Part:
+    """A part of something that stands at a pose, in the frame of that pose."""
+    return _carried(part, pose.position, pose.rotation)
+
+
+def _carried(part: Part, position: Vector, rotation: Quaternion) -> Part:
+    place = add(position, turn(part.position, rotation))
+    return Part(part.shape, place, chain(rotation, part.rotation), part.color)
+
+
+def _lowered(part: Part, height: float) -> Part:
+    x, y, z = part.position
+    return Part(part.shape, (x, y, z - height), part.rotation, part.color)
 
 
 def check_installed() -> None:

@@ -13,18 +13,10 @@ from typing import TypeVar
 from lcmtools.errors import InvalidName
 from lcmtools.names import check_base_name, did_you_mean, resolve_namespace
 from lcmtools_sim.document import Item, load
+from lcmtools_sim.pose import ORIGIN, Pose
 from lcmtools_sim.robots import MODELS
-from lcmtools_sim.scene import (
-    BOX_COLOR,
-    BOX_FRICTION,
-    WALL_COLOR,
-    Box,
-    Color,
-    Ground,
-    Pose,
-    RobotPlacement,
-    Scene,
-)
+from lcmtools_sim.scene import FRICTION, WOOD, Ground, RobotPlacement, Scene, Thing
+from lcmtools_sim.shapes import GREY, Color, Cuboid, Part
 
 Value = TypeVar("Value")
 
@@ -51,7 +43,7 @@ def read_scene(text: str, source: str) -> Scene:
         dt=_value(keys, "dt", lambda item: item.number(1e-4, 0.02), plain.dt),
         gravity=_value(keys, "gravity", lambda item: item.number(0, 100), plain.gravity),
         ground=_value(keys, "ground", _ground, plain.ground),
-        boxes=_value(keys, "objects", _objects, ()),
+        things=_value(keys, "objects", _objects, ()),
         robots=_value(keys, "robots", _robots, ()),
     )
 
@@ -79,11 +71,11 @@ def _ground(item: Item) -> Ground:
     )
 
 
-def _objects(item: Item) -> tuple[Box, ...]:
-    return tuple(box for element in item.items() for box in _object(element))
+def _objects(item: Item) -> tuple[Thing, ...]:
+    return tuple(thing for element in item.items() for thing in _object(element))
 
 
-def _object(item: Item) -> list[Box]:
+def _object(item: Item) -> list[Thing]:
     """The boxes of one entry of ``objects``, by its ``type``."""
     keys = item.fields(tuple(dict.fromkeys(_BOX_KEYS + _WALLS_KEYS)), required=["type"])
     kind = keys["type"].text()
@@ -95,20 +87,20 @@ def _object(item: Item) -> list[Box]:
     raise keys["type"].error(f"unknown type '{kind}'", hint)
 
 
-def _box(item: Item) -> Box:
+def _box(item: Item) -> Thing:
     keys = item.fields(_BOX_KEYS, required=["size", "pose"])
     length, width, height = (side.number(1e-3, 1e4) for side in keys["size"].items(3))
-    return Box(
+    color = _value(keys, "color", _color, WOOD)
+    return Thing(
         name=_value(keys, "name", Item.text, item.name),
-        size=(length, width, height),
+        parts=(Part(Cuboid((length, width, height)), color=color),),
         pose=_pose(keys["pose"], height / 2),
         mass=_value(keys, "mass", lambda item: item.number(0, 1e5), 0.0),
-        friction=_value(keys, "friction", _friction, BOX_FRICTION),
-        color=_value(keys, "color", _color, BOX_COLOR),
+        friction=_value(keys, "friction", _friction, FRICTION),
     )
 
 
-def _walls(item: Item) -> list[Box]:
+def _walls(item: Item) -> list[Thing]:
     """A wall along a polyline, piece by piece."""
     keys = item.fields(_WALLS_KEYS, required=["points"])
     corners = keys["points"].items()
@@ -120,11 +112,12 @@ def _walls(item: Item) -> list[Box]:
     name = _value(keys, "name", Item.text, item.name)
     height = _value(keys, "height", lambda item: item.number(1e-2, 1e3), 1.0)
     thickness = _value(keys, "thickness", lambda item: item.number(1e-2, 1e3), 0.2)
-    friction = _value(keys, "friction", _friction, BOX_FRICTION)
-    color = _value(keys, "color", _color, WALL_COLOR)
+    friction = _value(keys, "friction", _friction, FRICTION)
+    color = _value(keys, "color", _color, GREY)
+    pieces = [_piece(start, end, height, thickness) for start, end in pairs]
     return [
-        Box(name, *_piece(start, end, height, thickness), friction=friction, color=color)
-        for start, end in pairs
+        Thing(name, (Part(Cuboid(size), color=color),), pose, friction=friction)
+        for size, pose in pieces
     ]
 
 
@@ -158,9 +151,9 @@ def _robot(item: Item) -> RobotPlacement:
         hint = did_you_mean(model, MODELS) or f"known models: {', '.join(MODELS)}"
         raise keys["model"].error(f"unknown model '{model}'", hint)
     return RobotPlacement(
-        model=model,
+        model=MODELS[model],
         namespace=_namespace(keys["namespace"]),
-        pose=_value(keys, "pose", lambda pose: _pose(pose, 0.0), Pose()),
+        pose=_value(keys, "pose", lambda pose: _pose(pose, 0.0), ORIGIN),
         cmd_timeout=_value(keys, "cmd_timeout", _timeout, None),
         where=f"{item.source}:{item.line}",
     )

@@ -7,7 +7,9 @@ import pytest
 
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
-from lcmtools_sim.scene import Box, Pose, RobotPlacement, Scene
+from lcmtools_sim.pose import Pose
+from lcmtools_sim.robots.husky import HUSKY
+from lcmtools_sim.scene import RobotPlacement, Scene, Thing
 from lcmtools_sim.simulation import Simulation
 
 START = Pose()
@@ -18,9 +20,9 @@ def simulate() -> Iterator[Callable[..., Simulation]]:
     """Makes simulations of one Husky (or the scene given), ended with the test."""
     with ExitStack() as owned:
 
-        def make(*boxes: Box, pose: Pose = START, scene: Scene | None = None) -> Simulation:
-            robots = (RobotPlacement("husky", "/husky0", pose),)
-            scene = scene or Scene("test", boxes=boxes, robots=robots)
+        def make(*things: Thing, pose: Pose = START, scene: Scene | None = None) -> Simulation:
+            robots = (RobotPlacement(HUSKY, "/husky0", pose),)
+            scene = scene or Scene("test", things=things, robots=robots)
             return owned.enter_context(Simulation(scene))
 
         yield make

@@ -8,8 +8,10 @@ import pytest
 from lcmtools.errors import InvalidFile
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
+from lcmtools_sim.pose import Pose
+from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.rotation import axes, yaw_of
-from lcmtools_sim.scene import Box, Pose, RobotPlacement, Scene
+from lcmtools_sim.scene import RobotPlacement, Scene, Thing, box
 from lcmtools_sim.sensors.sensor import RobotState
 from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.world_file import read_scene
@@ -20,7 +22,7 @@ Effort = Callable[[float, float], JointState]
 Steer = Callable[[float, float], Twist]
 
 FRONT = 0.9874 / 2
-WALL = Box("wall", (0.2, 10, 1), Pose(3.1, 0, 0.5))
+WALL = box("wall", (0.2, 10, 1), Pose(3.1, 0, 0.5))
 
 
 def states(simulation: Simulation, seconds: float, robot: int = 0) -> list[RobotState]:
@@ -83,8 +85,8 @@ def test_a_thin_wall_does_not_let_it_through_at_twice_the_step(
     simulate: Simulate, effort: Effort
 ) -> None:
     # A sheet of 10 mm; the fastest robot goes 8 mm in such a step.
-    thin = Box("sheet", (0.01, 10, 1), Pose(3, 0, 0.5))
-    scene = Scene("thin", dt=1 / 120, boxes=(thin,), robots=(RobotPlacement("husky", "/a"),))
+    thin = box("sheet", (0.01, 10, 1), Pose(3, 0, 0.5))
+    scene = Scene("thin", dt=1 / 120, things=(thin,), robots=(RobotPlacement(HUSKY, "/a"),))
     simulation = simulate(scene=scene)
     simulation.robots[0].command(effort(1, 1))
 
@@ -92,7 +94,7 @@ def test_a_thin_wall_does_not_let_it_through_at_twice_the_step(
 
 
 def test_it_pushes_a_box_of_20_kg_at_nearly_full_speed(simulate: Simulate, effort: Effort) -> None:
-    crate = Box("crate", (0.6, 0.6, 0.6), Pose(2, 0, 0.3), mass=20, friction=0.6)
+    crate = box("crate", (0.6, 0.6, 0.6), Pose(2, 0, 0.3), mass=20, friction=0.6)
     simulation = simulate(crate)
     simulation.robots[0].command(effort(1, 1))
 
@@ -106,7 +108,7 @@ def test_it_stalls_at_a_box_of_100_kg_whose_friction_is_above_its_own(
     simulate: Simulate, effort: Effort
 ) -> None:
     # 100 kg x 0.9 x 9.81 = 883 N against 56.6 kg x 0.8 x 9.81 = 444 N.
-    block = Box("block", (0.6, 0.6, 0.6), Pose(2, 0, 0.3), mass=100, friction=0.9)
+    block = box("block", (0.6, 0.6, 0.6), Pose(2, 0, 0.3), mass=100, friction=0.9)
     simulation = simulate(block)
     simulation.robots[0].command(effort(1, 1))
 
@@ -145,8 +147,8 @@ def test_two_robots_apart_do_not_influence_each_other(
     simulate: Simulate, effort: Effort, twist: Steer
 ) -> None:
     pair = (
-        RobotPlacement("husky", "/husky0", Pose()),
-        RobotPlacement("husky", "/husky1", Pose(0, 5, 0, yaw=1.0)),
+        RobotPlacement(HUSKY, "/husky0", Pose()),
+        RobotPlacement(HUSKY, "/husky1", Pose(0, 5, 0, yaw=1.0)),
     )
     both = simulate(scene=Scene("pair", robots=pair))
     alone = simulate(scene=Scene("alone", robots=pair[:1]))
@@ -166,8 +168,8 @@ def test_two_robots_that_meet_do_not_drive_through_each_other(
     simulate: Simulate, effort: Effort
 ) -> None:
     pair = (
-        RobotPlacement("husky", "/a", Pose()),
-        RobotPlacement("husky", "/b", Pose(4, 0, 0, yaw=math.pi)),
+        RobotPlacement(HUSKY, "/a", Pose()),
+        RobotPlacement(HUSKY, "/b", Pose(4, 0, 0, yaw=math.pi)),
     )
     simulation = simulate(scene=Scene("meeting", robots=pair))
     for robot in simulation.robots:
@@ -180,7 +182,7 @@ def test_two_robots_that_meet_do_not_drive_through_each_other(
 
 
 def test_a_robot_that_starts_slightly_inside_a_wall_is_pushed_out(simulate: Simulate) -> None:
-    simulation = simulate(Box("block", (1, 1, 1), Pose(FRONT + 0.5 - 0.015, 0, 0.5)))
+    simulation = simulate(box("block", (1, 1, 1), Pose(FRONT + 0.5 - 0.015, 0, 0.5)))
 
     end = states(simulation, 2.0)[-1]
 
@@ -188,18 +190,18 @@ def test_a_robot_that_starts_slightly_inside_a_wall_is_pushed_out(simulate: Simu
 
 
 @pytest.mark.parametrize(
-    ("box", "pose", "other"),
+    ("thing", "pose", "other"),
     [
-        (Box("block", (1, 1, 1), Pose(1, 0, 0.5)), Pose(0.3, 0), "0.29 m inside block"),
-        (Box("block", (1, 1, 1), Pose(5, 0, 0.5)), Pose(0, 0, -0.1), "0.10 m inside the ground"),
+        (box("block", (1, 1, 1), Pose(1, 0, 0.5)), Pose(0.3, 0), "0.29 m inside block"),
+        (box("block", (1, 1, 1), Pose(5, 0, 0.5)), Pose(0, 0, -0.1), "0.10 m inside the ground"),
     ],
 )
 def test_a_robot_that_starts_inside_something_is_refused_with_its_line(
-    simulate: Simulate, box: Box, pose: Pose, other: str
+    simulate: Simulate, thing: Thing, pose: Pose, other: str
 ) -> None:
-    robot = RobotPlacement("husky", "/husky0", pose, where="yard.yaml:7")
+    robot = RobotPlacement(HUSKY, "/husky0", pose, where="yard.yaml:7")
 
     with pytest.raises(InvalidFile) as caught:
-        simulate(scene=Scene("yard", boxes=(box,), robots=(robot,)))
+        simulate(scene=Scene("yard", things=(thing,), robots=(robot,)))
 
     assert str(caught.value) == (f"yard.yaml:7: the husky /husky0 starts {other}; change its pose")

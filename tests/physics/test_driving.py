@@ -7,8 +7,10 @@ import pytest
 
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
+from lcmtools_sim.pose import Pose
+from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.rotation import axes, yaw_of
-from lcmtools_sim.scene import Ground, Pose, RobotPlacement, Scene
+from lcmtools_sim.scene import Ground, RobotPlacement, Scene
 from lcmtools_sim.sensors.sensor import RobotState
 from lcmtools_sim.simulation import Simulation
 
@@ -139,7 +141,7 @@ def test_a_command_holds_until_the_next(simulate: Simulate, twist: Steer) -> Non
 def test_a_timeout_ends_a_command_and_the_next_one_counts_again(
     simulate: Simulate, twist: Steer
 ) -> None:
-    robot = RobotPlacement("husky", "/husky0", Pose(), cmd_timeout=1.5)
+    robot = RobotPlacement(HUSKY, "/husky0", Pose(), cmd_timeout=1.5)
     simulation = simulate(scene=Scene("timed", robots=(robot,)))
     simulation.robots[0].command(twist(0.5, 0))
 
@@ -183,7 +185,7 @@ def test_wheels_turn_at_six_radians_a_second_at_full_effort(
 
 @pytest.mark.parametrize("dt", [1 / 120, 1 / 240, 1 / 1000])
 def test_the_step_changes_nothing(simulate: Simulate, twist: Steer, dt: float) -> None:
-    scene = Scene("fine", dt=dt, robots=(RobotPlacement("husky", "/husky0"),))
+    scene = Scene("fine", dt=dt, robots=(RobotPlacement(HUSKY, "/husky0"),))
     simulation = simulate(scene=scene)
     simulation.robots[0].command(twist(0.5, 0.3))
 
@@ -228,7 +230,7 @@ def test_on_its_back_its_wheels_pull_nothing(simulate: Simulate, effort: Effort)
 
 
 def test_on_ice_it_slips_and_its_encoders_do_not_notice(simulate: Simulate, effort: Effort) -> None:
-    scene = Scene("ice", ground=Ground(0.01), robots=(RobotPlacement("husky", "/husky0"),))
+    scene = Scene("ice", ground=Ground(0.01), robots=(RobotPlacement(HUSKY, "/husky0"),))
     simulation = simulate(scene=scene)
     simulation.robots[0].command(effort(1, 1))
 

@@ -13,7 +13,9 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.sensor_msgs import JointState
-from lcmtools_sim.scene import Pose, RobotPlacement, Scene
+from lcmtools_sim.pose import Pose
+from lcmtools_sim.robots.husky import HUSKY
+from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.simulation import Sample, Simulation
 
 Simulate = Callable[..., Simulation]
@@ -50,7 +52,7 @@ def test_topics_and_types_are_known_before_the_first_step(simulate: Simulate) ->
 
 
 def test_a_robot_in_the_root_namespace_has_plain_topics_and_frames(simulate: Simulate) -> None:
-    simulation = simulate(scene=Scene("root", robots=(RobotPlacement("husky", "/"),)))
+    simulation = simulate(scene=Scene("root", robots=(RobotPlacement(HUSKY, "/"),)))
 
     odometry = last(run(simulation, 0.1), "/odometry").message
 
@@ -69,7 +71,7 @@ def test_all_messages_of_a_step_carry_its_time(simulate: Simulate) -> None:
 
 
 def test_the_clock_is_never_behind_a_stamp(simulate: Simulate) -> None:
-    simulation = simulate(scene=Scene("fine", dt=0.003, robots=(RobotPlacement("husky", "/a"),)))
+    simulation = simulate(scene=Scene("fine", dt=0.003, robots=(RobotPlacement(HUSKY, "/a"),)))
 
     for samples in run(simulation, 1.0):
         assert not samples or samples[0].topic == "/clock"

@@ -79,7 +79,7 @@ def test_it_ends_on_a_signal_within_a_second_quietly_and_with_0(
 
     assert time.monotonic() - asked < 1.0
     assert (process.returncode, out, error) == (0, "", "")
-    assert line.endswith("[/morse]: simulating husky: husky /husky0; 11 boxes and walls\n")
+    assert line.endswith("[/morse]: simulating husky: husky /husky0; 11 things\n")
 
 
 def test_it_runs_in_real_time_and_ends_after_its_duration(start: Start) -> None:

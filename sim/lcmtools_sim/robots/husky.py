@@ -4,7 +4,9 @@ Dimensions, masses, limits and the wheel_separation_multiplier are those of the 
 packages of the robot (husky/husky, noetic: husky.urdf.xacro, wheel.urdf.xacro, control.yaml).
 """
 
-from lcmtools_sim.robots.model import Body, Cuboid, Drive, Mesh, RobotModel, SensorMount
+from lcmtools_sim.robots.model import Body, Drive, Mesh, RobotModel
+from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.shapes import Color, Cuboid, Part
 
 WHEEL_RADIUS = 0.1651
 WHEEL_WIDTH = 0.1143
@@ -22,6 +24,9 @@ _WHEEL_INERTIA = (0.02467, 0.04411, 0.02467)
 _CENTRE_OF_MASS = 0.19  # of chassis and wheels together
 _GROUND_CLEARANCE = 0.03  # of the wheels' collision boxes; the feet reach the ground
 
+_YELLOW: Color = (0.8, 0.8, 0.1)
+_BLACK: Color = (0.2, 0.2, 0.2)
+
 _CORNERS = tuple((x * WHEELBASE / 2, y * TRACK / 2) for x in (1, -1) for y in (1, -1))
 
 
@@ -36,11 +41,12 @@ def _inertia() -> tuple[float, float, float]:
     return x, y, z
 
 
-def _wheels(side: int) -> Cuboid:
+def _wheels(side: int) -> Part:
     """The box around the two wheels of a side (left 1, right -1)."""
     height = 2 * (WHEEL_RADIUS - _GROUND_CLEARANCE)
     length = WHEELBASE + 2 * WHEEL_RADIUS
-    return Cuboid((length, WHEEL_WIDTH, height), (0.0, side * TRACK / 2, WHEEL_RADIUS))
+    box = Cuboid((length, WHEEL_WIDTH, height))
+    return Part(box, (0.0, side * TRACK / 2, WHEEL_RADIUS), color=_BLACK)
 
 
 HUSKY = RobotModel(
@@ -50,8 +56,8 @@ HUSKY = RobotModel(
         inertia=_inertia(),
         centre_of_mass=_CENTRE_OF_MASS,
         base_height=_BASE_HEIGHT,
-        cuboids=(
-            Cuboid(_CHASSIS, (0.0, 0.0, _BASE_HEIGHT + _CHASSIS[2] / 2)),
+        parts=(
+            Part(Cuboid(_CHASSIS), (0.0, 0.0, _BASE_HEIGHT + _CHASSIS[2] / 2), color=_YELLOW),
             _wheels(1),
             _wheels(-1),
         ),
@@ -62,7 +68,7 @@ HUSKY = RobotModel(
             Mesh(
                 "husky/meshes/top_plate.stl",
                 (0.0, 0.0, _BASE_HEIGHT),
-                color=(0.8, 0.8, 0.1),
+                color=_YELLOW,
             ),
             Mesh("husky/meshes/user_rail.stl", (0.272, 0.0, _BASE_HEIGHT + 0.245)),
             Mesh("husky/meshes/bumper.stl", (0.48, 0.0, _BASE_HEIGHT + 0.091)),

@@ -7,14 +7,8 @@ forward, y left, z up. How these values move is drive.py's business, how they co
 from dataclasses import dataclass
 
 from lcmtools_sim.rotation import Quaternion, Vector
-
-
-@dataclass(frozen=True, slots=True)
-class Cuboid:
-    """A part of the body that other things collide with: length, width, height and centre [m]."""
-
-    size: Vector
-    centre: Vector
+from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.shapes import Part
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,17 +30,17 @@ class Body:
         inertia: About x, y, z through the centre of mass [kg m^2].
         centre_of_mass: Height above the ground [m]; it lies in the middle between the wheels.
         base_height: Of base_link above the ground [m].
-        cuboids: What collides.
+        parts: What collides, and is seen by sensors.
         feet: (x, y) of the points that it stands on [m].
         foot_radius: [m]
-        meshes: What is seen.
+        meshes: What is seen in the window; none: the parts.
     """
 
     mass: float
     inertia: Vector
     centre_of_mass: float
     base_height: float
-    cuboids: tuple[Cuboid, ...]
+    parts: tuple[Part, ...]
     feet: tuple[tuple[float, float], ...]
     foot_radius: float
     meshes: tuple[Mesh, ...] = ()
@@ -78,12 +72,20 @@ class Drive:
 
 
 @dataclass(frozen=True, slots=True)
-class SensorMount:
-    """A sensor that a robot carries: its kind (a key of sensors.SENSORS), topic and rate [Hz]."""
+class CommandTopic:
+    """A name by which a robot is steered, and whether it is declared as one of Twists."""
 
-    kind: str
-    topic: str
-    rate: float
+    name: str
+    is_twist: bool = False
+
+
+COMMANDS = (
+    CommandTopic("velocity_cmd"),
+    CommandTopic("wheel_cmd"),
+    CommandTopic("wheel_velocity_cmd"),
+    CommandTopic("cmd_vel", is_twist=True),
+)
+"""What every name of the Husky lab's text means: the same."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +99,8 @@ class RobotModel:
         left_wheels: Names that commands may use for the left side, the usual one first.
         right_wheels: Names for the right side, in the same order.
         sensors: What it publishes.
+        commands: The topics by which it is steered, and whether each is declared as one of Twist;
+            all take both types. ``wtf`` names the first one when nobody publishes any.
     """
 
     name: str
@@ -105,3 +109,4 @@ class RobotModel:
     left_wheels: tuple[str, ...]
     right_wheels: tuple[str, ...]
     sensors: tuple[SensorMount, ...]
+    commands: tuple[CommandTopic, ...] = COMMANDS

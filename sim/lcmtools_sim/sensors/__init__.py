@@ -1,15 +1,13 @@
-"""The sensors, one file each; a robot model names them by their key here."""
-
-from collections.abc import Callable
+"""The sensors, one file each; robot models and world files name them by their key here."""
 
 from lcmtools_sim.sensors.ground_truth import GroundTruthSensor
 from lcmtools_sim.sensors.odometry import OdometrySensor
-from lcmtools_sim.sensors.sensor import Sensor
+from lcmtools_sim.sensors.sensor import SensorKind
 from lcmtools_sim.sensors.wheel_states import WheelStatesSensor
 
-SENSORS: dict[str, Callable[[str], Sensor]] = {
-    "ground_truth": GroundTruthSensor,
-    "odometry": OdometrySensor,
-    "wheel_states": WheelStatesSensor,
+SENSORS: dict[str, SensorKind] = {
+    "ground_truth": SensorKind(GroundTruthSensor, topic="ground_truth"),
+    "odometry": SensorKind(OdometrySensor, topic="odometry"),
+    "wheel_states": SensorKind(WheelStatesSensor, topic="wheel_velocities"),
 }
-"""Every sensor by its kind; it is made for a robot's namespace."""
+"""Every sensor by its kind."""

@@ -1,26 +1,30 @@
 """The truth that no real robot knows: where the engine has it."""
 
-from typing import ClassVar
+from collections.abc import Collection, Mapping
 
 from lcmtools.messages.registry import Message
 from lcmtools.types.nav_msgs import Odometry
-from lcmtools_sim.sensors.sensor import RobotState, fill_header, fill_quaternion, frame
+from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.sensors.sensor import Carrier, RobotState, fill_header, fill_quaternion
 
 
 class GroundTruthSensor:
     """nav_msgs/Odometry: the pose of base_link in world, the twist in base_link, no covariance.
 
     Args:
-        namespace: The robot's, which prefixes the child frame.
+        mount: Where it publishes.
+        carrier: The robot, whose namespace prefixes the child frame.
     """
 
-    message_type: ClassVar[type[Message]] = Odometry
+    outputs: Mapping[str, type[Message]] = {"": Odometry}
 
-    def __init__(self, namespace: str) -> None:
-        self._child_frame = frame(namespace, "base_link")
+    def __init__(self, mount: SensorMount, carrier: Carrier) -> None:
+        del mount  # it measures the whole robot, which is one thing to set
+        self._child_frame = carrier.frame("base_link")
 
-    def sample(self, state: RobotState) -> Odometry:
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
         """The message of one step."""
+        del wanted
         message = Odometry()
         fill_header(message.header, state.time, "world")
         message.child_frame_id = self._child_frame
@@ -29,4 +33,4 @@ class GroundTruthSensor:
         fill_quaternion(pose.orientation, state.rotation)
         twist.linear.x, twist.linear.y, twist.linear.z = state.velocity
         twist.angular.x, twist.angular.y, twist.angular.z = state.turning
-        return message
+        return {"": message}

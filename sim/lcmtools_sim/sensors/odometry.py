@@ -1,11 +1,12 @@
 """Odometry from the wheels' encoders: drifts from the truth when the wheels slip."""
 
 import math
-from typing import ClassVar
+from collections.abc import Collection, Mapping
 
 from lcmtools.messages.registry import Message
 from lcmtools.types.nav_msgs import Odometry
-from lcmtools_sim.sensors.sensor import RobotState, fill_header, frame
+from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.sensors.sensor import Carrier, RobotState, fill_header
 
 _DIAGONAL = (0.001, 0.001, 0.001, 0.001, 0.001, 0.03)  # as Clearpath's husky_control says
 COVARIANCE = tuple(_DIAGONAL[i // 6] if i % 7 == 0 else 0.0 for i in range(36))
@@ -16,17 +17,20 @@ class OdometrySensor:
     """nav_msgs/Odometry: the pose of base_link in odom, the twist in base_link (REP-105).
 
     Args:
-        namespace: The robot's, which prefixes the frames.
+        mount: Where it publishes.
+        carrier: The robot, whose namespace prefixes the frames.
     """
 
-    message_type: ClassVar[type[Message]] = Odometry
+    outputs: Mapping[str, type[Message]] = {"": Odometry}
 
-    def __init__(self, namespace: str) -> None:
-        self._frame = frame(namespace, "odom")
-        self._child_frame = frame(namespace, "base_link")
+    def __init__(self, mount: SensorMount, carrier: Carrier) -> None:
+        del mount  # it measures the whole robot, which is one thing to set
+        self._frame = carrier.frame("odom")
+        self._child_frame = carrier.frame("base_link")
 
-    def sample(self, state: RobotState) -> Odometry:
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
         """The message of one step."""
+        del wanted
         message = Odometry()
         fill_header(message.header, state.time, self._frame)
         message.child_frame_id = self._child_frame
@@ -36,4 +40,4 @@ class OdometrySensor:
         pose.orientation.z, pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
         twist.linear.x, twist.angular.z = state.reckoned_speed
         message.pose.covariance = message.twist.covariance = COVARIANCE
-        return message
+        return {"": message}

@@ -1,17 +1,24 @@
 """What every sensor is given and what it gives back.
 
-A sensor turns the state of one robot after one step into one message. It knows no bus, no engine
-and no schedule; one sensor, one file.
+A sensor turns the state of one robot after one step, and what it sees around it, into messages.
+It knows no bus, no engine and no schedule; one sensor, one file.
 """
 
-from dataclasses import dataclass
-from typing import ClassVar, Protocol
+import zlib
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
 
 from lcmtools.clock import split_stamp
 from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import Quaternion as QuaternionMessage
 from lcmtools.types.std_msgs import Header
-from lcmtools_sim.rotation import Quaternion, Vector
+from lcmtools_sim.pose import Pose
+from lcmtools_sim.rotation import Quaternion, Vector, add, chain, turn
+from lcmtools_sim.sensors.mount import SensorMount, Settings
+from lcmtools_sim.shapes import Part
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +40,8 @@ class RobotState:
         rotation: Of base_link in the world.
         velocity: Of base_link, in its own frame [m/s].
         turning: Angular velocity in its own frame [rad/s].
+        acceleration: Of base_link, in its own frame, gravity not counted [m/s^2].
+        turning_change: Angular acceleration in its own frame [rad/s^2].
         wheels: Left and right.
         reckoned_pose: x, y [m] and yaw [rad] by the wheels' encoders, where it started as origin.
         reckoned_speed: Forward speed [m/s] and turn rate [rad/s] by the wheels' encoders.
@@ -43,24 +52,114 @@ class RobotState:
     rotation: Quaternion
     velocity: Vector
     turning: Vector
+    acceleration: Vector
+    turning_change: Vector
     wheels: tuple[WheelState, WheelState]
     reckoned_pose: tuple[float, float, float]
     reckoned_speed: tuple[float, float]
 
 
-class Sensor(Protocol):
-    """Measures one robot."""
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """A place where a robot touches something.
 
-    message_type: ClassVar[type[Message]]
+    Attributes:
+        name: What it touches.
+        position: In the world [m].
+        normal: Towards the robot, in the world.
+        force: Along the normal [N].
+    """
 
-    def sample(self, state: RobotState) -> Message:
-        """The message of one step."""
+    name: str
+    position: Vector
+    normal: Vector
+    force: float
+
+
+class Surroundings(Protocol):
+    """What a robot's sensors may see of the world around it; see lcmtools_sim.world."""
+
+    def cast(self, starts: Sequence[Vector], ends: Sequence[Vector]) -> Sequence[float]:
+        """How far along each line the first thing is, 0 to 1; 1 where there is none."""
+        ...
+
+    def fixed_parts(self) -> tuple[Part, ...]:
+        """The shapes that stand for ever, in the world; equal (by identity) until one changes."""
+        ...
+
+    def moving_parts(self) -> list[Part]:
+        """The shapes that can move, in the world now, but for the robot's own."""
+        ...
+
+    def touching(self) -> list[Contact]:
+        """Where the robot touches something that is not the ground."""
         ...
 
 
-def frame(namespace: str, name: str) -> str:
-    """A frame's id with its robot's prefix and no slash before ("husky0/odom")."""
-    return f"{namespace}/{name}".lstrip("/")
+@dataclass(frozen=True, slots=True)
+class Carrier:
+    """The robot that carries a sensor, as far as sensors need to know it.
+
+    Attributes:
+        namespace: The robot's, which prefixes frames and topics.
+        parts: Its body's shapes, in base_link.
+        gravity: [m/s^2]
+        seed: The world's.
+        around: What can be seen.
+        frames: Of the sensors mounted so far: where each is in base_link, by its prefixed name.
+    """
+
+    namespace: str
+    parts: tuple[Part, ...]
+    gravity: float
+    seed: int
+    around: Surroundings
+    frames: dict[str, Pose] = field(default_factory=dict)
+
+    def frame(self, name: str) -> str:
+        """A frame's id with the robot's prefix and no slash before ("husky0/odom")."""
+        return f"{self.namespace}/{name}".lstrip("/")
+
+    def generator(self, mount: SensorMount) -> np.random.Generator:
+        """The noise of one sensor: of its own, the same in each run with the same seed."""
+        name = f"{self.namespace}/{mount.kind}/{mount.topic}"
+        return np.random.default_rng([self.seed, zlib.crc32(name.encode())])
+
+
+class Sensor(Protocol):
+    """Measures for one robot."""
+
+    @property
+    def outputs(self) -> Mapping[str, type[Message]]:
+        """What it publishes: a type for each name behind the mount's topic ("" for that itself)."""
+        ...
+
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
+        """The messages of one step, of those outputs that are wanted."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class SensorKind:
+    """A kind of sensor, as robot models and world files may mount it.
+
+    Attributes:
+        make: Makes one for a mount on a robot.
+        settings: The class of its settings; None where there is nothing to set.
+        rate: [Hz] Where a world file does not say it.
+        topic: Where a world file does not say it.
+    """
+
+    make: Callable[[SensorMount, Carrier], Sensor]
+    settings: type[Settings] | None = None
+    rate: float = 50.0
+    topic: str = ""
+
+
+def placed(state: RobotState, pose: Pose) -> tuple[Vector, Quaternion]:
+    """Where a sensor with this pose in base_link is in the world."""
+    position = add(state.position, turn(pose.position, state.rotation))
+    return position, chain(state.rotation, pose.rotation)
 
 
 def fill_header(header: Header, time: int, frame_id: str) -> None:

@@ -78,6 +78,7 @@ class FakeRobot:
 
     def __init__(self, namespace: str) -> None:
         self.namespace = namespace
+        self.model = HUSKY
         self.targets: tuple[float, float] = (0.0, 0.0)
 
     def command(self, message: JointState | Twist) -> None:

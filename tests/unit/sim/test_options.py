@@ -57,7 +57,7 @@ def test_a_printed_world_can_be_checked(
 
     assert main(["--check", str(file)]) == 0
 
-    assert capsys.readouterr().out == f"{file}: ok, husky /husky0; 11 boxes and walls\n"
+    assert capsys.readouterr().out == f"{file}: ok, husky /husky0; 11 things\n"
 
 
 def test_a_bad_world_is_one_line_and_exit_code_2(

@@ -5,7 +5,10 @@ import math
 import pytest
 
 from lcmtools.errors import InvalidFile
-from lcmtools_sim.scene import Box, Ground, Pose, RobotPlacement, Scene
+from lcmtools_sim.pose import Pose
+from lcmtools_sim.robots.husky import HUSKY
+from lcmtools_sim.scene import Ground, RobotPlacement, Scene, box
+from lcmtools_sim.shapes import Cuboid
 from lcmtools_sim.world_file import read_scene
 
 # What is wrong, in which line, with which words.
@@ -144,10 +147,10 @@ robots:
         dt=0.002,
         gravity=3.7,
         ground=Ground(0.5, (0.0, 0.5, 1.0)),
-        boxes=(Box("crate", (1, 2, 3), Pose(4, 5, 1.5, yaw=math.pi / 2), 10, 0.2),),
+        things=(box("crate", (1, 2, 3), Pose(4, 5, 1.5, yaw=math.pi / 2), 10, 0.2),),
         robots=(
-            RobotPlacement("husky", "/husky0", Pose(1, 2, 3, 0.1, 0.2, 0.3), 0.5),
-            RobotPlacement("husky", "/husky1"),
+            RobotPlacement(HUSKY, "/husky0", Pose(1, 2, 3, 0.1, 0.2, 0.3), 0.5),
+            RobotPlacement(HUSKY, "/husky1"),
         ),
     )
 
@@ -158,9 +161,10 @@ objects:
 - {type: walls, points: [[0, 0], [4, 0], [4, 3]], closed: true, height: 2, thickness: 0.5}
 """
 
-    pieces = read_scene(text, "w.yaml").boxes
+    pieces = read_scene(text, "w.yaml").things
 
-    assert [piece.size for piece in pieces] == [(4.5, 0.5, 2), (3.5, 0.5, 2), (5.5, 0.5, 2)]
+    shapes = [part.shape for piece in pieces for part in piece.parts]
+    assert shapes == [Cuboid((4.5, 0.5, 2)), Cuboid((3.5, 0.5, 2)), Cuboid((5.5, 0.5, 2))]
     assert [(p.pose.x, p.pose.y, p.pose.z) for p in pieces] == [(2, 0, 1), (4, 1.5, 1), (2, 1.5, 1)]
     assert pieces[1].pose.yaw == pytest.approx(math.pi / 2)
     assert all(piece.mass == 0 for piece in pieces)

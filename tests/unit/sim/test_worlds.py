@@ -21,7 +21,7 @@ def test_the_labs_own_name_means_the_husky_world() -> None:
     assert (text, source) == find_world("husky")
     scene = read_scene(text, source)
     assert scene.node == "morse"
-    assert [(r.model, r.namespace) for r in scene.robots] == [("husky", "/husky0")]
+    assert [(r.model.name, r.namespace) for r in scene.robots] == [("husky", "/husky0")]
 
 
 def test_a_file_is_read_from_where_it_is(tmp_path: Path) -> None:
