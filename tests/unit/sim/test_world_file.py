@@ -46,14 +46,14 @@ MISTAKES = {
     "objects: {}": "yard.yaml:1: 'objects' must be a list, not a mapping",
     "objects:\n- {size: [1, 1, 1]}": "yard.yaml:2: 'objects[0]' lacks the key 'type'",
     "objects:\n- {type: bax}": "yard.yaml:2: unknown type 'bax'; did you mean box?",
-    "objects:\n- {type: sphere}": "yard.yaml:2: unknown type 'sphere'; known types: box, walls",
+    "objects:\n- {type: cone}": "yard.yaml:2: unknown type 'cone'; known types: box, cylinder, sphere, table, walls",
     "objects:\n- {type: box, pose: [0, 0, 0]}": "yard.yaml:2: 'objects[0]' lacks the key 'size'",
     "objects:\n- {type: box, mas: 2}": (
         "yard.yaml:2: unknown key 'mas' in 'objects[0]'; did you mean mass?"
     ),
     "objects:\n- {type: box, height: 2}": (
         "yard.yaml:2: unknown key 'height' in 'objects[0]';"
-        " known keys: type, name, size, pose, mass, friction, color"
+        " known keys: type, name, pose, mass, friction, color, size"
     ),
     "objects:\n- type: box\n  size: [1, 1]\n  pose: [0, 0, 0]": (
         "yard.yaml:3: 'size' must have 3 elements, not 2"

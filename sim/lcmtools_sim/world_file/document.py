@@ -66,17 +66,18 @@ class Item:
             raise self.error(f"'{self.name}' must be a number, not '{text}'") from None
         return self._check_bounds(value, minimum, maximum)
 
-    def angle(self) -> float:
-        """An angle [rad]; "90 deg" is one too.
+    def angle(self, minimum: float = -1e5, maximum: float = 1e5) -> float:
+        """An angle [rad] within the bounds; "90 deg" is one too.
 
         Raises:
-            InvalidFile: It is no angle.
+            InvalidFile: It is no angle, or out of bounds.
         """
         text = self.text()
         if not text.endswith("deg"):
-            return self.number()
+            return self.number(minimum, maximum)
         try:
-            return math.radians(self._check_bounds(float(text.removesuffix("deg")), -1e5, 1e5))
+            degrees = float(text.removesuffix("deg"))
+            return self._check_bounds(math.radians(degrees), minimum, maximum)
         except ValueError:
             raise self.error(f"'{self.name}' must be an angle, not '{text}'") from None
 
@@ -140,6 +141,19 @@ class Item:
             if name not in found:
                 raise self.error(f"'{self.name}' lacks the key '{name}'")
         return found
+
+    def field(self, name: str) -> "Item":
+        """One value of a mapping, without a look at the others.
+
+        Raises:
+            InvalidFile: It is no mapping, or has no such key.
+        """
+        if not isinstance(self.node, yaml.MappingNode):
+            raise self.error(f"'{self.name}' must be a mapping (key: value), not a {self._kind()}")
+        for key_node, value_node in self.node.value:
+            if isinstance(key_node, yaml.ScalarNode) and key_node.value == name:
+                return Item(name, self.source, value_node)
+        raise self.error(f"'{self.name}' lacks the key '{name}'")
 
     def _check_bounds(self, value: float, minimum: float, maximum: float) -> float:
         if not minimum <= value <= maximum:  # refuses NaN too

@@ -1,0 +1,50 @@
+"""The whole of a world file."""
+
+from pathlib import PurePath
+
+from lcmtools.errors import InvalidName
+from lcmtools.names import check_base_name
+from lcmtools_sim.scene import Ground, Scene
+from lcmtools_sim.world_file.document import Item, load
+from lcmtools_sim.world_file.robots import read_robots
+from lcmtools_sim.world_file.things import read_things
+from lcmtools_sim.world_file.values import color, friction, value
+
+_WORLD_KEYS = ("node", "seed", "dt", "gravity", "ground", "objects", "robots")
+_GROUND_KEYS = ("friction", "color")
+
+
+def read_scene(text: str, source: str) -> Scene:
+    """Read a world file's text; ``source`` is its name, for messages and for files beside it.
+
+    Raises:
+        InvalidFile: Anything is wrong with it, with file, line and reason.
+    """
+    keys = load(text, source, "world").fields(_WORLD_KEYS)
+    plain = Scene("")
+    return Scene(
+        name=PurePath(source).stem,
+        node=value(keys, "node", _node_name, plain.node),
+        seed=value(keys, "seed", lambda item: item.integer(0, 2**63 - 1), plain.seed),
+        dt=value(keys, "dt", lambda item: item.number(1e-4, 0.02), plain.dt),
+        gravity=value(keys, "gravity", lambda item: item.number(0, 100), plain.gravity),
+        ground=value(keys, "ground", _ground, plain.ground),
+        things=value(keys, "objects", read_things, ()),
+        robots=value(keys, "robots", read_robots, ()),
+    )
+
+
+def _node_name(item: Item) -> str:
+    try:
+        check_base_name(item.text())
+    except InvalidName as error:
+        raise item.error(error.what, error.hint) from None
+    return item.text()
+
+
+def _ground(item: Item) -> Ground:
+    keys = item.fields(_GROUND_KEYS)
+    return Ground(
+        friction=value(keys, "friction", friction, Ground().friction),
+        color=value(keys, "color", color, Ground().color),
+    )
