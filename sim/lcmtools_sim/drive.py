@@ -42,7 +42,7 @@ def side_speeds(forward: float, turn_rate: float, drive: Drive) -> SideSpeeds:
     keeps to the same circle.
     """
     excess = max(1.0, abs(forward) / drive.max_speed, abs(turn_rate) / drive.max_turn_rate)
-    half_difference = turn_rate / excess * drive.track / 2
+    half_difference = turn_rate / excess * (drive.believed_track or drive.track) / 2
     return SideSpeeds(forward / excess - half_difference, forward / excess + half_difference)
 
 

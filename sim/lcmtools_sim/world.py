@@ -167,7 +167,7 @@ class World:
         """Where a body touches something that is not the ground, as of the last step."""
         points = self._bullet.getContactPoints(body, physicsClientId=self._client)
         return [
-            Contact(self._names[point[2]], point[5], point[7], point[9])
+            Contact(self._names[point[2]], point[5], point[7], point[9], -point[8])
             for point in points
             if point[2] != self._ground and point[9] > 0
         ]

@@ -9,10 +9,13 @@ import pytest
 from lcmtools.clock import join_stamp
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import encode
+from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock
-from lcmtools.types.sensor_msgs import JointState
+from lcmtools.types.sensor_msgs import Imu, JointState
+from lcmtools.types.std_msgs import Time
+from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools_sim.pose import Pose
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import RobotPlacement, Scene
@@ -31,6 +34,15 @@ def last(steps: list[list[Sample]], topic: str) -> Sample:
     return next(s for samples in reversed(steps) for s in samples if s.topic == topic)
 
 
+def stamps(message: Message) -> list[Time]:
+    """All the times that a message carries."""
+    if isinstance(message, Clock):
+        return [message.clock]
+    if isinstance(message, TFMessage):
+        return [transform.header.stamp for transform in message.transforms]
+    return [message.header.stamp]
+
+
 def test_rates_are_exact_over_ten_seconds(simulate: Simulate) -> None:
     steps = run(simulate(), 10.0)
 
@@ -39,6 +51,8 @@ def test_rates_are_exact_over_ten_seconds(simulate: Simulate) -> None:
         "/husky0/odometry": 500,
         "/husky0/wheel_velocities": 500,
         "/husky0/ground_truth": 500,
+        "/husky0/imu": 500,
+        "/tf": 500,
     }
 
 
@@ -48,6 +62,8 @@ def test_topics_and_types_are_known_before_the_first_step(simulate: Simulate) ->
         "/husky0/odometry": Odometry,
         "/husky0/wheel_velocities": JointState,
         "/husky0/ground_truth": Odometry,
+        "/husky0/imu": Imu,
+        "/tf": TFMessage,
     }
 
 
@@ -65,8 +81,8 @@ def test_all_messages_of_a_step_carry_its_time(simulate: Simulate) -> None:
     for step in range(1, 241):
         for sample in simulation.step():
             message = sample.message
-            stamp = message.clock if isinstance(message, Clock) else message.header.stamp
-            assert join_stamp(stamp.sec, stamp.nsec) == round(step * 1e9 / 240)
+            for stamp in stamps(message):
+                assert join_stamp(stamp.sec, stamp.nsec) == round(step * 1e9 / 240)
     assert simulation.time == 1_000_000_000
 
 

@@ -4,7 +4,9 @@ Dimensions, masses, limits and the wheel_separation_multiplier are those of the 
 packages of the robot (husky/husky, noetic: husky.urdf.xacro, wheel.urdf.xacro, control.yaml).
 """
 
+from lcmtools_sim.pose import Pose
 from lcmtools_sim.robots.model import Body, Drive, Mesh, RobotModel
+from lcmtools_sim.sensors.imu import ImuSettings
 from lcmtools_sim.sensors.mount import SensorMount
 from lcmtools_sim.shapes import Color, Cuboid, Part
 
@@ -96,5 +98,7 @@ HUSKY = RobotModel(
         SensorMount("odometry", "odometry", 50.0),
         SensorMount("wheel_states", "wheel_velocities", 50.0),
         SensorMount("ground_truth", "ground_truth", 50.0),
+        SensorMount("imu", "imu", 50.0, Pose(0.19, 0.0, 0.149), settings=ImuSettings()),
+        SensorMount("transforms", "/tf", 50.0),
     ),
 )

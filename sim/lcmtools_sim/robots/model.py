@@ -59,6 +59,8 @@ class Drive:
         max_acceleration: Of a side [m/s^2].
         time_constant: Of the motors [s].
         tyre_friction: Coulomb coefficient on ground of friction 1.
+        believed_track: What its controller takes for the track when it obeys a turn rate [m]; 0
+            for the track itself.
     """
 
     wheel_radius: float
@@ -69,6 +71,7 @@ class Drive:
     max_acceleration: float
     time_constant: float
     tyre_friction: float
+    believed_track: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +104,7 @@ class RobotModel:
         sensors: What it publishes.
         commands: The topics by which it is steered, and whether each is declared as one of Twist;
             all take both types. ``wtf`` names the first one when nobody publishes any.
+        gazebo_drive: How it drove in Gazebo, where that was known to be wrong.
     """
 
     name: str
@@ -110,3 +114,4 @@ class RobotModel:
     right_wheels: tuple[str, ...]
     sensors: tuple[SensorMount, ...]
     commands: tuple[CommandTopic, ...] = COMMANDS
+    gazebo_drive: Drive | None = None

@@ -1,13 +1,21 @@
 """The sensors, one file each; robot models and world files name them by their key here."""
 
+from lcmtools_sim.sensors.bumper import BumperSensor
 from lcmtools_sim.sensors.ground_truth import GroundTruthSensor
+from lcmtools_sim.sensors.imu import ImuSensor, ImuSettings
+from lcmtools_sim.sensors.laser import LaserSensor, LaserSettings
 from lcmtools_sim.sensors.odometry import OdometrySensor
 from lcmtools_sim.sensors.sensor import SensorKind
+from lcmtools_sim.sensors.transforms import TransformsSensor
 from lcmtools_sim.sensors.wheel_states import WheelStatesSensor
 
 SENSORS: dict[str, SensorKind] = {
+    "bumper": SensorKind(BumperSensor, topic="bumper"),
     "ground_truth": SensorKind(GroundTruthSensor, topic="ground_truth"),
+    "imu": SensorKind(ImuSensor, ImuSettings, topic="imu"),
+    "laser": SensorKind(LaserSensor, LaserSettings, rate=10.0, topic="scan"),
     "odometry": SensorKind(OdometrySensor, topic="odometry"),
+    "transforms": SensorKind(TransformsSensor, topic="/tf"),
     "wheel_states": SensorKind(WheelStatesSensor, topic="wheel_velocities"),
 }
 """Every sensor by its kind."""

@@ -68,12 +68,14 @@ class Contact:
         position: In the world [m].
         normal: Towards the robot, in the world.
         force: Along the normal [N].
+        depth: How deep the two stand in each other [m]; negative for a gap.
     """
 
     name: str
     position: Vector
     normal: Vector
     force: float
+    depth: float
 
 
 class Surroundings(Protocol):

@@ -10,7 +10,7 @@ from lcmtools_sim.world_file.document import Item
 from lcmtools_sim.world_file.sensors import read_sensors
 from lcmtools_sim.world_file.values import namespace, one_of, pose, value
 
-_ROBOT_KEYS = ("model", "namespace", "pose", "cmd_timeout", "sensors")
+_ROBOT_KEYS = ("model", "namespace", "pose", "cmd_timeout", "sensors", "gazebo_quirks")
 
 
 def read_robots(item: Item) -> tuple[RobotPlacement, ...]:
@@ -47,6 +47,10 @@ def read_robot(item: Item) -> RobotPlacement:
 def _model(keys: dict[str, Item]) -> RobotModel:
     """The model, with what the entry changes of it."""
     model = one_of(keys["model"], MODELS, "model")
+    if value(keys, "gazebo_quirks", Item.flag, default=False):
+        if model.gazebo_drive is None:
+            raise keys["gazebo_quirks"].error(f"a {model.name} has no quirks in Gazebo")
+        model = replace(model, drive=model.gazebo_drive)
     if "sensors" in keys:
         model = replace(model, sensors=read_sensors(keys["sensors"], model.sensors))
     return model

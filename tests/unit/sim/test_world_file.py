@@ -84,7 +84,7 @@ MISTAKES = {
         "yard.yaml:2: unknown model 'husk'; did you mean husky?"
     ),
     "robots:\n- {model: r2d2, namespace: a}": (
-        "yard.yaml:2: unknown model 'r2d2'; known models: husky"
+        "yard.yaml:2: unknown model 'r2d2'; known models: husky, pioneer, dolly"
     ),
     "robots:\n- {model: husky, namespace: a}\n- {model: husky, namespace: /a}": (
         "yard.yaml:3: two robots have the namespace '/a'"

@@ -1,0 +1,81 @@
+"""Dolly, the sheep that follows: a small cart with a laser in front.
+
+All numbers are those of its public model (chapulina/dolly, dolly_gazebo/models/dolly/model.sdf).
+Its Gazebo plugin was told a wheel separation of 1.25 m where the wheels are 0.6 m apart, so that
+there it turns 1.25 / 0.6 times as fast as commanded; ``gazebo_quirks: true`` in a world file brings
+that back.
+"""
+
+from dataclasses import replace
+
+from lcmtools_sim.pose import Pose
+from lcmtools_sim.robots.model import Body, CommandTopic, Drive, RobotModel
+from lcmtools_sim.sensors.laser import LaserSettings
+from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part
+
+WHEEL_RADIUS = 0.15
+TRACK = 0.6
+
+_GAZEBO_TRACK = 1.25
+_HEIGHT = 0.225
+"""[m] Of the chassis' middle, and of base_link, which is above the axle."""
+_AXLE = 0.3
+"""[m] The wheels stand so far in front of the chassis' middle."""
+_CHASSIS = (1.0, 0.5, 0.15)
+_MASS = 2.0
+"""[kg] Chassis and two wheels."""
+_INERTIA = (0.06, 0.13, 0.19)
+"""[kg m^2] A box of 1 kg with two wheels of 0.5 kg beside it."""
+
+_WHITE: Color = (0.9, 0.9, 0.88)
+_BLACK: Color = (0.15, 0.15, 0.15)
+_ON_ITS_SIDE = (0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
+
+
+def _wheel(side: int) -> Part:
+    """What is seen and hit of a wheel (left 1, right -1), a little above the ground."""
+    wheel = Cylinder(WHEEL_RADIUS - 0.005, 0.05)
+    return Part(wheel, (0.0, side * TRACK / 2, WHEEL_RADIUS), _ON_ITS_SIDE, _BLACK)
+
+
+_DRIVE = Drive(
+    wheel_radius=WHEEL_RADIUS,
+    track=TRACK,
+    full_speed=1.0,
+    max_speed=2.0,
+    max_turn_rate=4.0,
+    max_acceleration=1.0,
+    time_constant=0.05,
+    tyre_friction=1.0,
+)
+
+DOLLY = RobotModel(
+    name="dolly",
+    body=Body(
+        mass=_MASS,
+        inertia=_INERTIA,
+        centre_of_mass=0.18,
+        base_height=_HEIGHT,
+        parts=(Part(Cuboid(_CHASSIS), (-_AXLE, 0.0, _HEIGHT), color=_WHITE), _wheel(1), _wheel(-1)),
+        feet=((0.0, TRACK / 2), (0.0, -TRACK / 2), (-2 * _AXLE, 0.0), (0.2, 0.0)),
+        foot_radius=0.05,
+    ),
+    drive=_DRIVE,
+    left_wheels=("left", "left_wheel"),
+    right_wheels=("right", "right_wheel"),
+    sensors=(
+        SensorMount("odometry", "odom", 50.0),
+        SensorMount(
+            "laser",
+            "laser_scan",
+            100.0,
+            Pose(0.5 - _AXLE),
+            settings=LaserSettings(200, -1.0, 1.0, 0.05, 10.0),
+        ),
+        SensorMount("ground_truth", "ground_truth", 50.0),
+        SensorMount("transforms", "/tf", 50.0),
+    ),
+    commands=(CommandTopic("cmd_vel", is_twist=True),),
+    gazebo_drive=replace(_DRIVE, believed_track=_GAZEBO_TRACK),
+)

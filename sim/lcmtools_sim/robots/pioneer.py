@@ -1,0 +1,74 @@
+"""MobileRobots' Pioneer 3-DX with a Kinect on top.
+
+Size, wheels and speeds are those of the maker's data sheet; the caster's place is that of
+MobileRobots' own model of the robot (amr-ros-config, pioneer3dx.urdf). Topics have the names of
+the robot's ROS driver (RosAria) and of the Kinect's (openni).
+"""
+
+from lcmtools_sim.robots.model import Body, CommandTopic, Drive, RobotModel
+from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part
+
+WHEEL_RADIUS = 0.0975
+TRACK = 0.33
+
+_LENGTH, _WIDTH = 0.455, 0.381
+_BOTTOM, _TOP = 0.06, 0.237
+_CENTRE = -0.04
+"""[m] The middle of the body lies behind the axle by so much."""
+_CASTER = -0.185
+_MASS = 23.0
+"""[kg] The robot itself and a load of batteries and a computer."""
+_INERTIA = (0.35, 0.48, 0.62)
+"""[kg m^2] That of a box of this size and mass."""
+
+_RED: Color = (0.7, 0.1, 0.1)
+_BLACK: Color = (0.15, 0.15, 0.15)
+_ON_ITS_SIDE = (0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
+
+
+def _wheel(side: int) -> Part:
+    """What is seen and hit of a wheel (left 1, right -1), a little above the ground."""
+    wheel = Cylinder(WHEEL_RADIUS - 0.005, 0.04)
+    return Part(wheel, (0.0, side * TRACK / 2, WHEEL_RADIUS), _ON_ITS_SIDE, _BLACK)
+
+
+PIONEER = RobotModel(
+    name="pioneer",
+    body=Body(
+        mass=_MASS,
+        inertia=_INERTIA,
+        centre_of_mass=0.14,
+        base_height=WHEEL_RADIUS,
+        parts=(
+            Part(
+                Cuboid((_LENGTH, _WIDTH - 0.1, _TOP - _BOTTOM)),
+                (_CENTRE, 0.0, (_TOP + _BOTTOM) / 2),
+                color=_RED,
+            ),
+            _wheel(1),
+            _wheel(-1),
+        ),
+        feet=((0.0, TRACK / 2), (0.0, -TRACK / 2), (_CASTER, 0.0), (0.1, 0.0)),
+        foot_radius=0.03,
+    ),
+    drive=Drive(
+        wheel_radius=WHEEL_RADIUS,
+        track=TRACK,
+        full_speed=1.2,
+        max_speed=1.2,
+        max_turn_rate=5.2,
+        max_acceleration=1.0,
+        time_constant=0.1,
+        tyre_friction=0.8,
+    ),
+    left_wheels=("left", "left_wheel"),
+    right_wheels=("right", "right_wheel"),
+    sensors=(
+        SensorMount("odometry", "RosAria/pose", 10.0),
+        SensorMount("wheel_states", "RosAria/wheel_state", 10.0),
+        SensorMount("ground_truth", "ground_truth", 50.0),
+        SensorMount("transforms", "/tf", 50.0),
+    ),
+    commands=(CommandTopic("RosAria/cmd_vel", is_twist=True),),
+)

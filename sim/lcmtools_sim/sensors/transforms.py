@@ -1,0 +1,57 @@
+"""Where a robot's frames are: odom to base_link by the encoders, base_link to each sensor."""
+
+import math
+from collections.abc import Collection, Mapping
+
+from lcmtools.messages.registry import Message
+from lcmtools.types.geometry_msgs import TransformStamped
+from lcmtools.types.tf2_msgs import TFMessage
+from lcmtools_sim.rotation import Quaternion, Vector
+from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.sensors.sensor import Carrier, RobotState, fill_header, fill_quaternion
+
+
+class TransformsSensor:
+    """tf2_msgs/TFMessage with all frames of one robot (REP-105).
+
+    Mount it last: it tells the frames of the sensors that were mounted before.
+
+    Args:
+        mount: Where it publishes.
+        carrier: The robot.
+    """
+
+    outputs: Mapping[str, type[Message]] = {"": TFMessage}
+
+    def __init__(self, mount: SensorMount, carrier: Carrier) -> None:
+        del mount  # it measures the whole robot
+        self._carrier = carrier
+        self._odom = carrier.frame("odom")
+        self._base = carrier.frame("base_link")
+
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
+        """The transforms of one step."""
+        del wanted
+        x, y, yaw = state.reckoned_pose
+        turned = (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
+        message = TFMessage()
+        message.transforms = [
+            _transform(state.time, self._odom, self._base, (x, y, 0.0), turned),
+            *(
+                _transform(state.time, self._base, frame, pose.position, pose.rotation)
+                for frame, pose in self._carrier.frames.items()
+            ),
+        ]
+        return {"": message}
+
+
+def _transform(
+    time: int, parent: str, child: str, position: Vector, rotation: Quaternion
+) -> TransformStamped:
+    message = TransformStamped()
+    fill_header(message.header, time, parent)
+    message.child_frame_id = child
+    place = message.transform.translation
+    place.x, place.y, place.z = position
+    fill_quaternion(message.transform.rotation, rotation)
+    return message
