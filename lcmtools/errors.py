@@ -10,6 +10,7 @@
     +-- DecodeError      a payload is not what its type says
     +-- BusError         the bus cannot be reached or used
     +-- ServiceError     a service call failed or was not answered
+    |   +-- ServiceTimeout   it was not answered in time              exit code 4
     +-- MissingExtra     an optional dependency is not installed      exit code 3
     +-- NothingReceived  nothing came within the time given           exit code 4
 
@@ -75,6 +76,12 @@ class BusError(LcmtoolsError):
 
 class ServiceError(LcmtoolsError):
     """A service call failed at the server or was not answered in time."""
+
+
+class ServiceTimeout(ServiceError):  # noqa: N818
+    """A service call was not answered in time."""
+
+    exit_code = 4
 
 
 class MissingExtra(LcmtoolsError):  # noqa: N818

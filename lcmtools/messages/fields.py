@@ -23,6 +23,12 @@ PRIMITIVES = {
 }
 """LCM's primitive types and what ROS, and so every text of lcmtools, calls them."""
 
+TIME_FIELDS = (("sec", "nsec"), ("sec", "nanosec"))
+"""The fields of times and durations, as ROS 1 and ROS 2 have them."""
+
+_TIME_NAMES = {"sec": 0, "secs": 0, "nsec": 1, "nsecs": 1, "nanosec": 1}
+"""What ROS 1 and ROS 2 call the two fields of a time, and where they stand."""
+
 MessageClass: TypeAlias = type[Message]  # within Field, ``type`` is a field
 
 
@@ -68,7 +74,15 @@ def visible_fields(cls: type[Message]) -> tuple[Field, ...]:
 @cache
 def is_time(cls: type[Message]) -> bool:
     """Whether the type is a time or a duration: seconds and nanoseconds, by either name."""
-    return cls.__slots__ in (["sec", "nsec"], ["sec", "nanosec"])
+    return tuple(cls.__slots__) in TIME_FIELDS
+
+
+@cache
+def field_name(cls: type[Message], name: str) -> str:
+    """A class's own name for a field: a time's are also known as secs, nsecs and nanosec."""
+    if name in _TIME_NAMES and is_time(cls):
+        return cls.__slots__[_TIME_NAMES[name]]
+    return name
 
 
 def _field(name: str, lcm_type: str, sizes: list[int | str] | None, is_length: bool) -> Field:  # noqa: FBT001 - private

@@ -14,7 +14,7 @@ import warnings
 from typing import cast
 
 from lcmtools.errors import UsageError, ValueMismatch
-from lcmtools.messages.fields import visible_fields
+from lcmtools.messages.fields import field_name, visible_fields
 from lcmtools.messages.operations import (
     ARITHMETIC,
     COMPARISONS,
@@ -161,9 +161,9 @@ class Filter:
 
     def _place_value(self, node: ast.AST, message: Message) -> object:
         if isinstance(node, ast.Name):
-            return _field_value(message, node.id)
+            return _named_value(message, node.id)
         if isinstance(node, ast.Attribute):
-            return comparable(getattr(self._value(node.value, message), node.attr))
+            return _field_value(cast("Message", self._value(node.value, message)), node.attr)
         if isinstance(node, ast.Subscript):
             array = self._value(node.value, message)
             return comparable(element(array, self._value(node.slice, message)))
@@ -253,9 +253,12 @@ def _names(cls: type[Message] | None) -> set[str]:
     return {field.name for field in visible_fields(cls)} if cls else set()
 
 
-def _field_value(message: Message, name: str) -> object:
+def _named_value(message: Message, name: str) -> object:
     if name == "m":
         return message
-    if name in _names(type(message)):
-        return comparable(getattr(message, name))
-    return CONSTANTS[name]
+    is_constant = name in CONSTANTS and name not in _names(type(message))
+    return CONSTANTS[name] if is_constant else _field_value(message, name)
+
+
+def _field_value(message: Message, name: str) -> object:
+    return comparable(getattr(message, field_name(type(message), name)))

@@ -11,10 +11,10 @@ import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import TypeAlias
+from typing import TypeAlias, cast
 
 from lcmtools.errors import UsageError, ValueMismatch
-from lcmtools.messages.fields import Field, MessageClass, visible_fields
+from lcmtools.messages.fields import Field, MessageClass, field_name, visible_fields
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.shape import as_sequence
 from lcmtools.names import did_you_mean
@@ -28,6 +28,7 @@ Step: TypeAlias = str | int | Slice
 _NAME = re.compile(r"[^./\[\]]+")
 _WHOLE = re.compile(r"[+-]?\d{1,18}", re.ASCII)
 _MOST_PARTS = 3  # of a slice
+_DEEPEST = 4  # levels of messages that a field is looked for in
 _EXAMPLES = "write [0], [-1], [0:5] or [::2]"
 
 
@@ -204,7 +205,7 @@ def _target(cls: type[Message], path: Path) -> Target:
 def _walk(value: object, steps: tuple[Step, ...], path: Path) -> object:
     for done, step in enumerate(steps, 1):
         if isinstance(step, str):
-            value = getattr(value, step)
+            value = getattr(value, field_name(type(cast("Message", value)), step))
         elif isinstance(step, int):
             value = _element(value, step, path)
         else:
@@ -234,12 +235,31 @@ def _outside(where: str, size: int, index: str = "") -> ValueMismatch:
 
 def _field(cls: type[Message], name: str, where: str) -> Field:
     known = {field.name: field for field in visible_fields(cls)}
-    if name in known:
-        return known[name]
+    own_name = field_name(cls, name)
+    if own_name in known:
+        return known[own_name]
     path = f"{where}.{name}" if where else name
     fields = f"fields: {', '.join(known)}" if known else "it has no fields"
     what = f"{path}: {type_name(cls)} has no field '{name}' ({fields})"
-    raise ValueMismatch(what, did_you_mean(name, known))
+    deeper = _deeper(cls, name)
+    inside = f"did you mean {f'{where}.' if where else ''}{deeper}?" if deeper else ""
+    raise ValueMismatch(what, did_you_mean(name, known) or inside)
+
+
+def _deeper(cls: type[Message], name: str) -> str:
+    """The path to the outermost field of a name within a message's messages; "" without any."""
+    level = [(field.name, field) for field in visible_fields(cls)]
+    for _ in range(_DEEPEST):
+        level = [
+            (f"{path}.{inner.name}", inner)
+            for path, field in level
+            if field.message_class and not field.dimensions
+            for inner in visible_fields(field.message_class)
+        ]
+        found = next((path for path, field in level if field.name == name), "")
+        if found:
+            return found
+    return ""
 
 
 def _fields_of(owner: Target) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TypeAlias, cast
 
-from lcmtools.messages.fields import Field, fields, is_time, visible_fields
+from lcmtools.messages.fields import Field, field_name, fields, visible_fields
 from lcmtools.messages.misfit import Misfit, given
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.scalars import from_python, from_text
@@ -23,9 +23,6 @@ Value: TypeAlias = "bool | int | float | str | bytes | Sequence[Value] | Mapping
 """What a message is filled from. Text is read as the field's type asks."""
 
 _PLAIN = frozenset((bool, int, float, str))
-
-_TIME_NAMES = {"sec": 0, "secs": 0, "nsec": 1, "nsecs": 1, "nanosec": 1}
-"""What ROS 1 and ROS 2 call the two fields of a time."""
 
 # Legal in JSON, but in YAML forbidden or a line's end; and JSON should be YAML here.
 _NOT_IN_YAML = re.compile("[\x7f-\x9f\u2028\u2029\ufeff\ufffe\uffff]")
@@ -224,8 +221,7 @@ def _bytes_of_text(value: Value, dimensions: int) -> object:
 
 def _field_named(cls: type[Message], key: str, value: Value) -> Field:
     found = {field.name: field for field in fields(cls)}
-    if is_time(cls) and key in _TIME_NAMES:
-        key = cls.__slots__[_TIME_NAMES[key]]
+    key = field_name(cls, key)
     if key not in found:
         raise _unknown_field(cls, key, value)
     if found[key].is_length:

@@ -123,11 +123,8 @@ class Registry:
         """
         found = _find(name, self._services, "service")
         if not found:
-            near = _near(name, self._services)
-            raise UnknownType(
-                f"unknown service type '{name}'",
-                near or f"known: {', '.join(self.service_names())}",
-            )
+            hint = _near(name, self._services) or "see: lcmtools srv list"
+            raise UnknownType(f"unknown service type '{name}'", hint)
         return found
 
     def candidates(self, fingerprint: int) -> list[str]:

@@ -1,140 +1,112 @@
-"""Selected values as text, lines of flow style and columns of a table.
+"""Selected values as plain ones, with what a person has asked to see otherwise.
 
-Belongs here: how a part of a message looks, and what takes the place of arrays and strings that are
-not to be shown. Must not know paths or files; whole messages are ``text``'s.
+Belongs here: arrays and strings that are only named or cut, and times relative to another. Must
+not know paths, files, nor how a plain value is written: ``plain_text`` and ``cells`` do that.
 """
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias, cast
+from typing import cast
 
-from lcmtools.messages.fields import PRIMITIVES, visible_fields
+from lcmtools.messages.fields import PRIMITIVES, Field, is_time, visible_fields
 from lcmtools.messages.path import Selection, Target
 from lcmtools.messages.plain import Plain
-from lcmtools.messages.registry import Message
-from lcmtools.messages.text import quoted, word_or_quoted
+from lcmtools.messages.plain_text import MORE
+from lcmtools.messages.registry import Message, type_name
 
-Scalar: TypeAlias = "bool | int | float | str"
-
-_TIMES = (["sec", "nsec"], ["sec", "nanosec"])
-_NSEC_WIDTH = 9
+_NANOSECONDS = 1_000_000_000
 _NUMBERS = frozenset(PRIMITIVES.values()) - {"string"}
+_TIME_TYPES = {"std_msgs/Time", "builtin_interfaces/Time"}  # a Duration is relative already
 
 
 @dataclass(frozen=True, slots=True)
-class Hidden:
-    """What is not shown, but named: ``<array type: float64, length: 5>``, ``<string length: 5>``.
+class View:
+    """What is shown otherwise than it is.
 
     Attributes:
-        arrays: All arrays.
-        strings: All strings.
+        hides_arrays: All arrays are only named: ``<array type: float64, length: 5>``.
+        hides_strings: All strings: ``<string length: 5>``.
+        longest: Longer arrays and strings are cut after so many elements; None for none.
+        origin: Points in time are shown as the length of time since then, nanoseconds since 1970;
+            None for as they are.
+        is_table: For a table: what is hidden is left out, and no dots show where something is cut.
     """
 
-    arrays: bool = False
-    strings: bool = False
+    hides_arrays: bool = False
+    hides_strings: bool = False
+    longest: int | None = None
+    origin: int | None = None
+    is_table: bool = False
 
     def __bool__(self) -> bool:
-        """Whether anything is hidden."""
-        return self.arrays or self.strings
+        """Whether anything is shown otherwise."""
+        return self != NOTHING
+
+    def omits(self, field: Field) -> bool:
+        """Whether a field is left out."""
+        return self.is_table and (
+            (self.hides_arrays and bool(field.dimensions))
+            or (self.hides_strings and field.type == "string")
+        )
 
 
-def plain_selection(selection: Selection, hidden: Hidden) -> Plain:
-    """A selected value as a plain one, without what is hidden."""
+NOTHING = View()
+"""All is shown as it is."""
+
+
+def plain_selection(selection: Selection, view: View) -> Plain:
+    """A selected value as a plain one, as a view has it."""
     found = selection.target
-    return _plain(selection.value, found, found.depth, hidden)
+    return _plain(selection.value, found, found.depth, view)
 
 
-def format_plain(plain: Plain) -> str:
-    """A plain value as ``rostopic echo`` shows the message or field it was."""
-    if isinstance(plain, dict):
-        return "\n".join(_lines(plain, ""))
-    if isinstance(plain, list) and _is_block(plain):
-        return "\n".join(_items(plain, ""))
-    return quoted(plain) if isinstance(plain, str) else repr(plain)
-
-
-def format_flow(plain: Plain) -> str:
-    """A plain value in one line, in YAML's flow style."""
-    if isinstance(plain, dict):
-        return f"{{{', '.join(f'{name}: {format_flow(value)}' for name, value in plain.items())}}}"
-    if isinstance(plain, list):
-        return f"[{', '.join(map(format_flow, plain))}]"
-    return quoted(plain) if isinstance(plain, str) else repr(plain)
-
-
-def columns(plain: Plain, name: str = "field") -> dict[str, Scalar]:
-    """The single values in a plain one, by rostopic's names of columns: ``field.points0.x``."""
-    if isinstance(plain, dict):
-        parts = [(f"{name}.{key}", value) for key, value in plain.items()]
-    elif isinstance(plain, list):
-        parts = [(f"{name}{index}", value) for index, value in enumerate(plain)]
-    else:
-        return {name: plain}
-    return {column: cell for part, value in parts for column, cell in columns(value, part).items()}
-
-
-def _plain(value: object, what: Target, depth: int, hidden: Hidden) -> Plain:
+def _plain(value: object, what: Target, depth: int, view: View) -> Plain:
     if depth:
-        return _plain_array(cast("list[object]", value), what, depth, hidden)
+        return _plain_array(cast("Sequence[object]", value), what, depth, view)
     if what.message_class is not None:
-        return _plain_message(cast("Message", value), hidden)
-    if what.type == "string" and hidden.strings:
-        return f"<string length: {len(cast('str', value))}>"
+        return _plain_message(cast("Message", value), view)
+    if what.type == "string":
+        return _plain_string(cast("str", value), view)
     return cast("Plain", value)
 
 
-def _plain_array(elements: list[object], what: Target, depth: int, hidden: Hidden) -> Plain:
-    if hidden.arrays:
+def _plain_string(text: str, view: View) -> str:
+    if view.hides_strings:
+        return f"<string length: {len(text)}>"
+    if view.longest is None or len(text) <= view.longest:
+        return text
+    return text[: view.longest] + ("" if view.is_table else MORE)
+
+
+def _plain_array(elements: Sequence[object], what: Target, depth: int, view: View) -> Plain:
+    if view.hides_arrays:
         return f"<array type: {what.type}, length: {len(elements)}>"
+    shown = elements[: view.longest]
     if depth == 1 and what.type in _NUMBERS:
-        return cast("list[Plain]", list(elements))
-    return [_plain(element, what, depth - 1, hidden) for element in elements]
+        plain = cast("list[Plain]", list(shown))
+    else:
+        plain = [_plain(element, what, depth - 1, view) for element in shown]
+    return plain if len(shown) == len(elements) or view.is_table else [*plain, MORE]
 
 
-def _plain_message(message: Message, hidden: Hidden) -> dict[str, Plain]:
-    return {
+def _plain_message(message: Message, view: View) -> dict[str, Plain]:
+    cls = type(message)
+    plain = {
         field.name: _plain(
             getattr(message, field.name),
             Target(field.type, field.message_class, field.dimensions),
             len(field.dimensions),
-            hidden,
+            view,
         )
-        for field in visible_fields(type(message))
+        for field in visible_fields(cls)
+        if not view.omits(field)
     }
+    is_moved = view.origin is not None and is_time(cls) and type_name(cls) in _TIME_TYPES
+    return _since(plain, cast("int", view.origin)) if is_moved else plain
 
 
-def _lines(fields: dict[str, Plain], indent: str) -> Iterator[str]:
-    is_time = list(fields) in _TIMES
-    for name, value in fields.items():
-        head = f"{indent}{name}: "
-        if isinstance(value, dict):
-            yield head
-            yield from _lines(value, f"{indent}  ")
-        elif isinstance(value, list) and _is_block(value):
-            yield head
-            yield from _items(value, f"{indent}  ")
-        else:
-            width = _NSEC_WIDTH if is_time and name != "sec" else 0
-            yield f"{head}{format_plain(value):>{width}}"
-
-
-def _items(values: list[Plain], indent: str) -> Iterator[str]:
-    """An array of strings, messages or arrays of them, an item each."""
-    for value in values:
-        if isinstance(value, dict):
-            yield f"{indent}- "
-            yield from _lines(value, f"{indent}  ")
-        elif isinstance(value, list) and _is_block(value):
-            yield f"{indent}- "
-            yield from _items(value, f"{indent}  ")
-        else:
-            text = word_or_quoted(value) if isinstance(value, str) else format_plain(value)
-            yield f"{indent}- {text}"
-
-
-def _is_block(values: list[Plain]) -> bool:
-    """Whether an array has something in it that does not go in a line of numbers."""
-    return any(
-        isinstance(value, (dict, str)) or (isinstance(value, list) and _is_block(value))
-        for value in values
-    )
+def _since(time: dict[str, Plain], origin: int) -> dict[str, Plain]:
+    """A point in time as the length of time since another, whose nanoseconds are never negative."""
+    seconds, nanoseconds = cast("dict[str, int]", time).values()
+    passed = divmod(seconds * _NANOSECONDS + nanoseconds - origin, _NANOSECONDS)
+    return dict(zip(time, passed, strict=True))

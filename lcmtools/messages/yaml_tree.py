@@ -42,12 +42,14 @@ class BadYaml(ValueError):  # noqa: N818 - named for what happened, as in errors
     Attributes:
         mark: Where.
         problem: What is wrong there.
+        hint: What to type instead, or "".
     """
 
-    def __init__(self, mark: Mark | None, problem: str) -> None:
+    def __init__(self, mark: Mark | None, problem: str, hint: str = "") -> None:
         super().__init__(problem)
         self.mark = mark
         self.problem = problem
+        self.hint = hint
 
 
 @dataclass(slots=True)
@@ -113,7 +115,7 @@ class Tree:
     ) -> None:
         self._note_line(event)
         if self._wants_key():
-            raise BadYaml(event.start_mark, "a field's name must be a word")
+            raise BadYaml(event.start_mark, "a field's name must be a word", _quote("{{"))
         if len(self._open) == DEEPEST:
             raise BadYaml(event.start_mark, f"nested more than {DEEPEST} levels deep")
         if event.tag not in _COLLECTION_TAGS:
@@ -122,7 +124,7 @@ class Tree:
 
     def _take_alias(self, event: "yaml.AliasEvent") -> None:
         if event.anchor not in self._anchors:
-            raise BadYaml(event.start_mark, f"unknown alias '*{event.anchor}'")
+            raise BadYaml(event.start_mark, f"unknown alias '*{event.anchor}'", _quote("*"))
         value, weight = self._anchors[event.anchor]
         self._repeated += weight
         if self._repeated > MOST_REPEATED:
@@ -185,4 +187,8 @@ def _binary(event: "yaml.ScalarEvent") -> bytes:
 
 def _unknown_tag(event: "yaml.ScalarEvent | yaml.CollectionStartEvent") -> BadYaml:
     tag = str(event.tag).replace(_TAG, "!!")
-    return BadYaml(event.start_mark, f"the tag {tag} means nothing here")
+    return BadYaml(event.start_mark, f"the tag {tag} means nothing here", _quote("!"))
+
+
+def _quote(start: str) -> str:
+    return f"put text that begins with '{start}' in quotes"

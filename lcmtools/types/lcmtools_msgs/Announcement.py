@@ -15,11 +15,11 @@ class Announcement(object):
     it leaves.
     """
 
-    __slots__ = ["ports_length", "endpoints_length", "name", "host", "pid", "start_time", "id", "state", "tool", "command", "answers", "ports", "endpoints"]
+    __slots__ = ["ports_length", "endpoints_length", "name", "host", "pid", "start_time", "id", "state", "revision", "tool", "command", "answers", "ports", "endpoints"]
 
-    __typenames__ = ["int32_t", "int32_t", "string", "string", "int32_t", "int64_t", "string", "int8_t", "boolean", "string", "int64_t", "int32_t", "lcmtools.types.lcmtools_msgs.Endpoint"]
+    __typenames__ = ["int32_t", "int32_t", "string", "string", "int32_t", "int64_t", "string", "int8_t", "int64_t", "boolean", "string", "int64_t", "int32_t", "lcmtools.types.lcmtools_msgs.Endpoint"]
 
-    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, ["ports_length"], ["endpoints_length"]]
+    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, ["ports_length"], ["endpoints_length"]]
 
     ALIVE = 0
     """ a state: the node runs """
@@ -76,6 +76,14 @@ class Announcement(object):
         LCM Type: int8_t
         """
 
+        self.revision = 0
+        """
+        differs when anything of the node has changed but answers and the counters of its
+        endpoints (messages, bytes, drops, last_time), so that who knows it need not decode more;
+        a hash of all that, at the same place behind id in every announcement
+        LCM Type: int64_t
+        """
+
         self.tool = False
         """
         true for a command of lcmtools that is on the bus only as long as it runs
@@ -129,7 +137,7 @@ class Announcement(object):
         buf.write(struct.pack('>I', len(__id_encoded)+1))
         buf.write(__id_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">bb", self.state, self.tool))
+        buf.write(struct.pack(">bqb", self.state, self.revision, self.tool))
         __command_encoded = self.command.encode('utf-8')
         buf.write(struct.pack('>I', len(__command_encoded)+1))
         buf.write(__command_encoded)
@@ -161,7 +169,7 @@ class Announcement(object):
         self.pid, self.start_time = struct.unpack(">iq", buf.read(12))
         __id_len = struct.unpack('>I', buf.read(4))[0]
         self.id = buf.read(__id_len)[:-1].decode('utf-8', 'replace')
-        self.state = struct.unpack(">b", buf.read(1))[0]
+        self.state, self.revision = struct.unpack(">bq", buf.read(9))
         self.tool = bool(struct.unpack('b', buf.read(1))[0])
         __command_len = struct.unpack('>I', buf.read(4))[0]
         self.command = buf.read(__command_len)[:-1].decode('utf-8', 'replace')
@@ -176,7 +184,7 @@ class Announcement(object):
     def _get_hash_recursive(parents):
         if Announcement in parents: return 0
         newparents = parents + [Announcement]
-        tmphash = (0x3b3b7a332c3dbe52+ lcmtools.types.lcmtools_msgs.Endpoint._get_hash_recursive(newparents)) & 0xffffffffffffffff
+        tmphash = (0x6bcd917ed050ffbc+ lcmtools.types.lcmtools_msgs.Endpoint._get_hash_recursive(newparents)) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -19,6 +19,7 @@ class Announcement:
     start_time: int
     id: str
     state: int
+    revision: int
     tool: bool
     command: str
     answers: int

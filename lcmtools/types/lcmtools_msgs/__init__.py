@@ -6,6 +6,11 @@ lcm-gen 1.5.3
 
 from .Announcement import Announcement as Announcement
 from .Endpoint import Endpoint as Endpoint
+from .Parameter import Parameter as Parameter
+from .Parameters_Request import Parameters_Request as Parameters_Request
+from .Parameters_Response import Parameters_Response as Parameters_Response
 from .Probe import Probe as Probe
 from .ServiceReply import ServiceReply as ServiceReply
 from .ServiceRequest import ServiceRequest as ServiceRequest
+from .Shutdown import Shutdown as Shutdown
+from .Parameters import Parameters as Parameters

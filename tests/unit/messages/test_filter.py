@@ -47,6 +47,7 @@ def odometry() -> Odometry:
         "m.child_frame_id in ['base_link', 'base_footprint']",
         "m.child_frame_id[0] == 'b' and m.child_frame_id[-4:] == 'link'",
         "header.stamp.sec == 0 and True",
+        "header.stamp.secs == m.header.stamp.nsecs",
         "  m.pose.pose.position.z == 0",
         "False or 'text'",
     ],

@@ -212,3 +212,33 @@ def test_no_path_raises_anything_but_a_usage_error(text: str) -> None:
     message.ranges = [1.0, 2.0]
     with suppress(UsageError):
         select(message, parse_path(text))
+
+
+@pytest.mark.parametrize("name", ["sec", "secs", "nsec", "nsecs", "nanosec"])
+def test_a_times_fields_have_the_names_of_both_ros(name: str, scan: LaserScan) -> None:
+    scan.header.stamp.sec, scan.header.stamp.nsec = 3, 5
+    path = parse_path(f"header.stamp.{name}")
+    assert select(scan, path).value == (3 if "n" not in name else 5)
+    assert target(LaserScan, path).type == "int32"
+    assert str(path) == f"header.stamp.{name}"
+
+
+def test_only_a_time_has_them(scan: LaserScan) -> None:
+    with pytest.raises(ValueMismatch, match=r"header\.secs: std_msgs/Header has no field 'secs'"):
+        select(scan, parse_path("header.secs"))
+
+
+@pytest.mark.parametrize(
+    ("path", "hint"),
+    [
+        ("position", "did you mean pose.pose.position?"),
+        ("twist.angular", "did you mean twist.twist.angular?"),
+        ("x", "did you mean pose.pose.position.x?"),
+        ("pose.pose.posiiton", "did you mean position?"),
+        ("nothing_like_it", ""),
+    ],
+)
+def test_a_field_that_is_further_inside_is_found(path: str, hint: str) -> None:
+    with pytest.raises(ValueMismatch) as error:
+        target(Odometry, parse_path(path))
+    assert error.value.hint == hint

@@ -2,21 +2,22 @@
 
 import pytest
 
+from lcmtools.messages.cells import cells
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.path import Path, parse_path, select
-from lcmtools.messages.plain import Plain, to_plain
+from lcmtools.messages.plain import Plain, plain_json, to_plain
+from lcmtools.messages.plain_text import FREE, Writer
 from lcmtools.messages.registry import Message, message_class, type_names
 from lcmtools.messages.text import format_message
-from lcmtools.messages.view import Hidden, columns, format_flow, format_plain, plain_selection
+from lcmtools.messages.view import NOTHING, View, plain_selection
+from lcmtools.types.geometry_msgs import TransformStamped
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker
 
-NOTHING = Hidden()
 
-
-def shown(message: Message, path: str = "", hidden: Hidden = NOTHING) -> Plain:
-    return plain_selection(select(message, parse_path(path)), hidden)
+def shown(message: Message, path: str = "", view: View = NOTHING) -> Plain:
+    return plain_selection(select(message, parse_path(path)), view)
 
 
 @pytest.fixture
@@ -34,16 +35,16 @@ def test_a_whole_message_looks_the_same_as_plain_value_and_as_message(name: str)
     message = decode(cls, encode(cls()))
     plain = plain_selection(select(message, Path()), NOTHING)
     assert plain == to_plain(message)
-    assert format_plain(plain).splitlines() == format_message(message).splitlines()
+    assert FREE.block(plain).splitlines() == format_message(message).splitlines()
 
 
 def test_strings_times_and_arrays_of_messages_look_the_same_too(joints: JointState) -> None:
     marker = Marker()
     marker.points = [type(marker.pose.position)() for _ in range(2)]
     transforms = TFMessage()
-    transforms.transforms = [message_class("geometry_msgs/TransformStamped")() for _ in range(2)]
+    transforms.transforms = [TransformStamped() for _ in range(2)]
     for message in (joints, marker, transforms):
-        assert format_plain(shown(message)) == format_message(message)
+        assert FREE.block(shown(message)) == format_message(message)
 
 
 @pytest.mark.parametrize(
@@ -57,30 +58,60 @@ def test_strings_times_and_arrays_of_messages_look_the_same_too(joints: JointSta
     ],
 )
 def test_parts_look_as_in_rostopic_echo(path: str, text: str, joints: JointState) -> None:
-    assert format_plain(shown(joints, path)) == text
+    assert FREE.block(shown(joints, path)) == text
 
 
 def test_hidden_arrays_and_strings_are_named(joints: JointState) -> None:
-    plain = shown(joints, hidden=Hidden(arrays=True, strings=True))
+    plain = shown(joints, view=View(hides_arrays=True, hides_strings=True))
     assert isinstance(plain, dict)
     assert plain["name"] == "<array type: string, length: 2>"
     assert plain["position"] == "<array type: float64, length: 2>"
-    names = shown(joints, "name", Hidden(strings=True))
+    names = shown(joints, "name", View(hides_strings=True))
     assert names == ["<string length: 10>", "<string length: 5>"]
-    assert format_plain(plain["velocity"]) == '"<array type: float64, length: 0>"'
+    assert FREE.block(plain["velocity"]) == '"<array type: float64, length: 0>"'
 
 
 def test_flow_style_is_one_line(joints: JointState) -> None:
-    assert format_flow(shown(joints, "header.stamp")) == "{sec: 0, nsec: 5}"
-    assert format_flow(shown(joints, "name")) == '["left wheel", "right"]'
+    assert FREE.flow(shown(joints, "header.stamp")) == "{sec: 0, nsec: 5}"
+    assert FREE.flow(shown(joints, "name")) == '["left wheel", "right"]'
 
 
-def test_columns_have_rostopics_names() -> None:
-    plain: Plain = {"a": 1, "points": [{"x": 2.0}, {"x": 3.0}], "empty": [], "s": "t"}
-    assert columns(plain) == {
-        "field.a": 1,
-        "field.points0.x": 2.0,
-        "field.points1.x": 3.0,
-        "field.s": "t",
-    }
-    assert columns(5) == {"field": 5}
+def test_longer_arrays_and_strings_are_cut(joints: JointState) -> None:
+    joints.position = [1.0, 2.0, 3.0]
+    view = View(longest=2)
+    assert FREE.block(shown(joints, "position", view)) == "[1.0, 2.0, ...]"
+    assert FREE.block(shown(joints, "name", view)) == "- le...\n- ri..."
+    assert FREE.block(shown(joints, "name[1:]", view)) == "- ri..."
+    assert plain_json(shown(joints, "position", view)) == '[1.0,2.0,"..."]'
+    assert FREE.block(shown(joints, "position", View(longest=3))) == "[1.0, 2.0, 3.0]"
+    joints.name = ["a", "b", "c"]
+    assert FREE.block(shown(joints, "name", view)) == "- a\n- b\n- ..."
+    assert FREE.flow(shown(joints, "name", view)) == '["a", "b", ...]'
+
+
+def test_a_table_has_no_columns_for_what_is_hidden_and_no_dots(joints: JointState) -> None:
+    table = View(hides_arrays=True, hides_strings=True, is_table=True)
+    assert cells(shown(joints, view=table)) == {"field.header.seq": 0, "field.header.stamp": 5}
+    joints.position = [1.0, 2.0, 3.0]
+    cut = View(longest=2, is_table=True)
+    assert cells(shown(joints, "position", cut)) == {"field0": 1.0, "field1": 2.0}
+    assert cells(shown(joints, "name[0]", cut)) == {"field": "le"}
+
+
+def test_times_are_relative_and_lengths_of_time_are_not(joints: JointState) -> None:
+    view = View(origin=2_000_000_000)
+    assert FREE.block(shown(joints, "header.stamp", view)) == "sec: -2\nnsec:         5"
+    marker = Marker()
+    marker.lifetime.sec = 7
+    assert FREE.flow(shown(marker, "lifetime", view)) == "{sec: 7, nsec: 0}"
+    assert FREE.flow(shown(marker, "header.stamp", view)) == "{sec: -2, nsec: 0}"
+    assert FREE.flow(shown(marker, "header.stamp.sec", view)) == "0"
+
+
+def test_numbers_of_a_fixed_width_are_rostopics(joints: JointState) -> None:
+    joints.position = [3.14159265, -2.5, 12345.678, 0.0, float("inf"), float("nan")]
+    writer = Writer(5)
+    assert writer.block(shown(joints, "position")) == ("[3.141, -2.50, 12345, 0.000, inf, nan]")
+    assert writer.block(shown(joints, "header.stamp")) == "sec:     0\nnsec:     5"
+    assert writer.flow([True, 1, "a"]) == '[True,     1, "a"]'
+    assert writer.block(123456789) == "123456789"

@@ -9,8 +9,18 @@ from hypothesis import strategies as st
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import message_class
-from lcmtools.messages.yaml_input import message_from_values, messages_from_document, parse_values
+from lcmtools.messages.yaml_input import (
+    draft_from_values,
+    drafts_from_lines,
+    message_from_values,
+    parse_values,
+)
 from lcmtools.types import std_msgs
+
+
+def quote(start: str) -> str:
+    return f"put text that begins with '{start}' in quotes"
+
 
 TWIST, VECTOR = "geometry_msgs/Twist", "geometry_msgs/Vector3"
 
@@ -54,7 +64,7 @@ TWIST, VECTOR = "geometry_msgs/Twist", "geometry_msgs/Vector3"
             ["{linear:{x: 1}}"],
             (
                 "bad YAML at line 1, column 8: found unexpected ':'; "
-                "put a space after the colon: 'linear: {x'"
+                "put a space after the colon: 'linear: {...}'"
             ),
         ),
         (
@@ -187,8 +197,56 @@ def test_what_does_not_fit_is_named_with_its_path(name: str, texts: list[str], l
     [
         ("{x: 1, x: 2}", "bad YAML at line 1, column 8: 'x' is given twice"),
         ("x: 1\ny: 2\nx: 3", "bad YAML at line 3, column 1: 'x' is given twice"),
-        ("{x: 1", "bad YAML at line 2, column 1: did not find expected ',' or '}'"),
+        ("{x: 1", "bad YAML at line 1, column 1: this '{' is not closed"),
+        ("a: {x: [1, 2", "bad YAML at line 1, column 8: this '[' is not closed"),
+        ("{x: {y:", "bad YAML from line 1 on: a bracket is not closed"),
+        ("{x: 1}}", "bad YAML at line 1, column 7: this '}' closes nothing"),
         ("]", "bad YAML at line 1, column 1: did not find expected node content"),
+        ("x: 'a", "bad YAML at line 1, column 4: this quote is not closed"),
+        ('x: "a', "bad YAML at line 1, column 4: this quote is not closed"),
+        (
+            "{x: {}; y: 2}",
+            (
+                "bad YAML at line 1, column 7: did not find expected ',' or '}'; "
+                "put a comma between fields"
+            ),
+        ),
+        (
+            "x: {a: 1} y: {a: 2}",
+            (
+                "bad YAML at line 1, column 11: did not find expected key; "
+                "put all fields into { } with commas between, or each on a line of its own"
+            ),
+        ),
+        (
+            "x:\n  a: 1\n b: 2",
+            (
+                "bad YAML at line 3, column 2: did not find expected key; "
+                "indent fields of one message alike"
+            ),
+        ),
+        (
+            "x: 1\n  y: 2",
+            (
+                "bad YAML at line 2, column 4: mapping values are not allowed in this context; "
+                "indent fields of one message alike"
+            ),
+        ),
+        (
+            "x: {{ y }}",
+            (
+                "bad YAML at line 1, column 5: a field's name must be a word; "
+                "put text that begins with '{{' in quotes"
+            ),
+        ),
+        *(
+            (
+                f"x: {mark}a",
+                f"bad YAML at line 1, column 4: text cannot begin with '{mark}'; put it in quotes",
+            )
+            for mark in "@`%"
+        ),
+        ("x:\n\ty: 1", "bad YAML at line 2, column 1: a tab cannot indent; use blanks"),
         (
             "x:1\ny: 2",
             (
@@ -198,20 +256,38 @@ def test_what_does_not_fit_is_named_with_its_path(name: str, texts: list[str], l
         ),
         (
             "x: a: b",
-            "bad YAML at line 1, column 5: mapping values are not allowed in this context",
+            (
+                "bad YAML at line 1, column 5: mapping values are not allowed in this context; "
+                "put the fields of a message in { }, and text that has ': ' in it in quotes"
+            ),
         ),
-        ("\t- x", "bad YAML at line 1, column 1: found character that cannot start any token"),
-        ("x: *b", "bad YAML at line 1, column 4: unknown alias '*b'"),
-        ("&a [*a]", "bad YAML at line 1, column 5: unknown alias '*a'"),
+        ("\t- x", "bad YAML at line 1, column 1: a tab cannot indent; use blanks"),
+        ("x: *b", f"bad YAML at line 1, column 4: unknown alias '*b'; {quote('*')}"),
+        ("&a [*a]", f"bad YAML at line 1, column 5: unknown alias '*a'; {quote('*')}"),
         ("x: !!binary =", "bad YAML at line 1, column 4: !!binary is not followed by base64"),
-        ("x: !!set {a}", "bad YAML at line 1, column 4: the tag !!set means nothing here"),
-        ("x: !mine a", "bad YAML at line 1, column 4: the tag !mine means nothing here"),
+        (
+            "x: !!set {a}",
+            f"bad YAML at line 1, column 4: the tag !!set means nothing here; {quote('!')}",
+        ),
+        (
+            "x: !mine a",
+            f"bad YAML at line 1, column 4: the tag !mine means nothing here; {quote('!')}",
+        ),
         (
             "!!python/object:os.system ls",
-            "bad YAML at line 1, column 1: the tag !!python/object:os.system means nothing here",
+            (
+                "bad YAML at line 1, column 1: the tag !!python/object:os.system means nothing"
+                f" here; {quote('!')}"
+            ),
         ),
-        ("? [a]\n: b", "bad YAML at line 1, column 3: a field's name must be a word"),
-        ("{&a [b]: c}", "bad YAML at line 1, column 2: a field's name must be a word"),
+        (
+            "? [a]\n: b",
+            f"bad YAML at line 1, column 3: a field's name must be a word; {quote('{{')}",
+        ),
+        (
+            "{&a [b]: c}",
+            f"bad YAML at line 1, column 2: a field's name must be a word; {quote('{{')}",
+        ),
         ("[&a [b], {*a : c}]", "bad YAML at line 1, column 11: a field's name must be a word"),
         ("x: a\ny: \x07", "bad YAML at line 2, column 4: the character U+0007 is not allowed"),
         ("x: \udcff", "bad YAML at line 1, column 4: the character U+DCFF is not allowed"),
@@ -234,18 +310,53 @@ def test_aliases_may_not_fill_the_memory() -> None:
 
 
 def test_a_wrong_document_is_named_with_its_line_after_those_before_it() -> None:
-    messages = messages_from_document(std_msgs.Int8, "data: 1\n---\n# more\ndata: x\n")
-    assert next(messages).data == 1
+    lines = ["data: 1", "---", "# more", "data: x", "---", "data: 3"]
+    drafts = drafts_from_lines(std_msgs.Int8, lines)
+    assert next(drafts)
     with pytest.raises(ValueMismatch) as caught:
-        next(messages)
-    assert str(caught.value) == "line 4: data: expected an integer, got 'x'"
+        next(drafts)
+    assert str(caught.value) == "document 2, line 4: data: expected an integer, got 'x'"
 
 
-def test_bad_yaml_in_a_text_is_named_with_its_place() -> None:
-    messages = messages_from_document(std_msgs.Int8, "data: 1\n---\ndata: [\n")
-    assert next(messages).data == 1
-    with pytest.raises(ValueMismatch, match="bad YAML at line 4, column 1: "):
-        next(messages)
+@pytest.mark.parametrize(
+    ("lines", "error"),
+    [
+        (["data: [1"], "document 2: bad YAML at line 3, column 7: this '\\[' is not closed"),
+        (["", '{"data": ', "---"], "document 2: bad YAML from line 4 on: a bracket is not closed"),
+        (['{"data": 2', '{"data": 3}'], "document 2: bad YAML at line 4, column 1: did not find"),
+    ],
+)
+def test_bad_yaml_in_a_text_is_named_with_its_place(lines: list[str], error: str) -> None:
+    drafts = drafts_from_lines(std_msgs.Int8, ["data: 1", "---", *lines])
+    assert next(drafts)
+    with pytest.raises(ValueMismatch, match=error):
+        next(drafts)
+
+
+@pytest.mark.parametrize(
+    ("name", "texts", "hint"),
+    [
+        ("std_msgs/String", ["hello", "world"], "put the text in quotes: 'hello world'"),
+        (
+            TWIST,
+            ["linear: {x: 1}", "angular: {z: 1}"],
+            "write all fields into one argument: '{name: value, name: value}'",
+        ),
+        (
+            VECTOR,
+            ["x:1", "y:2", "z:3"],
+            "write all fields into one argument: '{name: value, name: value}'",
+        ),
+        (TWIST, ["{x: fast}", "{}"], ""),
+        (VECTOR, ["1", "2"], ""),
+    ],
+)
+def test_what_the_shell_has_taken_apart_is_recognised(
+    name: str, texts: list[str], hint: str
+) -> None:
+    with pytest.raises(ValueMismatch) as caught:
+        draft_from_values(message_class(name), texts)
+    assert caught.value.hint == hint
 
 
 @settings(deadline=None, derandomize=True)

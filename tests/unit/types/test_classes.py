@@ -17,13 +17,16 @@ EXPECTED_NAMES = {
     "air_lab0": "ControllerEvaluationStat",
     "builtin_interfaces": "Duration Time",
     "diagnostic_msgs": "DiagnosticArray DiagnosticStatus KeyValue",
+    "gazebo_msgs": "ContactState ContactsState",
     "geometry_msgs": """
         Accel AccelStamped AccelWithCovariance AccelWithCovarianceStamped Inertia InertiaStamped
         Point Point32 PointStamped Polygon PolygonStamped Pose Pose2D PoseArray PoseStamped
         PoseWithCovariance PoseWithCovarianceStamped Quaternion QuaternionStamped Transform
         TransformStamped Twist TwistStamped TwistWithCovariance TwistWithCovarianceStamped
         Vector3 Vector3Stamped Wrench WrenchStamped""",
-    "lcmtools_msgs": "Announcement Endpoint Probe ServiceReply ServiceRequest",
+    "lcmtools_msgs": """
+        Announcement Endpoint Parameter Parameters_Request Parameters_Response Probe ServiceReply
+        ServiceRequest Shutdown""",
     "nav_msgs": "GridCells MapMetaData OccupancyGrid Odometry Path",
     "rosgraph_msgs": "Clock Log TopicStatistics",
     "sensor_msgs": """
@@ -31,6 +34,12 @@ EXPECTED_NAMES = {
         JointState Joy JoyFeedback JoyFeedbackArray LaserEcho LaserScan MagneticField
         MultiDOFJointState MultiEchoLaserScan NavSatFix NavSatStatus PointCloud PointCloud2
         PointField Range RegionOfInterest RelativeHumidity Temperature TimeReference""",
+    "sim_msgs": """
+        Delete_Request Delete_Response GetState_Request GetState_Response
+        SetPose_Request SetPose_Response SetRate_Request SetRate_Response
+        Snapshot_Request Snapshot_Response Spawn_Request Spawn_Response
+        Step_Request Step_Response
+    """,
     "std_msgs": """
         Bool Byte ByteMultiArray Char ColorRGBA Duration Empty Float32 Float32MultiArray Float64
         Float64MultiArray Header Int16 Int16MultiArray Int32 Int32MultiArray Int64 Int64MultiArray
@@ -105,8 +114,10 @@ def test_values_survive_the_wire() -> None:
     assert received.effort == (0.5, -0.5)
 
 
-def test_services_are_those_of_std_srvs() -> None:
-    assert SERVICES == ("std_srvs/Empty", "std_srvs/SetBool", "std_srvs/Trigger")
+def test_services_are_pairs_of_a_request_and_a_response() -> None:
+    requests = (name for name in FINGERPRINTS if name.endswith("_Request"))
+    assert SERVICES == tuple(name.removesuffix("_Request") for name in requests)
+    assert {"std_srvs/Empty", "std_srvs/SetBool", "std_srvs/Trigger"} <= set(SERVICES)
 
 
 @pytest.mark.parametrize("name", SERVICES)

@@ -1,0 +1,182 @@
+"""Values that are in no message, as parameters are: their kinds, and their YAML in one line.
+
+Belongs here: from a text to a value of a kind, and back. Must not know nodes, nor what a value is
+for. Text is read as a field of a message would read it: ``1e-3`` is a number, ``on`` is true where
+a boolean is wanted and text where text is.
+"""
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
+
+from lcmtools.errors import ValueMismatch
+from lcmtools.messages.misfit import Misfit, given
+from lcmtools.messages.plain import Value
+from lcmtools.messages.scalars import Scalar, from_python, from_text
+from lcmtools.messages.shape import each
+from lcmtools.messages.text import quoted
+
+Setting: TypeAlias = "Scalar | Sequence[Scalar] | None"
+"""A single value, a list of them, or nothing."""
+
+ANY = "any"
+"""The kind that takes every setting."""
+LIST = "list"
+"""The kind of lists whose elements may be of several kinds."""
+
+_FIELD_TYPES = {"bool": "bool", "int": "int64", "float": "float64", "string": "string"}
+_KINDS: dict[type, str] = {bool: "bool", int: "int", float: "float", str: "string"}
+_QUOTES = "'\""
+_WHOLE = re.compile(r"[-+]?(?:[0-9]+|0x[0-9a-f]+|0o[0-7]+|0b[01]+)", re.IGNORECASE)
+# Text that no YAML parser takes for anything else, in a list of flow style neither.
+_WORDS = re.compile(r"[A-Za-z/_]([\w ./+@%-]*[\w./+@%-])?", re.ASCII)
+_RESERVED = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
+
+
+def kind_of(value: Setting) -> str:
+    """bool, int, float or string, with [] for a list of one of them; list; any for None.
+
+    Raises:
+        ValueMismatch: It is no setting.
+    """
+    if value is None:
+        return ANY
+    if isinstance(value, (list, tuple)):
+        kinds = {kind_of(element) for element in value}
+        return f"{kinds.pop()}[]" if len(kinds) == 1 and not kinds & {ANY, LIST} else LIST
+    for kind, name in _KINDS.items():
+        if isinstance(value, kind):
+            return name
+    raise ValueMismatch(f"{given(value)} is no value that a parameter can have")
+
+
+def read_setting(text: str, kind: str, path: str) -> Setting:
+    """The value of a kind that a text stands for.
+
+    Args:
+        text: YAML; where the kind is a string it is the string itself, unless it is quoted.
+        kind: As of ``kind_of``.
+        path: What an error calls it, for example "parameter kp".
+
+    Raises:
+        ValueMismatch: It stands for none.
+    """
+    own = _unquoted(text)
+    if kind == "string" or (kind == ANY and own is not None):
+        return check_setting(text if own is None else own, "string", path)
+    try:
+        value = _parsed(text)
+    except ValueMismatch as mismatch:
+        raise ValueMismatch(f"{path}: {mismatch.what}", mismatch.hint) from None
+    return _converted(value, kind, path, _scalar_of_text)
+
+
+def check_setting(value: object, kind: str, path: str) -> Setting:
+    """The plain Python value of a kind that ``value`` is; whole numbers are floats too.
+
+    Raises:
+        ValueMismatch: It is none.
+    """
+    return _converted(value, kind, path, _scalar_of_python)
+
+
+def text_of(value: Value, kind: str) -> str:
+    """A value out of a YAML document as the text that ``read_setting`` takes for a kind."""
+    if value is None and kind == "string":
+        return write_setting("")
+    if isinstance(value, (list, tuple)):
+        element = kind.removesuffix("[]") if kind.endswith("[]") else ANY
+        return f"[{', '.join(text_of(part, element) for part in value)}]"
+    if isinstance(value, str):
+        return write_setting(_guessed(value) if kind in (ANY, LIST) else value)
+    return write_setting(None)
+
+
+def write_setting(value: Setting) -> str:
+    """A value as YAML in one line, which ``read_setting`` takes back."""
+    if value is None:
+        return "null"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        is_plain = _WORDS.fullmatch(value) and value.lower() not in _RESERVED
+        return value if is_plain else quoted(value)
+    if isinstance(value, Sequence):
+        return f"[{', '.join(map(write_setting, value))}]"
+    text = repr(value)
+    return text if math.isfinite(value) else text.replace("inf", ".inf").replace("nan", ".nan")
+
+
+def _converted(
+    value: object, kind: str, path: str, scalar: Callable[[object, str], Scalar]
+) -> Setting:
+    try:
+        if kind == ANY and value is None:
+            return None
+        is_list = kind.endswith("[]") or kind == LIST
+        if is_list or (kind == ANY and isinstance(value, (list, tuple))):
+            return _elements(value, kind.removesuffix("[]"), scalar)
+        return scalar(value, kind)
+    except Misfit as misfit:
+        misfit.inside(path)
+        raise misfit.mismatch("") from None
+
+
+def _elements(value: object, kind: str, scalar: Callable[[object, str], Scalar]) -> list[Scalar]:
+    if not isinstance(value, (list, tuple)):
+        raise Misfit(f"expected a list, got {given(value)}")
+    element_kind = kind if kind in _FIELD_TYPES else ANY
+    return each(value, lambda element: scalar(element, element_kind))  # type: ignore[return-value] # scalar's
+
+
+def _scalar_of_text(value: object, kind: str) -> Scalar:
+    if not isinstance(value, str):
+        raise Misfit(f"expected {_EXPECTED[kind]}, got {given(value)}")
+    return _guessed(value) if kind == ANY else from_text(value, _FIELD_TYPES[kind])
+
+
+def _scalar_of_python(value: object, kind: str) -> Scalar:
+    if kind != ANY:
+        return from_python(value, _FIELD_TYPES[kind])
+    item = getattr(value, "item", None)  # numpy's scalars
+    plain = item() if callable(item) else value
+    if not isinstance(plain, (bool, int, float, str)):
+        raise Misfit(f"expected {_EXPECTED[ANY]}, got {given(value)}")
+    return plain
+
+
+_EXPECTED = {
+    "bool": "true or false",
+    "int": "an integer",
+    "float": "a number",
+    "string": "text",
+    ANY: "a number, true, false or text",
+}
+
+
+def _guessed(text: str) -> Scalar:
+    """What a text is where nobody says what it should be."""
+    if text.lower() in ("true", "false"):
+        return text.lower() == "true"
+    try:
+        return from_text(text, "int64" if _WHOLE.fullmatch(text) else "float64")
+    except Misfit:
+        return from_text(text, "string")
+
+
+def _unquoted(text: str) -> str | None:
+    """What is between the quotes of a text that is one quoted scalar of YAML; else None."""
+    if len(text) < 2 or text[0] not in _QUOTES or text[-1] != text[0]:  # noqa: PLR2004 - two quotes
+        return None
+    try:
+        value = _parsed(text)
+    except ValueMismatch:
+        return None
+    return value if isinstance(value, str) else None
+
+
+def _parsed(text: str) -> Value:
+    from lcmtools.messages.yaml_input import parse_values  # nodes start without it
+
+    return parse_values([text])

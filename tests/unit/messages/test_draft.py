@@ -1,0 +1,122 @@
+"""Messages in which a time is the moment of sending."""
+
+import pytest
+
+from lcmtools.errors import ValueMismatch
+from lcmtools.messages.codec import decode
+from lcmtools.messages.plain import to_plain
+from lcmtools.messages.registry import message_class
+from lcmtools.messages.yaml_input import draft_from_values
+
+NOW = 1_795_244_479_000_000_005
+
+
+def stamps(value: object) -> list[tuple[int, int]]:
+    """All times in a plain message."""
+    if isinstance(value, dict):
+        if "sec" in value:
+            return [(value["sec"], value.get("nsec", value.get("nanosec")))]
+        return [stamp for part in value.values() for stamp in stamps(part)]
+    return [stamp for part in value for stamp in stamps(part)] if isinstance(value, list) else []
+
+
+@pytest.mark.parametrize(
+    ("name", "texts"),
+    [
+        ("std_msgs/Time", ["now"]),
+        ("builtin_interfaces/Time", ["now"]),
+        ("rosgraph_msgs/Clock", ["now"]),
+        ("rosgraph_msgs/Clock", ["clock: now"]),
+        ("rosgraph_msgs/Clock", ["[now]"]),
+        ("std_msgs/Header", ["auto"]),
+        ("std_msgs/Header", ["stamp: now"]),
+        ("std_msgs/Header", ["0", "now", "map"]),
+        ("geometry_msgs/PoseStamped", ["header: auto"]),
+        ("geometry_msgs/PoseStamped", ["header: now"]),
+        ("geometry_msgs/PoseStamped", ["header: {stamp: now, frame_id: map}"]),
+        ("geometry_msgs/PoseStamped", ["header: {stamp: auto}"]),
+        ("geometry_msgs/PoseStamped", ["auto", "{}"]),
+        ("geometry_msgs/PoseStamped", ["{stamp: now}", "{}"]),
+        ("geometry_msgs/PoseStamped", ['{"header": {"stamp": "now"}}']),
+        ("tf2_msgs/TFMessage", ["transforms: [{header: auto}]"]),
+        ("tf2_msgs/TFMessage", ["[{header: {stamp: now}}]"]),
+        ("nav_msgs/Path", ["{header: auto, poses: []}"]),
+    ],
+)
+def test_now_and_auto_are_the_moment_of_each_sending(name: str, texts: list[str]) -> None:
+    draft = draft_from_values(message_class(name), texts)
+    for moment in (NOW, NOW + 1_500_000_000):
+        sent = decode(message_class(name), draft.payload(moment))
+        assert stamps(to_plain(sent)) == [divmod(moment, 1_000_000_000)]
+
+
+def test_what_is_beside_a_word_for_the_time_is_kept() -> None:
+    text = "{header: {stamp: now, frame_id: now, seq: 7}, poses: [{header: auto}, {}]}"
+    message = draft_from_values(message_class("nav_msgs/Path"), [text]).at(NOW)
+    plain = to_plain(message)
+    assert plain["header"] == {
+        "seq": 7,
+        "stamp": {"sec": 1_795_244_479, "nsec": 5},
+        "frame_id": "now",
+    }
+    assert stamps(plain["poses"]) == [(1_795_244_479, 5), (0, 0)]
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "stamp"),
+    [
+        ("std_msgs/Time", "10000000020", (10, 20)),
+        ("std_msgs/Time", "{sec: 1, nsec: 2}", (1, 2)),
+        ("std_msgs/Duration", "1500000000", (1, 500_000_000)),
+        ("std_msgs/Duration", "-500000000", (-1, 500_000_000)),
+        ("rosgraph_msgs/Clock", "5", (0, 5)),
+        ("std_msgs/Header", "stamp: 1000000001", (1, 1)),
+    ],
+)
+def test_a_time_may_be_a_number_of_nanoseconds(
+    name: str, text: str, stamp: tuple[int, int]
+) -> None:
+    draft = draft_from_values(message_class(name), [text])
+    assert not draft.times
+    assert stamps(to_plain(draft.message)) == [stamp]
+
+
+def test_what_does_not_change_is_encoded_once() -> None:
+    draft = draft_from_values(message_class("std_msgs/String"), ["now"])
+    assert draft.message.data == "now"  # type: ignore[attr-defined] # a String
+    assert draft.payload(NOW) is draft.payload(NOW + 1)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "line"),
+    [
+        ("std_msgs/Duration", "now", "std_msgs/Duration: expected fields (sec, nsec), got 'now'"),
+        ("std_msgs/Time", "{sec: now}", "sec: expected an integer, got 'now'"),
+        (
+            "std_msgs/Header",
+            "later",
+            "std_msgs/Header: expected fields (seq, stamp, frame_id), got 'later'",
+        ),
+        ("geometry_msgs/Twist", "linear: auto", "linear: expected fields (x, y, z), got 'auto'"),
+        (
+            "nav_msgs/Path",
+            "poses: auto",
+            "poses: expected a list of messages, got 'auto'",
+        ),
+        ("nav_msgs/Path", "poses: [[auto]]", "poses[0]: expected 2 values (header, pose), got 1"),
+        (
+            "std_msgs/Time",
+            "99999999999999999999",
+            "std_msgs/Time: expected fields (sec, nsec), got '99999999999999999999'",
+        ),
+        (
+            "std_msgs/Time",
+            "9223372036854775807",
+            "sec: 9223372036 does not fit int32 (-2147483648..2147483647)",
+        ),
+    ],
+)
+def test_other_places_have_no_words_for_the_time(name: str, text: str, line: str) -> None:
+    with pytest.raises(ValueMismatch) as caught:
+        draft_from_values(message_class(name), [text])
+    assert str(caught.value) == line
