@@ -11,20 +11,24 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from lcmtools.errors import LcmtoolsError as LcmtoolsError
     from lcmtools.messages.registry import message_class as message_class
-    from lcmtools.node.context import init as init
-    from lcmtools.node.context import ok as ok
-    from lcmtools.node.context import shutdown as shutdown
     from lcmtools.node.node import Node as Node
+    from lcmtools.node.parameter import Parameter as Parameter
+    from lcmtools.node.parameter import SetParametersResult as SetParametersResult
+    from lcmtools.node.process import init as init
+    from lcmtools.node.process import ok as ok
+    from lcmtools.node.process import shutdown as shutdown
     from lcmtools.node.spin import spin as spin
     from lcmtools.node.spin import spin_once as spin_once
 
 _HOMES = {
     "LcmtoolsError": "lcmtools.errors",
     "Node": "lcmtools.node.node",
-    "init": "lcmtools.node.context",
+    "Parameter": "lcmtools.node.parameter",
+    "SetParametersResult": "lcmtools.node.parameter",
+    "init": "lcmtools.node.process",
     "message_class": "lcmtools.messages.registry",
-    "ok": "lcmtools.node.context",
-    "shutdown": "lcmtools.node.context",
+    "ok": "lcmtools.node.process",
+    "shutdown": "lcmtools.node.process",
     "spin": "lcmtools.node.spin",
     "spin_once": "lcmtools.node.spin",
 }
@@ -32,6 +36,8 @@ _HOMES = {
 __all__ = [
     "LcmtoolsError",
     "Node",
+    "Parameter",
+    "SetParametersResult",
     "__version__",
     "init",
     "message_class",

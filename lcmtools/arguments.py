@@ -11,8 +11,11 @@ from dataclasses import dataclass, field
 
 from lcmtools.errors import UsageError
 
-# What ROS takes for a remapping argument; everything else stays in the argument list.
-_ASSIGNMENT = re.compile(r"([~/A-Za-z_][A-Za-z0-9_/]*):=(.*)", re.ASCII | re.DOTALL)
+# What ROS takes for a remapping argument, and parameters with dots in their names, as ROS 2 has
+# them; everything else stays in the argument list.
+_ASSIGNMENT = re.compile(
+    r"([~/A-Za-z_][A-Za-z0-9_/]*|_[A-Za-z][A-Za-z0-9_/.]*):=(.*)", re.ASCII | re.DOTALL
+)
 _FLAGS = ("--ns", "--name", "--param", "--remap", "-r", "--lcm-url", "--domain")
 # ROS's own special keys that have no meaning on LCM; accepted so that old command lines work.
 _IGNORED_SPECIALS = ("__log", "__ip", "__hostname", "__master")
@@ -85,11 +88,13 @@ def _take_flag(said: NodeArguments, flag: str, value: str) -> None:
     elif flag == "--domain":
         said.domain = value
     else:
-        assignment = _ASSIGNMENT.fullmatch(value)
+        bare = value.lstrip("~/_")
+        assignment = _ASSIGNMENT.fullmatch(
+            f"_{bare}" if flag == "--param" and bare[:1].isalpha() else value
+        )
         if not assignment:
             raise UsageError(f"{flag} {value}: expected two names with := between", _EXAMPLES[flag])
-        key, to = assignment.groups()
-        _take_assignment(said, f"_{key.lstrip('~/_')}" if flag == "--param" else key, to)
+        _take_assignment(said, *assignment.groups())
 
 
 def _take_assignment(said: NodeArguments, key: str, value: str) -> None:

@@ -24,7 +24,10 @@ _CLONE_NEWNET = 0x40000000
 _PORTS = range(20_000, 30_000)  # below the ephemeral range
 _PORTS_A_WORKER = 500
 COMMAND = str(Path(sysconfig.get_path("scripts")) / "lcmtools")
-_INHERITED = ("LCM_DEFAULT_URL", "LCMTOOLS_DOMAIN", "LCMTOOLS_NAMESPACE", "LCM_DBG")
+_INHERITED = (
+    *("LCM_DEFAULT_URL", "LCM_DBG", "NO_COLOR", "FORCE_COLOR", "CLICOLOR_FORCE"),
+    *(f"LCMTOOLS_{name}" for name in ("DOMAIN", "NAMESPACE", "COLOR", "TIMEOUT", "DEBUG")),
+)
 
 
 class Program:
@@ -107,10 +110,11 @@ class Program:
 def _clean_environment(
     monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    """No bus of the developer's own, and node records in a folder of the test's."""
+    """No bus and no settings of the developer's own, and node records in the test's folder."""
     for name in _INHERITED:
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path_factory.mktemp("runtime")))
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("config")))
 
 
 @pytest.fixture
@@ -285,6 +289,7 @@ def module_start(
         "LCM_DEFAULT_URL": module_bus_url,
         "XDG_RUNTIME_DIR": str(tmp_path_factory.getbasetemp()),
         "LCMTOOLS_NAMESPACE": "",
+        "XDG_CONFIG_HOME": str(tmp_path_factory.getbasetemp()),
     }
 
     def run(*command: str, **environment: str) -> Program:

@@ -9,6 +9,7 @@ import mmap
 import os
 import socket
 import struct
+import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from ipaddress import IPv4Address
@@ -53,6 +54,23 @@ class Process:
     start_ticks: int = 0
 
 
+@dataclass(frozen=True, slots=True)
+class Usage:
+    """What a process takes of this computer.
+
+    Attributes:
+        uid: The user it belongs to.
+        start_time: When it started, nanoseconds since 1970, to a hundredth of a second.
+        memory_bytes: Physical memory.
+        processor_time: Processor time so far, all threads together [s].
+    """
+
+    uid: int
+    start_time: int
+    memory_bytes: int
+    processor_time: float
+
+
 def udp_sockets() -> list[UdpSocket]:
     """All UDP sockets of this network namespace; empty where the system does not tell."""
     try:
@@ -94,6 +112,25 @@ def process_of(pid: int) -> Process | None:
     if fields[0] in ("Z", "X"):
         return None
     return Process(pid, command.decode("utf-8", "replace"), int(fields[19]))
+
+
+def usage_of(pid: int) -> Usage | None:
+    """What a process of this computer takes; None where the system does not tell."""
+    folder = _PROC / str(pid)
+    try:
+        fields = (folder / "stat").read_text().rpartition(")")[2].split()
+        uptime = float((_PROC / "uptime").read_text().split()[0])
+        uid = folder.stat().st_uid
+    except (OSError, ValueError):
+        return None
+    ticks = os.sysconf("SC_CLK_TCK")
+    age = uptime - int(fields[19]) / ticks
+    return Usage(
+        uid=uid,
+        start_time=time.time_ns() - round(age * 1e9),
+        memory_bytes=int(fields[21]) * os.sysconf("SC_PAGE_SIZE"),
+        processor_time=(int(fields[11]) + int(fields[12])) / ticks,
+    )
 
 
 def is_local(address: str) -> bool:

@@ -10,6 +10,7 @@ from ipaddress import AddressValueError, IPv4Address
 
 from lcmtools.errors import InvalidUrl, UsageError
 from lcmtools.names import did_you_mean
+from lcmtools.settings import NO_FILE, UserFile
 
 DEFAULT_GROUP = "239.255.76.67"
 DEFAULT_PORT = 7667
@@ -63,29 +64,36 @@ class BusUrl:
 
 
 def choose_url(
-    url: str | None, domain: str | None, environment: Mapping[str, str]
+    url: str | None,
+    domain: str | None,
+    environment: Mapping[str, str],
+    file: UserFile = NO_FILE,
 ) -> tuple[BusUrl, str]:
     """The bus that is meant, and what says so.
 
-    In this order: the URL given, LCM_DEFAULT_URL, the domain given, LCMTOOLS_DOMAIN, LCM's
-    default. An empty value counts as not given, as in liblcm.
+    In this order: the URL given, LCM_DEFAULT_URL, the domain given, LCMTOOLS_DOMAIN, the URL and
+    the domain of the user's file, LCM's default. An empty value counts as not given, as in liblcm.
 
     Returns:
-        The bus and its source: "--lcm-url", "LCM_DEFAULT_URL", "--domain", "LCMTOOLS_DOMAIN" or
-        "default".
+        The bus and its source: "--lcm-url", "LCM_DEFAULT_URL", "--domain", "LCMTOOLS_DOMAIN", the
+        line of the user's file, or "default".
 
     Raises:
         InvalidUrl: The URL is wrong.
         UsageError: The domain is no number from 0 to 232.
     """
-    if url:
-        return parse_url(url, "--lcm-url"), "--lcm-url"
-    if inherited := environment.get("LCM_DEFAULT_URL"):
-        return parse_url(inherited, "LCM_DEFAULT_URL"), "LCM_DEFAULT_URL"
-    if domain:
-        return domain_url(domain, "--domain"), "--domain"
-    if inherited := environment.get("LCMTOOLS_DOMAIN"):
-        return domain_url(inherited, "LCMTOOLS_DOMAIN"), "LCMTOOLS_DOMAIN"
+    candidates = (
+        (url, "--lcm-url", parse_url),
+        (environment.get("LCM_DEFAULT_URL"), "LCM_DEFAULT_URL", parse_url),
+        (domain, "--domain", domain_url),
+        (environment.get("LCMTOOLS_DOMAIN"), "LCMTOOLS_DOMAIN", domain_url),
+        (file.values.get("lcm_url"), "lcm_url", parse_url),
+        (file.values.get("domain"), "domain", domain_url),
+    )
+    for value, source, read in candidates:
+        if value:
+            where = file.source(source) if source in file.values else source
+            return read(value, where), where
     return domain_url("0", ""), "default"
 
 

@@ -6,6 +6,7 @@ topics, announces that as a node's subscription would be.
 
 import contextlib
 import os
+import signal
 import socket
 import sys
 import time
@@ -24,11 +25,16 @@ from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PERIOD,
     PROBE_CHANNEL,
+    SHUTDOWN_CHANNEL,
+    TALK_CHANNELS,
     Announcement,
     Probe,
+    Shutdown,
     decode_probe,
+    decode_shutdown,
     encode_announcement,
     encode_probe,
+    encode_shutdown,
 )
 from lcmtools.wire.packet import Packet
 
@@ -36,7 +42,6 @@ QUIET = 0.03
 """The graph counts as complete when no node has appeared for so long [s]."""
 _AT_LEAST = 0.05  # [s] that nodes have to answer, several times what they need
 _AT_MOST = 0.3  # [s] on a bus where nodes keep appearing
-_TALK = (NODE_CHANNEL, PROBE_CHANNEL)
 _FOREIGN = 1.2  # [s] for programs that do not answer: a little more than one period at 1 Hz
 
 
@@ -81,17 +86,24 @@ class Watch:
         url: The bus.
         tool: The command's name, announced while it listens ("echo").
         environment: The process's environment variables.
+        observer: What sees the messages; None for the best that the bus allows.
 
     Raises:
         BusError: The bus cannot be reached, with what to type.
     """
 
-    def __init__(self, url: BusUrl, tool: str, environment: Mapping[str, str]) -> None:
+    def __init__(
+        self,
+        url: BusUrl,
+        tool: str,
+        environment: Mapping[str, str],
+        observer: Observer | None = None,
+    ) -> None:
         self.url = url
-        self._observer = open_observer(url)
-        self._builder = GraphBuilder()
+        self._observer = observer or open_observer(url)
         self._records = NodeRecords(url, environment)
         self._node = _tool_node(tool)
+        self._builder = GraphBuilder(but=self._node.id)
         self._next_announcement = 0.0
 
     def __enter__(self) -> "Watch":
@@ -127,7 +139,7 @@ class Watch:
         packets = self._observer.receive(timeout)
         for packet in packets:
             self._builder.hear(packet)
-            if packet.channel == PROBE_CHANNEL and self._node.endpoints:
+            if self._node.endpoints:
                 self._answer(packet)
         return packets
 
@@ -141,6 +153,12 @@ class Watch:
     def probe(self, target: str = "", nonce: int = 0) -> None:
         """Ask a node, or all, to announce themselves."""
         self._observer.send(PROBE_CHANNEL, encode_probe(Probe(target, nonce)))
+
+    def ask_to_end(self, node: Node, nonce: int) -> None:
+        """Ask a node's program to end, as SIGTERM would; it answers the nonce, and then ends."""
+        requester = f"{' '.join(sys.argv)} (pid {os.getpid()} on {socket.gethostname()})"
+        request = Shutdown(node.id, nonce, requester)
+        self._observer.send(SHUTDOWN_CHANNEL, encode_shutdown(request))
 
     def settle(self, *, foreign: bool = True) -> Graph:
         """Ask all nodes to announce themselves and wait until the graph is complete.
@@ -178,7 +196,7 @@ class Watch:
         self._records.remove(node.id)
 
     def _hears_talk(self, timeout: float) -> bool:
-        return any(packet.channel in _TALK for packet in self.receive(timeout))
+        return any(packet.channel in TALK_CHANNELS for packet in self.receive(timeout))
 
     def _await_foreign(self, deadline: float) -> None:
         while (left := deadline - time.monotonic()) > 0:
@@ -190,9 +208,15 @@ class Watch:
             self.receive(min(left, 0.1))
 
     def _answer(self, packet: Packet) -> None:
-        probe = decode_probe(packet.payload)
-        if probe is not None and probe.target in ("", self._node.name):
-            self._announce(answers=probe.nonce)
+        if packet.channel == PROBE_CHANNEL:
+            probe = decode_probe(packet.payload)
+            if probe is not None and probe.target in ("", self._node.name):
+                self._announce(answers=probe.nonce)
+        elif packet.channel == SHUTDOWN_CHANNEL:
+            request = decode_shutdown(packet.payload)
+            if request is not None and request.target == self._node.id:
+                self._announce(answers=request.nonce)
+                signal.raise_signal(signal.SIGTERM)  # as a node's program ends when it is asked
 
     def _announce(self, *, leaving: bool = False, answers: int = 0) -> None:
         announcement = Announcement(self._node, leaving, answers)

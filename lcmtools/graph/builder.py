@@ -4,7 +4,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 from lcmtools.graph.model import STALE_AFTER, Graph, Node, Staleness, Traffic
-from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Announcement, decode_announcement
+from lcmtools.graph.protocol import (
+    NODE_CHANNEL,
+    TALK_CHANNELS,
+    Announcement,
+    Head,
+    decode_announcement,
+)
 from lcmtools.wire.packet import Packet, Sender
 
 MOST_FINGERPRINTS = 4
@@ -30,28 +36,48 @@ class _Count:
 
 
 class GraphBuilder:
-    """Learns the graph from what comes over the bus."""
+    """Learns the graph from what comes over the bus.
 
-    def __init__(self) -> None:
+    Args:
+        but: The id of a node that is left out: a command that looks sees the others.
+    """
+
+    def __init__(self, but: str = "") -> None:
         self._nodes: dict[str, Node] = {}
         self._recorded: dict[str, Node] = {}
-        self._left: set[str] = set()
+        self._left = {but}
+        self._heads: dict[bytes, tuple[bytes, str]] = {}
         self._traffic: dict[tuple[str, Sender | None], _Count] = {}
 
     def hear(self, packet: Packet) -> Announcement | None:
         """Learn from one packet; return the announcement if it was one."""
-        if packet.channel == PROBE_CHANNEL:
-            return None
         if packet.channel == NODE_CHANNEL:
             announcement = decode_announcement(packet.payload)
             if announcement is not None:
                 self._announced(announcement, packet)
             return announcement
+        if packet.channel in TALK_CHANNELS:
+            return None
         key = (packet.channel, packet.sender)
         if key not in self._traffic:
             self._traffic[key] = _Count(packet.time)
         self._traffic[key].add(packet)
         return None
+
+    def hear_head(self, head: Head, packet: Packet) -> None:
+        """Learn from an announcement, decoding it only where more than counters has changed.
+
+        Most of the work that following a large bus makes is decoding; the counters of a node that
+        is known stay as they were when it was decoded.
+        """
+        revision, identifier = self._heads.get(head.identity, (b"", ""))
+        node = self._nodes.get(identifier)
+        if node is not None and revision == head.revision:
+            self._nodes[identifier] = replace(node, last_heard=packet.time)
+            return
+        announcement = self.hear(packet)
+        if announcement is not None and not announcement.leaving:
+            self._heads[head.identity] = head.revision, announcement.node.id
 
     def recall(self, nodes: Iterable[Node]) -> None:
         """Learn of nodes that left a record; those that never answer turn out to be stale."""

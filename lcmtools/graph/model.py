@@ -222,6 +222,11 @@ class Graph:
             tuple(seen for seen in traffic if seen.sender not in known),
         )
 
+    def foreign(self) -> list[Traffic]:
+        """What was seen that no announced node has sent; see ``Topic.foreign``."""
+        names = dict.fromkeys(seen.channel for seen in self.traffic)
+        return [seen for name in names for seen in self.topic(name).foreign]
+
     def named(self, name: str) -> list[Node]:
         """The nodes that a name as typed means: a full name, or one that ends in it uniquely."""
         full = name if name.startswith("/") else f"/{name}"

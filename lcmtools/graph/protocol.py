@@ -2,10 +2,12 @@
 
 Every node publishes a lcmtools_msgs/Announcement on NODE_CHANNEL once a second, at once on a
 change and at once when a lcmtools_msgs/Probe on PROBE_CHANNEL asks for it; and one that says
-LEAVING when it ends.
+LEAVING when it ends. A lcmtools_msgs/Shutdown on SHUTDOWN_CHANNEL asks a node's program to end.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from hashlib import blake2b
+from typing import NamedTuple
 
 from lcmtools.errors import DecodeError, InvalidName
 from lcmtools.graph.model import Endpoint, Node, Role
@@ -16,6 +18,9 @@ from lcmtools.types import lcmtools_msgs as msgs
 
 NODE_CHANNEL = "/_lcmtools/node"
 PROBE_CHANNEL = "/_lcmtools/probe"
+SHUTDOWN_CHANNEL = "/_lcmtools/shutdown"
+TALK_CHANNELS = frozenset({NODE_CHANNEL, PROBE_CHANNEL, SHUTDOWN_CHANNEL})
+"""What is said on them is about nodes, and no topic."""
 PERIOD = 1.0
 """Seconds between two announcements of a node at rest."""
 ANSWER_SPREAD = 0.01
@@ -28,6 +33,7 @@ _FINGERPRINT = fingerprint(msgs.Announcement).to_bytes(8, "big")
 _NAME_OFFSET = 16  # after the fingerprint and two length fields
 _BEFORE_ID_BYTES = 12  # pid and start time
 _STATE_BYTES = 1
+_REVISION_BYTES = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +64,33 @@ class Probe:
     nonce: int = 0
 
 
+@dataclass(frozen=True, slots=True)
+class Shutdown:
+    """A request to a node's program to end, as by SIGTERM.
+
+    Attributes:
+        target: The node's id.
+        nonce: Comes back in an announcement, which says that the request was heard.
+        requester: Who asks, for the node's log.
+    """
+
+    target: str
+    nonce: int = 0
+    requester: str = ""
+
+
+class Head(NamedTuple):
+    """What is read of an announcement without decoding it; empty where there is none.
+
+    Attributes:
+        identity: Equal in all announcements of a node but its goodbye, and no other node's.
+        revision: Equal while nothing of the node has changed but its counters.
+    """
+
+    identity: bytes
+    revision: bytes
+
+
 def encode_probe(probe: Probe) -> bytes:
     """The payload of a probe."""
     message = msgs.Probe()
@@ -74,6 +107,23 @@ def decode_probe(payload: bytes) -> Probe | None:
     return Probe(message.target, message.nonce)
 
 
+def encode_shutdown(request: Shutdown) -> bytes:
+    """The payload of a request to end."""
+    message = msgs.Shutdown()
+    message.target, message.nonce = request.target, request.nonce
+    message.requester = _sendable(request.requester)
+    return encode(message)
+
+
+def decode_shutdown(payload: bytes) -> Shutdown | None:
+    """The request to end in a payload; None when there is none."""
+    try:
+        message = decode(msgs.Shutdown, payload)
+    except DecodeError:
+        return None
+    return Shutdown(message.target, message.nonce, message.requester)
+
+
 def encode_announcement(announcement: Announcement) -> bytes:
     """The payload of an announcement."""
     node = announcement.node
@@ -82,6 +132,7 @@ def encode_announcement(announcement: Announcement) -> bytes:
     message.pid, message.start_time = node.pid, node.start_time
     message.command, message.tool = _sendable(node.command), node.tool
     message.state = msgs.Announcement.LEAVING if announcement.leaving else msgs.Announcement.ALIVE
+    message.revision = _revision(node)
     message.answers = announcement.answers
     message.ports = list(node.ports)
     message.endpoints = [_endpoint_message(endpoint) for endpoint in node.endpoints]
@@ -110,17 +161,22 @@ def decode_announcement(payload: bytes) -> Announcement | None:
     return Announcement(node, message.state == msgs.Announcement.LEAVING, message.answers)
 
 
-def identity_in(payload: bytes) -> bytes:
-    """The part of an announcement that is one node's own, found without decoding.
-
-    It is equal in all announcements of a node but its goodbye, and empty in what is none.
-    """
+def head_of(payload: bytes) -> Head:
+    """What tells one node's announcements from another's, found without decoding."""
     if not payload.startswith(_FINGERPRINT):
-        return b""
+        return Head(b"", b"")
     end = _NAME_OFFSET
     for fixed_bytes in (0, _BEFORE_ID_BYTES, _STATE_BYTES):  # after name, after host, after id
         end += 4 + int.from_bytes(payload[end : end + 4], "big") + fixed_bytes
-    return payload[_NAME_OFFSET:end]
+    return Head(payload[_NAME_OFFSET:end], payload[end : end + _REVISION_BYTES])
+
+
+def _revision(node: Node) -> int:
+    """A number that differs when anything of a node has changed but its endpoints' counters."""
+    plain = [replace(e, messages=0, bytes=0, drops=0, last_time=0) for e in node.endpoints]
+    structure = repr((node.command, node.tool, node.ports, plain)).encode("utf-8", "replace")
+    digest = blake2b(structure, digest_size=_REVISION_BYTES).digest()
+    return int.from_bytes(digest, "big", signed=True)
 
 
 def _endpoint_message(endpoint: Endpoint) -> msgs.Endpoint:

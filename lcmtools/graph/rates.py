@@ -1,6 +1,6 @@
 """How often, how much and how late something comes: sums over a window of the latest arrivals.
 
-Plain arithmetic; times come in as arguments.
+And how often by what endpoints count themselves. Plain arithmetic; times come in as arguments.
 """
 
 from collections import deque
@@ -8,6 +8,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import sqrt
+
+from lcmtools.graph.model import Endpoint, Node
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +89,11 @@ class RateWindow:
             self._times.append(time)
             self.total += 1
 
+    def clear(self) -> None:
+        """Forget all arrivals: times begin anew."""
+        self._times.clear()
+        self._reported = self.total
+
     def take(self) -> Rate | None:
         """The rate; None when nothing came since it was last taken, or before two arrivals."""
         if self.total == self._reported or len(self._times) < 2:  # noqa: PLR2004 - an interval
@@ -117,12 +124,19 @@ class BandwidthWindow:
         """Add an arrival: when, in nanoseconds, and how many bytes."""
         self._arrivals.append((time, size))
 
+    def clear(self) -> None:
+        """Forget all arrivals."""
+        self._arrivals.clear()
+
     def take(self, now: int) -> Bandwidth | None:
-        """The bandwidth at a time in nanoseconds; None before two arrivals."""
+        """The bandwidth at a time in nanoseconds, or at the last arrival where that is later.
+
+        None before two arrivals.
+        """
         if len(self._arrivals) < 2:  # noqa: PLR2004 - the time between
             return None
         sizes = [size for _, size in self._arrivals]
-        seconds = (now - self._arrivals[0][0]) / 1e9
+        seconds = (max(now, self._arrivals[-1][0]) - self._arrivals[0][0]) / 1e9
         return Bandwidth(
             average=sum(sizes) / seconds if seconds > 0 else 0.0,
             mean=sum(sizes) / len(sizes),
@@ -148,6 +162,11 @@ class DelayWindow:
         self._delays.append((arrived - stamped) / 1e9)
         self._is_new = True
 
+    def clear(self) -> None:
+        """Forget all arrivals."""
+        self._delays.clear()
+        self._is_new = False
+
     def take(self) -> Delay | None:
         """The delay; None when nothing came since it was last taken."""
         if not self._is_new:
@@ -160,6 +179,29 @@ class DelayWindow:
             deviation=_deviation(tuple(self._delays)),
             window=len(self._delays),
         )
+
+
+def counted_rate(earlier: Endpoint, later: Endpoint) -> float | None:
+    """How often an endpoint's messages come, by two of its announcements [Hz].
+
+    The messages counted between them, over the time between the last ones that each knew of; None
+    where none came, or the first was the first ever.
+    """
+    messages, span = later.messages - earlier.messages, later.last_time - earlier.last_time
+    if messages <= 0 or span <= 0 or not earlier.last_time:
+        return None
+    return messages * 1e9 / span
+
+
+def average_rate(node: Node, endpoint: Endpoint) -> float | None:
+    """How often an endpoint's messages came from its node's start to the last one [Hz].
+
+    None before two messages, or where the times do not fit.
+    """
+    span = endpoint.last_time - node.start_time
+    if endpoint.messages < 2 or span <= 0:  # noqa: PLR2004 - an interval
+        return None
+    return endpoint.messages * 1e9 / span
 
 
 def _deviation(values: Sequence[float]) -> float:

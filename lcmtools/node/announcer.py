@@ -54,6 +54,10 @@ class Announcer:
         with self._sending:
             self._send(Announcement(node, leaving=True))
 
+    def answer(self, target: str, nonce: int) -> None:
+        """Announce the node of this name at once, repeating ``nonce``."""
+        self._announce(nonce, target)
+
     def close(self) -> None:
         """Announce nothing any more."""
         with self._changed:
@@ -69,7 +73,7 @@ class Announcer:
         if not probe.target:
             self.announce_soon(random.uniform(0, ANSWER_SPREAD), probe.nonce)  # noqa: S311
             return
-        self._announce(probe.nonce, probe.target)
+        self.answer(probe.target, probe.nonce)
 
     def _run(self) -> None:
         while True:

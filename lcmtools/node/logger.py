@@ -1,6 +1,7 @@
 """A node's log: to standard error in ROS's manner, and to ``/rosout``."""
 
 import inspect
+import os
 import sys
 import time
 from collections.abc import Callable
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import TextIO
 
 from lcmtools.clock import Clock, split_stamp
+from lcmtools.color import RED, YELLOW, paint, stream_wants_color
 from lcmtools.types.rosgraph_msgs import Log
 
 
@@ -49,6 +51,35 @@ class LogEntry:
         """As ROS prints it."""
         sec, nsec = split_stamp(self.time)
         return f"[{self.severity.name}] [{sec}.{nsec:09d}] [{self.node}]: {self.text}"
+
+
+_COLORS = {Severity.WARN: YELLOW, Severity.ERROR: RED, Severity.FATAL: RED}
+
+
+def _print(entry: LogEntry, stream: TextIO | None) -> None:
+    """Print a line of the log; where it cannot be written, a robot's controller goes on.
+
+    Raises:
+        BrokenPipeError: Whoever reads the log has had enough.
+    """
+    if stream is None:  # standard error was closed before the program began
+        return
+    try:
+        # one write: lines of several threads do not mix
+        stream.write(f"{_colored(entry, stream)}\n")
+        stream.flush()
+    except BrokenPipeError:
+        raise
+    except OSError:  # a full disk, most likely
+        return
+
+
+def _colored(entry: LogEntry, stream: TextIO) -> str:
+    """The line as ROS prints it on a terminal: what is wrong in yellow or red."""
+    color = _COLORS.get(entry.severity)
+    if color and stream_wants_color(stream, os.environ):
+        return paint(str(entry), color)
+    return str(entry)
 
 
 def log_message(entry: LogEntry) -> Log:
@@ -131,9 +162,7 @@ class Logger:
             place[1],
         )
         if severity >= self.threshold:
-            stream = self._stream or sys.stderr
-            stream.write(f"{entry}\n")  # one write: lines of several threads do not mix
-            stream.flush()
+            _print(entry, self._stream or sys.stderr)
         self._forward(entry)
 
     def _is_time(self, place: tuple[str, int], *, once: bool, throttle: float) -> bool:

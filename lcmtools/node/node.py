@@ -1,22 +1,22 @@
 """The Node class: publishers, subscriptions, timers, services and parameters under one name."""
 
-import os
-import sys
-import time
-import uuid
+import contextlib
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TypeVar, cast
+from typing import TypeVar
 
 from lcmtools import names
 from lcmtools.clock import Clock, ManualClock, SystemClock, join_stamp
-from lcmtools.errors import BusError, UsageError
+from lcmtools.errors import BusError, InvalidName
 from lcmtools.graph import model
 from lcmtools.messages.registry import Message
 from lcmtools.node.callbacks import Callbacks
-from lcmtools.node.context import Context, current_context
+from lcmtools.node.context import Context
+from lcmtools.node.identity import identity
 from lcmtools.node.logger import LogEntry, Logger, log_message
-from lcmtools.node.parameter import Parameter, ParameterValue, ValueT, read_parameter
+from lcmtools.node.parameters import service_name
+from lcmtools.node.parametric import Parametric
+from lcmtools.node.process import current_context
 from lcmtools.node.publisher import Publisher
 from lcmtools.node.service import (
     Client,
@@ -30,6 +30,7 @@ from lcmtools.node.service import (
 )
 from lcmtools.node.subscription import Subscription
 from lcmtools.node.timer import Timer
+from lcmtools.types import lcmtools_msgs
 from lcmtools.types.rosgraph_msgs import Clock as ClockMessage
 from lcmtools.types.rosgraph_msgs import Log
 
@@ -38,7 +39,7 @@ MessageT = TypeVar("MessageT", bound=Message)
 _LOST_MESSAGE_PERIOD = 5.0  # [s] between two complaints about a bus that takes no messages
 
 
-class Node:
+class Node(Parametric):
     """A named participant of the bus.
 
     Names are resolved by the ROS rules: "/a" is global, "a" stands in the node's namespace, "~a"
@@ -73,17 +74,18 @@ class Node:
         self.namespace = self.__namespace(said.namespace or namespace)
         self.name = names.check_length(names.resolve(f"{self.namespace}/{own_name}"))
         self.__names = names.Resolver(self.namespace, self.name, tuple(said.remaps))
-        self.__parameters: dict[str, Parameter[ParameterValue]] = {}
+        super().__init__(self.name, said.parameters, self.__context.declared_parameters)
         self.__publishers: list[Publisher[Message]] = []
         self.__clients: list[Client[Message, Message]] = []
-        self.__identity = self.__identify(tool=tool)
+        self.__identity = identity(self.name, self.__context.host, tool=tool)
         self.__logger = Logger(self.name, SystemClock(), self.__forward_log)
         self.__callbacks = Callbacks(self.__logger, self.__context.ok)
         self.__rosout = None if tool else self.create_publisher(Log, "/rosout", 100)
         if self.__rosout:
             self.__rosout.on_failure = lambda _: None  # the line has been printed all the same
-        if self.declare_parameter("use_sim_time", default=False).value:
-            self.__use_sim_time()
+        self.__keep_time()
+        if not tool:
+            self.__serve_parameters()
         self.__context.add(self)
         while self.__context.notices:
             self.__logger.warning(self.__context.notices.pop())
@@ -200,32 +202,6 @@ class Node:
         self.__context.announcer.announce_soon()
         return client
 
-    def declare_parameter(self, name: str, default: ValueT) -> Parameter[ValueT]:
-        """Declare a setting with its default; ``_name:=value`` on the command line wins.
-
-        Raises:
-            UsageError: The command line's value is not of the default's type.
-        """
-        text = self.__context.arguments.parameters.get(name)
-        # read_parameter gives a value of the default's own type
-        value = default if text is None else cast("ValueT", read_parameter(name, text, default))
-        self.__parameters[name] = Parameter(name, value)
-        self.__context.declared_parameters.add(name)
-        return Parameter(name, value)
-
-    def get_parameter(self, name: str) -> Parameter[ParameterValue]:
-        """A declared parameter.
-
-        Raises:
-            UsageError: It was not declared.
-        """
-        if name not in self.__parameters:
-            raise UsageError(
-                f"{self.name} has no parameter '{name}'",
-                names.did_you_mean(name, self.__parameters),
-            )
-        return self.__parameters[name]
-
     def warn_of_unknown_parameters(self) -> None:
         """Log the command line's parameters that no node here has declared: likely misspelt."""
         declared = self.__context.declared_parameters
@@ -250,6 +226,14 @@ class Node:
         """The announced nodes of the bus; the first call starts listening to them."""
         return self.__context.graph()
 
+    def heard_topics(self) -> frozenset[str] | None:
+        """The topics that somebody can be listening to, so that others need not be computed.
+
+        None for all topics: a program that is no node may hear any, and on a bus that leaves this
+        computer there can always be one.
+        """
+        return self.__context.heard_topics()
+
     def resolve_name(self, name: str) -> str:
         """The topic or service that a name means for this node, remapped.
 
@@ -257,6 +241,19 @@ class Node:
             InvalidName: The name breaks the naming rules.
         """
         return self.__names.resolve(name)
+
+    def destroy_publisher(self, publisher: Publisher[MessageT]) -> None:
+        """Announce a publisher no more. Does nothing the second time."""
+        if publisher in self.__publishers:
+            self.__publishers.remove(publisher)  # type: ignore[arg-type] # see create_publisher
+            self.__context.announcer.announce_soon()
+
+    def destroy_subscription(self, subscription: Subscription) -> None:
+        """Receive nothing more by a subscription. Does nothing the second time."""
+        if subscription in self.__callbacks.subscriptions:
+            self.__callbacks.subscriptions.remove(subscription)
+            self.__context.bus.unsubscribe(subscription.topic, subscription.receive)
+            self.__context.announcer.announce_soon()
 
     def destroy_node(self) -> None:
         """Say goodbye and receive nothing any more. Does nothing the second time."""
@@ -294,6 +291,19 @@ class Node:
         if self.__rosout is not None:
             self.__rosout.publish(log_message(entry))
 
+    def __serve_parameters(self) -> None:
+        """Let the bus reach the parameters, unless the node's name leaves no room for it."""
+        with contextlib.suppress(InvalidName):
+            service = service_name(self.name)
+            names.check_length(request_channel(service))
+            self.create_service(lcmtools_msgs.Parameters, service, self.answer_parameters)
+
+    def __keep_time(self) -> None:
+        about = "the time is that of /clock, not the computer's"
+        is_simulated = self.declare_parameter("use_sim_time", False, about, read_only=True)  # noqa: FBT003 - the default
+        if is_simulated.value:
+            self.__use_sim_time()
+
     def __use_sim_time(self) -> None:
         clock = ManualClock()
         self.__callbacks.clock = self.__logger.clock = clock
@@ -305,14 +315,3 @@ class Node:
 
     def __namespace(self, given: str) -> str:
         return names.resolve_namespace(given) if given else self.__context.default_namespace
-
-    def __identify(self, *, tool: bool) -> model.Node:
-        return model.Node(
-            name=self.name,
-            id=uuid.uuid4().hex,
-            host=self.__context.host,
-            pid=os.getpid(),
-            start_time=time.time_ns(),
-            command=" ".join(sys.argv),
-            tool=tool,
-        )

@@ -7,23 +7,24 @@ time is over; the server answers a number once, and repeats that answer where a 
 import threading
 import time
 import uuid
-from collections import OrderedDict
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
 from lcmtools.bus.base import Bus
-from lcmtools.errors import BusError, DecodeError, LcmtoolsError, ServiceError
+from lcmtools.errors import BusError, DecodeError, LcmtoolsError, ServiceError, ServiceTimeout
 from lcmtools.graph.model import Endpoint, Role
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Message, fingerprint, type_name
+from lcmtools.node.replies import Key, Replies
 from lcmtools.types.lcmtools_msgs import ServiceReply, ServiceRequest
 from lcmtools.types.service import Service as Pair
+from lcmtools.wire.datagram import MESSAGE_MAX
 
 RETRY_PERIOD = 0.25
 """A request is sent again after so many seconds without an answer."""
-_REMEMBERED_REPLIES = 256
 _MAX_WAITING_REQUESTS = 100
-
+_ENVELOPE_BYTES = 1000  # more than a reply has besides its payload
+_BYTES_A_SECOND = 20e6  # so fast at least a large request travels: until then none is repeated
 
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
@@ -65,7 +66,8 @@ class Service(Generic[RequestT, ResponseT]):
         self._bus = bus
         self._lock = threading.Lock()
         self._waiting: list[ServiceRequest] = []
-        self._replies: OrderedDict[tuple[str, int], bytes] = OrderedDict()
+        self._unanswered: set[Key] = set()
+        self._replies = Replies()
         self._calls = 0
 
     def receive(self, payload: bytes, _time: int) -> None:
@@ -75,8 +77,11 @@ class Service(Generic[RequestT, ResponseT]):
         except DecodeError:
             return
         with self._lock:
-            if len(self._waiting) < _MAX_WAITING_REQUESTS:
-                self._waiting.append(request)
+            # one that is repeated while it waits, or while the callback runs, is the same one
+            if _key(request) in self._unanswered or len(self._waiting) >= _MAX_WAITING_REQUESTS:
+                return
+            self._unanswered.add(_key(request))
+            self._waiting.append(request)
         self.on_ready()
 
     def take(self) -> ServiceRequest | None:
@@ -86,15 +91,18 @@ class Service(Generic[RequestT, ResponseT]):
 
     def answer(self, request: ServiceRequest) -> BaseException | None:
         """Call the callback and send its response; return what went wrong, if it did."""
-        key = (request.client, request.sequence)
+        key = _key(request)
         failure: BaseException | None = None
         if key not in self._replies:
-            reply, failure = self._reply(request)
-            self._replies[key] = encode(reply)
-            if len(self._replies) > _REMEMBERED_REPLIES:
-                self._replies.popitem(last=False)
+            payload, failure = self._reply(request)
+            self._replies.add(key, payload)
+        with self._lock:
+            self._unanswered.discard(key)
+        reply = self._replies.to_send(key, time.monotonic())
+        if reply is None:
+            return failure
         try:
-            self._bus.publish(reply_channel(self.name), self._replies[key])
+            self._bus.publish(reply_channel(self.name), reply)
         except BusError as error:  # lost, as any message may be; the client asks again
             return failure or error
         return failure
@@ -103,7 +111,7 @@ class Service(Generic[RequestT, ResponseT]):
         """What is announced."""
         return _endpoint(self.name, Role.SERVICE, self.service_type, self._calls)
 
-    def _reply(self, request: ServiceRequest) -> tuple[ServiceReply, BaseException | None]:
+    def _reply(self, request: ServiceRequest) -> tuple[bytes, BaseException | None]:
         self._calls += 1
         reply = ServiceReply()
         reply.client, reply.sequence = request.client, request.sequence
@@ -114,12 +122,12 @@ class Service(Generic[RequestT, ResponseT]):
             response = self.callback(arguments, self.service_type.Response())
             self._check_type(response)
             reply.payload = encode(response)
+            _check_size(reply.payload)
         except LcmtoolsError as error:
-            text = str(error).encode("utf-8", "replace").decode()  # file names may be no UTF-8
-            reply.status, reply.error = ServiceReply.FAILED, text
+            reply.status, reply.error, reply.payload = ServiceReply.FAILED, _utf8(str(error)), b""
         except Exception as error:  # noqa: BLE001 - whatever the callback raises, the node goes on
-            reply.status, reply.error, failure = ServiceReply.FAILED, repr(error), error
-        return reply, failure
+            reply.status, reply.error, failure = ServiceReply.FAILED, _utf8(repr(error)), error
+        return encode(reply), failure
 
     def _check_type(self, response: object) -> None:
         expected = self.service_type.Response
@@ -155,7 +163,8 @@ class Client(Generic[RequestT, ResponseT]):
             timeout: Seconds to wait; the request is repeated within them.
 
         Raises:
-            ServiceError: No answer came in time, or the server reports a failure.
+            ServiceTimeout: No answer came in time.
+            ServiceError: The server reports a failure.
             ValueMismatch: A field's value does not fit.
         """
         envelope = self._envelope(request)
@@ -171,7 +180,7 @@ class Client(Generic[RequestT, ResponseT]):
         if reply is None and self.is_interrupted():
             raise ServiceError(f"{self.name} has not answered when the program had to end")
         if reply is None:
-            raise ServiceError(
+            raise ServiceTimeout(
                 f"{self.name} did not answer within {timeout:g} s",
                 "see whether its node runs: lcmtools node list",
             )
@@ -204,15 +213,30 @@ class Client(Generic[RequestT, ResponseT]):
         return envelope
 
     def _exchange(self, payload: bytes, sequence: int, deadline: float) -> ServiceReply | None:
+        patience = RETRY_PERIOD + len(payload) / _BYTES_A_SECOND
         while (left := deadline - time.monotonic()) > 0 and not self.is_interrupted():
             self._bus.publish(request_channel(self.name), payload)
             with self._changed:
                 self._changed.wait_for(
-                    lambda: sequence in self._replies, timeout=min(left, RETRY_PERIOD)
+                    lambda: sequence in self._replies, timeout=min(left, patience)
                 )
                 if sequence in self._replies:
                     return self._replies[sequence]
         return None
+
+
+def _key(request: ServiceRequest) -> Key:
+    return request.client, request.sequence
+
+
+def _check_size(payload: bytes) -> None:
+    if len(payload) > MESSAGE_MAX - _ENVELOPE_BYTES:
+        raise LcmtoolsError(f"the response has {len(payload)} bytes, more than LCM carries")
+
+
+def _utf8(text: str) -> str:
+    """A text as it can be sent: file names may be no UTF-8."""
+    return text.encode("utf-8", "replace").decode()
 
 
 def _endpoint(

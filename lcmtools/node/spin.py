@@ -3,8 +3,9 @@
 import contextlib
 import time
 
-from lcmtools.node.context import Context, current_context
+from lcmtools.node.context import Context
 from lcmtools.node.node import Node
+from lcmtools.node.process import current_context
 
 
 def spin(*nodes: Node) -> None:

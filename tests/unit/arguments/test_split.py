@@ -26,6 +26,8 @@ from lcmtools.errors import UsageError
         (["--param", "_gain:=2.0"], NodeArguments(parameters={"gain": "2.0"})),
         (["--param", "~gain:=2.0"], NodeArguments(parameters={"gain": "2.0"})),
         (["--param", "~/gain:=2.0"], NodeArguments(parameters={"gain": "2.0"})),
+        (["_pid.kp:=2"], NodeArguments(parameters={"pid.kp": "2"})),
+        (["--param", "pid.kp:=2"], NodeArguments(parameters={"pid.kp": "2"})),
         (["_a:=x:=y"], NodeArguments(parameters={"a": "x:=y"})),
         (["_a:={b: c}\nd"], NodeArguments(parameters={"a": "{b: c}\nd"})),
         (["_a:=1", "_a:=2"], NodeArguments(parameters={"a": "2"})),

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lcmtools.graph.model import Endpoint, Node, Role
-from lcmtools.graph.protocol import Announcement, encode_announcement, identity_in
+from lcmtools.graph.protocol import Announcement, encode_announcement, head_of
 
 NODE = Node(
     name="/husky0/driver",
@@ -21,7 +21,7 @@ NODE = Node(
 
 
 def identity(node: Node = NODE, *, leaving: bool = False, answers: int = 0) -> bytes:
-    return identity_in(encode_announcement(Announcement(node, leaving, answers)))
+    return head_of(encode_announcement(Announcement(node, leaving, answers))).identity
 
 
 def test_it_ends_with_the_id_and_the_state() -> None:
@@ -51,10 +51,40 @@ def test_a_goodbye_has_another_so_that_it_is_not_lost_among_the_others() -> None
 
 
 def test_what_is_no_announcement_has_none() -> None:
-    assert identity_in(b"\0" * 100) == b""
+    assert head_of(b"\0" * 100) == (b"", b"")
 
 
 @given(st.binary(max_size=200))
 def test_damaged_announcements_are_survived(rest: bytes) -> None:
     start = encode_announcement(Announcement(NODE))[:8]
-    assert isinstance(identity_in(start + rest), bytes)
+    assert isinstance(head_of(start + rest).identity, bytes)
+
+
+def revision(node: Node, *, leaving: bool = False, answers: int = 0) -> bytes:
+    return head_of(encode_announcement(Announcement(node, leaving, answers))).revision
+
+
+def counted(node: Node) -> Node:
+    """The node after some messages."""
+    (endpoint,) = node.endpoints
+    later = replace(endpoint, messages=7, bytes=700, drops=1, last_time=9)
+    return replace(node, endpoints=(later,))
+
+
+def test_counters_leave_the_revision_as_it_is() -> None:
+    assert len(revision(NODE)) == 8
+    assert revision(counted(NODE)) == revision(NODE) == revision(NODE, answers=5)
+
+
+@pytest.mark.parametrize(
+    "node",
+    [
+        replace(NODE, endpoints=()),
+        replace(NODE, endpoints=NODE.endpoints * 2),
+        replace(NODE, endpoints=(replace(NODE.endpoints[0], depth=2),)),
+        replace(NODE, endpoints=(replace(NODE.endpoints[0], types=("a/B",)),)),
+        replace(NODE, ports=(40_000,)),
+    ],
+)
+def test_whatever_else_changes_makes_a_new_revision(node: Node) -> None:
+    assert revision(node) != revision(NODE)

@@ -11,11 +11,14 @@ from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.graph.protocol import (
     Announcement,
     Probe,
+    Shutdown,
     decode_announcement,
     decode_probe,
+    decode_shutdown,
     encode_announcement,
     encode_probe,
-    identity_in,
+    encode_shutdown,
+    head_of,
 )
 from lcmtools.messages.codec import encode
 from lcmtools.types import lcmtools_msgs as msgs
@@ -134,7 +137,7 @@ def test_any_bytes_after_the_fingerprint_never_raise(data: bytes) -> None:
 
 def test_the_identity_in_an_announcement_is_the_nodes_own() -> None:
     def identity(node: Node, *, leaving: bool = False, answers: int = 0) -> bytes:
-        return identity_in(encode_announcement(Announcement(node, leaving, answers)))
+        return head_of(encode_announcement(Announcement(node, leaving, answers))).identity
 
     assert identity(_NODE)
     changed = replace(_NODE, endpoints=(), ports=(1,), command="")
@@ -146,8 +149,8 @@ def test_the_identity_in_an_announcement_is_the_nodes_own() -> None:
 
 @given(st.binary(max_size=120))
 def test_the_identity_in_anything_else_is_empty_or_some_bytes(data: bytes) -> None:
-    assert identity_in(data) == b"" or data.startswith(_PAYLOAD[:8])
-    identity_in(_PAYLOAD[:8] + data)
+    assert head_of(data).identity == b"" or data.startswith(_PAYLOAD[:8])
+    head_of(_PAYLOAD[:8] + data)
 
 
 @pytest.mark.parametrize("name", ["", "/", "driver", "/a//b", "/a/", "/a b", "/\x1b[2J", "~a"])
@@ -155,3 +158,16 @@ def test_an_announcement_of_a_node_without_a_proper_name_is_none(name: str) -> N
     message = msgs.Announcement()
     message.name = name
     assert decode_announcement(encode(message)) is None
+
+
+@pytest.mark.parametrize(
+    "request_", [Shutdown("abc"), Shutdown("abc", 7, "a person"), Shutdown("")]
+)
+def test_a_request_to_end_survives_the_way_there_and_back(request_: Shutdown) -> None:
+    assert decode_shutdown(encode_shutdown(request_)) == request_
+
+
+def test_a_truncated_request_to_end_is_none() -> None:
+    payload = encode_shutdown(Shutdown("abc", 7, "a person"))
+    assert all(decode_shutdown(payload[:end]) is None for end in range(len(payload)))
+    assert decode_shutdown(_PAYLOAD) is None

@@ -4,7 +4,14 @@ import math
 
 import pytest
 
-from lcmtools.graph.rates import BandwidthWindow, DelayWindow, RateWindow
+from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.rates import (
+    BandwidthWindow,
+    DelayWindow,
+    RateWindow,
+    average_rate,
+    counted_rate,
+)
 
 _S = 1_000_000_000
 
@@ -118,3 +125,52 @@ def test_a_delay_is_reported_once() -> None:
     window.add(_S, 0)
     assert window.take() is not None
     assert window.take() is None
+
+
+def test_bandwidth_without_a_present_is_that_at_the_last_arrival() -> None:
+    window = BandwidthWindow(10)
+    window.add(_S, 100)
+    window.add(3 * _S, 100)
+    found = window.take(0)
+    assert found is not None
+    assert found.average == pytest.approx(100)
+
+
+def test_a_window_that_is_cleared_begins_anew() -> None:
+    rates = _window(0, 1)
+    rates.clear()
+    rates.extend([100 * _S])
+    assert rates.take() is None
+    rates.extend([100 * _S + _S // 2])
+    rate = rates.take()
+    assert rate is not None
+    assert rate.mean == pytest.approx(2)
+    sizes, delays = BandwidthWindow(5), DelayWindow(5)
+    sizes.add(0, 1)
+    sizes.add(_S, 1)
+    delays.add(1, 0)
+    sizes.clear()
+    delays.clear()
+    assert (sizes.take(2 * _S), delays.take()) == (None, None)
+
+
+def _counted(messages: int, last: float) -> Endpoint:
+    return Endpoint("/a", Role.PUBLISHER, messages=messages, last_time=round(last * _S))
+
+
+def test_a_counted_rate_is_exact_however_short_the_look_was() -> None:
+    assert counted_rate(_counted(7, 100.0), _counted(8, 100.1)) == pytest.approx(10)
+    assert counted_rate(_counted(7, 100.0), _counted(12, 101.0)) == pytest.approx(5)
+
+
+def test_where_nothing_was_counted_there_is_no_rate() -> None:
+    assert counted_rate(_counted(7, 100.0), _counted(7, 100.0)) is None
+    assert counted_rate(_counted(0, 0), _counted(1, 100.0)) is None
+    assert counted_rate(_counted(9, 100.0), _counted(1, 101.0)) is None
+
+
+def test_an_average_rate_is_from_the_nodes_start_to_its_last_message() -> None:
+    node = Node("/a", "id", "host", 1, start_time=90 * _S)
+    assert average_rate(node, _counted(20, 100.0)) == pytest.approx(2)
+    assert average_rate(node, _counted(1, 100.0)) is None
+    assert average_rate(node, _counted(5, 80.0)) is None

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 import pytest
 
-import lcmtools.node.context
+import lcmtools.node.process
 from lcmtools import Node
 from lcmtools.arguments import split_arguments
 from lcmtools.bus.base import FakeBus
@@ -36,7 +36,7 @@ def begin(bus: FakeBus, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..
         said, _ = split_arguments(words)
         context = Context(bus or own_bus, said, environment or {}, records)
         opened.append(context)
-        monkeypatch.setattr(lcmtools.node.context._process, "context", context)
+        monkeypatch.setattr(lcmtools.node.process._process, "context", context)
         return context
 
     yield open_context

@@ -39,13 +39,14 @@ def test_a_new_node_is_announced_at_once_with_all_that_it_is(
     begin("__ns:=/husky0")
     node = Node("driver")
     node.create_publisher(String, "chatter", 7)
-    wait_until(lambda: _announced(bus) and len(_announced(bus)[-1].node.endpoints) == 2)
+    wait_until(lambda: _announced(bus) and len(_announced(bus)[-1].node.endpoints) == 3)
     announced = _announced(bus)[-1].node
     assert announced == node.describe()
     assert announced.name == "/husky0/driver"
     assert [(e.topic, e.type, e.depth) for e in announced.endpoints] == [
         ("/rosout", "rosgraph_msgs/Log", 100),
         ("/husky0/chatter", "std_msgs/String", 7),
+        ("/husky0/driver/_parameters", "lcmtools_msgs/Parameters", 0),
     ]
 
 

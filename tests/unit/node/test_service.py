@@ -14,7 +14,9 @@ from lcmtools.errors import InvalidName, ServiceError
 from lcmtools.graph.model import Role
 from lcmtools.messages.codec import encode
 from lcmtools.node.context import Context
+from lcmtools.node.replies import Replies
 from lcmtools.node.service import Client, reply_channel, request_channel
+from lcmtools.types.lcmtools_msgs import ServiceRequest
 from lcmtools.types.std_msgs import Int32
 from lcmtools.types.std_srvs import SetBool, Trigger
 
@@ -202,3 +204,79 @@ def test_a_service_name_leaves_room_for_its_channels(begin: Begin) -> None:
         node.create_service(Trigger, longest + "s", lambda _, response: response)
     with pytest.raises(InvalidName, match="64 bytes"):
         node.create_client(Trigger, longest + "s")
+
+
+def test_a_request_that_is_repeated_while_it_is_answered_gets_one_reply(
+    begin: Begin, bus: FakeBus
+) -> None:
+    begin()
+    node = Node("server")
+    request = ServiceRequest()
+    request.client, request.sequence = "c", 1
+    request.payload = encode(Trigger.Request())
+
+    def answer(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        bus.publish(request_channel("/slow"), encode(request))  # as a client does that waits
+        return response
+
+    node.create_service(Trigger, "slow", answer)
+    bus.publish(request_channel("/slow"), encode(request))
+    bus.publish(request_channel("/slow"), encode(request))
+    node.callbacks.run_ready()
+    replies = [channel for channel, _ in bus.published if channel == reply_channel("/slow")]
+    assert len(replies) == 1
+    assert [e.messages for e in node.describe().endpoints if e.topic == "/slow"] == [1]
+
+
+def test_a_repeated_request_is_not_called_again_after_thousands_of_others(
+    begin: Begin, bus: FakeBus
+) -> None:
+    begin()
+    node, calls = Node("server"), []
+
+    def answer(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        calls.append(1)
+        return response
+
+    node.create_service(Trigger, "go", answer)
+    for sequence in (*range(2000), 0):
+        request = ServiceRequest()
+        request.client, request.sequence = "c", sequence
+        request.payload = encode(Trigger.Request())
+        bus.publish(request_channel("/go"), encode(request))
+        node.callbacks.run_ready()
+    assert len(calls) == 2000
+
+
+def test_a_large_reply_is_not_sent_again_while_it_travels() -> None:
+    replies, key = Replies(), ("c", 1)
+    replies.add(key, bytes(20_000_000))
+    assert replies.to_send(key, 10.0) is not None
+    assert replies.to_send(key, 10.5) is None
+    assert replies.to_send(key, 11.5) is not None
+
+
+def test_large_replies_are_forgotten_and_their_requests_are_not() -> None:
+    replies, keys = Replies(), [("c", number) for number in range(4)]
+    for key in keys:
+        replies.add(key, bytes(30 << 20))
+    assert all(key in replies for key in keys)
+    assert [replies.to_send(key, 1.0) is not None for key in keys] == [False, False, True, True]
+
+
+def test_a_response_that_lcm_cannot_carry_fails_the_call(
+    begin: Begin, serve: Serve, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lcmtools.node.service.MESSAGE_MAX", 2000)
+    begin()
+    node = Node("server")
+
+    def answer(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        response.message = "x" * 2000
+        return response
+
+    node.create_service(Trigger, "much", answer)
+    serve(node)
+    client = Node("client").create_client(Trigger, "much")
+    with pytest.raises(ServiceError, match=r"/much: the response has 20\d\d bytes, more than LCM"):
+        client.call(Trigger.Request())

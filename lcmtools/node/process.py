@@ -1,0 +1,154 @@
+"""The one context of this process: ``init``, ``ok`` and ``shutdown``, as in rclpy, and signals."""
+
+import atexit
+import contextlib
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from types import FrameType
+
+from lcmtools.arguments import split_arguments
+from lcmtools.bus.base import Bus
+from lcmtools.bus.records import NodeRecords
+from lcmtools.bus.url import BusUrl, choose_url
+from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.node.context import Context
+from lcmtools.settings import read_user_file
+
+_GRACE = 0.5
+"""Seconds that a running callback gets to return after Ctrl-C before it is interrupted."""
+
+
+class _Process:
+    """The one context of this process and its signal handlers.
+
+    The only state that the package keeps: ``init`` and ``spin`` are functions, as in rclpy.
+    """
+
+    def __init__(self) -> None:
+        self.context: Context | None = None
+        self.handlers: dict[int, Callable[[int, FrameType | None], object] | int | None] = {}
+
+
+_process = _Process()
+
+
+def init(
+    args: Sequence[str] | None = None, *, url: str | None = None, handle_signals: bool = True
+) -> list[str]:
+    """Connect this process to the bus; the first thing a node's program does.
+
+    Args:
+        args: The command line without the program's name; ``sys.argv`` when None. Names
+            (``__ns:=``, ``a:=b``), parameters (``_gain:=2.0``) and the bus are taken from it.
+        url: The bus, where the command line says nothing.
+        handle_signals: Let Ctrl-C and SIGTERM make ``spin`` return and ``ok`` False.
+
+    Returns:
+        The arguments that are the program's own.
+
+    Raises:
+        UsageError: The arguments, or the user's settings file, are wrong.
+        BusError: The bus cannot be reached, with what to type.
+    """
+    if _process.context is not None:
+        raise LcmtoolsError("lcmtools.init() was called twice", "call lcmtools.shutdown() between")
+    arguments, rest = split_arguments(sys.argv[1:] if args is None else args)
+    bus_url, source = choose_url(
+        arguments.lcm_url or url, arguments.domain, os.environ, read_user_file(os.environ)
+    )
+    _process.context = Context(
+        _open_bus(bus_url), arguments, os.environ, NodeRecords(bus_url, os.environ), bus_url
+    )
+    _process.context.on_asked_to_end = _end_as_by_signal
+    if arguments.domain and source != "--domain":
+        notice = f"--domain {arguments.domain} has no effect: {source} wins"
+        _process.context.notices.append(notice)
+    if handle_signals and threading.current_thread() is threading.main_thread():
+        _process.handlers = {
+            number: signal.signal(number, _interrupted)
+            for number in (signal.SIGINT, signal.SIGTERM)
+        }
+    atexit.register(shutdown)
+    return rest
+
+
+def shutdown() -> None:
+    """Say goodbye for all nodes and leave the bus. Does nothing the second time."""
+    context, _process.context = _process.context, None
+    if context is None:
+        return
+    with contextlib.suppress(KeyboardInterrupt):  # impatience does not stop a goodbye
+        context.close()
+    for number, handler in _process.handlers.items():
+        if signal.getsignal(number) is _interrupted:
+            signal.signal(number, handler)
+    _process.handlers = {}
+    atexit.unregister(shutdown)
+
+
+def ok() -> bool:
+    """Whether the program should go on: False after Ctrl-C, SIGTERM and ``shutdown``."""
+    context = _process.context
+    if context is None:
+        return False
+    context.is_told = not context.ok()
+    return context.ok()
+
+
+def current_context() -> Context:
+    """The process's context.
+
+    Raises:
+        LcmtoolsError: ``init`` has not been called.
+    """
+    if _process.context is None:
+        raise LcmtoolsError("there is no bus yet", "call lcmtools.init() first")
+    return _process.context
+
+
+def _open_bus(url: BusUrl) -> Bus:
+    from lcmtools.bus.liblcm import LcmBus
+
+    if url.provider == "file" and url.options.get("mode", "r") == "r":
+        raise UsageError(
+            f"{url} is a log to be read, and nodes need a bus",
+            "look into it with lcmtools echo --lcm-url, or give the node another bus",
+        )
+    return LcmBus(url)
+
+
+def _interrupted(_number: int, _frame: FrameType | None) -> None:
+    """Ctrl-C or SIGTERM: ask everything to return; interrupt what does not within half a second."""
+    context = _process.context
+    if context is None or context.is_closed():
+        return
+    if not context.ok():
+        raise KeyboardInterrupt
+    context.stop()
+    thread = threading.Timer(_GRACE, _interrupt_again, [context])
+    thread.daemon = True
+    thread.start()
+
+
+def _end_as_by_signal() -> None:
+    """Do what SIGTERM would do to this program, if it has an answer to that; from any thread."""
+    main, context = threading.main_thread().ident, _process.context
+    if main is not None and callable(signal.getsignal(signal.SIGTERM)):
+        signal.pthread_kill(main, signal.SIGTERM)
+    elif context is not None:
+        context.stop()
+
+
+def _interrupt_again(context: Context) -> None:
+    """A callback is still running: break it off, as a second Ctrl-C would.
+
+    A program that has been told may take its time: to stop a robot, for example.
+    """
+    main = threading.main_thread().ident
+    if main is None or context.is_told or context.is_closed():
+        return
+    if _process.context is context:
+        signal.pthread_kill(main, signal.SIGINT)

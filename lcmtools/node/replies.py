@@ -1,0 +1,67 @@
+"""The replies that a service has given: what a repeated request is answered from.
+
+Which requests there are and what is in a reply is not known here.
+"""
+
+from collections import OrderedDict
+from dataclasses import dataclass
+
+_MOST_REQUESTS = 10_000
+"""Requests that are known to be answered; a repeated one of before would be answered anew."""
+_MOST_BYTES = 64 << 20
+"""Of replies that can be repeated; where they are more, the oldest are forgotten."""
+_BYTES_A_SECOND = 20e6
+"""So fast at least a large reply travels; until then it is not sent again."""
+
+Key = tuple[str, int]
+"""A client and the number of its request."""
+
+
+@dataclass(slots=True)
+class _Reply:
+    """A reply that was given.
+
+    Attributes:
+        payload: What was sent; None when that has been forgotten.
+        arrives: When a repeated request means that it was lost [s].
+    """
+
+    payload: bytes | None
+    arrives: float
+
+
+class Replies:
+    """The latest replies of one service."""
+
+    def __init__(self) -> None:
+        self._replies: OrderedDict[Key, _Reply] = OrderedDict()
+        self._with_payload: OrderedDict[Key, int] = OrderedDict()
+        self._bytes = 0
+
+    def __contains__(self, key: Key) -> bool:
+        """Whether a request has been answered."""
+        return key in self._replies
+
+    def add(self, key: Key, payload: bytes) -> None:
+        """Remember a reply."""
+        self._replies[key] = _Reply(payload, 0.0)
+        self._with_payload[key] = len(payload)
+        self._bytes += len(payload)
+        while self._bytes > _MOST_BYTES and len(self._with_payload) > 1:
+            self._forget_payload()
+        while len(self._replies) > _MOST_REQUESTS:
+            oldest, _ = self._replies.popitem(last=False)
+            self._bytes -= self._with_payload.pop(oldest, 0)
+
+    def to_send(self, key: Key, now: float) -> bytes | None:
+        """The reply to send at ``now`` [s]; None while it is under way, or when it is forgotten."""
+        reply = self._replies[key]
+        if reply.payload is None or now < reply.arrives:
+            return None
+        reply.arrives = now + len(reply.payload) / _BYTES_A_SECOND
+        return reply.payload
+
+    def _forget_payload(self) -> None:
+        key, size = self._with_payload.popitem(last=False)
+        self._replies[key].payload = None
+        self._bytes -= size

@@ -1,0 +1,18 @@
+"""What a glance sends."""
+
+import pytest
+
+from lcmtools.bus.glance import PROBE, Glance
+from lcmtools.bus.url import parse_url
+from lcmtools.errors import BusError
+from lcmtools.graph.protocol import PROBE_CHANNEL, Probe, encode_probe
+from lcmtools.wire.datagram import short_message
+
+
+def test_the_question_is_the_probe_of_the_protocol() -> None:
+    assert short_message(0, PROBE_CHANNEL, encode_probe(Probe())) == PROBE
+
+
+def test_only_a_multicast_bus_can_be_glanced_at() -> None:
+    with pytest.raises(BusError, match="multicast"):
+        Glance(parse_url("tcpq://127.0.0.1:7700"))

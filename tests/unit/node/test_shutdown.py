@@ -1,0 +1,69 @@
+"""A node's program that is asked over the bus to end."""
+
+from collections.abc import Callable
+
+import pytest
+
+import lcmtools
+from lcmtools import Node
+from lcmtools.bus.base import FakeBus
+from lcmtools.graph.protocol import (
+    NODE_CHANNEL,
+    SHUTDOWN_CHANNEL,
+    Shutdown,
+    decode_announcement,
+    encode_shutdown,
+)
+from lcmtools.node.context import Context
+
+Begin = Callable[..., Context]
+
+
+def _ask(bus: FakeBus, target: str, requester: str = "a test") -> None:
+    bus.publish(SHUTDOWN_CHANNEL, encode_shutdown(Shutdown(target, 9, requester)))
+
+
+def _answers(bus: FakeBus) -> list[str]:
+    payloads = [payload for channel, payload in tuple(bus.published) if channel == NODE_CHANNEL]
+    said = [announced for payload in payloads if (announced := decode_announcement(payload))]
+    return [one.node.name for one in said if one.answers == 9]
+
+
+def test_it_answers_logs_who_asks_and_ends(
+    begin: Begin, bus: FakeBus, capsys: pytest.CaptureFixture[str]
+) -> None:
+    context = begin()
+    Node("other")
+    node = Node("driver")
+    _ask(bus, node.describe().id)
+    assert _answers(bus) == ["/driver"]
+    assert not context.ok()
+    lcmtools.spin(node)
+    assert "[/driver]: asked to end by a test\n" in capsys.readouterr().err
+
+
+def test_asked_again_it_answers_again_and_logs_once(
+    begin: Begin, bus: FakeBus, capsys: pytest.CaptureFixture[str]
+) -> None:
+    begin()
+    node = Node("driver")
+    for _ in range(3):
+        _ask(bus, node.describe().id, "")
+    assert _answers(bus) == ["/driver"] * 3
+    assert capsys.readouterr().err.count("asked to end over the bus") == 1
+
+
+@pytest.mark.parametrize("target", ["", "/driver", "driver", "no-such-id"])
+def test_only_its_id_means_a_node(begin: Begin, bus: FakeBus, target: str) -> None:
+    context = begin()
+    Node("driver")
+    _ask(bus, target)
+    assert context.ok()
+
+
+@pytest.mark.parametrize("payload", [b"", b"nonsense", encode_shutdown(Shutdown("x"))[:-1]])
+def test_what_is_no_request_is_passed_over(begin: Begin, bus: FakeBus, payload: bytes) -> None:
+    context = begin()
+    Node("driver")
+    bus.publish(SHUTDOWN_CHANNEL, payload)
+    assert context.ok()
