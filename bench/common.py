@@ -83,7 +83,7 @@ class Child:
 
     def processor_time(self) -> float:
         """Processor time that it has used so far, all threads together [s]."""
-        return time.clock_gettime(~self.pid << 3 | 2)  # as clock_getcpuclockid(3) makes it
+        return processor_time(self.pid)
 
 
 @contextmanager
@@ -105,6 +105,11 @@ def child(role: Callable[..., None], *arguments: object) -> Iterator[Child]:
         process.join(5.0)
         process.kill()
         process.join()
+
+
+def processor_time(pid: int) -> float:
+    """Processor time that a process has used so far, all threads together [s]."""
+    return time.clock_gettime(~pid << 3 | 2)  # as clock_getcpuclockid(3) makes it
 
 
 def every(period: float, seconds: float) -> Iterator[int]:

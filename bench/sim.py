@@ -15,9 +15,8 @@ from dataclasses import replace
 import lcmtools
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools_sim.bridge import Bridge
-from lcmtools_sim.loop import run
+from lcmtools_sim.loop import Loop
 from lcmtools_sim.pose import Pose
-from lcmtools_sim.robots import MODELS
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.schedule import Pacer
@@ -48,7 +47,7 @@ def bare(scene: Scene, steps: int) -> float:
     """Seconds that the engine alone takes."""
     with World(scene) as world:
         for robot in scene.robots:
-            body = world.add_robot(robot.namespace, MODELS[robot.model].body, robot.pose)
+            body = world.add_robot(robot.namespace, robot.model.body, robot.pose)
             world.set_velocity(body, (0.5, 0.0, 0.0), (0.0, 0.0, 0.3))
         return seconds_of(lambda: [world.step() for _ in range(steps)])
 
@@ -69,9 +68,8 @@ def whole(scene: Scene, steps: int) -> float:
             for robot in simulated.robots:
                 robot.command(circle())
             bridge = Bridge(node, simulated)
-            return seconds_of(
-                lambda: run(simulated, bridge, Pacer(0.0), go_on=lcmtools.ok, steps=steps)
-            )
+            loop = Loop(simulated, bridge, Pacer(0.0), go_on=lcmtools.ok, last_step=steps)
+            return seconds_of(loop.run)
     finally:
         lcmtools.shutdown()
 

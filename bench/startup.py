@@ -6,76 +6,26 @@ shown are medians of wall time and of processor time (user and system), and thei
 ``list``, ``info`` and ``type`` wait deliberately for nodes to answer, ``echo -n 1`` for a message.
 """
 
-import os
 import sys
 import tempfile
-import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
-from pathlib import Path
-from signal import SIGTERM
+from collections.abc import Mapping, Sequence
 from statistics import median
 
-from common import bus, isolate, parser, show
+from commands import TOOL, Run, child_environment, run, talking
+from common import isolate, parser, show
 
-_TOOL = str(Path(sys.executable).parent / "lcmtools")
 _COMMANDS = {
     "python -c pass": [sys.executable, "-c", "pass"],
     "python -c 'import click'": [sys.executable, "-c", "import click"],
-    "lcmtools --help": [_TOOL, "--help"],
-    "lcmtools msg show": [_TOOL, "msg", "show", "geometry_msgs/Twist"],
-    "lcmtools list": [_TOOL, "list"],
-    "lcmtools node list": [_TOOL, "node", "list"],
-    "lcmtools info": [_TOOL, "info", "/chatter"],
-    "lcmtools type": [_TOOL, "type", "/chatter"],
-    "lcmtools pub -1": [_TOOL, "pub", "-1", "/chatter", "std_msgs/String", "data: hello"],
-    "lcmtools echo -n 1": [_TOOL, "echo", "-n", "1", "/chatter"],
+    "lcmtools --help": [TOOL, "--help"],
+    "lcmtools msg show": [TOOL, "msg", "show", "geometry_msgs/Twist"],
+    "lcmtools list": [TOOL, "list"],
+    "lcmtools node list": [TOOL, "node", "list"],
+    "lcmtools info": [TOOL, "info", "/chatter"],
+    "lcmtools type": [TOOL, "type", "/chatter"],
+    "lcmtools pub -1": [TOOL, "pub", "-1", "/chatter", "std_msgs/String", "data: hello"],
+    "lcmtools echo -n 1": [TOOL, "echo", "-n", "1", "/chatter"],
 }
-_SETTLING = 1.0  # [s] for the talker and the listener to start
-
-
-@dataclass(frozen=True, slots=True)
-class Run:
-    """One run of a command: wall and processor time [s], and its exit code."""
-
-    wall: float
-    processor: float
-    code: int
-
-
-def start(command: list[str], environment: Mapping[str, str]) -> int:
-    """Start a command, its output thrown away; return its pid."""
-    quiet = [(os.POSIX_SPAWN_OPEN, descriptor, os.devnull, os.O_WRONLY, 0) for descriptor in (1, 2)]
-    return os.posix_spawn(command[0], command, environment, file_actions=quiet)
-
-
-def run(command: list[str], environment: Mapping[str, str]) -> Run:
-    """Run a command to its end."""
-    begin = time.perf_counter()
-    _, status, usage = os.wait4(start(command, environment), 0)
-    wall = time.perf_counter() - begin
-    return Run(wall, usage.ru_utime + usage.ru_stime, os.waitstatus_to_exitcode(status))
-
-
-def child_environment(cache: str) -> dict[str, str]:
-    """What a user's shell has: Python keeps its bytecode (here: in a folder of our own)."""
-    foreign = ("PYTHON", "LCM_", "LCMTOOLS_")
-    kept = {name: value for name, value in os.environ.items() if not name.startswith(foreign)}
-    return {**kept, "PYTHONPYCACHEPREFIX": cache, "LCM_DEFAULT_URL": bus(7792)}
-
-
-@contextmanager
-def talking(environment: Mapping[str, str]) -> Iterator[None]:
-    """A talker and a listener, while the block runs."""
-    pids = [start([_TOOL, "run", name], environment) for name in ("talker", "listener")]
-    try:
-        time.sleep(_SETTLING)
-        yield
-    finally:
-        for pid in pids:
-            os.kill(pid, SIGTERM)
-            os.waitpid(pid, 0)
 
 
 def measure(rounds: int) -> dict[str, list[Run]]:

@@ -1,7 +1,7 @@
 """The console script, and ``python -m lcmtools``.
 
 As small as it is because importing the command line takes a moment, in which Ctrl-C should be as
-quiet as at any other.
+quiet as at any other. A shell that asks for completion gets it without the command line.
 """
 
 import os
@@ -11,6 +11,10 @@ import sys
 def run() -> None:
     """Run the command line and end the process."""
     try:
+        if "_LCMTOOLS_COMPLETE" in os.environ:
+            from lcmtools.cli.completion.answer import run as answer
+
+            answer()
         from lcmtools.cli.main import run as run_command_line
 
         run_command_line()

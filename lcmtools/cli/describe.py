@@ -1,5 +1,8 @@
 """Words for what is known of topics, types and senders; shared by the commands that show them."""
 
+from collections.abc import Iterable
+from dataclasses import replace
+
 from lcmtools.graph.model import Node, Topic, Traffic
 from lcmtools.messages.registry import candidates
 
@@ -69,3 +72,37 @@ def program_text(traffic: Traffic) -> str:
     if process is None:
         return f"a program of this computer, port {traffic.sender.port}"
     return f"{process.command} (pid {process.pid}, port {traffic.sender.port})"
+
+
+def by_host(topics: Iterable[Topic]) -> dict[str, list[Topic]]:
+    """The part of each topic that is on each computer, by the computer's name, sorted."""
+    found: dict[str, list[Topic]] = {}
+    for topic in topics:
+        nodes = [node.host for node, _ in topic.publishers + topic.subscribers]
+        for host in dict.fromkeys([*nodes, *map(host_of, topic.foreign)]):
+            found.setdefault(host, []).append(_part_on(host, topic))
+    return dict(sorted(found.items()))
+
+
+def host_of(traffic: Traffic) -> str:
+    """The computer that a sender is on: its name where it is this one, else its address."""
+    import socket
+
+    from lcmtools.bus.processes import is_local
+
+    if traffic.sender is None:
+        return "unknown"
+    address = traffic.sender.address
+    return socket.gethostname() if is_local(address) else address
+
+
+def _part_on(host: str, topic: Topic) -> Topic:
+    foreign = tuple(seen for seen in topic.foreign if host_of(seen) == host)
+    publishers = tuple(pair for pair in topic.publishers if pair[0].host == host)
+    return replace(
+        topic,
+        publishers=publishers,
+        subscribers=tuple(pair for pair in topic.subscribers if pair[0].host == host),
+        traffic=topic.traffic if publishers else foreign,
+        foreign=foreign,
+    )

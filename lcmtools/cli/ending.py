@@ -10,17 +10,20 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
-from typing import TextIO
+from typing import TextIO, cast
 
 import click
+from click.core import ParameterSource
 
 from lcmtools.cli.output import complain, talk
-from lcmtools.errors import LcmtoolsError
+from lcmtools.errors import LcmtoolsError, UsageError
 
 INTERRUPTED = 130
+USAGE = UsageError.exit_code
 BY_SIGNAL = 128
 """A shell adds it to the number of the signal that ended a command."""
 
+_ENVIRONMENT = ParameterSource.ENVIRONMENT
 _QUIET_ENDS: dict[type[BaseException], int] = {
     KeyboardInterrupt: INTERRUPTED,
     click.Abort: INTERRUPTED,
@@ -48,13 +51,26 @@ def endable(signals: list[int]) -> Iterator[None]:
             signal.signal(number, handler)
 
 
+def end_at_once() -> None:
+    """All is done and said: let a signal that comes now end the process without a word."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda number, _frame: os._exit(BY_SIGNAL + number))
+
+
 def exit_code(result: object) -> int:
     """A command's own exit code; 0 where it returns none."""
     return result if isinstance(result, int) else 0
 
 
-def explain(error: BaseException, command: str) -> int | None:
-    """Say what went wrong in one line; the exit code, or None for what a traceback should show."""
+def explain(error: BaseException, command: str, *, as_json: bool = False) -> int | None:
+    """Say what went wrong in one line; the exit code, or None for what a traceback should show.
+
+    Args:
+        error: What has ended the command.
+        command: Its name, as "lcmtools node info".
+        as_json: Its data are JSON; then failures are told in JSON too. Wrong usage is not: that
+            is for whoever types.
+    """
     if isinstance(error, click.exceptions.Exit):
         return error.exit_code
     if isinstance(error, click.ClickException):
@@ -64,38 +80,49 @@ def explain(error: BaseException, command: str) -> int | None:
             return code
     if os.environ.get("LCMTOOLS_DEBUG") or not isinstance(error, Exception):
         return None
-    return _failure(error, command)
+    failure = _failure(error)
+    complain(command, failure, as_json=as_json and failure.exit_code != USAGE)
+    return failure.exit_code
 
 
-def _failure(error: Exception, command: str) -> int:
-    """Print why a command failed."""
+def _failure(error: Exception) -> LcmtoolsError:
+    """Why a command failed."""
     if isinstance(error, LcmtoolsError):
-        complain(command, error)
-        return error.exit_code
+        return error
     if isinstance(error, OSError):
-        talk(f"{command}: {error.strerror or error}")
-        return 1
+        where = f"{error.filename}: " if error.filename else ""
+        return LcmtoolsError(f"{where}{error.strerror or error}")
     kind = type(error).__name__
-    talk(f"{command}: a fault of lcmtools ({kind}: {error}); lcmtools --debug shows where")
-    return 1
+    return LcmtoolsError(f"a fault of lcmtools ({kind}: {error})", "lcmtools --debug shows where")
 
 
 def _usage_error(error: click.ClickException, command: str) -> int:
     """Print a usage error in one line."""
     context = getattr(error, "ctx", None)
     command = context.command_path if context else command
-    if isinstance(error, click.exceptions.NoArgsIsHelpError):
-        click.echo(error.format_message(), err=True)
-        return error.exit_code
-    message = error.format_message().rstrip(".")
-    talk(f"{command}: {message[:1].lower()}{message[1:]} (see {command} --help)")
+    message = " ".join(error.format_message().split()).rstrip(".")
+    message = _of_variable(error) or f"{message[:1].lower()}{message[1:]}"
+    talk(f"{message} (see {command} --help)", command)
     return error.exit_code
+
+
+def _of_variable(error: click.ClickException) -> str:
+    """What is wrong with a value that an environment variable has; "" for all other errors."""
+    if not isinstance(error, click.BadParameter) or not (error.ctx and error.param):
+        return ""
+    source = error.ctx.get_parameter_source(error.param.name or "")
+    return f"{error.param.envvar}: {error.message.rstrip('.')}" if source is _ENVIRONMENT else ""
+
+
+def open_nothing(mode: str) -> TextIO:
+    """What takes the place of a stream that whoever started this process has closed."""
+    return cast(TextIO, Path(os.devnull).open(mode, encoding="utf-8"))
 
 
 def writable(stream: TextIO | None) -> TextIO:
     """A stream that takes any text: a channel's name may be no UTF-8, and is shown escaped."""
-    if stream is None:  # closed by whoever started this process
-        return Path(os.devnull).open("w", encoding="utf-8")
+    if stream is None:
+        return open_nothing("w")
     with contextlib.suppress(AttributeError):
         stream.reconfigure(errors="backslashreplace")  # type: ignore[attr-defined]
     return stream
@@ -108,7 +135,7 @@ def flush(code: int) -> int:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
-        talk(f"lcmtools: cannot write: {error.strerror}")
+        talk(f"cannot write: {error.strerror}", "lcmtools")
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     return code

@@ -1,10 +1,12 @@
 """Finding the topic or the node that a word on the command line means."""
 
+from fnmatch import fnmatchcase
+
 from lcmtools.bus.watch import Watch
 from lcmtools.cli.options import topic_spellings
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node, Topic
-from lcmtools.names import did_you_mean, is_hidden
+from lcmtools.names import base_name_of, closest, did_you_mean, is_hidden
 
 
 def ask_nodes(watch: Watch) -> Graph:
@@ -31,7 +33,7 @@ def find_topic(graph: Graph, name: str) -> Topic:
 
 
 def find_node(graph: Graph, name: str) -> Node:
-    """The node that a name means: its full name, or the last part where that is unique.
+    """The node that a name means: its full name, the last part where that is unique, or its pid.
 
     Where a node was killed and started again, the one that is alive.
 
@@ -39,18 +41,52 @@ def find_node(graph: Graph, name: str) -> Node:
         UsageError: The name is empty.
         LcmtoolsError: There is none, or there are several.
     """
+    return find_nodes(graph, name)[0]
+
+
+def find_nodes(graph: Graph, name: str) -> list[Node]:
+    """The nodes that a name means: several where they have the same name, or the same pid.
+
+    Raises:
+        UsageError: The name is empty.
+        LcmtoolsError: There is none, or nodes of different names are meant.
+    """
     if not name:
         raise UsageError("the node's name is empty", "lcmtools node list shows them")
-    named = graph.named(name)
+    by_pid = [node for node in graph.nodes if name.isdecimal() and str(node.pid) == name]
+    named = graph.named(name) or by_pid
     found = [node for node in named if not node.stale] or named
     names = sorted({node.name for node in found})
     if not found:
-        known = [node.name for node in graph.nodes if not node.is_hidden]
-        hint = did_you_mean(name if name.startswith("/") else f"/{name}", known)
-        raise LcmtoolsError(f"unknown node {name}", hint or "lcmtools node list shows them")
-    if len(names) > 1:
+        raise LcmtoolsError(f"unknown node {name}", near_node(graph, name))
+    if len(names) > 1 and not by_pid:
         raise LcmtoolsError(f"several nodes are named {name}", f"write one of {', '.join(names)}")
-    return found[0]
+    return found
+
+
+def near_node(graph: Graph, name: str) -> str:
+    """A hint at the node that may have been meant instead."""
+    known = [node.name for node in graph.nodes if not node.is_hidden]
+    by_base = {base_name_of(full): full for full in known}
+    near = closest(base_name_of(name), by_base)
+    if base_name_of(name) in by_base:
+        return f"did you mean {by_base[base_name_of(name)]}?"
+    full = name if name.startswith("/") else f"/{name}"
+    if hint := did_you_mean(full, known):
+        return hint
+    return f"did you mean {by_base[near[0]]}?" if near else "lcmtools node list shows them"
+
+
+def below_or_like(name: str, wanted: str) -> bool:
+    """Whether a node is the one wanted, in the namespace wanted, or like the pattern wanted.
+
+    A pattern has one of * ? [ in it; one without a leading "/" may match the last part alone.
+    """
+    if any(mark in wanted for mark in "*?["):
+        alone = not wanted.startswith("/") and fnmatchcase(base_name_of(name), wanted)
+        return alone or fnmatchcase(name, f"/{wanted.lstrip('/')}")
+    prefix = wanted.strip("/")
+    return not prefix or name == f"/{prefix}" or name.startswith(f"/{prefix}/")
 
 
 def near_topic(graph: Graph, name: str) -> str:

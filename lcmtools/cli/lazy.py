@@ -4,6 +4,7 @@
 lines and homes.
 """
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
@@ -11,7 +12,14 @@ from typing import cast
 
 import click
 
+from lcmtools.cli.options import manner_options
+from lcmtools.cli.output import talk
+from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.names import closest
+from lcmtools.settings import SETTINGS, read_user_file
+
+COMMAND = "lcmtools.command"
+"""Where a click context's ``meta`` has the command that is run, for messages: "lcmtools list"."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +47,7 @@ class LazyGroup(click.Group):
     def list_commands(self, ctx: click.Context) -> list[str]:
         """The commands that help lists."""
         del ctx
-        return [name for name, entry in self._entries.items() if not entry.is_alias]
+        return [name for name, _ in self.help_lines()]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import one command; None when there is none of this name."""
@@ -48,21 +56,68 @@ class LazyGroup(click.Group):
         if entry is None:
             return None
         module, _, attribute = entry.home.partition(":")
-        return cast(click.Command, getattr(import_module(module), attribute))
+        return _mannered(cast(click.Command, getattr(import_module(module), attribute)))
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Read the group's own options; without anything typed, print the help."""
+        if not args and not ctx.resilient_parsing:
+            talk(ctx.get_help())
+            ctx.exit(UsageError.exit_code)
+        return super().parse_args(ctx, args)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Find the command, or say which one may have been meant."""
         name = args[0]
-        if self.get_command(ctx, name) is None and not name.startswith("-"):
+        command = self.get_command(ctx, name)
+        if command is None and not name.startswith("-"):
             near = closest(name, self._entries)
             hint = f"; did you mean '{near[0]}'?" if near else ""
             ctx.fail(f"no such command '{name}'{hint}")
+        ctx.meta[COMMAND] = f"{ctx.command_path} {name}"
+        if command is not None:
+            ctx.default_map = {name: _usual_values(command)}
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands from the table, importing none."""
-        rows = [(name, self._entries[name].help) for name in self.list_commands(ctx)]
+        del ctx
         with formatter.section("Commands"):
-            formatter.write_dl(rows)
+            formatter.write_dl(self.help_lines())
+
+    def help_lines(self) -> list[tuple[str, str]]:
+        """Each command that help lists, with its line."""
+        return [(name, entry.help) for name, entry in self._entries.items() if not entry.is_alias]
+
+    def with_pages(self) -> list[str]:
+        """The commands that are no mere second name of another one."""
+        homes = {entry.home for entry in self._entries.values() if not entry.is_alias}
+        return [
+            name
+            for name, entry in self._entries.items()
+            if not entry.is_alias or entry.home not in homes
+        ]
+
+
+def _mannered(command: click.Command) -> click.Command:
+    """Give a command what every one has: --color, --debug, and its --timeout's variable."""
+    known = {option for parameter in command.params for option in parameter.opts}
+    for option in manner_options(hidden=True):
+        if not known.intersection(option.opts):
+            command.params.append(option)
+    for parameter in command.params:
+        if parameter.name == "timeout" and isinstance(parameter, click.Option):
+            parameter.envvar = SETTINGS["timeout"].variable
+    return command
+
+
+def _usual_values(command: click.Command) -> dict[str, str]:
+    """The options of a command that the user's file has a value for."""
+    if not any(parameter.name == "timeout" for parameter in command.params):
+        return {}
+    try:
+        file = read_user_file(os.environ)
+    except LcmtoolsError:  # a broken file never stops --help; whoever asks for the bus says it
+        return {}
+    return {"timeout": file.values["timeout"]} if "timeout" in file.values else {}

@@ -1,15 +1,23 @@
 """The command ``lcmtools``: its table of commands, and how one is run."""
 
-import os
 import sys
 from collections.abc import Sequence
 
 import click
 
 from lcmtools import __version__
-from lcmtools.cli.ending import BY_SIGNAL, endable, exit_code, explain, flush, writable
-from lcmtools.cli.lazy import Entry, LazyGroup
-from lcmtools.cli.options import CONTEXT, bus_options
+from lcmtools.cli.ending import (
+    BY_SIGNAL,
+    end_at_once,
+    endable,
+    exit_code,
+    explain,
+    flush,
+    open_nothing,
+    writable,
+)
+from lcmtools.cli.lazy import COMMAND, Entry, LazyGroup
+from lcmtools.cli.options import CONTEXT, bus_options, manner_options
 
 _TOPIC = "lcmtools.cli.topic"
 _TOPIC_COMMANDS = {
@@ -28,6 +36,7 @@ _NODE_COMMANDS = {
     "info": Entry("lcmtools.cli.node.info:command", "Show a node's publications and more."),
     "machine": Entry("lcmtools.cli.node.machine:command", "List the computers that nodes run on."),
     "ping": Entry("lcmtools.cli.node.ping:command", "Measure how fast a node answers."),
+    "kill": Entry("lcmtools.cli.node.kill:command", "Ask nodes to shut down."),
     "cleanup": Entry("lcmtools.cli.node.cleanup:command", "Forget nodes that were killed."),
 }
 _MSG_COMMANDS = {
@@ -44,13 +53,50 @@ _SRV_COMMANDS = {
     "list": Entry("lcmtools.cli.srv.list:command", "List the service types."),
     "show": Entry("lcmtools.cli.srv.show:command", "Show the fields of a service type."),
 }
+_SERVICE = "lcmtools.cli.service"
+_SERVICE_COMMANDS = {
+    "list": Entry(f"{_SERVICE}.list:command", "List the services that nodes offer."),
+    "info": Entry(f"{_SERVICE}.info:command", "Show a service's node, type and arguments."),
+    "call": Entry(f"{_SERVICE}.call:command", "Call a service and print its response."),
+    "type": Entry(f"{_SERVICE}.type:command", "Print a service's type."),
+    "find": Entry(f"{_SERVICE}.find:command", "List the services of a type."),
+    "args": Entry(f"{_SERVICE}.args:command", "Print a service's arguments."),
+}
+_PARAM = "lcmtools.cli.param"
+_PARAM_COMMANDS = {
+    "list": Entry(f"{_PARAM}.list:command", "List the parameters of nodes that run."),
+    "get": Entry(f"{_PARAM}.get:command", "Print a parameter, or all of a node's."),
+    "set": Entry(f"{_PARAM}.set:command", "Change parameters of a node that runs."),
+    "describe": Entry(f"{_PARAM}.describe:command", "Say what a parameter is for, and its range."),
+    "dump": Entry(f"{_PARAM}.dump:command", "Write parameters into a YAML file."),
+    "load": Entry(f"{_PARAM}.load:command", "Set parameters from a YAML file."),
+}
+_SIM = "lcmtools.cli.sim"
+_SIM_COMMANDS = {
+    "pause": Entry(f"{_SIM}.pause:command", "Let simulated time stand still."),
+    "resume": Entry(f"{_SIM}.resume:command", "Let simulated time go on."),
+    "step": Entry(f"{_SIM}.step:command", "Let a paused simulator do some steps."),
+    "reset": Entry(f"{_SIM}.reset:command", "Begin anew."),
+    "set-rate": Entry(f"{_SIM}.set_rate:command", "Let simulated time pass faster or slower."),
+    "state": Entry(f"{_SIM}.state:command", "Show where a robot truly is."),
+    "set-pose": Entry(f"{_SIM}.set_pose:command", "Put a robot elsewhere."),
+    "spawn": Entry(f"{_SIM}.spawn:command", "Put up one more robot."),
+    "delete": Entry(f"{_SIM}.delete:command", "Take a robot away."),
+    "snapshot": Entry(f"{_SIM}.snapshot:command", "Write a picture of the world into a file."),
+}
 _COMMANDS = {
     **_TOPIC_COMMANDS,
     "node": Entry("lcmtools.cli.main:node", "Look at nodes: list, info, ping and more."),
     "msg": Entry("lcmtools.cli.main:msg", "Look at message types: list, show, proto and more."),
+    "service": Entry("lcmtools.cli.main:service", "Look at services and call them."),
+    "param": Entry("lcmtools.cli.main:param", "Look at nodes' parameters and change them."),
     "srv": Entry("lcmtools.cli.main:srv", "Look at service types: list, show."),
     "wtf": Entry("lcmtools.cli.wtf:command", "Find what is wrong and say how to mend it."),
+    "sim": Entry("lcmtools.cli.main:sim", "Steer a simulator: pause, reset, set-pose and more."),
     "run": Entry("lcmtools.cli.run:command", "Run a node, or the simulator."),
+    "config": Entry("lcmtools.cli.config:command", "Show the settings and where they are said."),
+    "completion": Entry("lcmtools.cli.completion.command:command", "Complete words with TAB."),
+    "help": Entry("lcmtools.cli.help:command", "Show the help of a command."),
     "topic": Entry("lcmtools.cli.main:topic", "topic list is list, and so on.", is_alias=True),
     "doctor": Entry("lcmtools.cli.wtf:command", "wtf, as ROS 2 names it.", is_alias=True),
     "interface": Entry("lcmtools.cli.main:msg", "msg, as ROS 2 names it.", is_alias=True),
@@ -65,6 +111,10 @@ Examples:
 \b
 Exit codes: 0 done, 1 failed, 2 wrong usage, 3 an extra is missing, 4 nothing came within
 --timeout, 130 Ctrl-C, 143 SIGTERM. A node that is asked to end exits with 0.
+
+\b
+Environment: LCM_DEFAULT_URL, LCMTOOLS_DOMAIN, LCMTOOLS_NAMESPACE, LCMTOOLS_TIMEOUT,
+LCMTOOLS_COLOR, NO_COLOR; the same can stand in a file: lcmtools config shows which counts.
 """
 
 
@@ -90,11 +140,11 @@ def _print_version(ctx: click.Context, _parameter: click.Parameter, value: bool)
     callback=_print_version,
     help="Print the versions of lcmtools, lcm and Python.",
 )
-@click.option("--debug", is_flag=True, help="Show the traceback of an error.")
-def root(debug: bool) -> None:  # noqa: FBT001 - click's signature
+def root() -> None:
     """See and speak to every program on an LCM bus: topics, nodes, messages, and what is wrong."""
-    if debug:
-        os.environ["LCMTOOLS_DEBUG"] = "1"
+
+
+root.params += manner_options(hidden=False)
 
 
 @click.group(cls=LazyGroup, entries=_TOPIC_COMMANDS, context_settings=CONTEXT)
@@ -143,9 +193,46 @@ def srv() -> None:
     """  # noqa: D301 - \b is click's mark
 
 
+@click.group(cls=LazyGroup, entries=_SERVICE_COMMANDS, context_settings=CONTEXT)
+@bus_options
+def service() -> None:
+    """Look at services and call them.
+
+    \b
+    Examples:
+      lcmtools service list
+      lcmtools service call /switch "data: true"
+    """  # noqa: D301 - \b is click's mark
+
+
+@click.group(cls=LazyGroup, entries=_PARAM_COMMANDS, context_settings=CONTEXT)
+@bus_options
+def param() -> None:
+    """Look at nodes' parameters and change them while the nodes run.
+
+    \b
+    Examples:
+      lcmtools param list
+      lcmtools param set simple_controller kp 0.5
+    """  # noqa: D301 - \b is click's mark
+
+
+@click.group(cls=LazyGroup, entries=_SIM_COMMANDS, context_settings=CONTEXT)
+@bus_options
+def sim() -> None:
+    """Steer a simulator that runs on the bus; lcmtools run sim starts one.
+
+    \b
+    Examples:
+      lcmtools sim pause
+      lcmtools sim set-pose husky0 1 -2 90deg
+    """  # noqa: D301 - \b is click's mark
+
+
 def main(arguments: Sequence[str]) -> int:
     """Run one command; return its exit code."""
     signals: list[int] = []
+    context: click.Context | None = None
     try:
         # not root.main(): it answers Ctrl-C with an empty line
         with endable(signals), root.make_context("lcmtools", list(arguments)) as context:
@@ -153,7 +240,8 @@ def main(arguments: Sequence[str]) -> int:
     except BaseException as error:
         if signals:  # whatever the code that was interrupted has made of it
             return BY_SIGNAL + signals[0]
-        code = explain(error, _command_name(arguments))
+        command = context.meta.get(COMMAND) if context else None
+        code = explain(error, command or "lcmtools", as_json=_wants_json(arguments))
         if code is None:
             raise
         return code
@@ -161,18 +249,14 @@ def main(arguments: Sequence[str]) -> int:
 
 def run() -> None:
     """The console script."""
+    sys.stdin = sys.stdin or open_nothing("r")  # the lowest of the closed ones first
     sys.stdout, sys.stderr = writable(sys.stdout), writable(sys.stderr)
     code = main(sys.argv[1:])
+    end_at_once()
     code = flush(code)
     sys.exit(code)
 
 
-def _command_name(arguments: Sequence[str]) -> str:
-    """The command as typed, for messages: "lcmtools node info"."""
-    known = {**_COMMANDS, **_NODE_COMMANDS, **_MSG_COMMANDS, **_SRV_COMMANDS}
-    words = []
-    for word in arguments:
-        if word not in known:
-            break
-        words.append(word)
-    return " ".join(["lcmtools", *words])
+def _wants_json(arguments: Sequence[str]) -> bool:
+    """Whether what is typed asks for JSON, whatever the command makes of it."""
+    return "--json" in arguments[: [*arguments, "--"].index("--")]

@@ -1,14 +1,16 @@
 """Options that several commands share, each defined once."""
 
 import os
-import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
 import click
+from click.core import ParameterSource
 
+from lcmtools.cli.output import talk
 from lcmtools.errors import UsageError
+from lcmtools.settings import COLORS, parse_duration, read_user_file, usual_namespace
 
 if TYPE_CHECKING:  # lcmtools --help and usage errors do without the bus
     from lcmtools.bus.url import BusUrl
@@ -17,6 +19,9 @@ if TYPE_CHECKING:  # lcmtools --help and usage errors do without the bus
 CommandT = TypeVar("CommandT", bound=Callable[..., object])
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
+
+COLOR = "lcmtools.color"
+"""Where a click context's ``meta`` has what ``--color`` said."""
 
 
 @dataclass(slots=True)
@@ -59,16 +64,63 @@ all_option = click.option(
 )
 
 
-_DURATION_FORM = re.compile(r"(\d+\.?\d*|\.\d+)(ms|s|m)?", re.ASCII)
-_SECONDS: Mapping[str, float] = {"ms": 0.001, "s": 1.0, "m": 60.0}
+def _choose_color(ctx: click.Context, parameter: click.Parameter, value: str | None) -> None:
+    said = ctx.get_parameter_source(parameter.name or "") is ParameterSource.COMMANDLINE
+    if value and said and not ctx.resilient_parsing:
+        os.environ["LCMTOOLS_COLOR"] = value  # for nodes, and whatever this process starts
+        ctx.meta[COLOR] = value
+
+
+def _never_color(ctx: click.Context, parameter: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's signature
+    _choose_color(ctx, parameter, "never" if value else None)
+
+
+def _debug(ctx: click.Context, _parameter: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's signature
+    if value and not ctx.resilient_parsing:
+        os.environ["LCMTOOLS_DEBUG"] = "1"
+
+
+def manner_options(*, hidden: bool) -> list[click.Option]:
+    """``--color``, ``--no-color`` and ``--debug``, which may stand anywhere.
+
+    Args:
+        hidden: Leave them out of help, as every command but the root does.
+    """
+    return [
+        click.Option(
+            ["--color"],
+            type=click.Choice(COLORS),
+            envvar="LCMTOOLS_COLOR",
+            metavar="WHEN",
+            callback=_choose_color,
+            expose_value=False,
+            hidden=hidden,
+            help="Colour: auto, always or never (else LCMTOOLS_COLOR; NO_COLOR counts).",
+        ),
+        click.Option(
+            ["--no-color"],
+            is_flag=True,
+            callback=_never_color,
+            expose_value=False,
+            hidden=True,
+        ),
+        click.Option(
+            ["--debug"],
+            is_flag=True,
+            callback=_debug,
+            expose_value=False,
+            hidden=hidden,
+            help="Show the traceback of an error.",
+        ),
+    ]
 
 
 def duration(value: str | float) -> float:
     """A time span in seconds: ``2``, ``2s``, ``500ms`` or ``1m``; for ``type=``."""
-    form = _DURATION_FORM.fullmatch(str(value))
-    if not form:
-        raise click.BadParameter(f"'{value}' is not a duration; write 500ms, 2s or 1m")
-    return float(form[1]) * _SECONDS[form[2] or "s"]
+    try:
+        return parse_duration(str(value))
+    except UsageError as error:
+        raise click.BadParameter(str(error)) from None
 
 
 def rate(value: str | float) -> float:
@@ -108,9 +160,9 @@ def chosen_url() -> "BusUrl":
     from lcmtools.bus.url import choose_url
 
     choice = bus_choice()
-    url, source = choose_url(choice.url, choice.domain, os.environ)
+    url, source = choose_url(choice.url, choice.domain, os.environ, read_user_file(os.environ))
     if choice.domain and source != "--domain":
-        click.echo(f"lcmtools: --domain {choice.domain} has no effect: {source} wins", err=True)
+        talk(f"lcmtools: --domain {choice.domain} has no effect: {source} wins")
     return url
 
 
@@ -136,5 +188,5 @@ def topic_spellings(name: str) -> list[str]:
 
     if not name:
         raise UsageError("the topic's name is empty", "lcmtools list shows the topics")
-    namespace = resolve_namespace(os.environ.get("LCMTOOLS_NAMESPACE", ""))
+    namespace = resolve_namespace(usual_namespace(os.environ))
     return list(dict.fromkeys(spellings(name, namespace)))

@@ -1,11 +1,12 @@
 """Printing: data to standard output, talk to standard error; each line flushed."""
 
+import contextlib
 import json
+import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
-import click
-
+from lcmtools.color import BOLD_RED, paint, stream_wants_color
 from lcmtools.errors import LcmtoolsError
 
 # Anybody can put a channel on the bus whose name would clear or recolour the terminal.
@@ -17,9 +18,14 @@ def data(text: str) -> None:
     _write(f"{text}\n")
 
 
-def lines(rows: Iterable[str]) -> None:
-    """Print lines of data together; control characters, as a name may have them, escaped."""
-    _write("".join(f"{row.translate(_ESCAPES)}\n" for row in rows))
+def lines(rows: Iterable[str], decorate: Callable[[str], str] = str) -> None:
+    """Print lines of data together; control characters, as a name may have them, escaped.
+
+    Args:
+        rows: The lines.
+        decorate: Gives a line its colour, after the escaping.
+    """
+    _write("".join(f"{decorate(row.translate(_ESCAPES))}\n" for row in rows))
 
 
 def document(value: object) -> None:
@@ -27,14 +33,31 @@ def document(value: object) -> None:
     data(json.dumps(value, ensure_ascii=False, indent=2))
 
 
-def talk(text: str) -> None:
-    """Say something to the person, not to the pipe."""
-    click.echo("\n".join(row.translate(_ESCAPES) for row in text.split("\n")), err=True)
+def talk(text: str, speaker: str = "") -> None:
+    """Say something to the person, not to the pipe.
+
+    Args:
+        text: What to say.
+        speaker: The command that complains, put before it, in colour where that is wanted.
+    """
+    said = "\n".join(row.translate(_ESCAPES) for row in text.split("\n"))
+    if speaker:
+        name = f"{speaker.translate(_ESCAPES)}:"
+        wanted = stream_wants_color(sys.stderr, os.environ)
+        said = f"{paint(name, BOLD_RED) if wanted else name} {said}"
+    with contextlib.suppress(OSError):  # where nothing can be said, the exit code still tells
+        sys.stderr.write(f"{said}\n")
+        sys.stderr.flush()
 
 
-def complain(command: str, error: LcmtoolsError) -> None:
-    """Print an error in one line."""
-    talk(f"{command}: {' '.join(str(error).split())}")
+def complain(command: str, error: LcmtoolsError, *, as_json: bool = False) -> None:
+    """Print an error in one line; as JSON where the data are JSON."""
+    what, hint = (" ".join(part.split()) for part in (error.what, error.hint))
+    if as_json:
+        record = {"command": command, "error": what, "hint": hint, "exit_code": error.exit_code}
+        talk(json.dumps(record, ensure_ascii=False))
+    else:
+        talk(f"{what}; {hint}" if hint else what, command)
 
 
 def _write(text: str) -> None:

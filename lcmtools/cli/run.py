@@ -6,6 +6,7 @@ from typing import Protocol, cast
 
 import click
 
+from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import CONTEXT, bus_choice, bus_options, json_option
 from lcmtools.cli.output import document, lines
 from lcmtools.errors import MissingExtra, UsageError
@@ -42,6 +43,8 @@ def command(name: str | None, arguments: tuple[str, ...], *, show_list: bool, as
       lcmtools run --list
     """  # noqa: D301 - \b is click's mark
     known = {entry.name: entry for entry in entry_points(group=GROUP)}
+    if show_list and name:
+        raise UsageError("--list takes no node's name", f"type lcmtools run {name}, or only --list")
     if show_list:
         document(sorted(known)) if as_json else lines(sorted(known))
         return 0
@@ -52,8 +55,10 @@ def command(name: str | None, arguments: tuple[str, ...], *, show_list: bool, as
             f"there is no node '{name}'",
             did_you_mean(name, known) or "lcmtools run --list shows them",
         )
+    program = _load(known[name])
+    click.get_current_context().meta[COMMAND] = f"lcmtools run {name}"
     try:
-        return _load(known[name])([*_bus_arguments(), *arguments]) or 0
+        return program([*_bus_arguments(), *arguments]) or 0
     except KeyboardInterrupt:  # asked to end before the node was ready to be asked
         return 0
 

@@ -1,12 +1,14 @@
 """``lcmtools wtf``."""
 
 import os
+import sys
 from collections.abc import Sequence
 
 import click
 
 from lcmtools.cli.options import CONTEXT, bus_options, chosen_url, duration, json_option
 from lcmtools.cli.output import document, lines
+from lcmtools.color import BOLD, RED, YELLOW, paint, stream_wants_color
 from lcmtools.doctor.collect import collect
 from lcmtools.doctor.model import Finding, Severity
 from lcmtools.doctor.rules import examine
@@ -20,6 +22,7 @@ _HEADINGS = {
     ),
     Severity.NOTE: ("note(s)", "Notes are seldom at fault", "NOTE"),
 }
+_COLORS = {"ERROR": RED, "WARNING": YELLOW, "NOTE": BOLD}
 
 
 @click.command("wtf", context_settings=CONTEXT)
@@ -40,7 +43,7 @@ def command(*, wait: float, as_json: bool) -> int:
     if as_json:
         document([_record(finding) for finding in findings])
     else:
-        lines(_text(findings))
+        lines(_text(findings), _colored if stream_wants_color(sys.stdout, os.environ) else str)
     return max((finding.severity for finding in findings), default=Severity.NOTE).value
 
 
@@ -59,6 +62,12 @@ def _text(findings: Sequence[Finding]) -> list[str]:
             rows += [f"   -> {remedy}" for remedy in finding.remedies]
             rows.append("")
     return rows[:-1]
+
+
+def _colored(row: str) -> str:
+    """A finding's first word in the colour of its severity; other lines as they are."""
+    word, space, rest = row.partition(" ")
+    return f"{paint(word, _COLORS[word])}{space}{rest}" if word in _COLORS else row
 
 
 def _record(finding: Finding) -> dict[str, object]:

@@ -8,7 +8,7 @@ Publishes:
     controlled_velocity   sensor_msgs/JointState  effort of [left, right], each in [-1, 1],
                                                   whenever one of the two comes
 
-Parameters:
+Parameters, from 0 to 1000, which may change while it runs:
     kp   1.0   effort per speed error [s/m]
     ki   6.7   effort per speed error and second [1/m]
 
@@ -16,6 +16,7 @@ Example:
     lcmtools run sim --world husky
     lcmtools run simple_controller __ns:=/husky0 controlled_velocity:=velocity_cmd
     lcmtools pub /husky0/desired_velocity geometry_msgs/Twist "linear: [0.1, 0, 0]"
+    lcmtools param set /husky0/simple_controller kp 0.5
 """
 
 from collections.abc import Sequence
@@ -29,17 +30,22 @@ from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import JointState
 
 
+MAX_GAIN = 1000.0
+"""Far beyond what is of use."""
+
+
 class SimpleController(Node):
     """Closes the loop from odometry to wheel effort."""
 
     def __init__(self) -> None:
         super().__init__("simple_controller")
         usual = Gains()
-        gains = Gains(
-            self.declare_parameter("kp", usual.kp).value,
-            self.declare_parameter("ki", usual.ki).value,
-        )
-        self._control = VelocityControl(gains)
+        for name, usually, meaning in (
+            ("kp", usual.kp, "effort per speed error [s/m]"),
+            ("ki", usual.ki, "effort per speed error and second [1/m]"),
+        ):
+            self.declare_parameter(name, usually, meaning, minimum=0.0, maximum=MAX_GAIN)
+        self._control = VelocityControl(usual)
         self._desired: Velocity | None = None
         self._measured: Velocity | None = None
         self._time = 0
@@ -74,7 +80,17 @@ class SimpleController(Node):
 
     def _update(self) -> None:
         if self._desired and self._measured:
+            self._control.tune(self._gains())
             self._publish(*self._control.efforts(self._desired, self._measured, self._time))
+
+    def _gains(self) -> Gains:
+        """The gains as they are now: parameters may be changed while the node runs."""
+        return Gains(self._gain("kp"), self._gain("ki"))
+
+    def _gain(self, name: str) -> float:
+        value = self.get_parameter(name).value
+        assert isinstance(value, float)  # as its default is
+        return value
 
     def _publish(self, left: float, right: float) -> None:
         message = JointState()

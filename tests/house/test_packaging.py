@@ -74,8 +74,15 @@ def test_wheel_holds_types_stubs_and_markers(wheel: zipfile.ZipFile) -> None:
 
 def test_wheel_holds_nothing_but_the_two_packages(wheel: zipfile.ZipFile) -> None:
     tops = {name.partition("/")[0] for name in wheel.namelist()}
-    metadata = {top for top in tops if top.endswith(".dist-info")}
+    metadata = {top for top in tops if top.endswith((".dist-info", ".data"))}
     assert tops - metadata == {"lcmtools", "lcmtools_sim"}
+
+
+def test_wheel_holds_the_man_pages_where_man_finds_them(wheel: zipfile.ZipFile) -> None:
+    pages = {path.name for path in (ROOT / "docs" / "man").glob("*.1")}
+    folder = "/data/share/man/man1/"
+    assert {name.partition(folder)[2] for name in wheel.namelist() if folder in name} == pages
+    assert "lcmtools-echo.1" in pages
 
 
 def test_every_entry_point_is_in_the_wheel(wheel: zipfile.ZipFile) -> None:

@@ -143,6 +143,60 @@ def test_delay_prints_the_lines_of_rostopic(start: Callable[..., Any], lcmtools_
     )
 
 
+def test_delay_of_several_topics_is_a_table(start: Callable[..., Any], lcmtools_path: str) -> None:
+    delay = start(lcmtools_path, "delay", "POSE", "/zzz")
+    assert delay.wait_for("std_dev").split()[:2] == ["topic", "delay"]
+    assert float(delay.wait_for("POSE ").split()[1]) == pytest.approx(0.25, abs=0.05)
+    assert delay.wait_for("/zzz").split() == ["/zzz", *"-----"]
+
+
+@pytest.mark.parametrize(
+    ("verb", "topic", "first"),
+    [
+        ("bw", "POINT", "average: "),
+        ("delay", "POSE", "average delay: "),
+        ("hz", "POINT", "average"),
+    ],
+)
+def test_so_many_reports_are_enough(verb: str, topic: str, first: str, lcmtools: Run) -> None:
+    result = lcmtools(verb, topic, "-n", "2")
+    lines = result.stdout.splitlines()
+    assert result.returncode == 0
+    assert [line.startswith(first) for line in lines] == [True, False] * 2
+
+
+def test_hz_counts_what_a_filter_lets_through(lcmtools: Run) -> None:
+    result = lcmtools("hz", "/chatter", "--filter", "m.data == 'hello'", "-n", "1")
+    assert float(result.stdout.split()[2]) == pytest.approx(20, abs=5)
+    none = lcmtools("hz", "/chatter", "--filter", "data == 'x'", "--timeout", "300ms")
+    assert none.returncode == 4
+    assert none.stderr.endswith(
+        "lcmtools hz: nothing came on /chatter, with data == 'x', within 0.3 s\n"
+    )
+
+
+def test_hz_finds_a_filters_unknown_field_before_a_message_has_come(lcmtools: Run) -> None:
+    result = lcmtools("hz", "/chatter", "--filter", "dota == 'x'")
+    assert (result.returncode, result.stdout) == (2, "")
+    assert result.stderr == (
+        "lcmtools hz: dota: std_msgs/String has no field 'dota' (fields: data);"
+        " did you mean data?\n"
+    )
+
+
+def test_find_c_is_how_many_topics_there_are(lcmtools: Run) -> None:
+    assert lcmtools("find", "-c", "String").stdout == "1\n"
+
+
+def test_info_shows_what_was_seen_of_a_program_that_is_no_node(lcmtools: Run) -> None:
+    lines = lcmtools("info", "POINT").stdout.splitlines()
+    row = next(row for row, line in enumerate(lines) if "plain.py (pid " in line)
+    assert re.fullmatch(
+        r"     seen messages: \d+, bytes: \d+, rate: \d+\.\d\d Hz, last: \d\.\d s ago",
+        lines[row + 1],
+    )
+
+
 def test_delay_json_is_an_object_a_line(start: Callable[..., Any], lcmtools_path: str) -> None:
     measured = json.loads(start(lcmtools_path, "delay", "POSE", "--json").wait_for('"delay"'))
     assert 0.24 <= measured["min"] <= measured["delay"] <= measured["max"]

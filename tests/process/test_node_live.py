@@ -92,7 +92,8 @@ def test_a_node_gets_another_name(start_python: Callable[..., Any], bus_url: str
     assert found.name == "/bob"
     assert found.pid == node.pid
     assert found.command.endswith(".py __name:=bob")
-    assert {e.topic for e in found.endpoints} == {"/rosout", "/answers", "/questions"}
+    topics = {e.topic for e in found.endpoints}
+    assert topics == {"/rosout", "/answers", "/questions", "/bob/_parameters"}
 
 
 def test_rosout_has_what_was_logged(start_python: Callable[..., Any], bus_url: str) -> None:

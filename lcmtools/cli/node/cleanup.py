@@ -8,12 +8,15 @@ from lcmtools.graph.model import Staleness
 
 
 @click.command("cleanup", context_settings=CONTEXT)
+@click.option(
+    "-y", "--yes", is_flag=True, expose_value=False, help="Changes nothing: nothing is asked."
+)
 @json_option
 @bus_options
 def command(*, as_json: bool) -> None:
     """Forget the nodes that ended without saying goodbye, and print their names.
 
-    A node that runs and does not answer is not forgotten.
+    A node that runs and does not answer is not forgotten; so there is nothing to ask before.
 
     \b
     Examples:

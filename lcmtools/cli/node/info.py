@@ -1,97 +1,117 @@
-"""``lcmtools node info``."""
+"""``lcmtools node info``: asking, and putting the sections together.
+
+A section is a function that gives lines, and one that gives JSON; ``lcmtools.cli.node.sections``
+has those of nodes.
+"""
 
 import time
 
 import click
 
+from lcmtools.bus.programs import Program, programs
+from lcmtools.bus.watch import Watch
 from lcmtools.cli.describe import node_record
-from lcmtools.cli.find import find_node
+from lcmtools.cli.find import find_nodes
+from lcmtools.cli.node import parameters, sections
+from lcmtools.cli.node.programs import command as command_of
+from lcmtools.cli.node.programs import is_meant, place, program_record, seen_type
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
 from lcmtools.cli.output import document, lines
-from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.graph.model import Graph, Node
 
 
 @click.command("info", context_settings=CONTEXT)
 @click.argument("nodes", nargs=-1, required=True)
+@click.option("-q", "--quiet", is_flag=True, help="Only publications, subscriptions and services.")
+@click.option("-a", "--include-hidden", "show_hidden", is_flag=True, help="Show hidden names too.")
 @json_option
 @bus_options
-def command(nodes: tuple[str, ...], *, as_json: bool) -> None:
+def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: bool) -> None:
     """Show what a node publishes, subscribes to and serves, and the process that it is.
+
+    NODES are names or pids; a program that is no node is found by its pid or its command.
 
     \b
     Examples:
       lcmtools node info simple_controller
-      lcmtools node info /husky0/simple_controller /morse
+      lcmtools node info /husky0/simple_controller lcm-source
     """  # noqa: D301 - \b is click's mark
     with open_watch("node_info") as watch:
         graph = watch.settle(foreign=False)
-    found = [find_node(graph, name) for name in nodes]
+        found = [one for word in nodes for one in _find(watch, graph, word)]
+        graph = watch.graph()
+    asked = [] if quiet and not as_json else [one for one in found if isinstance(one, Node)]
+    known = parameters.ask(asked, graph)
+    now = time.time_ns()
     if as_json:
-        document([_record(node) for node in found])
+        document([_record(one, graph, now, known) for one in found])
         return
-    for node in found:
-        lines(_text(node, graph))
+    for one in found:
+        if isinstance(one, Node):
+            rows = [
+                "-" * 80,
+                f"Node [{one.name}]",
+                *sections.roles(one, show_hidden=show_hidden),
+                "",
+            ]
+            lines(rows if quiet else [*rows, *_about(one, graph, now, known)])
+        else:
+            lines(_program_text(one, now, quiet=quiet))
 
 
-def _text(node: Node, graph: Graph) -> list[str]:
-    """As rosnode info prints it."""
-    rows = ["-" * 80, f"Node [{node.name}]"]
-    rows += [*_section("Publications", node.having(Role.PUBLISHER)), ""]
-    rows += [*_section("Subscriptions", node.having(Role.SUBSCRIBER)), ""]
-    rows += [*_section("Services", node.having(Role.SERVICE)), "", ""]
-    rows.append(f"Host: {node.host}")
-    rows.append(f"Pid: {node.pid}")
-    rows.append(f"Command: {node.command}")
-    if node.stale:
-        rows.append(f"Stale: {node.stale}")
-    else:
-        rows.append(f"Up for: {(time.time_ns() - node.start_time) / 1e9:.0f} s")
-    rows += ["Connections:", *_connections(node, graph), ""]
+def _find(watch: Watch, graph: Graph, word: str) -> list[Node] | list[Program]:
+    """The nodes that a word means, else the programs.
+
+    Raises:
+        UsageError: The word is empty.
+        LcmtoolsError: There is no such node and no such program.
+    """
+    try:
+        return find_nodes(graph, word)
+    except UsageError:
+        raise
+    except LcmtoolsError as unknown:
+        seen = programs(watch.settle(), watch.url)
+        if found := [program for program in seen if is_meant(program, word)]:
+            return found
+        raise unknown  # noqa: TRY201 - the first error, not that of looking further
+
+
+def _about(node: Node, graph: Graph, now: int, known: parameters.Known) -> list[str]:
+    """What rosnode info prints after it has contacted a node, and more."""
+    return [
+        *sections.process(node, now),
+        *parameters.text(node, known),
+        *sections.counters(node),
+        *sections.connections(node, graph),
+        "",
+    ]
+
+
+def _program_text(program: Program, now: int, *, quiet: bool) -> list[str]:
+    """The same for a program that is no node, as far as it is known."""
+    rows = ["-" * 80, f"Program [{command_of(program)}] (no node: seen on the bus only)"]
+    published = {seen.channel: f" * {seen.channel} [{seen_type(seen)}]" for seen in program.traffic}
+    rows += ["Publications: ", *published.values()] if published else ["Publications: none seen"]
+    hears = {True: "on channels that LCM does not tell", False: "None", None: "not known"}
+    rows += ["", f"Subscriptions: {hears[program.listens]}", "", ""]
+    if not quiet:
+        rows += [f"Host: {place(program).rpartition(':')[0]}"]
+        if program.process:
+            rows += [f"Pid: {program.process.pid}", f"Command: {program.process.command}"]
+            rows += sections.usage(program.process.pid, now)
+        rows += [f"Ports: {', '.join(map(str, program.ports)) or 'none seen'}", ""]
     return rows
 
 
-def _section(title: str, endpoints: tuple[Endpoint, ...]) -> list[str]:
-    if not endpoints:
-        return [f"{title}: None"]
-    return [f"{title}: ", *(f" * {_endpoint_text(endpoint)}" for endpoint in endpoints)]
-
-
-def _endpoint_text(endpoint: Endpoint) -> str:
-    if endpoint.role is Role.SERVICE:
-        return endpoint.topic
-    types = " or ".join(endpoint.types) or "unknown type"
-    drops = f", {endpoint.drops} dropped" if endpoint.drops else ""
-    return f"{endpoint.topic} [{types}]{drops}"
-
-
-def _connections(node: Node, graph: Graph) -> list[str]:
-    """The other nodes that this one's topics lead to."""
-    rows = []
-    for endpoint in (*node.having(Role.PUBLISHER), *node.having(Role.SUBSCRIBER)):
-        topic = graph.topic(endpoint.topic)
-        outbound = endpoint.role is Role.PUBLISHER
-        for peer, _ in topic.subscribers if outbound else topic.publishers:
-            if peer.id != node.id:
-                direction = "to" if outbound else "from"
-                rows += [f" * topic: {endpoint.topic}", f"    * {direction}: {peer.name}"]
-    return rows or [" * none"]
-
-
-def _record(node: Node) -> dict[str, object]:
+def _record(
+    one: Node | Program, graph: Graph, now: int, known: parameters.Known
+) -> dict[str, object]:
+    if isinstance(one, Program):
+        return program_record(one)
     return {
-        **node_record(node),
-        "publications": [_endpoint_record(e) for e in node.having(Role.PUBLISHER)],
-        "subscriptions": [_endpoint_record(e) for e in node.having(Role.SUBSCRIBER)],
-        "services": [_endpoint_record(e) for e in node.having(Role.SERVICE)],
-    }
-
-
-def _endpoint_record(endpoint: Endpoint) -> dict[str, object]:
-    return {
-        "topic": endpoint.topic,
-        "types": list(endpoint.types),
-        "depth": endpoint.depth,
-        "messages": endpoint.messages,
-        "bytes": endpoint.bytes,
-        "drops": endpoint.drops,
+        **node_record(one),
+        **sections.record(one, graph, now),
+        **parameters.record(one, known),
     }

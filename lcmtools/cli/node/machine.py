@@ -1,5 +1,7 @@
 """``lcmtools node machine``."""
 
+import socket
+
 import click
 
 from lcmtools.cli.describe import listed_node
@@ -43,7 +45,9 @@ def _nodes_of(host: str, nodes: list[Node]) -> list[Node]:
     Raises:
         LcmtoolsError: No node runs on it; with what may have been meant.
     """
-    found = [node for node in nodes if node.host == host]
+    own = socket.gethostname()
+    wanted = own if host in ("localhost", "127.0.0.1") else host
+    found = [node for node in nodes if node.host == wanted]
     if not found:
         hint = did_you_mean(host, {node.host for node in nodes})
         raise LcmtoolsError(

@@ -15,44 +15,115 @@ from lcmtools.cli.options import (
     open_watch,
     whole_number,
 )
-from lcmtools.cli.output import data, document
-from lcmtools.errors import NothingReceived
-from lcmtools.graph.model import Node
+from lcmtools.cli.output import data, document, lines, talk
+from lcmtools.errors import NothingReceived, UsageError
+from lcmtools.graph.model import Node, Staleness
 from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement
 
 _PERIOD = 1.0  # [s] between two pings
 
 
 @click.command("ping", context_settings=CONTEXT)
-@click.argument("node")
+@click.argument("node", required=False)
+@click.option("-a", "--all", "ping_all", is_flag=True, help="Ping every node once.")
 @click.option("-c", "--count", metavar="N", type=whole_number(1), help="Stop after so many pings.")
 @click.option("--timeout", type=duration, default=3.0, help="Wait so long for an answer (else 3s).")
 @json_option
 @bus_options
-def command(node: str, *, count: int | None, timeout: float, as_json: bool) -> None:
+def command(
+    node: str | None, *, ping_all: bool, count: int | None, timeout: float, as_json: bool
+) -> int:
     """Ask a node to answer, once a second, and print how long it takes.
 
-    Exits with 4 when the node does not answer.
+    Exits with 4 when a node does not answer.
 
     \b
     Examples:
       lcmtools node ping simple_controller
-      lcmtools node ping -c 3 /morse
+      lcmtools node ping --all
     """  # noqa: D301 - \b is click's mark
-    times: list[float] = []
+    _check(node, ping_all=ping_all, count=count)
     with open_watch("node_ping") as watch:
-        target = find_node(watch.settle(foreign=False), node)
-        if not as_json:
-            data(f"pinging {target.name} with a timeout of {timeout}s")
-        try:
-            while count is None or len(times) < count:
-                times.append(_ping(watch, target, timeout))
-                if not as_json:
-                    data(f"reply from {target.name} ({target.host})\ttime={times[-1] * 1e3:.6f}ms")
-                if len(times) != count:
-                    time.sleep(_PERIOD)
-        finally:
-            _summarise(target, times, as_json=as_json)
+        graph = watch.settle(foreign=False)
+        if node is None:
+            nodes = [one for one in graph.nodes if not one.is_hidden]
+            return _ping_all(watch, nodes, timeout, as_json=as_json)
+        _ping_one(watch, find_node(graph, node), count, timeout, as_json=as_json)
+    return 0
+
+
+def _check(node: str | None, *, ping_all: bool, count: int | None) -> None:
+    """Refuse what does not go together.
+
+    Raises:
+        click.UsageError: No node is named.
+        UsageError: --all is said with a node, or with a count.
+    """
+    if node is None and not ping_all:
+        raise click.MissingParameter(param_hint="'NODE'", param_type="argument")
+    if ping_all and node is not None:
+        raise UsageError("--all takes no node's name", "leave out one of them")
+    if ping_all and count is not None:
+        raise UsageError("-c does not go with --all", "every node is pinged once")
+
+
+def _ping_one(
+    watch: Watch, node: Node, count: int | None, timeout: float, *, as_json: bool
+) -> None:
+    """Ping a node again and again, and sum up, on Ctrl-C too."""
+    times: list[float] = []
+    if not as_json:
+        data(f"pinging {node.name} with a timeout of {timeout}s")
+    try:
+        while count is None or len(times) < count:
+            times.append(_ping(watch, node, timeout))
+            if not as_json:
+                data(_reply(node, times[-1]))
+            if len(times) != count:
+                time.sleep(_PERIOD)
+    finally:
+        if as_json:
+            document({"node": node.name, "times": times, **_extremes(times)})
+        else:
+            lines(_summary(times))
+
+
+def _ping_all(watch: Watch, nodes: list[Node], timeout: float, *, as_json: bool) -> int:
+    """Ping every node once; the exit code."""
+    if not nodes:
+        talk(f"no nodes on {watch.url}")
+    if nodes and not as_json:
+        lines(["Will ping the following nodes: ", *(f" * {node.name}" for node in nodes), ""])
+    times: dict[str, float | None] = {}
+    try:
+        for node in nodes:
+            times[node.id] = _try(watch, node, timeout, as_json=as_json)
+    finally:
+        answered = [seconds for seconds in times.values() if seconds is not None]
+        if as_json:
+            pinged = [node for node in nodes if node.id in times]
+            document([{"node": node.name, "time": times[node.id]} for node in pinged])
+        elif nodes:
+            data(f"{len(answered)} of {len(nodes)} nodes answered")
+            lines(_summary(answered))
+    return 0 if len(answered) == len(nodes) else NothingReceived.exit_code
+
+
+def _try(watch: Watch, node: Node, timeout: float, *, as_json: bool) -> float | None:
+    """Ping a node once and say what comes of it; the seconds, None without an answer."""
+    if node.stale is Staleness.ENDED:
+        talk(f"{node.name} {node.stale}; lcmtools node cleanup forgets it", "lcmtools node ping")
+        return None
+    if not as_json:
+        data(f"pinging {node.name} with a timeout of {timeout}s")
+    try:
+        seconds = _ping(watch, node, timeout)
+    except NothingReceived as error:
+        talk(str(error), "lcmtools node ping")
+        return None
+    if not as_json:
+        data(_reply(node, seconds))
+    return seconds
 
 
 def _ping(watch: Watch, node: Node, timeout: float) -> float:
@@ -62,6 +133,7 @@ def _ping(watch: Watch, node: Node, timeout: float) -> float:
         NothingReceived: The node did not answer in time.
     """
     nonce = secrets.randbits(62) | 1
+    watch.receive(0.0)  # what has come meanwhile is not to be read within the time measured
     start = time.monotonic()
     watch.probe(node.name, nonce)
     while (left := start + timeout - time.monotonic()) > 0:
@@ -77,8 +149,23 @@ def _ping(watch: Watch, node: Node, timeout: float) -> float:
     )
 
 
-def _summarise(node: Node, times: list[float], *, as_json: bool) -> None:
-    if as_json:
-        document({"node": node.name, "times": times})
-    elif len(times) > 1:
-        data(f"ping average: {sum(times) / len(times) * 1e3:.6f}ms")
+def _reply(node: Node, seconds: float) -> str:
+    return f"reply from {node.name} ({node.host})\ttime={seconds * 1e3:.6f}ms"
+
+
+def _summary(times: list[float]) -> list[str]:
+    """As rosnode ping has it, the average of several; and the shortest and the longest."""
+    if len(times) < 2:  # noqa: PLR2004 - one is its own average
+        return []
+    return [
+        f"ping average: {sum(times) / len(times) * 1e3:.6f}ms",
+        f"shortest: {min(times) * 1e3:.6f}ms, longest: {max(times) * 1e3:.6f}ms",
+    ]
+
+
+def _extremes(times: list[float]) -> dict[str, float | None]:
+    return {
+        "min": min(times, default=None),
+        "average": sum(times) / len(times) if times else None,
+        "max": max(times, default=None),
+    }

@@ -1,15 +1,16 @@
 """``lcmtools bw``."""
 
 import json
-import time
 from collections.abc import Mapping
 
 import click
 
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch, whole_number
-from lcmtools.cli.output import data, lines
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
+from lcmtools.cli.output import data, lines, talk
+from lcmtools.cli.topic.arrival import Arrival
+from lcmtools.cli.topic.measuring import measure, measuring_options, window_option
 from lcmtools.cli.topic.table import table
-from lcmtools.cli.topic.turns import reported_when_interrupted, timeout_option, turns
+from lcmtools.cli.topic.turns import How, turns
 from lcmtools.graph.rates import Bandwidth, BandwidthWindow
 
 _HEADER = ("topic", "average", "mean", "min", "max", "window")
@@ -17,39 +18,58 @@ _HEADER = ("topic", "average", "mean", "min", "max", "window")
 
 @click.command("bw", context_settings=CONTEXT)
 @click.argument("topics", metavar="TOPIC...", nargs=-1, required=True)
-@click.option(
-    "-w",
-    "--window",
-    metavar="N",
-    type=whole_number(2),
-    default=100,
-    help="Messages to average over.",
-)
-@timeout_option
+@window_option(least=2, usual=100)
+@measuring_options
 @json_option
 @bus_options
-def command(topics: tuple[str, ...], *, window: int, timeout: float | None, as_json: bool) -> None:
+def command(
+    topics: tuple[str, ...],
+    *,
+    window: int,
+    timeout: float | None,
+    count: int | None,
+    wall_time: bool,
+    as_json: bool,
+) -> None:
     """Measure the bandwidth of topics, once a second until Ctrl-C.
 
     Counted are the bytes of the messages, without what the network adds; a KB is 1000 of them.
+    Seconds are simulated ones where a simulator publishes /clock. A log is read at once.
 
     \b
     Examples:
       lcmtools bw /husky0/image
       lcmtools bw EXAMPLE /chatter -w 1000
     """  # noqa: D301 - \b is click's mark
-    windows = {topic: BandwidthWindow(window) for topic in topics}
+    meters = {topic: _Meter(window) for topic in topics}
 
-    def report() -> None:
-        now = time.time_ns()
-        _report({topic: sizes.take(now) for topic, sizes in windows.items()}, as_json=as_json)
+    def report(found: Mapping[str, Bandwidth | None]) -> None:
+        _report(found, as_json=as_json)
 
-    with open_watch("bw") as watch, reported_when_interrupted(report):
-        for turn in turns(watch, tuple(windows), timeout):
-            for topic, packet in turn.arrivals:
-                windows[topic].add(packet.time, len(packet.payload))
-            if turn.is_due:
-                report()
+    with open_watch("bw") as watch:
+        how = How(timeout, count, wall_time)
+        measure(turns(watch, tuple(meters), how), meters, report, count)
+        for topic, meter in meters.items():
+            if meter.messages == 1:
+                talk(f"lcmtools bw: only one message came on {topic}: a bandwidth takes two")
+
+
+class _Meter:
+    """The bandwidth of a topic."""
+
+    def __init__(self, window: int) -> None:
+        self.messages = 0
+        self._sizes = BandwidthWindow(window)
+
+    def add(self, arrival: Arrival) -> None:
+        self.messages += 1
+        self._sizes.add(arrival.time, len(arrival.packet.payload))
+
+    def take(self, now: int) -> Bandwidth | None:
+        return self._sizes.take(now)
+
+    def clear(self) -> None:
+        self._sizes.clear()
 
 
 def _report(found: Mapping[str, Bandwidth | None], *, as_json: bool) -> None:

@@ -1,13 +1,16 @@
 """``lcmtools delay``."""
 
 import json
-from functools import partial
+from collections.abc import Mapping
 
 import click
 
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch, whole_number
-from lcmtools.cli.output import data
-from lcmtools.cli.topic.turns import reported_when_interrupted, timeout_option, turns
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
+from lcmtools.cli.output import data, lines, talk
+from lcmtools.cli.topic.arrival import Arrival
+from lcmtools.cli.topic.measuring import measure, measuring_options, window_option
+from lcmtools.cli.topic.table import table
+from lcmtools.cli.topic.turns import How, turns
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.rates import Delay, DelayWindow
 from lcmtools.messages.codec import decode
@@ -15,44 +18,66 @@ from lcmtools.messages.header import stamp
 from lcmtools.messages.registry import candidates, message_class
 from lcmtools.wire.packet import Packet
 
+_HEADER = ("topic", "delay", "min_delay", "max_delay", "std_dev", "window")
+
 
 @click.command("delay", context_settings=CONTEXT)
-@click.argument("topic")
-@click.option(
-    "-w",
-    "--window",
-    metavar="N",
-    type=whole_number(1),
-    default=50_000,
-    help="Messages to average over.",
-)
-@timeout_option
+@click.argument("topics", metavar="TOPIC...", nargs=-1, required=True)
+@window_option(least=1, usual=50_000)
+@measuring_options
 @json_option
 @bus_options
-def command(topic: str, *, window: int, timeout: float | None, as_json: bool) -> None:
+def command(
+    topics: tuple[str, ...],
+    *,
+    window: int,
+    timeout: float | None,
+    count: int | None,
+    wall_time: bool,
+    as_json: bool,
+) -> None:
     """Measure how long after its header's stamp a message arrives, once a second until Ctrl-C.
 
-    Both times are clock time: between two computers, what their clocks differ by counts too.
+    Both times are clock time: between two computers, what their clocks differ by counts too. Where
+    a simulator publishes /clock, both are simulated. A log is read at once.
 
     \b
     Examples:
       lcmtools delay /husky0/odometry
       lcmtools delay /husky0/odometry -w 100 --json
     """  # noqa: D301 - \b is click's mark
-    delays = DelayWindow(window)
+    meters = {topic: _Meter(window) for topic in topics}
 
-    def report(*, is_last: bool = False) -> None:
-        delay = delays.take()
-        if delay or not is_last:
-            data(_json(topic, delay) if as_json else _text(delay))
+    def report(found: Mapping[str, Delay | None]) -> None:
+        _report(found, as_json=as_json)
 
-    last_report = partial(report, is_last=True)
-    with open_watch("delay") as watch, reported_when_interrupted(last_report):
-        for turn in turns(watch, (topic,), timeout):
-            for _, packet in turn.arrivals:
-                delays.add(packet.time, _stamp(packet))
-            if turn.is_due:
-                report()
+    with open_watch("delay") as watch:
+        how = How(timeout, count, wall_time)
+        measure(turns(watch, tuple(meters), how), meters, report, count)
+
+
+class _Meter:
+    """The delay of a topic."""
+
+    def __init__(self, window: int) -> None:
+        self._delays = DelayWindow(window)
+        self._has_told = False
+
+    def add(self, arrival: Arrival) -> None:
+        stamped = _stamp(arrival.packet)
+        if stamped:
+            self._delays.add(arrival.time, stamped)
+        elif not self._has_told:
+            self._has_told = True
+            talk(
+                f"lcmtools delay: the stamp of a message on {arrival.topic} is 0, which is no time"
+            )
+
+    def take(self, _now: int) -> Delay | None:
+        return self._delays.take()
+
+    def clear(self) -> None:
+        self._delays.clear()
 
 
 def _stamp(packet: Packet) -> int:
@@ -78,15 +103,33 @@ def _stamp(packet: Packet) -> int:
     return stamped
 
 
-def _text(delay: Delay | None) -> str:
+def _report(delays: Mapping[str, Delay | None], *, as_json: bool) -> None:
+    if as_json:
+        for topic, delay in delays.items():
+            data(_json(topic, delay))
+    elif not any(delays.values()):
+        data("no new messages")
+    elif len(delays) > 1:
+        lines(table(_HEADER, [_cells(topic, delay) for topic, delay in delays.items()]))
+    else:
+        data("\n".join(_text(delay) for delay in delays.values() if delay))
+
+
+def _text(delay: Delay) -> str:
     """The lines of rostopic delay."""
-    if delay is None:
-        return "no new messages"
     return (
         f"average delay: {delay.mean:.3f}\n"
         f"\tmin: {delay.shortest:.3f}s max: {delay.longest:.3f}s"
         f" std dev: {delay.deviation:.5f}s window: {delay.window}"
     )
+
+
+def _cells(topic: str, delay: Delay | None) -> list[str]:
+    """A row of the table; dashes for a topic on which nothing new has come."""
+    if delay is None:
+        return [topic, *"-----"]
+    numbers = (delay.mean, delay.shortest, delay.longest, delay.deviation)
+    return [topic, *(f"{number:.4}" for number in numbers), str(delay.window)]
 
 
 def _json(topic: str, delay: Delay | None) -> str:

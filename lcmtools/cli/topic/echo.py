@@ -1,26 +1,41 @@
 """``lcmtools echo``."""
 
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
 import click
 
+from lcmtools.bus.log_observer import LogObserver
+from lcmtools.bus.watch import Watch
 from lcmtools.cli.find import ask_nodes
 from lcmtools.cli.options import (
     CONTEXT,
+    bus_choice,
     bus_options,
     duration,
     json_option,
     open_watch,
-    topic_spellings,
     whole_number,
 )
 from lcmtools.cli.output import data
+from lcmtools.cli.topic.look import Look, look
 from lcmtools.cli.topic.payload import Decoder
-from lcmtools.cli.topic.shown import Shower, look
+from lcmtools.cli.topic.shown import Shower
 from lcmtools.cli.topic.stream import Stream
-from lcmtools.messages.view import Hidden
+from lcmtools.cli.topic.wanted import OneTopic, Pattern, wanted
+from lcmtools.errors import UsageError
+from lcmtools.messages.plain_text import Writer
+from lcmtools.messages.registry import message_class, packages
+from lcmtools.messages.view import View
+
+_ALL_TOPICS = "**"
+_CLEAR = "\033[2J\033[;H"  # the screen, and the cursor to its corner
 
 
 @click.command("echo", context_settings=CONTEXT)
-@click.argument("topic")
+@click.argument("words", metavar="TOPIC... [TYPE]", nargs=-1)
 @click.option("-n", "count", metavar="N", type=whole_number(1), help="Stop after so many messages.")
 @click.option("-1", "--once", is_flag=True, help="Stop after one message.")
 @click.option("--timeout", type=duration, help="Give up (exit code 4) when none comes so long.")
@@ -28,15 +43,31 @@ from lcmtools.messages.view import Hidden
     "--field", "fields", metavar="PATH", multiple=True, help="Show this field; may be repeated."
 )
 @click.option("--filter", "condition", metavar="EXPR", help="Show messages for which this is true.")
-@click.option("--noarr", is_flag=True, help="Show only type and length of arrays.")
-@click.option("--nostr", is_flag=True, help="Show only the length of strings.")
+@click.option("--noarr", "--no-arr", is_flag=True, help="Show only type and length of arrays.")
+@click.option("--nostr", "--no-str", is_flag=True, help="Show only the length of strings.")
+@click.option(
+    "-l",
+    "--truncate-length",
+    "longest",
+    metavar="N",
+    type=whole_number(1),
+    help="Cut longer arrays and strings after N elements.",
+)
+@click.option("-f", "--full-length", is_flag=True, help="Cut nothing, as it is without -l.")
+@click.option("--offset", is_flag=True, help="Show times relative to the message's arrival.")
+@click.option(
+    "-w", "width", metavar="N", type=whole_number(2), help="Give all numbers the width N."
+)
 @click.option("-p", "--csv", "as_csv", is_flag=True, help="Print comma-separated values.")
 @click.option("--flow-style", "as_flow", is_flag=True, help="Print each message in one line.")
 @click.option("--raw", is_flag=True, help="Print the payload in hexadecimal.")
+@click.option("-c", "--clear", is_flag=True, help="Clear a terminal before each message.")
+@click.option("-b", "--bag", metavar="FILE", help="Read an LCM log, at once, in place of the bus.")
+@click.option("-a", "--all", "all_topics", is_flag=True, help="All topics of the log (with -b).")
 @json_option
 @bus_options
 def command(  # noqa: PLR0913 - one parameter an option
-    topic: str,
+    words: tuple[str, ...],
     *,
     count: int | None,
     once: bool,
@@ -45,37 +76,121 @@ def command(  # noqa: PLR0913 - one parameter an option
     condition: str | None,
     noarr: bool,
     nostr: bool,
+    longest: int | None,
+    full_length: bool,
+    offset: bool,
+    width: int | None,
     as_csv: bool,
     as_flow: bool,
     raw: bool,
+    clear: bool,
+    bag: str | None,
+    all_topics: bool,
     as_json: bool,
 ) -> None:
-    """Print the messages of a topic as they come, as rostopic does.
+    """Print the messages of topics as they come, as rostopic does.
 
-    TOPIC may end in a field's path: dots or slashes, [0] or [0:5] for arrays. In --filter, m is the
-    message; there are comparisons, arithmetic, and, or, not, in, and functions as len and hypot.
-    A message of an unknown type is shown in hexadecimal. With --json each is one line.
+    TOPIC may end in a field's path: dots or slashes, [0] or [0:5] for arrays. In quotes it may be a
+    pattern: * is anything but /, ** anything, ? one character; topics that come later count too.
+    Where there may be several topics, each message says its own: in a line such as # /chatter, as
+    "topic" beside "message" in --json, in a column of --csv. TYPE is needed only where two types
+    have the same fields.
+
+    In --filter, m is the message; there are comparisons, arithmetic, and, or, not, in, and
+    functions as len and hypot. A message of an unknown type is shown in hexadecimal. Times in
+    --csv are nanoseconds; %time is the header's stamp, else the arrival.
 
     \b
     Examples:
       lcmtools echo /husky0/odometry
       lcmtools echo /husky0/odometry/pose.pose.position --csv
+      lcmtools echo '/husky*/odometry' --field header.stamp --json
       lcmtools echo /scan/ranges[0:5] -n 1 --timeout 5s
       lcmtools echo /scan --field header.stamp --field ranges[::90]
       lcmtools echo /chatter --filter "m.data == 'hello'"
       lcmtools echo /joint_states --filter "len(position) > 2 and abs(position[0]) < 0.1"
-      lcmtools echo EXAMPLE --noarr
+      lcmtools echo -b recorded.log --all --noarr
     """  # noqa: D301 - \b is click's mark
-    flags = {"--json": as_json, "--csv": as_csv, "--flow-style": as_flow, "--raw": raw}
-    wanted = look(flags, fields, condition, Hidden(noarr, nostr))
+    forms = {"--json": as_json, "--csv": as_csv, "--flow-style": as_flow, "--raw": raw}
+    changes = {
+        "--noarr": noarr,
+        "--nostr": nostr,
+        "--truncate-length": longest is not None,
+        "--offset": offset,
+        "-w": width is not None,
+    }
+    if full_length and longest is not None:
+        raise UsageError("--full-length and --truncate-length exclude each other", "leave one out")
+    if offset and bag is not None:
+        raise UsageError("--offset is relative to now, and a log has no now", "leave out --offset")
+    topics, type_ = _topics_and_type(words, bag, all_topics=all_topics)
+    asked = replace(
+        look(forms, fields, condition, changes),
+        view=View(noarr, nostr, longest, is_table=as_csv),
+        writer=Writer(width),
+        is_relative=offset,
+        message_class=message_class(type_) if type_ else None,
+    )
+    prefix = _CLEAR if clear and not (as_json or as_csv or raw) and _can_clear() else ""
     limit = 1 if once else count
-    topic_spellings(topic)  # an empty name is wrong whatever the bus is
-    with open_watch("echo") as watch:
-        ask_nodes(watch)
-        stream = Stream(watch, topic)
-        wanted.check(stream.types, stream.path)
-        shower = Shower(Decoder(watch), wanted)
-        for shown, text in enumerate(stream.texts(shower.show, timeout), 1):
-            data(text)
+    meant = [wanted(topic) for topic in topics]
+    with _open(bag) as watch:
+        for shown, text in enumerate(_texts(watch, meant, asked, timeout), 1):
+            data(f"{prefix}{text}")
             if shown == limit:
                 return
+
+
+def _topics_and_type(
+    words: tuple[str, ...], bag: str | None, *, all_topics: bool
+) -> tuple[tuple[str, ...], str]:
+    """The topics among the words, and the type, which may stand last; "" where it does not.
+
+    Raises:
+        UsageError: There is no topic, or options exclude each other.
+    """
+    if all_topics and bag is None:
+        raise UsageError("--all is for logs", "name one with -b, or echo '**'")
+    if all_topics and words:
+        raise UsageError("--all shows all topics", "leave out --all, or the topic")
+    if not (words or all_topics):
+        raise click.MissingParameter(param_hint="'TOPIC'", param_type="argument")
+    if len(words) > 1 and words[-1].partition("/")[0] in packages():
+        return words[:-1], words[-1]
+    return words or (_ALL_TOPICS,), ""
+
+
+def _texts(
+    watch: Watch, meant: Sequence[OneTopic | Pattern], asked: Look, timeout: float | None
+) -> Iterator[str]:
+    """What is to be printed, as it comes.
+
+    Raises:
+        NothingReceived: Nothing came in time.
+        UsageError: What is asked for is not in the messages.
+    """
+    ask_nodes(watch)
+    stream = Stream(watch, meant)
+    for types, path in stream.paths:
+        asked.check(types, path)
+    shower = Shower(Decoder(watch, asked.message_class), asked)
+    yield from stream.texts(shower.show, timeout)
+
+
+def _open(bag: str | None) -> Watch:
+    """The bus, or a log.
+
+    Raises:
+        UsageError: Both are named.
+    """
+    if bag is None:
+        return open_watch("echo")
+    if bus_choice().url or bus_choice().domain:
+        raise UsageError("-b reads a log in place of the bus", "leave out --lcm-url and --domain")
+    log = LogObserver(bag)
+    return Watch(log.url, "echo", os.environ, log)
+
+
+def _can_clear() -> bool:
+    """Whether standard output is a screen that can be cleared."""
+    return sys.stdout.isatty() and os.environ.get("TERM", "dumb") != "dumb"

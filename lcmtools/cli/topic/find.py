@@ -3,7 +3,8 @@
 import click
 
 from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_watch
-from lcmtools.cli.output import document, lines, talk
+from lcmtools.cli.output import data, document, lines, talk
+from lcmtools.cli.topic.settled import settled
 from lcmtools.graph.model import Topic
 from lcmtools.messages.registry import candidates, message_class, type_name
 from lcmtools.names import is_hidden
@@ -11,10 +12,11 @@ from lcmtools.names import is_hidden
 
 @click.command("find", context_settings=CONTEXT)
 @click.argument("type_", metavar="TYPE")
+@click.option("-c", "--count-topics", is_flag=True, help="Print only how many topics there are.")
 @all_option
 @json_option
 @bus_options
-def command(type_: str, *, show_all: bool, as_json: bool) -> None:
+def command(type_: str, *, count_topics: bool, show_all: bool, as_json: bool) -> None:
     """List the topics of a type: announced, or by the fingerprint of what plain programs send.
 
     TYPE is geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or Twist.
@@ -26,9 +28,12 @@ def command(type_: str, *, show_all: bool, as_json: bool) -> None:
     """  # noqa: D301 - \b is click's mark
     name = type_name(message_class(type_))
     with open_watch("find") as watch:
-        graph, url = watch.settle(), watch.url
+        graph, url = settled(watch), watch.url
     topics = [topic for topic in graph.topic_names() if show_all or not is_hidden(topic)]
     found = [topic for topic in topics if is_of_type(graph.topic(topic), name)]
+    if count_topics:
+        data(str(len(found)))
+        return
     if as_json:
         document(found)
     else:

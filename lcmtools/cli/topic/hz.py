@@ -2,56 +2,78 @@
 
 import json
 from collections.abc import Mapping
-from functools import partial
 
 import click
 
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch, whole_number
-from lcmtools.cli.output import data, lines
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
+from lcmtools.cli.output import data, lines, talk
+from lcmtools.cli.topic.arrival import Arrival
+from lcmtools.cli.topic.measuring import measure, measuring_options, window_option
 from lcmtools.cli.topic.table import table
-from lcmtools.cli.topic.turns import reported_when_interrupted, timeout_option, turns
+from lcmtools.cli.topic.turns import How, turns
 from lcmtools.graph.rates import Rate, RateWindow
+from lcmtools.messages.filter import Filter
 
 _HEADER = ("topic", "rate", "min_delta", "max_delta", "std_dev", "window")
 
 
 @click.command("hz", context_settings=CONTEXT)
 @click.argument("topics", metavar="TOPIC...", nargs=-1, required=True)
+@window_option(least=2, usual=50_000)
 @click.option(
-    "-w",
-    "--window",
-    metavar="N",
-    type=whole_number(2),
-    default=50_000,
-    help="Messages to average over.",
+    "--filter", "condition", metavar="EXPR", help="Count messages for which this is true."
 )
-@timeout_option
+@measuring_options
 @json_option
 @bus_options
-def command(topics: tuple[str, ...], *, window: int, timeout: float | None, as_json: bool) -> None:
+def command(  # noqa: PLR0913 - one parameter an option
+    topics: tuple[str, ...],
+    *,
+    window: int,
+    condition: str | None,
+    timeout: float | None,
+    count: int | None,
+    wall_time: bool,
+    as_json: bool,
+) -> None:
     """Measure how often messages come on topics, once a second until Ctrl-C.
 
-    The times are the kernel's; a message need not be of a known type.
+    Times are the kernel's, or, where a simulator publishes /clock, simulated ones. A message need
+    not be of a known type. A log is read at once, by its own times.
 
     \b
     Examples:
       lcmtools hz /husky0/odometry
       lcmtools hz EXAMPLE /chatter -w 100
+      lcmtools hz /chatter --filter "m.data != ''" -n 1 --timeout 5s
     """  # noqa: D301 - \b is click's mark
-    windows = {topic: RateWindow(window) for topic in topics}
+    how = How(timeout, count, wall_time, Filter(condition) if condition is not None else None)
+    meters = {topic: _Meter(window) for topic in topics}
 
-    def report(*, is_last: bool = False) -> None:
-        rates = {topic: arrivals.take() for topic, arrivals in windows.items()}
-        if any(rates.values()) or not is_last:
-            _report(rates, as_json=as_json)
+    def report(found: Mapping[str, Rate | None]) -> None:
+        _report(found, as_json=as_json)
 
-    last_report = partial(report, is_last=True)
-    with open_watch("hz") as watch, reported_when_interrupted(last_report):
-        for turn in turns(watch, tuple(windows), timeout):
-            for topic, packet in turn.arrivals:
-                windows[topic].extend([packet.time])
-            if turn.is_due:
-                report()
+    with open_watch("hz") as watch:
+        measure(turns(watch, tuple(meters), how), meters, report, count)
+        for topic, meter in meters.items():
+            if meter.arrivals.total == 1:
+                talk(f"lcmtools hz: only one message came on {topic}: a rate takes two")
+
+
+class _Meter:
+    """The rate of a topic."""
+
+    def __init__(self, window: int) -> None:
+        self.arrivals = RateWindow(window)
+
+    def add(self, arrival: Arrival) -> None:
+        self.arrivals.extend([arrival.time])
+
+    def take(self, _now: int) -> Rate | None:
+        return self.arrivals.take()
+
+    def clear(self) -> None:
+        self.arrivals.clear()
 
 
 def _report(rates: Mapping[str, Rate | None], *, as_json: bool) -> None:

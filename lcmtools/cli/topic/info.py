@@ -1,87 +1,103 @@
 """``lcmtools info``."""
 
+from collections.abc import Sequence
+
 import click
 
 from lcmtools.cli.describe import fingerprint_rows, node_text, program_text, type_text
 from lcmtools.cli.find import find_topic
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
+from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_watch
 from lcmtools.cli.output import document, lines
+from lcmtools.cli.topic.counters import Counters, counted
 from lcmtools.graph.model import Endpoint, Node, Topic
 
 
 @click.command("info", context_settings=CONTEXT)
 @click.argument("topics", nargs=-1, required=True)
+@click.option(
+    "--wait", type=duration, help="Measure rates for so long (else half a second at most)."
+)
+@click.option("-v", "--verbose", is_flag=True, help="Show fingerprints and command lines too.")
 @json_option
 @bus_options
-def command(topics: tuple[str, ...], *, as_json: bool) -> None:
+def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_json: bool) -> None:
     """Show a topic's type, who publishes it and who subscribes to it: node, host and process.
+
+    Below each are its counters: messages, bytes, messages that a full queue pushed out, the queue's
+    depth, the rate, and when the last message was. Of a program that is no node, what was seen.
 
     \b
     Examples:
       lcmtools info /husky0/odometry
-      lcmtools info EXAMPLE
+      lcmtools info EXAMPLE /chatter --json
     """  # noqa: D301 - \b is click's mark
     with open_watch("info") as watch:
-        graph = watch.settle()
-        found = [find_topic(graph, name) for name in topics]
+        graph, counters = counted(watch, topics, wait)
+    found = [find_topic(graph, name) for name in topics]
     if as_json:
-        document([_record(topic) for topic in found])
+        document([_record(topic, counters) for topic in found])
         return
     for topic in found:
-        lines(_text(topic))
+        heading = [f"Topic: {topic.name}"] if len(found) > 1 else []
+        lines(heading + _text(topic, counters, verbose=verbose))
 
 
-def _text(topic: Topic) -> list[str]:
-    """As rostopic info prints it, with the process beside each node."""
+def _text(topic: Topic, counters: Counters, *, verbose: bool) -> list[str]:
+    """As rostopic info prints it, with the process beside each node and its counters below."""
     rows = [f"Type: {type_text(topic)}"]
-    if not topic.types:
+    if not topic.types or verbose:
         rows += fingerprint_rows(topic)
     accepted = {name for _, e in topic.subscribers for name in e.types[1:]} - set(topic.types)
     if accepted:
         rows.append(f"Also accepted: {', '.join(sorted(accepted))}")
-    rows += ["", *_section("Publishers", topic.publishers, topic), ""]
-    rows += [*_section("Subscribers", topic.subscribers, None), "", ""]
+    published = _nodes(topic.publishers, counters, verbose=verbose)
+    published += [[program_text(seen), counters.of_program(seen)] for seen in topic.foreign]
+    subscribed = _nodes(topic.subscribers, counters, verbose=verbose)
+    rows += ["", *_section("Publishers", published), ""]
+    rows += [*_section("Subscribers", subscribed), "", ""]
     return rows
 
 
-def _section(
-    title: str, endpoints: tuple[tuple[Node, Endpoint], ...], programs_of: Topic | None
-) -> list[str]:
-    rows = [f" * {node_text(node)}" for node, _ in endpoints]
-    if programs_of:
-        rows += [f" * {program_text(seen)}" for seen in programs_of.foreign]
-    return [f"{title}: ", *rows] if rows else [f"{title}: None"]
+def _nodes(
+    endpoints: Sequence[tuple[Node, Endpoint]], counters: Counters, *, verbose: bool
+) -> list[list[str]]:
+    """Of each node what it is, and what there is to say of it."""
+    return [
+        [
+            node_text(node),
+            counters.of_endpoint(node, endpoint),
+            *([f"command: {node.command}"] if verbose else []),
+        ]
+        for node, endpoint in endpoints
+    ]
 
 
-def _record(topic: Topic) -> dict[str, object]:
+def _section(title: str, members: Sequence[Sequence[str]]) -> list[str]:
+    if not members:
+        return [f"{title}: None"]
+    rows = [f"{title}: "]
+    for name, *details in members:
+        rows += [f" * {name}", *(f"     {detail}" for detail in details)]
+    return rows
+
+
+def _record(topic: Topic, counters: Counters) -> dict[str, object]:
     return {
         "topic": topic.name,
         "type": type_text(topic),
         "types": list(topic.types),
         "fingerprints": [f"{value:#018x}" for value in topic.fingerprints],
-        "publishers": [_endpoint(node, endpoint) for node, endpoint in topic.publishers],
-        "subscribers": [_endpoint(node, endpoint) for node, endpoint in topic.subscribers],
+        "publishers": [counters.record(node, e) for node, e in topic.publishers],
+        "subscribers": [counters.record(node, e) for node, e in topic.subscribers],
         "other_publishers": [
             {
                 "program": program_text(seen),
                 "sender": str(seen.sender),
                 "messages": seen.messages,
+                "bytes": seen.bytes,
                 "rate": seen.rate(),
+                "last_time": seen.last_time,
             }
             for seen in topic.foreign
         ],
-    }
-
-
-def _endpoint(node: Node, endpoint: Endpoint) -> dict[str, object]:
-    return {
-        "node": node.name,
-        "host": node.host,
-        "pid": node.pid,
-        "stale": bool(node.stale),
-        "types": list(endpoint.types),
-        "depth": endpoint.depth,
-        "messages": endpoint.messages,
-        "bytes": endpoint.bytes,
-        "drops": endpoint.drops,
     }

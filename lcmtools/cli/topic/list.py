@@ -1,10 +1,12 @@
 """``lcmtools list``."""
 
-import contextlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
 
 import click
 
-from lcmtools.cli.describe import type_text
+from lcmtools.cli.describe import by_host, type_text
 from lcmtools.cli.options import (
     CONTEXT,
     all_option,
@@ -12,95 +14,176 @@ from lcmtools.cli.options import (
     duration,
     json_option,
     open_watch,
+    topic_spellings,
 )
-from lcmtools.cli.output import document, lines, talk
+from lcmtools.cli.output import data, document, lines, talk
+from lcmtools.cli.topic.settled import Rates, settled
+from lcmtools.errors import UsageError
 from lcmtools.graph.model import Graph, Topic
 from lcmtools.names import is_hidden
+
+_MEASURED = 1.0  # [s]
+
+
+@dataclass(frozen=True, slots=True)
+class _Look:
+    """How topics are shown.
+
+    Attributes:
+        published: Whether those that are published are.
+        subscribed: Whether those that are subscribed to are.
+        verbose: In rostopic's sections.
+        types: Each with its type.
+        rates: How often messages come [Hz], by topic; None where that is not to be shown.
+    """
+
+    published: bool = True
+    subscribed: bool = True
+    verbose: bool = False
+    types: bool = False
+    rates: Mapping[str, float] | None = None
+
+    def has(self, topic: Topic) -> bool:
+        """Whether a topic is shown at all."""
+        has_publisher = bool(topic.publishers or topic.traffic)
+        return (self.published and has_publisher) or (self.subscribed and bool(topic.subscribers))
 
 
 @click.command("list", context_settings=CONTEXT)
 @click.argument("namespace", default="")
 @click.option("-v", "--verbose", is_flag=True, help="Show types and counts, as rostopic list -v.")
+@click.option("-p", "published", is_flag=True, help="Only topics that are published.")
+@click.option("-s", "subscribed", is_flag=True, help="Only topics that are subscribed to.")
 @click.option("-t", "--show-types", is_flag=True, help="Show each topic's type.")
+@click.option("--hz", is_flag=True, help="Measure for a second how often messages come.")
+@click.option("--host", "by_hosts", is_flag=True, help="Group the topics by computer.")
+@click.option("-c", "--count-topics", is_flag=True, help="Print only how many topics there are.")
 @click.option(
     "--wait", type=duration, help="Listen so long for programs that are no lcmtools nodes."
 )
 @all_option
 @json_option
 @bus_options
-def command(
+def command(  # noqa: PLR0913 - one parameter an option
     namespace: str,
     *,
     verbose: bool,
+    published: bool,
+    subscribed: bool,
     show_types: bool,
+    hz: bool,
+    by_hosts: bool,
+    count_topics: bool,
     wait: float | None,
     show_all: bool,
     as_json: bool,
 ) -> None:
     """List the topics on the bus: those of nodes at once, and what other LCM programs publish.
 
-    NAMESPACE keeps the topics that are it or stand below it.
+    NAMESPACE keeps the topics that are it or stand below it, or that match it: '/husky*'.
 
     \b
     Examples:
       lcmtools list
       lcmtools list -t /husky0
+      lcmtools list --hz '*/odometry'
     """  # noqa: D301 - \b is click's mark
+    if published and subscribed:
+        raise UsageError("-p and -s exclude each other", "leave out both for all topics")
+    heard = Rates()
     with open_watch("list") as watch:
-        graph = watch.settle(foreign=wait is None)
-        if wait is not None:
-            with contextlib.suppress(EOFError):  # a log has ended
-                for _ in watch.packets(wait):
-                    pass
-            graph = watch.graph()
+        graph = settled(watch, _MEASURED if hz and wait is None else wait, heard)
         url = watch.url
-    topics = [graph.topic(name) for name in _names(graph, namespace, show_all=show_all)]
+    rates = heard.by_channel() if hz else None
+    look = _Look(not subscribed, not published, verbose, show_types, rates)
+    topics = [topic for topic in _topics(graph, namespace, show_all=show_all) if look.has(topic)]
+    if count_topics:
+        data(str(len(topics)))
+        return
     if as_json:
-        document([_record(topic) for topic in topics])
-    elif verbose:
-        lines(_verbose(topics))
-    elif show_types:
-        lines(f"{topic.name} [{type_text(topic)}]" for topic in topics)
+        document([_record(topic, look) for topic in topics])
+    elif by_hosts:
+        lines(_hosts(topics, look))
     else:
-        lines(topic.name for topic in topics)
+        lines(_rows(topics, look))
     if not topics:
         talk(f"no topics{f' in {namespace}' if namespace else ''} on {url}")
 
 
-def _names(graph: Graph, namespace: str, *, show_all: bool) -> list[str]:
-    prefix = "/" + namespace.strip("/") if namespace.strip("/") else ""
+def _topics(graph: Graph, namespace: str, *, show_all: bool) -> list[Topic]:
     return [
-        name
+        graph.topic(name)
         for name in graph.topic_names()
-        if (show_all or not is_hidden(name))
-        and (not prefix or name in (prefix, namespace) or name.startswith(f"{prefix}/"))
+        if (show_all or not is_hidden(name)) and _is_in(name, namespace)
     ]
 
 
-def _verbose(topics: list[Topic]) -> list[str]:
+def _is_in(name: str, namespace: str) -> bool:
+    """Whether a topic is a namespace or pattern, is below it or matches it."""
+    if not namespace.strip("/"):
+        return True
+    if any(mark in namespace for mark in "*?["):
+        patterns = [namespace] if namespace.startswith("/") else [namespace, f"/{namespace}"]
+        return any(fnmatchcase(name, p) or fnmatchcase(name, f"{p}/*") for p in patterns)
+    spellings = topic_spellings(namespace)
+    return any(name == spelling or name.startswith(f"{spelling}/") for spelling in spellings)
+
+
+def _rows(topics: list[Topic], look: _Look) -> list[str]:
+    if look.verbose:
+        return _verbose(topics, look)
+    width = max((len(_named(topic, look)) for topic in topics), default=0)
+    if look.rates is None:
+        return [_named(topic, look) for topic in topics]
+    return [f"{_named(topic, look):<{width}}  {_rate_text(topic, look)}" for topic in topics]
+
+
+def _hosts(topics: list[Topic], look: _Look) -> list[str]:
+    """As rostopic list --host: the same for each computer, indented."""
+    rows = []
+    for host, there in by_host(topics).items():
+        shown = [topic for topic in there if look.has(topic)]
+        if shown:
+            rows += [f"Host [{host}]:", *(f"  {row}".rstrip() for row in _rows(shown, look))]
+    return rows
+
+
+def _verbose(topics: list[Topic], look: _Look) -> list[str]:
     """The sections of rostopic list -v."""
     published = {topic: len(topic.publishers) + len(topic.foreign) for topic in topics}
     subscribed = {topic: len(topic.subscribers) for topic in topics}
-    return [
-        "",
-        "Published topics:",
-        *(_row(topic, count, "publisher") for topic, count in published.items() if count),
-        "",
-        "Subscribed topics:",
-        *(_row(topic, count, "subscriber") for topic, count in subscribed.items() if count),
-        "",
-    ]
+    rows = [""]
+    if look.published:
+        rows.append("Published topics:")
+        rows += [_row(topic, n, "publisher", look) for topic, n in published.items() if n]
+        rows.append("")
+    if look.subscribed:
+        rows.append("Subscribed topics:")
+        rows += [_row(topic, n, "subscriber", look) for topic, n in subscribed.items() if n]
+        rows.append("")
+    return rows
 
 
-def _row(topic: Topic, count: int, noun: str) -> str:
-    return f" * {topic.name} [{type_text(topic)}] {count} {noun}{'s' if count != 1 else ''}"
+def _row(topic: Topic, count: int, noun: str, look: _Look) -> str:
+    rate = "" if look.rates is None else f", {_rate_text(topic, look)}"
+    return f" * {topic.name} [{type_text(topic)}] {count} {noun}{'s' if count != 1 else ''}{rate}"
 
 
-def _record(topic: Topic) -> dict[str, object]:
-    return {
+def _named(topic: Topic, look: _Look) -> str:
+    return f"{topic.name} [{type_text(topic)}]" if look.types else topic.name
+
+
+def _rate_text(topic: Topic, look: _Look) -> str:
+    rate = (look.rates or {}).get(topic.name)
+    return "-" if rate is None else f"{rate:.2f} Hz"
+
+
+def _record(topic: Topic, look: _Look) -> dict[str, object]:
+    record: dict[str, object] = {
         "topic": topic.name,
         "type": type_text(topic),
         "publishers": [node.name for node, _ in topic.publishers],
         "subscribers": [node.name for node, _ in topic.subscribers],
         "other_senders": [str(seen.sender) for seen in topic.foreign],
     }
+    return record if look.rates is None else {**record, "rate": look.rates.get(topic.name)}

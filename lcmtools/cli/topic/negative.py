@@ -1,12 +1,17 @@
 """Values on a command line that begin with "-", which click would read as options."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
+from itertools import pairwise
 
 import click
 
-_NEGATIVE = re.compile(r"-(\.?\d|\.?inf|\s)", re.IGNORECASE)
+_NEGATIVE = re.compile(r"-(?!1[a-z]+$)(\.?\d|\.?inf|\s|--(?=\s))", re.IGNORECASE)
+"""Numbers, lists and documents of YAML; but "-1v" is two options."""
 _SHIELDED = re.compile(f"^ (?={_NEGATIVE.pattern})", re.IGNORECASE)
+_EXCLUDE_ONE = frozenset(("-r", "--rate", "-t", "--times"))
+"""Options that the option -1 cannot stand beside."""
+_ONE_VALUE = 3  # words: TOPIC, TYPE and the value
 _ENDS_IN_ONE = f"{__name__}.ends_in_one"
 
 
@@ -16,7 +21,8 @@ class CommandWithValues(click.Command):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse the command line, whose argument "values" takes what is no option."""
         ctx.meta[_ENDS_IN_ONE] = args.count("-1") == 1 and args[-1] == "-1"
-        rest = super().parse_args(ctx, list(_shielded(args)))
+        options = {name for option in self.params if _takes_value(option) for name in option.opts}
+        rest = super().parse_args(ctx, list(_shielded(args, options)))
         ctx.params["values"] = tuple(_SHIELDED.sub("", value) for value in ctx.params["values"])
         return rest
 
@@ -26,12 +32,25 @@ def ends_in_one() -> bool:
     return bool(click.get_current_context().meta[_ENDS_IN_ONE])
 
 
-def _shielded(words: Sequence[str]) -> Iterator[str]:
-    """The words with a blank before those that are values."""
-    is_option = True  # the first -1 is the option, as in "rostopic pub -1"
-    for word in words:
-        if word == "-1" and is_option:
-            is_option = False
+def _takes_value(parameter: click.Parameter) -> bool:
+    return isinstance(parameter, click.Option) and not parameter.is_flag
+
+
+def _shielded(words: Sequence[str], options: Container[str]) -> Iterator[str]:
+    """The words with a blank before those that are values; ``options`` are followed by one."""
+    free = [word for before, word in pairwise(["", *words]) if before not in options]
+    is_value = _is_the_value(free)
+    for before, word in pairwise(["", *words]):
+        if before in options:
+            yield word  # click takes it, whatever it is
+        elif word == "-1" and not is_value:
+            is_value = True  # the first -1 is the option, as in "rostopic pub -1"
             yield word
         else:
             yield f" {word}" if _NEGATIVE.match(word) else word
+
+
+def _is_the_value(words: Sequence[str]) -> bool:
+    """Whether -1 cannot be the option: "-r 5 /speed std_msgs/Int32 -1"."""
+    plain = [word for word in words if word == "-1" or not word.startswith("-")]
+    return len(plain) == _ONE_VALUE and plain[-1] == "-1" and not _EXCLUDE_ONE.isdisjoint(words)

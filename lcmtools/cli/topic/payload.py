@@ -3,7 +3,13 @@
 from lcmtools.bus.watch import Watch
 from lcmtools.errors import DecodeError
 from lcmtools.messages.codec import decode
-from lcmtools.messages.registry import Message, candidates, message_class
+from lcmtools.messages.registry import (
+    Message,
+    candidates,
+    fingerprint,
+    message_class,
+    type_name,
+)
 from lcmtools.wire.packet import Packet
 
 _SHOWN_BYTES = 64
@@ -12,35 +18,47 @@ _SHOWN_BYTES = 64
 class Decoder:
     """Turns packets into messages.
 
-    Two types with the same fields have the same fingerprint: a node's announcement settles which
-    one is meant, else the likeliest is taken.
+    Two types with the same fields have the same fingerprint: the person, or else a node's
+    announcement, settles which one is meant; else the likeliest is taken.
+
+    Args:
+        watch: The bus.
+        said: The type that the messages are said to be of.
     """
 
-    def __init__(self, watch: Watch) -> None:
+    def __init__(self, watch: Watch, said: type[Message] | None = None) -> None:
         self._watch = watch
-        self._classes: dict[tuple[str, int], type[Message] | None] = {}
+        self._said = said
+        self._classes: dict[tuple[str, int], type[Message]] = {}
 
     def decode(self, packet: Packet) -> Message | str:
         """The message, or why there is none."""
-        fingerprint = packet.fingerprint
-        if fingerprint is None:
+        if packet.fingerprint is None:
             return "too short for an LCM message"
-        key = (packet.channel, fingerprint)
-        if key not in self._classes:
-            self._classes[key] = self._find_class(*key)
-        kind = self._classes[key]
-        if kind is None:
-            return f"unknown type, fingerprint {fingerprint:#018x}"
+        kind = self._class(packet.channel, packet.fingerprint)
+        if isinstance(kind, str):
+            return kind
         try:
             return decode(kind, packet.payload)
         except DecodeError as error:
             return str(error)
 
-    def _find_class(self, channel: str, fingerprint: int) -> type[Message] | None:
-        names = candidates(fingerprint)
-        announced = self._watch.graph().topic(channel).types
-        name = next((name for name in announced if name in names), next(iter(names), None))
-        return message_class(name) if name else None
+    def _class(self, channel: str, number: int) -> type[Message] | str:
+        if self._said is not None:
+            return self._said if fingerprint(self._said) == number else self._not_as_said(number)
+        key = (channel, number)
+        if key not in self._classes:
+            names = candidates(number)
+            if not names:
+                return f"unknown type, fingerprint {number:#018x}"
+            announced = self._watch.graph().topic(channel).types
+            meant = next((name for name in announced if name in names), names[0])
+            self._classes[key] = message_class(meant)
+        return self._classes[key]
+
+    def _not_as_said(self, number: int) -> str:
+        name = next(iter(candidates(number)), f"unknown, fingerprint {number:#018x}")
+        return f"the type is not {type_name(self._said)} but {name}" if self._said else ""
 
 
 def raw_text(packet: Packet, reason: str) -> str:

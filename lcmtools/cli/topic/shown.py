@@ -1,195 +1,146 @@
-"""How ``lcmtools echo`` shows a packet: which part of the message, if at all, and in what form."""
+"""How ``lcmtools echo`` shows a message."""
 
-import csv
-import io
 import json
-from dataclasses import dataclass
-from typing import Literal, cast
+from dataclasses import replace
+from typing import cast
 
 from lcmtools.cli.output import talk
+from lcmtools.cli.topic.csv_rows import Table
+from lcmtools.cli.topic.look import Look
 from lcmtools.cli.topic.payload import Decoder, raw_record, raw_text
-from lcmtools.errors import UnknownType, UsageError
-from lcmtools.messages.filter import Filter
+from lcmtools.cli.topic.stream import Match
+from lcmtools.errors import ValueMismatch
+from lcmtools.messages.cells import Cell, cells
 from lcmtools.messages.header import stamp
-from lcmtools.messages.path import Path, parse_path, select, target
+from lcmtools.messages.path import Path, Selection, select
 from lcmtools.messages.plain import Plain, plain_json
-from lcmtools.messages.registry import Message, message_class
+from lcmtools.messages.registry import Message
 from lcmtools.messages.text import format_message
-from lcmtools.messages.view import (
-    Hidden,
-    Scalar,
-    columns,
-    format_flow,
-    format_plain,
-    plain_selection,
-)
-from lcmtools.wire.packet import Packet
-
-Form = Literal["text", "json", "csv", "flow", "raw", "raw json"]
-
-
-@dataclass(frozen=True, slots=True)
-class Look:
-    """What was asked for.
-
-    Attributes:
-        form: How a message is written.
-        fields: The parts to show, from where the topic's own path ends; none for all of it.
-        condition: Which messages are shown; None for all.
-        hidden: What is not shown of them.
-    """
-
-    form: Form
-    fields: tuple[Path, ...]
-    condition: Filter | None
-    hidden: Hidden
-
-    def paths(self, behind_topic: Path) -> tuple[Path, ...]:
-        """All parts to show, from the message on."""
-        return tuple(behind_topic.then(field) for field in self.fields) or (behind_topic,)
-
-    def check(self, types: tuple[str, ...], behind_topic: Path) -> None:
-        """Find unknown fields before a message has come, where one type is announced.
-
-        Raises:
-            UsageError: There are such fields, or parts of bytes that are not decoded are wanted.
-        """
-        if self.form.startswith("raw") and any(path.steps for path in self.paths(behind_topic)):
-            raise UsageError("--raw shows whole messages", "leave out the field, or --raw")
-        if len(types) == 1:
-            try:
-                cls = message_class(types[0])
-            except UnknownType:
-                return
-            self._check_class(cls, behind_topic)
-
-    def _check_class(self, cls: type[Message], behind_topic: Path) -> None:
-        for path in self.paths(behind_topic):
-            target(cls, path)
-        if self.condition:
-            self.condition.check(cls)
-
-
-def look(
-    form_flags: dict[str, bool], fields: tuple[str, ...], condition: str | None, hidden: Hidden
-) -> Look:
-    """What the command line asks for.
-
-    Args:
-        form_flags: Whether each of --json, --csv, --flow-style and --raw was given.
-        fields: The --field options.
-        condition: The --filter option.
-        hidden: What is not to be shown.
-
-    Raises:
-        UsageError: Something is wrong, or two options exclude each other.
-    """
-    given = [option for option, is_given in form_flags.items() if is_given]
-    if len(given) > 1 and given != ["--json", "--raw"]:
-        raise UsageError(f"{' and '.join(given)} exclude each other", f"leave out {given[-1]}")
-    if "--raw" in given and hidden:
-        raise UsageError("--raw shows whole messages", "leave out --noarr and --nostr")
-    form = "raw json" if len(given) > 1 else _FORMS[given[0]] if given else "text"
-    parsed = tuple(parse_path(field) for field in fields)
-    return Look(form, parsed, Filter(condition) if condition is not None else None, hidden)
-
-
-_FORMS: dict[str, Form] = {"--json": "json", "--csv": "csv", "--flow-style": "flow", "--raw": "raw"}
+from lcmtools.messages.view import View, plain_selection
 
 
 class Shower:
-    """Turns packets into what is printed."""
+    """Turns messages into what is printed."""
 
     def __init__(self, decoder: Decoder, what: Look) -> None:
         self._decoder = decoder
         self._look = what
         self._table = Table()
-        self._has_told = False
+        self._told: set[str] = set()
+        self._has_shown = False
 
-    def show(self, packet: Packet, behind_topic: Path) -> str | None:
-        """The text of a packet; None for one that does not meet the condition or has no fields.
+    def show(self, match: Match) -> str | None:
+        """The text of a message; None for one that is not to be shown or has no fields.
+
+        A message that has not what is asked for is passed over, which is said once, where others
+        have it or may have it.
 
         Raises:
-            ValueMismatch: The message has no such field, or the filter cannot be worked out.
+            ValueMismatch: It is the first and has no such field, or the filter cannot be worked
+                out.
         """
-        paths, form = self._look.paths(behind_topic), self._look.form
+        try:
+            text = self._shown(match)
+        except ValueMismatch as mismatch:
+            if not (match.is_one_of_many or self._has_shown):
+                raise
+            channel = match.packet.channel
+            self._tell(f"unfit {channel}", f"a message on {channel} is left out: {mismatch}")
+            return None
+        self._has_shown = self._has_shown or text is not None
+        return text
+
+    def _shown(self, match: Match) -> str | None:
+        paths, packet = self._look.paths(match.path), match.packet
+        condition = self._look.condition
         message: Message | str = ""
-        if form not in ("raw", "raw json") or self._look.condition:
+        if condition or not self._look.is_raw:
             message = self._decoder.decode(packet)
             if isinstance(message, str):
-                return self._undecoded(packet, message, paths)
-            if self._look.condition and not self._look.condition.matches(message):
+                return self._undecoded(match, message)
+            if condition and not condition.matches(message):
                 return None
-        if form == "raw":
-            return packet.payload.hex()
-        if form == "raw json":
-            return json.dumps(raw_record(packet))
-        return self._text(packet, cast("Message", message), paths)
+        if self._look.is_raw:
+            return self._raw(match)
+        return self._text(match, cast("Message", message), paths)
 
-    def _text(self, packet: Packet, message: Message, paths: tuple[Path, ...]) -> str:
+    def _text(self, match: Match, message: Message, paths: tuple[Path, ...]) -> str | None:
         form = self._look.form
-        if form == "text" and paths == (Path(),) and not self._look.hidden:
-            return f"{format_message(message)}\n---"
-        plain = self._plain(message, paths)
+        if form == "text" and self._look.is_whole(paths):
+            return self._headed(match, f"{format_message(message)}\n---")
+        found = {str(path): select(message, path) for path in paths}
+        plain = _plain(found, self._view(match))
         if form == "json":
-            return plain_json(plain)
+            return self._record(match, plain)
         if form == "csv":
-            return self._table.rows(_time(packet, message), plain)
-        return f"{format_flow(plain) if form == 'flow' else format_plain(plain)}\n---"
+            row = self._row(match, message, plain)
+            return self._table.row(row, ", ".join(map(_kind, found.values())))
+        writer = self._look.writer
+        text = writer.flow(plain) if form == "flow" else writer.block(plain)
+        return self._headed(match, f"{text}\n---")
 
-    def _plain(self, message: Message, paths: tuple[Path, ...]) -> Plain:
-        """One part of a message; or several, by their paths."""
-        hidden = self._look.hidden
-        if len(paths) == 1:
-            return plain_selection(select(message, paths[0]), hidden)
-        return {str(path): plain_selection(select(message, path), hidden) for path in paths}
+    def _view(self, match: Match) -> View:
+        view = self._look.view
+        return replace(view, origin=match.time) if self._look.is_relative else view
 
-    def _undecoded(self, packet: Packet, reason: str, paths: tuple[Path, ...]) -> str | None:
-        whole = paths == (Path(),) and not self._look.condition
-        if whole and self._look.form == "json":
-            record = raw_record(packet)
-            return json.dumps({"bytes": record["bytes"], "error": reason, "data": record["data"]})
-        if whole and self._look.form in ("text", "flow"):
-            return f"{raw_text(packet, reason)}\n---"
-        if not self._has_told:
-            self._has_told = True
-            talk(f"lcmtools echo: a message on {packet.channel} has no known fields: {reason}")
+    def _row(self, match: Match, message: Message, plain: Plain) -> dict[str, Cell]:
+        """The cells of a row: the header's stamp, else the arrival, and the values."""
+        stamped = stamp(message)
+        time = match.time if stamped is None else stamped
+        topic: dict[str, Cell] = {"topic": match.packet.channel} if match.is_one_of_many else {}
+        origin = match.time if self._look.is_relative else 0
+        return {"%time": time - origin, **topic, **cells(plain)}
+
+    def _record(self, match: Match, plain: Plain) -> str:
+        if not match.is_one_of_many:
+            return plain_json(plain)
+        return plain_json({"topic": match.packet.channel, "message": plain})
+
+    def _raw(self, match: Match) -> str:
+        if self._look.form == "raw json":
+            return _raw_record(match, {})
+        return self._headed(match, match.packet.payload.hex())
+
+    def _headed(self, match: Match, text: str) -> str:
+        """A text under its topic, as a comment in YAML, where there may be several."""
+        return f"# {_one_line(match.packet.channel)}\n{text}" if match.is_one_of_many else text
+
+    def _undecoded(self, match: Match, reason: str) -> str | None:
+        packet = match.packet
+        paths = self._look.paths(match.path)
+        is_all = paths == (Path(),) and not self._look.condition
+        if is_all and self._look.form == "json":
+            return _raw_record(match, {"error": reason})
+        if is_all and self._look.form in ("text", "flow"):
+            return self._headed(match, f"{raw_text(packet, reason)}\n---")
+        channel = packet.channel
+        self._tell(f"raw {channel}", f"a message on {channel} has no known fields: {reason}")
         return None
 
-
-class Table:
-    """Rows of comma-separated values under the columns of the first one."""
-
-    def __init__(self) -> None:
-        self._columns: list[str] = []
-        self._has_told = False
-
-    def rows(self, time: int, plain: Plain) -> str:
-        """The row of a message, after the line with the columns' names if it is the first.
-
-        A column that a message does not have is empty; values without a column are left out, which
-        is said once.
-        """
-        cells: dict[str, Scalar] = {"%time": time, **columns(plain)}
-        head = "" if self._columns else f"{_row(list(cells))}\n"
-        self._columns = self._columns or list(cells)
-        more = len(cells.keys() - set(self._columns))
-        if more and not self._has_told:
-            self._has_told = True
-            talk(
-                f"lcmtools echo: no column for {more} more in an array that was shorter in the"
-                " first message; --field with a slice gives all rows the same columns"
-            )
-        return head + _row([cells.get(column, "") for column in self._columns])
+    def _tell(self, about: str, text: str) -> None:
+        if about not in self._told:
+            self._told.add(about)
+            talk(f"lcmtools echo: {text}")
 
 
-def _row(cells: "list[str] | list[Scalar]") -> str:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="").writerow(cells)
-    return text.getvalue()
+def _plain(found: dict[str, Selection], view: View) -> Plain:
+    """One part of a message; or several, by their paths."""
+    if len(found) == 1:
+        return plain_selection(next(iter(found.values())), view)
+    return {path: plain_selection(selection, view) for path, selection in found.items()}
 
 
-def _time(packet: Packet, message: Message) -> int:
-    """The header's stamp, else the arrival, nanoseconds since 1970."""
-    stamped = stamp(message)
-    return packet.time if stamped is None else stamped
+def _one_line(channel: str) -> str:
+    """A channel's name without what would end the comment, or colour the terminal."""
+    return channel if channel.isprintable() else ascii(channel)
+
+
+def _kind(selection: Selection) -> str:
+    """What a selected value is: a type, with a pair of brackets for each array around it."""
+    return selection.target.type + "[]" * selection.target.depth
+
+
+def _raw_record(match: Match, more: dict[str, object]) -> str:
+    topic = {"topic": match.packet.channel} if match.is_one_of_many else {}
+    size, content = raw_record(match.packet).items()
+    return json.dumps(dict([*topic.items(), size, *more.items(), content]))

@@ -1,67 +1,92 @@
-"""The messages of the topic that an argument means, as they come."""
+"""The messages of the topics that some arguments mean, as they come."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 
 from lcmtools.bus.watch import Watch
 from lcmtools.cli.find import known_spelling, near_topic
-from lcmtools.cli.options import topic_spellings
 from lcmtools.cli.output import talk
-from lcmtools.errors import NothingReceived
-from lcmtools.graph.model import Graph, Topic
-from lcmtools.messages.path import Path, parse_path, splits
+from lcmtools.cli.topic.arrival import ArrivalClock, is_simulated
+from lcmtools.cli.topic.wanted import OneTopic, Pattern
+from lcmtools.errors import BusError, LcmtoolsError, NothingReceived
+from lcmtools.graph.model import Graph
+from lcmtools.messages.path import Path
 from lcmtools.names import is_hidden
 from lcmtools.wire.packet import Packet
 
 _PATIENCE = 2.0  # [s] without a message before the person is told what is on the bus
+_LOOK_PERIOD = 0.5  # [s] between looks for topics that a pattern matches
+_MOST_NAMED = 8  # of topics in a line
+
+
+@dataclass(frozen=True, slots=True)
+class Match:
+    """A message that is wanted.
+
+    Attributes:
+        packet: The message.
+        path: The field path behind its topic.
+        time: When it came, by the clock that stamps go by: simulated time where there is any [ns].
+        is_one_of_many: Others may be of other topics, so that each must say which it is of.
+    """
+
+    packet: Packet
+    path: Path
+    time: int
+    is_one_of_many: bool = False
 
 
 class Stream:
-    """A topic and the field path behind it, which only the bus can tell from one another.
+    """The topics that arguments mean, and their messages.
 
-    Attributes:
-        topic: As it was written, without the path where that is known.
-        path: The field path behind the topic.
+    Args:
+        watch: The bus.
+        wanted: What the arguments mean.
 
     Raises:
-        UsageError: The argument is empty, or what follows the topic is no field path.
+        UsageError: What follows a topic is no field path.
     """
 
-    def __init__(self, watch: Watch, argument: str) -> None:
+    def __init__(self, watch: Watch, wanted: Sequence[OneTopic | Pattern]) -> None:
         self._watch = watch
-        self.topic = argument
-        self.path = Path()
-        self._is_found = False
-        self._possible = {name for topic, _ in splits(argument) for name in topic_spellings(topic)}
-        self._find()
-        self._listen()
+        self._wanted = wanted
+        self._known: set[str] = set()
+        self._announced: list[str] = []
+        self._next_look = 0.0
+        self._clock = ArrivalClock(is_simulated=False)
+        self._learn()
 
     @property
-    def types(self) -> tuple[str, ...]:
-        """The types that nodes announce for the topic."""
+    def paths(self) -> list[tuple[tuple[str, ...], Path]]:
+        """The types that nodes announce for each topic named, and the path behind it."""
         graph = self._watch.graph()
-        spelling = known_spelling(graph, self.topic)
-        return graph.topic(spelling).types if spelling else ()
+        named = [one for one in self._wanted if isinstance(one, OneTopic)]
+        spellings = [known_spelling(graph, one.text) for one in named]
+        return [
+            (graph.topic(spelling).types if spelling else (), one.path)
+            for one, spelling in zip(named, spellings, strict=True)
+        ]
 
-    def texts(
-        self, show: Callable[[Packet, Path], str | None], timeout: float | None
-    ) -> Iterator[str]:
+    def texts(self, show: Callable[[Match], str | None], timeout: float | None) -> Iterator[str]:
         """What is to be printed for the messages; tells the person when it takes long.
 
         Args:
-            show: The text of a packet, None for one that is to be passed over.
+            show: The text of a message, None for one that is to be passed over.
             timeout: Longest time without a text [s].
 
         Raises:
             NothingReceived: There was none for ``timeout`` seconds.
-            UsageError: What follows the topic is no field path.
+            UsageError: What follows a topic is no field path.
+            LcmtoolsError: The log has ended, and nothing in it is wanted.
+            BusError: The bus has ended the connection.
         """
         last = time.monotonic()
         told = came = False
-        while (packets := self._pull(0.2 if timeout is None else min(0.2, timeout))) is not None:
-            for packet in packets:
+        while (matches := self._pull(0.2 if timeout is None else min(0.2, timeout))) is not None:
+            for match in matches:
                 came = True
-                text = show(packet, self.path)
+                text = show(match)
                 if text is not None:
                     last, told = time.monotonic(), True
                     yield text
@@ -69,50 +94,73 @@ class Stream:
             if timeout is not None and waited >= timeout:
                 what = "nothing that can be shown" if came else "nothing"
                 raise NothingReceived(
-                    f"{what} came on {self.topic} within {timeout:g} s", self._hint()
+                    f"{what} came on {self._names()} within {timeout:g} s", self._hint()
                 )
             if not told and waited >= _PATIENCE:
                 told = True
                 what = "no message that can be shown" if came else "no message"
-                talk(f"lcmtools echo: {what} on {self.topic} yet; {self._hint()}")
+                talk(f"lcmtools echo: {what} on {self._names()} yet; {self._hint()}")
+        self._check_end(came=came)
 
-    def _hint(self) -> str:
-        return _situation(self._watch.graph(), self.topic)
+    def _check_end(self, *, came: bool) -> None:
+        """Complain where the end has come too early."""
+        if self._watch.url.provider != "file":
+            raise BusError(f"the connection to {self._watch.url} has ended")
+        if not came:
+            seen = self._watch.graph().topic_names()
+            has = f"it has {', '.join(seen[:_MOST_NAMED])}" if seen else "no message is in it"
+            raise LcmtoolsError(f"nothing is on {self._names()} in the log", has)
 
-    def _pull(self, timeout: float) -> list[Packet] | None:
-        """The topic's next packets; None at the end of a log."""
+    def _pull(self, timeout: float) -> list[Match] | None:
+        """The next messages that are wanted; None at the end of a log."""
         try:
             packets = self._watch.receive(timeout)
         except EOFError:
             return None
-        if not self._is_found and any(packet.channel in self._possible for packet in packets):
-            self._find()
-            self._listen()
-        return [packet for packet in packets if packet.channel in self._wanted]
+        is_new = any(packet.channel not in self._known for packet in packets)
+        if is_new or time.monotonic() >= self._next_look:
+            self._learn()
+            self._known.update(packet.channel for packet in packets)
+        return [match for packet in packets for match in self._matches(packet)]
 
-    def _find(self) -> None:
-        """Tell the topic from the path, if the topic is on the bus."""
+    def _matches(self, packet: Packet) -> Iterator[Match]:
+        self._clock.hear(packet)
+        time_of_arrival = self._clock.time(packet) or packet.time
+        is_one_of_many = len(self._wanted) > 1 or any(
+            isinstance(one, Pattern) and not one.is_literal for one in self._wanted
+        )
+        seen = set()
+        for one in self._wanted:
+            path = one.path_on(packet.channel)
+            if path is not None and path not in seen:
+                seen.add(path)
+                yield Match(packet, path, time_of_arrival, is_one_of_many)
+
+    def _learn(self) -> None:
+        """Tell topics from paths, find what patterns match, and announce to listen to it."""
+        self._next_look = time.monotonic() + _LOOK_PERIOD
         graph = self._watch.graph()
-        names = set(graph.topic_names())
-        for topic, rest in splits(self.topic):
-            spellings = names.intersection(topic_spellings(topic))
-            if any(_is_there(graph.topic(name)) for name in spellings):
-                self.topic, self.path, self._is_found = topic, parse_path(rest), True
-                return
+        self._clock.is_simulated = is_simulated(graph)
+        for one in self._wanted:
+            one.learn(graph)
+        channels = sorted({channel for one in self._wanted for channel in one.channels()})
+        if channels != self._announced:
+            self._announced = channels
+            self._watch.listen_to(channels)
 
-    def _listen(self) -> None:
-        self._wanted = set(topic_spellings(self.topic))
-        self._watch.listen_to(topic_spellings(self.topic))
+    def _names(self) -> str:
+        return ", ".join(one.text for one in self._wanted)
+
+    def _hint(self) -> str:
+        """What is said of the first topic that can be found at all; else what is on the bus."""
+        graph = self._watch.graph()
+        known = [channel for one in self._wanted for channel in one.channels()]
+        published = [channel for channel in known if graph.topic(channel).publishers]
+        return situation(graph, published[0] if published else self._wanted[0].text)
 
 
-def _is_there(topic: Topic) -> bool:
-    """Whether anybody has to do with the topic but commands that look for it."""
-    nodes = any(not node.tool for node, _ in topic.subscribers)
-    return bool(topic.publishers or topic.traffic or nodes)
-
-
-def _situation(graph: Graph, topic: str) -> str:
-    """What is on the bus instead."""
+def situation(graph: Graph, topic: str) -> str:
+    """Who publishes a topic that is waited for; or what may have been meant, or is on the bus."""
     spelling = known_spelling(graph, topic)
     if spelling is not None:
         publishers = [node.name for node, _ in graph.topic(spelling).publishers]
@@ -123,4 +171,4 @@ def _situation(graph: Graph, topic: str) -> str:
         if near.startswith("did you mean"):
             return near
     seen = [name for name in graph.topic_names() if not is_hidden(name)]
-    return f"on the bus: {', '.join(seen[:8])}" if seen else "no topic is on the bus"
+    return f"on the bus: {', '.join(seen[:_MOST_NAMED])}" if seen else "no topic is on the bus"

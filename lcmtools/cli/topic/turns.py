@@ -2,17 +2,25 @@
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import click
 
+from lcmtools.bus.log_file import read_log
 from lcmtools.cli.find import ask_nodes, known_spelling, near_topic
-from lcmtools.cli.options import duration, topic_spellings
+from lcmtools.cli.options import topic_spellings
 from lcmtools.cli.output import talk
-from lcmtools.errors import NothingReceived
+from lcmtools.cli.topic.arrival import CLOCK, Arrival, ArrivalClock, is_simulated
+from lcmtools.cli.topic.payload import Decoder
+from lcmtools.cli.topic.stream import situation
+from lcmtools.errors import LcmtoolsError, NothingReceived, UnknownType
+from lcmtools.graph.builder import GraphBuilder
+from lcmtools.graph.model import Graph
+from lcmtools.messages.filter import Filter
+from lcmtools.messages.registry import message_class
 from lcmtools.wire.packet import Packet
 
 if TYPE_CHECKING:
@@ -21,9 +29,22 @@ if TYPE_CHECKING:
 _REPORT_PERIOD = 1.0  # [s]
 _PATIENCE = 2.0  # [s] without a message before the person is told what is on the bus
 
-timeout_option = click.option(
-    "--timeout", type=duration, help="Give up (exit code 4) when none comes so long."
-)
+
+@dataclass(frozen=True, slots=True)
+class How:
+    """What the command line says of listening.
+
+    Attributes:
+        timeout: How long to wait for a message [s]; None for without end.
+        count: After how many reports to end; None for never.
+        wall_time: Go by the computer's clock where a simulator keeps the time too.
+        condition: Only messages for which it is true count; None for all.
+    """
+
+    timeout: float | None = None
+    count: int | None = None
+    wall_time: bool = False
+    condition: Filter | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,77 +52,145 @@ class Turn:
     """What came in a moment.
 
     Attributes:
-        arrivals: Messages, each with the topic as it was typed.
+        arrivals: Messages of the topics.
+        now: The time by the clock that the arrivals go by [ns]; 0 where nothing keeps it.
         is_due: It is time to report.
+        is_last: A log has ended.
+        is_reset: Simulated time went back: what came before is of another time.
     """
 
-    arrivals: tuple[tuple[str, Packet], ...] = ()
+    arrivals: tuple[Arrival, ...]
+    now: int
     is_due: bool = False
+    is_last: bool = False
+    is_reset: bool = False
 
 
-@contextmanager
-def reported_when_interrupted(report: Callable[[], None]) -> Iterator[None]:
-    """Report once more when Ctrl-C ends what is within, so that a short measurement shows too."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        report()
-        raise
-
-
-def turns(watch: "Watch", topics: Sequence[str], timeout: float | None) -> Iterator[Turn]:
-    """Listen to topics; a report is due once a second and at the end of a log.
-
-    Args:
-        watch: The bus.
-        topics: The topics as typed.
-        timeout: How long to wait for the first message [s]; None for without end.
+def turns(watch: "Watch", topics: Sequence[str], how: How) -> Iterator[Turn]:
+    """Listen to topics; a report is due once a second. A log is read at once, by its own times.
 
     Raises:
-        NothingReceived: No message came within ``timeout``.
+        NothingReceived: No message came for as long as the timeout is.
+        LcmtoolsError: Nothing in a log is on the topics.
+        ValueMismatch: The condition does not fit a message.
     """
-    _subscribe(watch, topics)
+    sorter = _Sorter(watch, topics, how)
     try:
-        yield from _pulled(watch, topics, timeout)
-    except EOFError:  # the log has ended
-        yield Turn(is_due=True)
+        yield from sorter.log_turns() if watch.url.provider == "file" else sorter.live_turns()
+    except EOFError:  # the server of a tcpq bus is gone
+        yield Turn((), 0, is_due=True, is_last=True)
 
 
-def _subscribe(watch: "Watch", topics: Sequence[str]) -> None:
-    graph = ask_nodes(watch)
-    watch.listen_to([spelling for topic in topics for spelling in topic_spellings(topic)])
-    for topic in topics:
-        talk(f"subscribed to [{known_spelling(graph, topic) or topic_spellings(topic)[-1]}]")
+class _Sorter:
+    """Tells whose a packet is, and whether it counts."""
+
+    def __init__(self, watch: "Watch", topics: Sequence[str], how: How) -> None:
+        self._watch = watch
+        self._how = how
+        self._decoder = Decoder(watch)
+        self._clock = ArrivalClock(is_simulated=False)
+        self._spellings = {topic: set(topic_spellings(topic)) for topic in topics}
+        self._silent = set(topics)
+        self._has_told = False
+
+    def live_turns(self) -> Iterator[Turn]:
+        """Turns from a bus, without end."""
+        self._subscribe()
+        last = start = time.monotonic()
+        report = start + _REPORT_PERIOD
+        while True:
+            give_up = math.inf if self._how.timeout is None else last + self._how.timeout
+            left = min(report, give_up) - time.monotonic()
+            turn = self._turn(self._watch.receive(max(0.0, left)))
+            now = time.monotonic()
+            if turn.arrivals:
+                last = now
+            elif now >= give_up:
+                raise NothingReceived(f"nothing {self._which()} within {self._how.timeout:g} s")
+            yield Turn(turn.arrivals, turn.now, now >= report, is_reset=turn.is_reset)
+            if now >= report:
+                report += _REPORT_PERIOD
+                if _PATIENCE <= now - start < _PATIENCE + _REPORT_PERIOD:
+                    self._tell_silent()
+
+    def log_turns(self) -> Iterator[Turn]:
+        """Turns from a log, to its end."""
+        builder = GraphBuilder()
+        for packet in read_log(self._watch.url):
+            builder.hear(packet)
+            yield self._turn([packet])
+        yield Turn((), 0, is_due=True, is_last=True)
+        self._tell_missing(builder.snapshot(0))
+
+    def _turn(self, packets: Sequence[Packet]) -> Turn:
+        arrivals: list[Arrival] = []
+        is_reset = False
+        for packet in packets:
+            if self._clock.hear(packet):
+                arrivals.clear()
+                is_reset = True
+            when = self._clock.time(packet)
+            if when is not None:
+                arrivals += (Arrival(topic, packet, when) for topic in self._topics_of(packet))
+        self._silent.difference_update(arrival.topic for arrival in arrivals)
+        return Turn(tuple(arrivals), self._clock.now or time.time_ns(), is_reset=is_reset)
+
+    def _topics_of(self, packet: Packet) -> list[str]:
+        """The topics, as typed, that a packet counts for."""
+        found = [topic for topic, names in self._spellings.items() if packet.channel in names]
+        return found if found and self._counts(packet) else []
+
+    def _counts(self, packet: Packet) -> bool:
+        """Whether a message meets the condition; one that cannot be read does not."""
+        if self._how.condition is None:
+            return True
+        message = self._decoder.decode(packet)
+        if not isinstance(message, str):
+            return self._how.condition.matches(message)
+        if not self._has_told:
+            self._has_told = True
+            talk(f"{_command()}: a message on {packet.channel} has no known fields: {message}")
+        return False
+
+    def _subscribe(self) -> None:
+        graph = ask_nodes(self._watch)
+        self._clock.is_simulated = not self._how.wall_time and is_simulated(graph)
+        self._watch.listen_to([name for names in self._spellings.values() for name in names])
+        for topic in self._spellings:
+            spelling = known_spelling(graph, topic) or topic_spellings(topic)[-1]
+            self._check(graph, spelling)
+            talk(f"subscribed to [{spelling}]")
+        if self._clock.is_simulated:
+            talk(f"{_command()}: times are simulated, as {CLOCK} says; --wall-time for real ones")
+
+    def _check(self, graph: Graph, spelling: str) -> None:
+        """Find what the condition cannot mean before a message has come."""
+        types = graph.topic(spelling).types
+        if self._how.condition and len(types) == 1:
+            with suppress(UnknownType):
+                self._how.condition.check(message_class(types[0]))
+
+    def _which(self) -> str:
+        """What is waited for."""
+        condition = f", with {self._how.condition}," if self._how.condition else ""
+        return f"came on {', '.join(self._spellings)}{condition}"
+
+    def _tell_silent(self) -> None:
+        """Say on which topics nothing has come, and what may have been meant."""
+        condition = f" with {self._how.condition}" if self._how.condition else ""
+        for topic in (topic for topic in self._spellings if topic in self._silent):
+            hint = situation(self._watch.graph(), topic)
+            talk(f"{_command()}: no message on {topic}{condition} yet; {hint}")
+
+    def _tell_missing(self, graph: Graph) -> None:
+        """The same of a log."""
+        if len(self._silent) == len(self._spellings):
+            topics = ", ".join(self._spellings)
+            hint = near_topic(graph, next(iter(self._spellings)))
+            raise LcmtoolsError(f"the log has no message on {topics}", hint)
+        for topic in (topic for topic in self._spellings if topic in self._silent):
+            talk(f"{_command()}: the log has no message on {topic}; {near_topic(graph, topic)}")
 
 
-def _pulled(watch: "Watch", topics: Sequence[str], timeout: float | None) -> Iterator[Turn]:
-    spellings = {topic: set(topic_spellings(topic)) for topic in topics}
-    silent = set(topics)
-    start = time.monotonic()
-    report = start + _REPORT_PERIOD
-    give_up = math.inf if timeout is None else start + timeout
-    while True:
-        until = report if len(silent) < len(topics) else min(report, give_up)
-        packets = watch.receive(max(0.0, until - time.monotonic()))
-        arrivals = tuple(
-            (topic, packet)
-            for packet in packets
-            for topic, channels in spellings.items()
-            if packet.channel in channels
-        )
-        silent.difference_update(topic for topic, _ in arrivals)
-        now = time.monotonic()
-        if now >= give_up and len(silent) == len(topics):
-            raise NothingReceived(f"nothing came on {', '.join(topics)} within {timeout:g} s")
-        yield Turn(arrivals, is_due=now >= report)
-        if now >= report:
-            report += _REPORT_PERIOD
-            if _PATIENCE <= now - start < _PATIENCE + _REPORT_PERIOD:
-                _tell(watch, [topic for topic in topics if topic in silent])
-
-
-def _tell(watch: "Watch", silent: Sequence[str]) -> None:
-    """Say on which topics nothing has come, and what may have been meant."""
-    command = click.get_current_context().command_path
-    for topic in silent:
-        talk(f"{command}: no message on {topic} yet; {near_topic(watch.graph(), topic)}")
+def _command() -> str:
+    return click.get_current_context().command_path

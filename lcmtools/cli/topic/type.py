@@ -3,10 +3,14 @@
 import click
 
 from lcmtools.cli.describe import UNKNOWN, fingerprint_rows, type_text
-from lcmtools.cli.find import find_topic
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
+from lcmtools.cli.find import find_topic, known_spelling
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch, topic_spellings
 from lcmtools.cli.output import data, document
-from lcmtools.errors import LcmtoolsError
+from lcmtools.cli.topic.settled import settled
+from lcmtools.errors import LcmtoolsError, UsageError, ValueMismatch
+from lcmtools.graph.model import Graph, Topic
+from lcmtools.messages.path import Path, Target, parse_path, splits, target
+from lcmtools.messages.registry import message_class
 
 
 @click.command("type", context_settings=CONTEXT)
@@ -14,21 +18,63 @@ from lcmtools.errors import LcmtoolsError
 @json_option
 @bus_options
 def command(topic: str, *, as_json: bool) -> None:
-    """Print a topic's type.
+    """Print the type of a topic, or of a field of its messages.
+
+    Of a field it prints, as rostopic does, the topic's type, the field and the field's type.
 
     \b
     Examples:
       lcmtools type /husky0/odometry
-      lcmtools msg show $(lcmtools type /chatter)
+      lcmtools type /husky0/odometry/pose/covariance
+      lcmtools type /chatter | lcmtools msg show
     """  # noqa: D301 - \b is click's mark
+    topic_spellings(topic)  # an empty name is wrong whatever the bus is
     with open_watch("type") as watch:
-        found = find_topic(watch.settle(), topic)
+        graph = settled(watch)
+    found, path = _find(graph, topic)
     text = type_text(found)
-    if as_json:
+    if path.steps:
+        _show_field(found, text, path, as_json=as_json)
+    elif as_json:
         document({"topic": found.name, "type": None if text == UNKNOWN else text})
     elif text == UNKNOWN:
-        raise LcmtoolsError(
-            f"the type of {found.name} is not known", "; ".join(fingerprint_rows(found))
-        )
+        raise _unknown(found)
     else:
         data(text)
+
+
+def _find(graph: Graph, argument: str) -> tuple[Topic, Path]:
+    """The topic that an argument means, the longest there is, and the field path behind it."""
+    for topic, rest in splits(argument):
+        if known_spelling(graph, topic) is not None:
+            try:
+                return find_topic(graph, topic), parse_path(rest)
+            except UsageError as error:
+                raise LcmtoolsError(error.what, error.hint) from error
+    return find_topic(graph, argument), Path()
+
+
+def _show_field(topic: Topic, text: str, path: Path, *, as_json: bool) -> None:
+    if text == UNKNOWN:
+        raise _unknown(topic)
+    try:
+        found = target(message_class(text.partition(", ")[0]), path)
+    except ValueMismatch as error:  # as of a topic that is not there: exit code 1
+        raise LcmtoolsError(error.what, error.hint) from error
+    field = str(path).replace(".", "/")
+    if as_json:
+        document({"topic": topic.name, "type": text, "field": field, "field_type": _text(found)})
+    else:
+        data(f"{text} {field} {_text(found)}")
+
+
+def _text(found: Target) -> str:
+    """A type with its array sizes: "float64[36]", "float32[]"."""
+    sizes = ["[]"] * found.mapped
+    sizes += [f"[{size}]" if isinstance(size, int) else "[]" for size in found.dimensions]
+    return found.type + "".join(sizes)
+
+
+def _unknown(topic: Topic) -> LcmtoolsError:
+    rows = "; ".join(fingerprint_rows(topic))
+    return LcmtoolsError(f"the type of {topic.name} is not known", rows)

@@ -2,23 +2,29 @@
 
 import pytest
 
-from lcmtools.cli.topic.shown import Table
+from lcmtools.cli.topic.csv_rows import Table
+from lcmtools.messages.cells import cells
+from lcmtools.messages.plain import Plain
+
+
+def row(table: Table, time: int, plain: Plain, kind: str = "a/B") -> str | None:
+    return table.row({"%time": time, **cells(plain)}, kind)
 
 
 def test_a_row_has_the_columns_of_the_first_one() -> None:
     table = Table()
-    assert table.rows(1, {"a": [1, 2], "b": "x"}) == "%time,field.a0,field.a1,field.b\n1,1,2,x"
-    assert table.rows(2, {"a": [3, 4], "b": "y"}) == "2,3,4,y"
-    assert table.rows(3, {"a": [5], "b": "z"}) == "3,5,,z"
+    assert row(table, 1, {"a": [1, 2], "b": "x"}) == "%time,field.a0,field.a1,field.b\n1,1,2,x"
+    assert row(table, 2, {"a": [3, 4], "b": "y"}) == "2,3,4,y"
+    assert row(table, 3, {"a": [5], "b": "z"}) == "3,5,,z"
 
 
 def test_values_without_a_column_are_left_out_and_that_is_said_once(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     table = Table()
-    table.rows(1, {"a": [1]})
-    assert table.rows(2, {"a": [2, 3]}) == "2,2"
-    assert table.rows(3, {"a": [4, 5]}) == "3,4"
+    row(table, 1, {"a": [1]})
+    assert row(table, 2, {"a": [2, 3]}) == "2,2"
+    assert row(table, 3, {"a": [4, 5]}) == "3,4"
     assert capsys.readouterr().err == (
         "lcmtools echo: no column for 1 more in an array that was shorter in the first message;"
         " --field with a slice gives all rows the same columns\n"
@@ -27,4 +33,18 @@ def test_values_without_a_column_are_left_out_and_that_is_said_once(
 
 def test_text_is_quoted_where_it_must_be() -> None:
     table = Table()
-    assert table.rows(1, 'a, "b"\nc').splitlines() == ["%time,field", '1,"a, ""b""', 'c"']
+    assert row(table, 1, 'a, "b"\nc') == '%time,field\n1,"a, ""b""\nc"'
+
+
+def test_messages_of_another_type_are_left_out_and_that_is_said_once(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    table = Table()
+    row(table, 1, 5, "std_msgs/Int32")
+    assert row(table, 2, "x", "std_msgs/String") is None
+    assert row(table, 3, "y", "std_msgs/String") is None
+    assert row(table, 4, 6, "std_msgs/Int32") == "4,6"
+    assert capsys.readouterr().err == (
+        "lcmtools echo: messages of std_msgs/String are left out: the columns are those of"
+        " std_msgs/Int32\n"
+    )

@@ -1,0 +1,186 @@
+"""How fast pictures of a world are made, beside the engine's own software renderer.
+
+The world has 26 boxes: four walls, four tables of five pieces, two crates. Rows: pictures as a
+camera turns round in its middle; milliseconds (median), and how many times faster than pybullet's
+getCameraImage (TinyRenderer, shadows off), in turn in one run. Then what follows a picture.
+
+    python bench/vision.py [--pictures N]
+"""
+
+import math
+import statistics
+import time
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+
+import numpy as np
+import pybullet
+from common import parser, show
+
+from lcmtools_sim.rotation import Vector, from_euler
+from lcmtools_sim.shapes import Cuboid, Part
+from lcmtools_sim.vision.camera import Camera, optical
+from lcmtools_sim.vision.cloud import cloud_message
+from lcmtools_sim.vision.color import color_image
+from lcmtools_sim.vision.depth import Sight, look
+from lcmtools_sim.vision.encode import METRES, compressed_message, depth_message, in_millimetres
+from lcmtools_sim.vision.noise import KINECT, noisy
+from lcmtools_sim.vision.rays import cast
+from lcmtools_sim.vision.solids import solids_of
+from lcmtools_sim.vision.surfaces import Field
+
+EYE: Vector = (-1.0, 0.2, 0.4)
+NEAR, FAR = 0.5, 8.0
+FIELD_OF_VIEW = math.radians(57)
+Work = Callable[[float], object]
+
+
+def boxes() -> Iterator[Part]:
+    """The world's."""
+    for x, y, size in ((5, 0, (0.2, 10, 1)), (-5, 0, (0.2, 10, 1))):
+        yield Part(Cuboid(size), (x, y, 0.5))
+        yield Part(Cuboid((size[1], size[0], 1)), (y, x, 0.5))
+    for x, y, yaw in ((2, 1, 0.3), (3, -2, 1.0), (-2, 2, 0.2), (-3, -3, 2.0)):
+        turn = from_euler(0, 0, yaw)
+        yield Part(Cuboid((1.2, 0.8, 0.04)), (x, y, 0.73), turn)
+        for along in (-0.55, 0.55):
+            for across in (-0.35, 0.35):
+                dx = math.cos(yaw) * along - math.sin(yaw) * across
+                dy = math.sin(yaw) * along + math.cos(yaw) * across
+                yield Part(Cuboid((0.05, 0.05, 0.71)), (x + dx, y + dy, 0.355), turn)
+    yield Part(Cuboid((0.5, 0.5, 0.5)), (2.5, -0.6, 0.25), from_euler(0, 0, 0.5))
+    yield Part(Cuboid((0.5, 0.5, 0.5)), (4, 2.6, 0.25))
+
+
+PARTS = tuple(boxes())
+WORLD = solids_of(PARTS, (0.5, 0.5, 0.5))
+
+
+def engine() -> int:
+    """The same world in the engine; its client's number."""
+    client: int = pybullet.connect(pybullet.DIRECT)
+    plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=client)
+    pybullet.createMultiBody(0, plane, physicsClientId=client)
+    for part in PARTS:
+        assert isinstance(part.shape, Cuboid)
+        half = [size / 2 for size in part.shape.size]
+        kind = pybullet.GEOM_BOX
+        solid = pybullet.createCollisionShape(kind, halfExtents=half, physicsClientId=client)
+        looks = pybullet.createVisualShape(kind, halfExtents=half, physicsClientId=client)
+        place = part.position, part.rotation
+        pybullet.createMultiBody(0, solid, looks, *place, physicsClientId=client)
+    return client
+
+
+def engine_picture(client: int, camera: Camera, yaw: float) -> object:
+    """What the engine's renderer makes of it."""
+    ahead = EYE[0] + math.cos(yaw), EYE[1] + math.sin(yaw), EYE[2]
+    return pybullet.getCameraImage(
+        camera.width,
+        camera.height,
+        pybullet.computeViewMatrix(EYE, ahead, (0, 0, 1)),
+        pybullet.computeProjectionMatrix(*camera.frustum(0.05), 0.05, 100.0),
+        shadow=0,
+        renderer=pybullet.ER_TINY_RENDERER,
+        physicsClientId=client,
+    )
+
+
+def engine_rays(client: int, directions: np.ndarray) -> object:
+    """The engine's rays as long as a laser's."""
+    ends = (np.array(EYE) + 10 * directions).tolist()
+    return pybullet.rayTestBatch([EYE] * len(ends), ends, physicsClientId=client)
+
+
+def measure(works: Sequence[Work], count: int) -> list[float]:
+    """Milliseconds of each, in turn at ``count`` headings, the median."""
+    times: list[list[float]] = [[] for _ in works]
+    for number in range(count):
+        for work, spent in zip(works, times, strict=True):
+            begun = time.perf_counter()
+            work(number * math.tau / count)
+            spent.append(1e3 * (time.perf_counter() - begun))
+    return [statistics.median(spent) for spent in times]
+
+
+def seen(camera: Camera, yaw: float) -> Sight:
+    """What this project makes of it."""
+    return look(WORLD, camera, EYE, optical(from_euler(0, 0, yaw)), FAR)
+
+
+def compare_pictures(client: int, count: int) -> None:
+    """Print the table of pictures."""
+    rows = []
+    for size in ((160, 120), (320, 240), (640, 480)):
+        camera = Camera(*size, FIELD_OF_VIEW)
+        theirs, depth, color = measure(
+            [
+                partial(engine_picture, client, camera),
+                partial(seen, camera),
+                lambda yaw, camera=camera: color_image(seen(camera, yaw)),
+            ],
+            count,
+        )
+        name = f"{camera.width}x{camera.height}"
+        rows.append((name, theirs, depth, theirs / depth, color, theirs / color))
+    columns = ("pixels", "pybullet", "depth", "times faster", "depth and colour", "times faster")
+    show("pictures, 26 boxes [ms]", columns, rows)
+
+
+def compare_lasers(client: int, count: int) -> None:
+    """Print the table of lasers."""
+    rows = []
+    for number in (200, 720):
+        angles = np.linspace(-1, 1, number)
+        rays = np.stack((np.cos(angles), np.sin(angles), np.zeros(number)), axis=-1)
+        theirs, ours = measure(
+            [
+                lambda _yaw, rays=rays: engine_rays(client, rays),
+                lambda _yaw, rays=rays: cast(WORLD, EYE, rays, 10.0),
+            ],
+            count,
+        )
+        rows.append((f"{number} rays", theirs, ours, theirs / ours))
+    show("lasers, 26 boxes [ms]", ("rays", "pybullet", "cast", "times faster"), rows)
+
+
+def follow_ups(count: int) -> None:
+    """Print what it takes to send a picture."""
+    camera, random = Camera(640, 480, FIELD_OF_VIEW), np.random.default_rng(1)
+    sight = seen(camera, 0.0)
+    color, rough = color_image(sight), noisy(sight.depth, KINECT, random)
+    works = {
+        "noise": lambda _yaw: noisy(sight.depth, KINECT, random),
+        "32FC1": lambda _yaw: depth_message(sight.depth, METRES, NEAR, FAR),
+        "16UC1": lambda _yaw: in_millimetres(sight.depth, NEAR, FAR),
+        "PNG of depth": lambda _yaw: png(sight.depth),
+        "PNG of depth with noise": lambda _yaw: png(rough),
+        "PNG of colour": lambda _yaw: compressed_message(color),
+        "point cloud": lambda _yaw: cloud_message(sight.depth, camera, NEAR, FAR),
+        "point cloud with colour": lambda _yaw: cloud_message(
+            sight.depth, camera, NEAR, FAR, color
+        ),
+    }
+    times = measure(list(works.values()), count)
+    show("then, for 640x480 [ms]", ("", "time"), list(zip(works, times, strict=True)))
+
+
+def png(depth: Field) -> object:
+    """Depth as a compressed message."""
+    return compressed_message(in_millimetres(depth, NEAR, FAR))
+
+
+def main() -> None:
+    """Measure and print the tables."""
+    command = parser(__doc__)
+    command.add_argument("--pictures", type=int, default=36, help="headings of the camera")
+    count = command.parse_args().pictures
+    client = engine()
+    compare_pictures(client, count)
+    compare_lasers(client, count)
+    follow_ups(count)
+    pybullet.disconnect(client)
+
+
+if __name__ == "__main__":
+    main()

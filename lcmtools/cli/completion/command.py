@@ -1,0 +1,51 @@
+"""``lcmtools completion``."""
+
+import os
+
+import click
+
+from lcmtools.cli.completion.install import install, plan, script, shell_named, uninstall
+from lcmtools.cli.completion.tree import Tree
+from lcmtools.cli.options import CONTEXT
+from lcmtools.cli.output import data, talk
+from lcmtools.errors import UsageError
+
+
+@click.command("completion", context_settings=CONTEXT)
+@click.argument("shell", metavar="[bash|zsh|fish]", required=False)
+@click.option("--install", "is_install", is_flag=True, help="Turn completion on for good.")
+@click.option("--uninstall", "is_uninstall", is_flag=True, help="Undo --install.")
+def command(shell: str | None, *, is_install: bool, is_uninstall: bool) -> None:
+    """Complete commands, topics, types, fields, messages and more with the TAB key.
+
+    Prints the script that makes the shell do so; --install puts it where the shell finds it. The
+    shell is the one in SHELL, if none is named.
+
+    \b
+    Examples:
+      lcmtools completion --install
+      lcmtools completion zsh --install
+      lcmtools completion bash > lcmtools.bash
+    """  # noqa: D301 - \b is click's mark
+    if is_install and is_uninstall:
+        raise UsageError("--install and --uninstall exclude each other", "use one of them")
+    name = shell_named(shell, os.environ)
+    if is_uninstall:
+        for done in uninstall(plan(name, os.environ)):
+            talk(done)
+        return
+    if is_install:
+        wanted = plan(name, os.environ)
+        for done in install(name, wanted):
+            talk(done)
+        talk(f"start a new shell, or type: {wanted.restart}")
+    else:
+        data(script(name).rstrip("\n"))
+    _prepare()
+
+
+def _prepare() -> None:
+    """Have what each command takes ready, so that the first TAB is answered as fast as others."""
+    tree = Tree(os.environ)
+    tree.describe_all()
+    tree.keep()

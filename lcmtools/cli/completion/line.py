@@ -1,0 +1,139 @@
+"""Which word of a command line the cursor is at: a command, an option, or a value, and of what.
+
+Plain decisions on words and the commands' descriptions, as click would parse them.
+"""
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+from lcmtools.cli.completion.tree import Argument, Command, Option
+
+Describe = Callable[[Sequence[str]], Command | None]
+
+_NUMBER = re.compile(r"-(\.?\d|\.?inf)", re.IGNORECASE)
+
+
+@dataclass(slots=True)
+class Place:
+    """Where the cursor is.
+
+    Attributes:
+        path: The words of the command so far.
+        command: What it takes.
+        given: What stands before, by the parameters' names.
+        kind: What the word is (see ``words.table``); "commands" and "options" as well.
+        before: What stands in the same word before the value: "--field=".
+        options_are_over: Behind "--", or behind the first argument of a command that has it so.
+        arguments: How many arguments stand before.
+    """
+
+    path: list[str]
+    command: Command
+    given: dict[str, list[str]] = field(default_factory=dict)
+    kind: str = ""
+    before: str = ""
+    options_are_over: bool = False
+    arguments: int = 0
+
+    def unused_options(self) -> list[Option]:
+        """The options that could still be given."""
+        return [
+            one
+            for one in self.command.options
+            if not one.is_hidden and (one.repeats or not self.given.get(one.parameter))
+        ]
+
+
+def locate(words: Sequence[str], word: str, describe: Describe) -> Place | None:
+    """The place of a word.
+
+    Args:
+        words: The words before it, without the program's name.
+        word: What is typed of it.
+        describe: What a command takes.
+
+    Returns:
+        None where a command stands before that does not exist.
+    """
+    root = describe(())
+    place = Place([], root) if root else None
+    rest = iter(words)
+    for one in rest:
+        if place is None:
+            return None
+        option, value = _option_of(place, one)
+        if option is not None:
+            if not _take_option(place, option, value, rest):
+                return place
+        elif one == "--" and not place.options_are_over:
+            place.options_are_over = True
+        elif not _is_option(place, one):
+            place = _take_argument(place, one, describe)
+    return place and _at(place, word)
+
+
+def _take_option(place: Place, option: Option, value: str | None, rest: Iterator[str]) -> bool:
+    """Note an option with its value; False where the value is the word at the cursor."""
+    if option.kind is not None and value is None:
+        value = next(rest, None)
+        if value is None:
+            place.kind = option.kind
+            return False
+    place.given.setdefault(option.parameter, []).append(value or "")
+    return True
+
+
+def _at(place: Place, word: str) -> Place:
+    """What the word itself is."""
+    option, value = _option_of(place, word)
+    if option is not None and value is not None and "=" in word:
+        place.kind = option.kind or ""
+        place.before = word[: len(word) - len(value)]
+    elif _is_option(place, word):
+        place.kind = "options"
+    elif place.command.commands:
+        place.kind = "commands"
+    else:
+        argument = _argument(place)
+        place.kind = argument.kind if argument else "options"
+    return place
+
+
+def _take_argument(place: Place, word: str, describe: Describe) -> Place | None:
+    """Go on behind an argument, or into a command of a group."""
+    if place.command.commands:
+        path = [*place.path, word]
+        command = describe(path) if word in place.command.commands else None
+        return Place(path, command, place.given) if command else None
+    argument = _argument(place)
+    if argument:
+        place.given.setdefault(argument.parameter, []).append(word)
+        place.arguments += 1
+        place.options_are_over |= not place.command.is_mixed
+    return place
+
+
+def _argument(place: Place) -> Argument | None:
+    """The argument that comes next."""
+    arguments = place.command.arguments
+    if place.arguments < len(arguments):
+        return arguments[place.arguments]
+    return arguments[-1] if arguments and arguments[-1].repeats else None
+
+
+def _option_of(place: Place, word: str) -> tuple[Option | None, str | None]:
+    """The option that a word is, and the value in the same word, None where there is none."""
+    if place.options_are_over or not word.startswith("-"):
+        return None, None
+    name, equals, value = word.partition("=")
+    for option in place.command.options:
+        if name in option.names and (not equals or name.startswith("--")):
+            return option, value if equals else None
+        if option.kind is not None and not word.startswith("--") and word[:2] in option.names:
+            return option, word[2:]
+    return None, None
+
+
+def _is_option(place: Place, word: str) -> bool:
+    return word.startswith("-") and not place.options_are_over and not _NUMBER.match(word)

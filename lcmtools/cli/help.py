@@ -1,0 +1,31 @@
+"""``lcmtools help``."""
+
+import click
+
+from lcmtools.cli.lazy import COMMAND
+from lcmtools.cli.options import CONTEXT
+from lcmtools.cli.output import data
+
+
+@click.command("help", context_settings=CONTEXT)
+@click.argument("words", metavar="[COMMAND...]", nargs=-1)
+@click.pass_context
+def command(ctx: click.Context, words: tuple[str, ...]) -> None:
+    """Show the help of a command, as COMMAND --help does.
+
+    \b
+    Examples:
+      lcmtools help echo
+      lcmtools help node info
+    """  # noqa: D301 - \b is click's mark
+    context = ctx.find_root()
+    for word in words:
+        group = context.command
+        if not isinstance(group, click.Group):
+            ctx.fail(f"{context.command_path} has no commands below it")
+        name, below, _ = group.resolve_command(context, [word])
+        if below is None:
+            ctx.fail(f"no such command '{word}'")
+        context = below.make_context(name, [], parent=context, resilient_parsing=True)
+    context.meta[COMMAND] = ctx.command_path  # on the way it became the command that is looked up
+    data(context.get_help())

@@ -1,0 +1,138 @@
+"""The sections of ``lcmtools node info``: what a node does, its process, its peers."""
+
+import time
+from collections.abc import Iterator, Sequence
+
+from lcmtools.bus.processes import usage_of
+from lcmtools.bus.programs import is_here, user_name
+from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.names import is_hidden
+
+_TITLES = {
+    Role.PUBLISHER: "Publications",
+    Role.SUBSCRIBER: "Subscriptions",
+    Role.SERVICE: "Services",
+    Role.CLIENT: "Service clients",
+}
+
+
+def roles(node: Node, *, show_hidden: bool) -> list[str]:
+    """What it publishes, subscribes to, serves and calls, with types."""
+    rows = []
+    for role, title in _TITLES.items():
+        shown = [e for e in node.having(role) if show_hidden or not is_hidden(e.topic)]
+        if shown or role is not Role.CLIENT:  # rosnode has no such section
+            rows += [*_section(title, shown), ""]
+    return rows
+
+
+def process(node: Node, now: int) -> list[str]:
+    """Where it runs, since when, and what it takes where that is this computer."""
+    rows = [f"Host: {node.host}", f"Pid: {node.pid}", f"Command: {node.command}"]
+    if node.stale:
+        return [*rows, f"Stale: {node.stale}"]
+    rows += usage(node.pid, now) if is_here(node) else []
+    return [*rows, f"Up for: {(now - node.start_time) / 1e9:.0f} s"]
+
+
+def usage(pid: int, now: int) -> list[str]:
+    """What a process of this computer takes; nothing where the system does not tell."""
+    taken = usage_of(pid)
+    if taken is None:
+        return []
+    started = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(taken.start_time / 1e9))
+    share = _share(taken.processor_time, taken.start_time, now)
+    return [
+        f"User: {user_name(taken.uid)}",
+        f"Started: {started}",
+        f"Memory: {taken.memory_bytes / 1e6:.1f} MB",
+        f"Processor: {share:.1f} % of a core since it started",
+    ]
+
+
+def counters(node: Node) -> list[str]:
+    """How much went over each topic, on the average how often, and what was lost."""
+    rows = [_counter(node, endpoint) for endpoint in _ends(node)]
+    return ["Counters:", *rows] if rows else []
+
+
+def connections(node: Node, graph: Graph) -> list[str]:
+    """The other nodes that this one's topics lead to."""
+    rows = []
+    for endpoint, direction, peers in _peers(node, graph):
+        for peer in peers:
+            rows += [f" * topic: {endpoint.topic}", f"    * {direction}: {peer}"]
+    return ["Connections:", *(rows or [" * none"])]
+
+
+def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
+    """All of it, for JSON."""
+    taken = usage_of(node.pid) if is_here(node) and not node.stale else None
+    return {
+        "publications": [_endpoint_record(e) for e in node.having(Role.PUBLISHER)],
+        "subscriptions": [_endpoint_record(e) for e in node.having(Role.SUBSCRIBER)],
+        "services": [_endpoint_record(e) for e in node.having(Role.SERVICE)],
+        "service_clients": [_endpoint_record(e) for e in node.having(Role.CLIENT)],
+        "connections": [
+            {"topic": endpoint.topic, "direction": direction, "node": peer}
+            for endpoint, direction, peers in _peers(node, graph)
+            for peer in peers
+        ],
+        "up_time": None if node.stale else (now - node.start_time) / 1e9,
+        "user": user_name(taken.uid) if taken else None,
+        "memory_bytes": taken.memory_bytes if taken else None,
+        "processor_time": taken.processor_time if taken else None,
+    }
+
+
+def _section(title: str, endpoints: Sequence[Endpoint]) -> list[str]:
+    if not endpoints:
+        return [f"{title}: None"]
+    return [f"{title}: ", *(f" * {_endpoint_text(endpoint)}" for endpoint in endpoints)]
+
+
+def _endpoint_text(endpoint: Endpoint) -> str:
+    types = " or ".join(endpoint.types) or "unknown type"
+    drops = f", {endpoint.drops} dropped" if endpoint.drops else ""
+    return f"{endpoint.topic} [{types}]{drops}"
+
+
+def _counter(node: Node, endpoint: Endpoint) -> str:
+    verb = "sent" if endpoint.role is Role.PUBLISHER else "received"
+    seconds = (endpoint.last_time - node.start_time) / 1e9
+    parts = [f"{endpoint.messages} {verb}", f"{endpoint.bytes} bytes"]
+    if endpoint.messages > 1 and seconds > 0:
+        parts.append(f"{endpoint.messages / seconds:.3g} Hz on average")
+    if endpoint.drops:
+        parts.append(f"{endpoint.drops} dropped")
+    return f" * {endpoint.topic}: {', '.join(parts)}"
+
+
+def _ends(node: Node) -> tuple[Endpoint, ...]:
+    return node.having(Role.PUBLISHER) + node.having(Role.SUBSCRIBER)
+
+
+def _peers(node: Node, graph: Graph) -> Iterator[tuple[Endpoint, str, list[str]]]:
+    """Each topic of a node with the names of the other nodes at its other end."""
+    for endpoint in _ends(node):
+        topic = graph.topic(endpoint.topic)
+        outbound = endpoint.role is Role.PUBLISHER
+        peers = topic.subscribers if outbound else topic.publishers
+        names = [peer.name for peer, _ in peers if peer.id != node.id]
+        yield endpoint, "to" if outbound else "from", names
+
+
+def _share(processor_time: float, start_time: int, now: int) -> float:
+    """Processor time in percent of one core since the start."""
+    return 100 * processor_time / max(1e-9, (now - start_time) / 1e9)
+
+
+def _endpoint_record(endpoint: Endpoint) -> dict[str, object]:
+    return {
+        "topic": endpoint.topic,
+        "types": list(endpoint.types),
+        "depth": endpoint.depth,
+        "messages": endpoint.messages,
+        "bytes": endpoint.bytes,
+        "drops": endpoint.drops,
+    }

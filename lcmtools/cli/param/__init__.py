@@ -1,0 +1,1 @@
+"""The verbs of ``lcmtools param``, one file each."""

@@ -1,0 +1,75 @@
+"""``lcmtools param dump``."""
+
+import contextlib
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from lcmtools.cli.options import CONTEXT, bus_options, json_option
+from lcmtools.cli.output import document, lines
+from lcmtools.cli.param.ask import complain_of, living_nodes, look, timeout_option
+from lcmtools.cli.param.shown import json_values, tree
+from lcmtools.cli.param.target import find_target
+from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.graph.model import Graph, Node
+
+_MOST_WORDS = 2
+
+
+@click.command("dump", context_settings=CONTEXT)
+@click.argument("words", metavar="[FILE] [NODE]", nargs=-1)
+@click.option("-o", "--output", metavar="FILE", help="Write into this file.")
+@timeout_option
+@json_option
+@bus_options
+def command(words: tuple[str, ...], *, output: str | None, timeout: float, as_json: bool) -> int:
+    """Write the parameters of a node, a namespace or all nodes as YAML, for param load.
+
+    Without a FILE it goes to standard output.
+
+    \b
+    Examples:
+      lcmtools param dump simple_controller
+      lcmtools param dump gains.yaml /husky0
+      lcmtools param dump -o all.yaml
+    """  # noqa: D301 - \b is click's mark
+    asker = look(timeout)
+    file, nodes = _meant(asker.graph, words, output)
+    answers, errors = asker.ask(nodes) if nodes else ({}, [])
+    if as_json:
+        document({node: json_values(parameters) for node, parameters in answers.items()})
+    elif file in (None, "-"):
+        lines(tree(answers))
+    elif not errors:  # half of a file is worse than none
+        _write(str(file), "".join(f"{row}\n" for row in tree(answers)))
+    return complain_of(errors)
+
+
+def _meant(
+    graph: Graph, words: Sequence[str], output: str | None
+) -> tuple[str | None, Sequence[Node]]:
+    """The file and the nodes that are meant; rosparam writes the file first, ros2 has no file.
+
+    Raises:
+        UsageError: There are too many words.
+        LcmtoolsError: There is no such node.
+    """
+    if len(words) > _MOST_WORDS or (output and len(words) > 1):
+        raise UsageError("there is more than a file and a node", "see lcmtools param dump --help")
+    if not words:
+        return output, living_nodes(graph, show_all=True)
+    if output or len(words) == _MOST_WORDS:
+        return output or words[0], find_target(graph, words[-1:]).nodes
+    with contextlib.suppress(LcmtoolsError):
+        return None, find_target(graph, words).nodes
+    if words[0] == "-" or "." in words[0]:
+        return words[0], living_nodes(graph, show_all=True)
+    return None, find_target(graph, words).nodes
+
+
+def _write(file: str, text: str) -> None:
+    try:
+        Path(file).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise LcmtoolsError(f"cannot write {file}: {error.strerror or error}") from error

@@ -1,0 +1,56 @@
+"""``lcmtools param list``."""
+
+import click
+
+from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option
+from lcmtools.cli.output import document, lines, talk
+from lcmtools.cli.param.ask import complain_of, living_nodes, look, timeout_option
+from lcmtools.cli.param.shown import record
+from lcmtools.cli.param.target import find_target
+
+
+@click.command("list", context_settings=CONTEXT)
+@click.argument("node", default="")
+@click.option("-t", "--show-types", is_flag=True, help="Show each parameter's type.")
+@click.option("-v", "--values", "show_values", is_flag=True, help="Show each parameter's value.")
+@timeout_option
+@all_option
+@json_option
+@bus_options
+def command(
+    node: str,
+    *,
+    show_types: bool,
+    show_values: bool,
+    timeout: float,
+    show_all: bool,
+    as_json: bool,
+) -> int:
+    """List the parameters of the nodes on the bus, by their full names.
+
+    NODE may be a namespace too. Exits with 4 when a node does not answer.
+
+    \b
+    Examples:
+      lcmtools param list
+      lcmtools param list simple_controller -v
+    """  # noqa: D301 - \b is click's mark
+    asker = look(timeout)
+    if node:
+        nodes = list(find_target(asker.graph, [node]).nodes)
+    else:
+        nodes = living_nodes(asker.graph, show_all=show_all)
+    answers, errors = asker.ask(nodes) if nodes else ({}, [])
+    found = [(name, p) for name, parameters in answers.items() for p in parameters.values()]
+    if as_json:
+        document([record(name, parameter) for name, parameter in found])
+    else:
+        lines(
+            f"{name}/{p.name}"
+            + (f" [{p.kind}]" if show_types else "")
+            + (f": {p.text}" if show_values else "")
+            for name, p in found
+        )
+    if not nodes:
+        talk(f"no node with parameters on {asker.url}")
+    return complain_of(errors)

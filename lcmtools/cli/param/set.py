@@ -1,0 +1,62 @@
+"""``lcmtools param set``."""
+
+from collections.abc import Mapping
+
+import click
+
+from lcmtools.cli.options import CONTEXT, bus_options
+from lcmtools.cli.output import talk
+from lcmtools.cli.param.ask import Asker, look, timeout_option
+from lcmtools.cli.param.target import Target, find_target
+from lcmtools.cli.words import CommandWithWords
+from lcmtools.errors import UsageError
+from lcmtools.messages.setting import ANY, text_of
+from lcmtools.messages.yaml_input import parse_values
+
+_EXAMPLE = "for example: lcmtools param set /husky0/simple_controller kp 0.5"
+
+
+@click.command("set", cls=CommandWithWords, context_settings=CONTEXT)
+@click.argument("words", metavar="NODE NAME VALUE", nargs=-1)
+@timeout_option
+@bus_options
+def command(words: tuple[str, ...], *, timeout: float) -> None:
+    """Change a parameter of a node that runs: NODE NAME VALUE, or /node/name VALUE.
+
+    VALUE is YAML, and of the type that the parameter has. Several parameters of a node change
+    together, or none does, when VALUE is a dict. What the node refuses is said, with exit code 1.
+
+    \b
+    Examples:
+      lcmtools param set simple_controller kp 0.5
+      lcmtools param set /husky0/simple_controller/kp 0.5
+      lcmtools param set simple_controller "{kp: 0.5, ki: 3.3}"
+    """  # noqa: D301 - \b is click's mark
+    if len(words) not in (2, 3):
+        problem = "the value is missing" if len(words) < 2 else "there are more words than a value"  # noqa: PLR2004
+        hint = _EXAMPLE if len(words) < 2 else "put the value in quotes"  # noqa: PLR2004 - name and value
+        raise UsageError(problem, hint)
+    asker = look(timeout)
+    target = find_target(asker.graph, words[:-1])
+    texts = _texts(asker, target, words[-1])
+    parameters = asker.set(target.node, texts)
+    for name in texts:
+        talk(f"{target.node.name}/{name} is now {parameters[name].text}")
+
+
+def _texts(asker: Asker, target: Target, value: str) -> Mapping[str, str]:
+    """The new values by name: one, or those in a dict.
+
+    Raises:
+        UsageError: It is not said which parameter is meant.
+    """
+    if target.parameter is not None:
+        return {target.parameter: value}
+    values = parse_values([value])
+    if not isinstance(values, dict):
+        raise UsageError(
+            f"the parameter's name or its value is missing, for {target.node.name}", _EXAMPLE
+        )
+    known = asker.ask_one(target.node)
+    kinds = {name: known[name].kind if name in known else ANY for name in values}
+    return {name: text_of(part, kinds[name]) for name, part in values.items()}

@@ -1,0 +1,1 @@
+"""The verbs of ``lcmtools service``, one file each."""

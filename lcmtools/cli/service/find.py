@@ -1,0 +1,32 @@
+"""``lcmtools service find``."""
+
+import click
+
+from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_watch
+from lcmtools.cli.output import document, lines, talk
+from lcmtools.cli.service.offered import shown
+from lcmtools.messages.registry import service_name
+
+
+@click.command("find", context_settings=CONTEXT)
+@click.argument("type_", metavar="TYPE")
+@all_option
+@json_option
+@bus_options
+def command(type_: str, *, show_all: bool, as_json: bool) -> None:
+    """List the services of a type.
+
+    TYPE is std_srvs/Trigger, std_srvs/srv/Trigger, std_srvs.Trigger or Trigger.
+
+    \b
+    Examples:
+      lcmtools service find std_srvs/Trigger
+      lcmtools service find SetBool --json
+    """  # noqa: D301 - \b is click's mark
+    name = service_name(type_)
+    with open_watch("service_find") as watch:
+        graph, url = watch.settle(foreign=False), watch.url
+    found = [s.name for s in shown(graph, show_all=show_all) if name in s.types]
+    document(found) if as_json else lines(found)
+    if not found:
+        talk(f"no services of type {name} on {url}")

@@ -1,0 +1,61 @@
+"""``lcmtools service info``."""
+
+import click
+
+from lcmtools.cli.describe import listed_node, node_record
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
+from lcmtools.cli.output import document, lines
+from lcmtools.cli.service.offered import Offered, arguments, find_service
+from lcmtools.graph.model import Endpoint, Node
+
+
+@click.command("info", context_settings=CONTEXT)
+@click.argument("services", metavar="SERVICE...", nargs=-1, required=True)
+@json_option
+@bus_options
+def command(services: tuple[str, ...], *, as_json: bool) -> None:
+    """Show who answers a service, its type and its arguments, and who calls it.
+
+    \b
+    Examples:
+      lcmtools service info /reset
+      lcmtools service info /reset --json
+    """  # noqa: D301 - \b is click's mark
+    with open_watch("service_info") as watch:
+        graph = watch.settle(foreign=False)
+    found = [find_service(graph, name) for name in services]
+    if as_json:
+        document([_record(service) for service in found])
+        return
+    rows = ([f"Service: {s.name}"] if len(found) > 1 else [] for s in found)
+    lines(row for heading, s in zip(rows, found, strict=True) for row in [*heading, *_text(s)])
+
+
+def _text(service: Offered) -> list[str]:
+    """As rosservice info prints it, with the process beside the node."""
+    rows = [row for node, endpoint in service.servers for row in _server(node, endpoint)]
+    names = arguments(service)
+    rows.append(f"Type: {service.type_text}")
+    rows.append(f"Args: {'unknown' if names is None else ' '.join(names)}")
+    if service.clients:
+        rows += ["Clients:", *(f" * {listed_node(node)}" for node in service.clients)]
+    return rows
+
+
+def _server(node: Node, endpoint: Endpoint) -> list[str]:
+    return [
+        f"Node: {listed_node(node)}",
+        f"Host: {node.host}",
+        f"Pid: {node.pid}",
+        f"Calls: {endpoint.messages}",
+    ]
+
+
+def _record(service: Offered) -> dict[str, object]:
+    return {
+        "service": service.name,
+        "types": list(service.types),
+        "args": arguments(service),
+        "servers": [{**node_record(n), "calls": e.messages} for n, e in service.servers],
+        "clients": [node.name for node in service.clients],
+    }

@@ -1,0 +1,57 @@
+"""``lcmtools service list``."""
+
+import click
+
+from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_watch
+from lcmtools.cli.output import document, lines, talk
+from lcmtools.cli.service.offered import Offered, shown
+
+
+@click.command("list", context_settings=CONTEXT)
+@click.argument("namespace", default="")
+@click.option("-t", "--show-types", is_flag=True, help="Show each service's type.")
+@click.option("-n", "--nodes", "show_nodes", is_flag=True, help="Show the nodes that answer.")
+@all_option
+@json_option
+@bus_options
+def command(
+    namespace: str, *, show_types: bool, show_nodes: bool, show_all: bool, as_json: bool
+) -> None:
+    """List the services that nodes offer.
+
+    NAMESPACE keeps the services that are it or stand below it.
+
+    \b
+    Examples:
+      lcmtools service list
+      lcmtools service list -t /husky0
+    """  # noqa: D301 - \b is click's mark
+    with open_watch("service_list") as watch:
+        graph, url = watch.settle(foreign=False), watch.url
+    services = shown(graph, namespace, show_all=show_all)
+    if as_json:
+        document([_record(service) for service in services])
+    else:
+        lines(_row(s, show_types=show_types, show_nodes=show_nodes) for s in services)
+    if not services:
+        talk(f"no services{f' in {namespace}' if namespace else ''} on {url}")
+
+
+def _row(service: Offered, *, show_types: bool, show_nodes: bool) -> str:
+    words = [service.name]
+    if show_types:
+        words.append(f"[{service.type_text}]")
+    if show_nodes:
+        words += [node.name for node, _ in service.servers]
+    if not service.is_alive:
+        words.append(f"(stale: {service.servers[0][0].stale})")
+    return " ".join(words)
+
+
+def _record(service: Offered) -> dict[str, object]:
+    return {
+        "service": service.name,
+        "types": list(service.types),
+        "nodes": [node.name for node, _ in service.servers],
+        "stale": not service.is_alive,
+    }

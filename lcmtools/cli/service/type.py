@@ -1,0 +1,30 @@
+"""``lcmtools service type``."""
+
+import click
+
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
+from lcmtools.cli.output import data, document
+from lcmtools.cli.service.offered import find_service
+from lcmtools.errors import LcmtoolsError
+
+
+@click.command("type", context_settings=CONTEXT)
+@click.argument("service")
+@json_option
+@bus_options
+def command(service: str, *, as_json: bool) -> None:
+    """Print a service's type.
+
+    \b
+    Examples:
+      lcmtools service type /reset
+      lcmtools srv show $(lcmtools service type /reset)
+    """  # noqa: D301 - \b is click's mark
+    with open_watch("service_type") as watch:
+        found = find_service(watch.settle(foreign=False), service)
+    if as_json:
+        document({"service": found.name, "type": found.type_text if found.types else None})
+    elif not found.types:
+        raise LcmtoolsError(f"the type of {found.name} is not known")
+    else:
+        data(found.type_text)

@@ -1,0 +1,26 @@
+"""``lcmtools sim delete``."""
+
+import click
+
+from lcmtools.cli.options import CONTEXT, bus_options, json_option
+from lcmtools.cli.sim.simulator import ask, sim_option, tell, timeout_option
+from lcmtools.types.sim_msgs import Delete
+
+
+@click.command("delete", context_settings=CONTEXT)
+@click.argument("robot")
+@sim_option
+@timeout_option
+@json_option
+@bus_options
+def command(robot: str, *, name: str | None, timeout: float, as_json: bool) -> None:
+    """Take a robot away.
+
+    \b
+    Examples:
+      lcmtools sim delete husky1
+      lcmtools sim delete /dolly
+    """  # noqa: D301 - \b is click's mark
+    request = Delete.Request()
+    request.robot = robot
+    tell(ask(name, "delete", Delete, request, timeout), as_json=as_json)

@@ -1,0 +1,30 @@
+"""``lcmtools sim set-pose``."""
+
+import click
+
+from lcmtools.cli.options import CONTEXT, bus_options, json_option
+from lcmtools.cli.sim.simulator import ask, read_pose, sim_option, tell, timeout_option
+from lcmtools.cli.words import CommandWithWords
+from lcmtools.types.sim_msgs import SetPose
+
+
+@click.command("set-pose", cls=CommandWithWords, context_settings=CONTEXT)
+@click.argument("robot")
+@click.argument("words", metavar="X Y [YAW]", nargs=-1, required=True)
+@sim_option
+@timeout_option
+@json_option
+@bus_options
+def command(
+    robot: str, words: tuple[str, ...], name: str | None, *, timeout: float, as_json: bool
+) -> None:
+    """Put a robot elsewhere, at rest: X and Y in metres, YAW in radians or as 90deg.
+
+    \b
+    Examples:
+      lcmtools sim set-pose husky0 1 -2
+      lcmtools sim set-pose /husky0 0 0 90deg
+    """  # noqa: D301 - \b is click's mark
+    request = SetPose.Request()
+    request.robot, request.pose = robot, read_pose(words)
+    tell(ask(name, "set_pose", SetPose, request, timeout), as_json=as_json)

@@ -1,0 +1,30 @@
+"""``lcmtools sim set-rate``."""
+
+import click
+
+from lcmtools.cli.options import CONTEXT, bus_options, json_option
+from lcmtools.cli.sim.simulator import ask, sim_option, tell, timeout_option
+from lcmtools.errors import UsageError
+from lcmtools.types.sim_msgs import SetRate
+
+
+@click.command("set-rate", context_settings=CONTEXT)
+@click.argument("rate")
+@sim_option
+@timeout_option
+@json_option
+@bus_options
+def command(rate: str, *, name: str | None, timeout: float, as_json: bool) -> None:
+    """Let simulated time pass RATE times as fast as real time; 0: as fast as possible.
+
+    \b
+    Examples:
+      lcmtools sim set-rate 4
+      lcmtools sim set-rate 0
+    """  # noqa: D301 - \b is click's mark
+    request = SetRate.Request()
+    try:
+        request.rate = float(rate)
+    except ValueError:
+        raise UsageError(f"'{rate}' is not a number", "write 1 for real time") from None
+    tell(ask(name, "set_rate", SetRate, request, timeout), as_json=as_json)

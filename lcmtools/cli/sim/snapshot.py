@@ -1,0 +1,56 @@
+"""``lcmtools sim snapshot``."""
+
+from pathlib import Path
+
+import click
+
+from lcmtools.cli.options import CONTEXT, bus_options, whole_number
+from lcmtools.cli.output import talk
+from lcmtools.cli.sim.simulator import ask, sim_option, timeout_option
+from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.types.sim_msgs import Snapshot
+
+
+@click.command("snapshot", context_settings=CONTEXT)
+@click.argument("file", type=click.Path())
+@click.option(
+    "--robot", metavar="ROBOT", default="", help="From behind this robot, not from above."
+)
+@click.option("--width", type=whole_number(1), default=800, help="Pixels (else 800).")
+@click.option("--height", type=whole_number(1), default=600, help="Pixels (else 600).")
+@click.option("--force", is_flag=True, help="Overwrite a file that is there.")
+@sim_option
+@timeout_option
+@bus_options
+def command(  # noqa: PLR0913 - one parameter an option
+    file: str,
+    *,
+    robot: str,
+    width: int,
+    height: int,
+    force: bool,
+    name: str | None,
+    timeout: float,
+) -> None:
+    """Write a picture of the world into a PNG FILE ('-': standard output).
+
+    \b
+    Examples:
+      lcmtools sim snapshot world.png
+      lcmtools sim snapshot --robot husky0 --force husky.png
+    """  # noqa: D301 - \b is click's mark
+    path = Path(file)
+    if file != "-" and path.exists() and not force:
+        raise UsageError(f"{file} is there already", "--force overwrites it")
+    request = Snapshot.Request()
+    request.robot, request.width, request.height = robot, width, height
+    picture = bytes(ask(name, "snapshot", Snapshot, request, timeout).image.data)
+    if file == "-":
+        with click.open_file("-", "wb") as stream:
+            stream.write(picture)
+        return
+    try:
+        path.write_bytes(picture)
+    except OSError as error:
+        raise LcmtoolsError(f"cannot write {file}: {error.strerror}") from error
+    talk(f"wrote {file}: {len(picture)} bytes")

@@ -1,0 +1,36 @@
+"""``lcmtools sim state``."""
+
+import click
+
+from lcmtools.cli.options import CONTEXT, bus_options, json_option
+from lcmtools.cli.output import data
+from lcmtools.cli.sim.simulator import ask, sim_option, tell, timeout_option
+from lcmtools.messages.plain import to_plain
+from lcmtools.messages.plain_text import Writer
+from lcmtools.types.sim_msgs import GetState
+
+_OUTCOME = ("success", "message")
+
+
+@click.command("state", context_settings=CONTEXT)
+@click.argument("robot")
+@sim_option
+@timeout_option
+@json_option
+@bus_options
+def command(robot: str, *, name: str | None, timeout: float, as_json: bool) -> None:
+    """Show where a robot truly is and how it moves.
+
+    \b
+    Examples:
+      lcmtools sim state husky0
+      lcmtools sim state /husky0 --json
+    """  # noqa: D301 - \b is click's mark
+    request = GetState.Request()
+    request.robot = robot
+    response = ask(name, "get_state", GetState, request, timeout)
+    if as_json:
+        tell(response, as_json=True)
+    else:
+        told = {name: value for name, value in to_plain(response).items() if name not in _OUTCOME}
+        data(Writer().block(told))

@@ -1,0 +1,64 @@
+"""What is on a bus, complete: of a log, all that is in it."""
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+
+from lcmtools.bus.log_file import read_log
+from lcmtools.bus.watch import Watch
+from lcmtools.graph.builder import GraphBuilder
+from lcmtools.graph.model import Graph
+from lcmtools.graph.rates import RateWindow
+from lcmtools.wire.packet import Packet
+
+_WINDOW = 50_000
+
+
+@dataclass(slots=True)
+class Rates:
+    """How often messages come on each channel, while it hears them."""
+
+    _windows: dict[str, RateWindow] = field(default_factory=dict)
+
+    def hear(self, packet: Packet) -> None:
+        """Take a message into account."""
+        self._windows.setdefault(packet.channel, RateWindow(_WINDOW)).extend([packet.time])
+
+    def by_channel(self) -> Mapping[str, float]:
+        """Messages per second [Hz] on the channels on which there were two."""
+        rates = {channel: window.take() for channel, window in self._windows.items()}
+        return {channel: rate.mean for channel, rate in rates.items() if rate}
+
+
+def settled(watch: Watch, wait: float | None = None, rates: Rates | None = None) -> Graph:
+    """The graph of a bus once it is complete; a log is read to its end at once.
+
+    Args:
+        watch: The bus.
+        wait: How long to listen for programs that announce nothing [s]; None for as long as it
+            takes to hear those of this computer that publish once a second.
+        rates: What hears the messages during ``wait``, or all of a log.
+
+    Raises:
+        BusError: A log cannot be read.
+    """
+    heard = rates or Rates()
+    if watch.url.provider == "file":
+        return _read(watch, heard)
+    graph = watch.settle(foreign=wait is None)
+    if wait is None:
+        return graph
+    with suppress(EOFError):  # the server of a tcpq bus is gone
+        for packet in watch.packets(wait):
+            heard.hear(packet)
+    return watch.graph()
+
+
+def _read(watch: Watch, rates: Rates) -> Graph:
+    builder = GraphBuilder()
+    last = 0
+    for packet in read_log(watch.url):
+        builder.hear(packet)
+        rates.hear(packet)
+        last = packet.time
+    return builder.snapshot(last)

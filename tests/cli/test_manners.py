@@ -1,0 +1,208 @@
+"""The manners that show before there is a bus, over the whole tree of commands."""
+
+from collections.abc import Iterator
+
+import click
+import pytest
+
+from lcmtools.cli.main import main, root
+from lcmtools.cli.options import duration
+
+Path = tuple[str, ...]
+
+
+def walk(command: click.Command, path: Path = ()) -> Iterator[tuple[Path, click.Command]]:
+    """The words after "lcmtools" of every command that help lists."""
+    yield path, command
+    if isinstance(command, click.Group):
+        context = click.Context(command)
+        for name in command.list_commands(context):
+            below = command.get_command(context, name)
+            assert below is not None
+            yield from walk(below, (*path, name))
+
+
+TREE = dict(walk(root))
+GROUPS = [path for path, command in TREE.items() if isinstance(command, click.Group)]
+LEAVES = [path for path in TREE if path not in GROUPS]
+OPTIONS = [
+    (path, option)
+    for path, command in TREE.items()
+    for option in command.params
+    if isinstance(option, click.Option)
+]
+VALUED = [(path, option) for path, option in OPTIONS if not option.is_flag]
+
+
+def named(path: Path) -> str:
+    return " ".join(("lcmtools", *path))
+
+
+@pytest.mark.parametrize("path", TREE, ids=named)
+def test_unknown_option_is_one_line_and_exit_code_2(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code = main([*path, "--verbse-bogus"])
+    out, error = capsys.readouterr()
+    assert (code, out, error.count("\n")) == (2, "", 1)
+    assert error.startswith(f"{named(path)}: ")
+
+
+@pytest.mark.parametrize("path", GROUPS, ids=named)
+def test_misspelt_command_is_answered_with_the_one_that_was_meant(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = TREE[path]
+    assert isinstance(command, click.Group)
+    for name in command.list_commands(click.Context(command)):
+        if len(name) > 3:
+            wrong = f"{name[1]}{name[0]}{name[2:]}"
+            assert main([*path, wrong]) == 2
+            error = capsys.readouterr().err
+            assert error.startswith(f"{named(path)}: no such command '{wrong}'; did you mean '")
+
+
+@pytest.mark.parametrize(
+    ("path", "option"), OPTIONS, ids=lambda part: named(part) if isinstance(part, tuple) else None
+)
+def test_misspelt_option_is_answered_with_the_one_that_was_meant(
+    path: Path, option: click.Option, capsys: pytest.CaptureFixture[str]
+) -> None:
+    long = [name for name in option.opts if name.startswith("--") and len(name) > 5]
+    command = TREE[path]
+    if not long or option.hidden or command.context_settings.get("ignore_unknown_options"):
+        return
+    wrong = long[0][:-1]  # click takes no beginning of an option for the option
+    if any(wrong in other.opts for other in command.params):
+        return
+    assert main([*path, wrong]) == 2
+    error = capsys.readouterr().err
+    assert wrong in error
+    assert long[0] in error
+
+
+@pytest.mark.parametrize("path", TREE, ids=named)
+def test_colour_and_debug_can_be_said_after_every_command(path: Path) -> None:
+    names = {name for parameter in TREE[path].params for name in parameter.opts}
+    assert {"--color", "--no-color", "--debug"} <= names
+
+
+@pytest.mark.parametrize("path", TREE, ids=named)
+def test_help_is_plain_ascii_and_bears_a_terminal_of_40_columns(
+    path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    assert main([*path, "--help"]) == 0
+    text = capsys.readouterr().out
+    assert text.isascii()
+    assert text.isprintable() or set(filter(str.isspace, text)) == {"\n", " "}
+    summary = text.split("\n\n")[1]
+    assert max(map(len, summary.splitlines())) <= 50  # click wraps no narrower
+
+
+@pytest.mark.parametrize("path", TREE, ids=named)
+def test_help_command_says_the_same_as_help_option(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*path, "--help"]) == 0
+    text = capsys.readouterr().out
+    assert main(["help", *path]) == 0
+    assert capsys.readouterr().out == text
+
+
+@pytest.mark.parametrize("path", LEAVES, ids=named)
+def test_help_needs_no_settings_that_can_be_read(
+    path: Path, capsys: pytest.CaptureFixture[str], broken_settings: None
+) -> None:
+    del broken_settings
+    assert main([*path, "--help"]) == 0
+    assert capsys.readouterr().err == ""
+
+
+@pytest.fixture
+def broken_settings(tmp_path: object, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A settings file that is no YAML."""
+    import pathlib
+
+    file = pathlib.Path(str(tmp_path)) / "lcmtools" / "config.yaml"
+    file.parent.mkdir()
+    file.write_text("domain: [\n")
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("path", "option"), VALUED, ids=lambda part: named(part) if isinstance(part, tuple) else None
+)
+def test_value_of_an_option_may_begin_with_a_minus(path: Path, option: click.Option) -> None:
+    """Whether it makes sense is another question: it is not taken for an option."""
+    command = TREE[path]
+    parser = command.make_parser(click.Context(command, info_name=named(path)))
+    values, _, _ = parser.parse_args([option.opts[0], "-1"])
+    assert values[option.name] in ("-1", ["-1"])
+
+
+@pytest.mark.parametrize(
+    ("path", "option"),
+    [row for row in VALUED if row[1].name in ("timeout", "wait", "duration", "period")],
+    ids=lambda part: named(part) if isinstance(part, tuple) else None,
+)
+def test_time_spans_are_said_in_milliseconds_seconds_and_minutes(
+    path: Path, option: click.Option
+) -> None:
+    context = click.Context(TREE[path])
+    read = [option.type_cast_value(context, text) for text in ("500ms", "2s", "1m", "3")]
+    assert read == [0.5, 2.0, 60.0, 3.0]
+    if option.name == "timeout":
+        assert option.envvar == "LCMTOOLS_TIMEOUT"
+
+
+def test_a_duration_says_what_it_may_be() -> None:
+    with pytest.raises(click.BadParameter, match="write 500ms, 2s or 1m"):
+        duration("soon")
+
+
+def test_root_help_names_exit_codes_and_environment(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["--help"])
+    text = capsys.readouterr().out
+    for code in (
+        "0 done",
+        "1 failed",
+        "2 wrong usage",
+        "3 an extra",
+        "4 nothing came",
+        "130",
+        "143",
+    ):
+        assert code in text
+    for variable in ("LCM_DEFAULT_URL", "LCMTOOLS_DOMAIN", "LCMTOOLS_NAMESPACE", "NO_COLOR"):
+        assert variable in text
+
+
+def test_debug_after_the_command_shows_the_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail() -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("lcmtools.cli.msg.list.type_names", fail)
+    monkeypatch.setenv("LCMTOOLS_DEBUG", "")
+    with pytest.raises(ZeroDivisionError):
+        main(["msg", "list", "--debug"])
+
+
+def test_failure_of_a_command_with_json_is_told_in_json(
+    capsys: pytest.CaptureFixture[str], bus_url: str
+) -> None:
+    import json
+
+    assert main(["info", "--json", "/nothing", "--lcm-url", bus_url]) == 1
+    assert json.loads(capsys.readouterr().err) == {
+        "command": "lcmtools info",
+        "error": "unknown topic /nothing",
+        "hint": "lcmtools list shows the topics",
+        "exit_code": 1,
+    }
+
+
+def test_wrong_usage_is_told_in_words_even_with_json(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list", "--json", "--wait", "soon"]) == 2
+    assert capsys.readouterr().err.startswith("lcmtools list: invalid value for '--wait'")

@@ -1,0 +1,238 @@
+"""What a shell gets when it asks: with nodes, plain LCM programs, floods, and no bus at all."""
+
+import os
+import socket
+import subprocess
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lcmtools.bus.glance import Glance
+from lcmtools.bus.multicast import sending_socket
+from lcmtools.bus.url import parse_url
+from lcmtools.wire.datagram import fragments, short_message
+
+BREAKS = " \t\n\"'><=;|&(:"
+Ask = Callable[..., list[str]]
+
+_SERVER = """
+import lcmtools
+from lcmtools.types.std_srvs import SetBool
+lcmtools.init()
+node = lcmtools.Node("server")
+node.declare_parameter("gain", 2.5)
+node.create_service(SetBool, "reset", lambda request, response: response)
+print("ready", flush=True)
+lcmtools.spin(node)
+"""
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """What the module's completions learn of the commands."""
+    return str(tmp_path_factory.mktemp("cache"))
+
+
+@pytest.fixture
+def ask(lcmtools_path: str, bus_url: str, cache: str, monkeypatch: pytest.MonkeyPatch) -> Ask:
+    """``ask("lcmtools echo /", **environment)``: the lines that bash gets."""
+    monkeypatch.setenv("XDG_CACHE_HOME", cache)
+
+    def run(line: str, *, shell: str = "bash", **environment: str) -> list[str]:
+        ended = subprocess.run(
+            [lcmtools_path, line, BREAKS],
+            env={
+                **os.environ,
+                "LCM_DEFAULT_URL": bus_url,
+                "_LCMTOOLS_COMPLETE": shell,
+                **environment,
+            },
+            capture_output=True,
+            text=True,
+            timeout=10,
+            check=False,
+        )
+        assert ended.returncode == 0
+        assert ended.stderr == ""
+        return ended.stdout.splitlines()
+
+    return run
+
+
+def test_commands_groups_aliases_and_options_are_completed(ask: Ask) -> None:
+    commands = ask("lcmtools ")
+    assert {"list", "echo", "pub", "node", "msg", "topic", "run", "completion"} <= set(commands)
+    assert ask("lcmtools ec") == ["closed", "echo"]
+    assert "ping" in ask("lcmtools node ")
+    assert "echo" in ask("lcmtools topic ")
+    assert "--once" in ask("lcmtools echo --on")
+    assert ask("lcmtools bogus ") == ["closed"]
+    assert ask("lcmtools completion z") == ["closed", "zsh"]
+
+
+def test_a_topic_its_type_and_its_prototype_follow_each_other(
+    ask: Ask, start: Callable[..., Any], lcmtools_path: str, bus_url: str
+) -> None:
+    start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=bus_url).wait_for("hello")
+    assert ask("lcmtools pub /chat") == ["closed", "/chatter"]
+    assert ask("lcmtools pub /chatter ") == ["closed", "std_msgs/String"]
+    assert ask("lcmtools pub /chatter std_msgs/String ") == ["closed", "\"{data: ''}\""]
+    assert ask("lcmtools echo /chatter.") == ["closed", "/chatter.data"]
+    assert ask("lcmtools node info tal") == ["closed", "talker"]
+    assert ask("lcmtools list --lcm-url=x --json /") == ["closed"]
+
+
+def test_services_and_parameters_of_a_running_node(
+    ask: Ask, start_python: Callable[..., Any], bus_url: str
+) -> None:
+    start_python(_SERVER, LCM_DEFAULT_URL=bus_url).wait_for("ready")
+    assert ask("lcmtools service call /") == ["closed", "/reset"]
+    assert ask("lcmtools service call /reset ") == ["closed", '"{data: false}"']
+    assert ask("lcmtools param get /server ga") == ["closed", "gain"]
+    assert ask("lcmtools param get /server/ga") == ["closed", "/server/gain"]
+    assert ask("lcmtools param set /server gain ") == ["closed", "2.5"]
+
+
+def test_a_plain_program_is_remembered_when_it_is_silent_later(ask: Ask, bus_url: str) -> None:
+    url, over = parse_url(bus_url), threading.Event()
+
+    def publish() -> None:
+        with sending_socket(url) as program:
+            while not over.wait(0.002):
+                program.sendto(short_message(1, "SLOW", bytes(8)), (url.host, url.port))
+
+    program = threading.Thread(target=publish)
+    program.start()
+    try:
+        assert ask("lcmtools echo S") == ["closed", "SLOW"]
+    finally:
+        over.set()
+        program.join()
+    assert ask("lcmtools echo S") == ["closed", "SLOW"]
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        "nonsense",
+        "udpm://10.0.0.1:7667",
+        "udpm://239.255.76.67:0",
+        "tcpq://127.0.0.1:1",
+        "file:///x",
+    ],
+)
+def test_a_bus_that_cannot_be_used_is_passed_over_in_silence(ask: Ask, wrong: str) -> None:
+    assert ask("lcmtools echo /", LCM_DEFAULT_URL=wrong) == ["closed"]
+    assert ask("lcmtools pub /a std_msgs/S", LCM_DEFAULT_URL=wrong) == ["closed", "std_msgs/String"]
+
+
+@pytest.mark.usefixtures("bare_network")
+def test_without_a_network_nothing_is_said_and_nothing_waits(ask: Ask) -> None:
+    assert ask("lcmtools echo /") == ["closed"]
+    assert "--once" in ask("lcmtools echo --")
+
+
+@pytest.mark.usefixtures("private_network")
+def test_a_bus_full_of_images_hides_no_node(
+    start: Callable[..., Any], lcmtools_path: str, bus_url: str
+) -> None:
+    talker = start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=bus_url)
+    talker.wait_for("hello")
+    url = parse_url(bus_url)
+    with Glance(url) as glance, sending_socket(url) as camera:
+        for seqno in range(30):
+            for datagram in fragments(seqno, "/camera", bytes(300_000)):
+                camera.sendto(datagram, (url.host, url.port))
+            camera.sendto(short_message(seqno, "/small", bytes(60_000)), (url.host, url.port))
+        names = glance.graph(["a node that never answers"]).topic_names()
+    assert names == ["/camera", "/chatter", "/rosout", "/small"]
+
+
+@pytest.mark.parametrize("what", ["", "bogus", "powershell", "bash_complete"])
+def test_a_shell_that_is_not_known_gets_nothing(ask: Ask, what: str) -> None:
+    assert ask("lcmtools ", shell=what) == []
+
+
+@pytest.mark.parametrize("line", ["", "lcmtools", '"', "'", "lcmtools '", "lcmtools \\", "(((("])
+def test_whatever_is_typed_nothing_is_printed_into_the_prompt(ask: Ask, line: str) -> None:
+    ask(line)
+
+
+def test_a_broken_cache_is_made_anew(ask: Ask, tmp_path: Path) -> None:
+    (tmp_path / "lcmtools").mkdir()
+    for rubbish in ("", "{", "[]", '{"stamp": 1}', '{"stamp": null, "commands": 3}'):
+        (tmp_path / "lcmtools" / "commands.json").write_text(rubbish)
+        assert ask("lcmtools ec", XDG_CACHE_HOME=str(tmp_path)) == ["closed", "echo"]
+    assert "echo" in (tmp_path / "lcmtools" / "commands.json").read_text()
+
+
+def test_completion_works_where_no_folder_can_be_written(ask: Ask) -> None:
+    nowhere = {"XDG_CACHE_HOME": "/dev/null", "XDG_RUNTIME_DIR": "", "HOME": ""}
+    assert ask("lcmtools ec", **nowhere) == ["closed", "echo"]
+
+
+def test_what_goes_wrong_is_written_to_a_file_when_that_is_asked_for(
+    ask: Ask, tmp_path: Path
+) -> None:
+    said = {"XDG_STATE_HOME": str(tmp_path), "XDG_CACHE_HOME": "/dev/null", "PYTHONPATH": ""}
+    (tmp_path / "click.py").write_text("raise RuntimeError('a broken click')")
+    said["PYTHONPATH"] = str(tmp_path)
+    assert ask("lcmtools ec", **said) == []
+    assert not (tmp_path / "lcmtools").exists()
+    assert ask("lcmtools ec", LCMTOOLS_DEBUG="1", **said) == []
+    assert "a broken click" in (tmp_path / "lcmtools" / "completion.log").read_text()
+
+
+def test_completion_imports_neither_click_nor_lcm_nor_yaml(
+    ask: Ask, tmp_path: Path, start: Callable[..., Any], lcmtools_path: str, bus_url: str
+) -> None:
+    start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=bus_url).wait_for("hello")
+    ask("lcmtools echo /")  # reads the commands, for which click is needed
+    for module in ("click", "lcm", "yaml", "numpy"):
+        (tmp_path / f"{module}.py").write_text("raise RuntimeError")
+    assert ask("lcmtools echo /ch", PYTHONPATH=str(tmp_path)) == ["closed", "/chatter"]
+
+
+def test_the_script_is_printed_for_the_shell_in_use_or_the_one_named(
+    lcmtools: Callable[..., subprocess.CompletedProcess[str]],
+) -> None:
+    assert "compdef" in lcmtools("completion", SHELL="/usr/bin/zsh").stdout
+    assert "complete -c lcmtools" in lcmtools("completion", "fish", SHELL="/bin/bash").stdout
+    bash = lcmtools("completion", "bash")
+    assert bash.returncode == 0
+    assert "complete -o nosort -F" in bash.stdout
+    assert bash.stderr == ""
+
+
+def test_installing_says_what_it_did_and_what_to_do_next(
+    lcmtools: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path
+) -> None:
+    said = {
+        "HOME": str(tmp_path),
+        "XDG_CACHE_HOME": str(tmp_path / "cache"),
+        "XDG_CONFIG_HOME": "",
+        "XDG_DATA_HOME": "",
+        "SHELL": "/bin/fish",
+    }
+    first = lcmtools("completion", "--install", **said)
+    script = tmp_path / ".config/fish/completions/lcmtools.fish"
+    assert first.stderr.splitlines() == [
+        f"wrote {script}",
+        "start a new shell, or type: exec fish",
+    ]
+    assert (first.returncode, first.stdout) == (0, "")
+    assert (tmp_path / "cache/lcmtools/commands.json").exists()
+    again = lcmtools("completion", "--install", **said)
+    assert again.stderr.startswith(f"{script} is there already\n")
+    gone = lcmtools("completion", "--uninstall", **said)
+    assert gone.stderr == f"removed {script}\n"
+    assert not script.exists()
+
+
+def test_no_socket_stays_behind(ask: Ask, bus_url: str) -> None:
+    ask("lcmtools echo /")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("", parse_url(bus_url).port))  # fails where anybody has it

@@ -1,0 +1,212 @@
+"""Settings by flag, environment and file, for commands and for nodes; and colour on a terminal."""
+
+import json
+import os
+import pty
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+Write = Callable[[str], Path]
+
+_YELLOW = "\x1b[33m"
+
+
+@pytest.fixture
+def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Write:
+    """Writes the user's file."""
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+
+    def do(text: str) -> Path:
+        path = tmp_path / "lcmtools" / "config.yaml"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+        return path
+
+    return do
+
+
+@pytest.fixture
+def on_terminal(lcmtools_path: str) -> Callable[..., str]:
+    """``on_terminal("list", TERM="xterm")``: what a command writes where all is a terminal."""
+
+    def run(*arguments: str, **environment: str) -> str:
+        ours, theirs = pty.openpty()
+        process = subprocess.Popen(
+            [lcmtools_path, *arguments],
+            env={**os.environ, "TERM": "xterm-256color", **environment},
+            stdin=theirs,
+            stdout=theirs,
+            stderr=theirs,
+        )
+        os.close(theirs)
+        text = b""
+        try:
+            while part := os.read(ours, 4096):
+                text += part
+        except OSError:  # Linux says so that the other side has closed
+            pass
+        os.close(ours)
+        process.wait(10)
+        return text.decode()
+
+    return run
+
+
+def test_file_moves_commands_and_nodes_to_its_bus(
+    write: Write,
+    start: Callable[..., Any],
+    lcmtools: Run,
+    lcmtools_path: str,
+    bus_url: str,
+    wait_until: Callable[..., None],
+) -> None:
+    write(f"lcm_url: {bus_url}\nnamespace: /husky0\n")
+    start(lcmtools_path, "run", "talker").wait_for("[/husky0/talker]: hello world")
+    names = lcmtools("node", "list", "--lcm-url", bus_url, XDG_CONFIG_HOME="/nowhere").stdout
+    assert names == "/husky0/talker\n"
+    wait_until(lambda: lcmtools("node", "list").stdout == "/husky0/talker\n")
+    echo = lcmtools("echo", "-1", "chatter", "--timeout", "5s")
+    assert echo.stdout.startswith("data: ")
+
+
+def test_flag_wins_over_environment_over_file(write: Write, lcmtools: Run) -> None:
+    path = write("# mine\ndomain: 3\ntimeout: 200ms\n")
+
+    def bus(*arguments: str, **environment: str) -> tuple[str, str]:
+        report = json.loads(lcmtools("config", "--json", *arguments, **environment).stdout)
+        return report["bus"]["value"].rpartition(":")[2], report["bus"]["source"]
+
+    url = "udpm://239.255.76.67:7673?ttl=0"
+    assert bus() == ("7670?ttl=0", f"{path}:2")
+    assert bus(LCMTOOLS_DOMAIN="4") == ("7671?ttl=0", "LCMTOOLS_DOMAIN")
+    assert bus("--domain", "5", LCMTOOLS_DOMAIN="4") == ("7672?ttl=0", "--domain")
+    assert bus("--domain", "5", LCM_DEFAULT_URL=url) == ("7673?ttl=0", "LCM_DEFAULT_URL")
+    assert bus("--lcm-url", url, "--domain", "5") == ("7673?ttl=0", "--lcm-url")
+
+
+def test_config_is_a_table_for_people(write: Write, lcmtools: Run) -> None:
+    path = write("domain: 3\n")
+    result = lcmtools("config", LCMTOOLS_NAMESPACE="/husky0")
+    rows = [line.split() for line in result.stdout.splitlines()]
+    assert ["domain", "3", f"{path}:1"] in rows
+    assert ["namespace", "/husky0", "LCMTOOLS_NAMESPACE"] in rows
+    assert ["timeout", "-", "default"] in rows
+    assert ["bus", "udpm://239.255.76.67:7670?ttl=0", f"{path}:1"] in rows
+    assert rows[-1] == ["file:", str(path)]
+    path.unlink()
+    assert lcmtools("config").stdout.endswith(f"file: {path} (there is none)\n")
+
+
+def test_timeout_of_file_and_environment_counts(write: Write, lcmtools: Run, bus_url: str) -> None:
+    write("timeout: 300ms\n")
+    nothing = lcmtools("echo", "/nothing", LCM_DEFAULT_URL=bus_url)
+    assert nothing.returncode == 4
+    assert "nothing came on /nothing within 0.3 s" in nothing.stderr
+    environment = {"LCM_DEFAULT_URL": bus_url, "LCMTOOLS_TIMEOUT": "0.2"}
+    assert "within 0.2 s" in lcmtools("echo", "/nothing", **environment).stderr
+    told = lcmtools("echo", "/nothing", "--timeout", "100ms", **environment).stderr
+    assert "within 0.1 s" in told
+
+
+@pytest.mark.parametrize(
+    "command", ["list", "wtf", "config", "run talker", "pub /a std_msgs/Empty"]
+)
+def test_broken_file_costs_one_line_that_names_it(
+    command: str, write: Write, lcmtools: Run, bus_url: str
+) -> None:
+    path = write("domain: 3\ncolour: never\n")
+    result = lcmtools(*command.split(), LCM_DEFAULT_URL=bus_url)
+    name = "pub" if command.startswith("pub") else command
+    assert (result.returncode, result.stdout) == (2, "")
+    assert result.stderr == (
+        f"lcmtools {name}: {path}:2: there is no setting 'colour'; did you mean color?\n"
+    )
+
+
+@pytest.mark.parametrize("command", ["--help", "--version", "help list", "list -h", "msg list"])
+def test_broken_file_stops_nothing_that_does_without(
+    command: str, write: Write, lcmtools: Run
+) -> None:
+    write("domain: [\n")
+    result = lcmtools(*command.split())
+    assert (result.returncode, result.stderr) == (0, "")
+
+
+def test_home_that_is_no_folder_is_no_fault(lcmtools: Run, bus_url: str) -> None:
+    result = lcmtools("list", LCM_DEFAULT_URL=bus_url, XDG_CONFIG_HOME="/dev/null")
+    assert (result.returncode, result.stderr) == (0, f"no topics on {bus_url}\n")
+
+
+def test_complaint_on_a_terminal_has_its_command_in_colour(on_terminal: Callable[..., str]) -> None:
+    assert on_terminal("list", "--wait", "x").startswith("\x1b[1;31mlcmtools list:\x1b[0m invalid")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "environment"),
+    [
+        ([], {"NO_COLOR": "1"}),
+        ([], {"TERM": "dumb"}),
+        ([], {"LCMTOOLS_COLOR": "never"}),
+        (["--color=never"], {"FORCE_COLOR": "1"}),
+        (["--no-color"], {}),
+    ],
+)
+def test_terminal_without_colour_gets_no_escape(
+    arguments: list[str], environment: dict[str, str], on_terminal: Callable[..., str]
+) -> None:
+    for words in ([*arguments, "msg", "show", "Nope"], ["msg", "show", *arguments, "Nope"]):
+        text = on_terminal(*words, **environment)
+        assert text.startswith("lcmtools msg show: unknown type 'Nope'")
+        assert "\x1b" not in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "environment"),
+    [
+        (["--color", "always"], {}),
+        (["--color=always"], {"NO_COLOR": "1"}),
+        ([], {"FORCE_COLOR": "1"}),
+        ([], {"CLICOLOR_FORCE": "1"}),
+        ([], {"LCMTOOLS_COLOR": "always"}),
+    ],
+)
+def test_pipe_gets_colour_on_demand_only(
+    arguments: list[str], environment: dict[str, str], lcmtools: Run
+) -> None:
+    words = ["msg", "show", "Nope"]
+    assert "\x1b" not in lcmtools(*words).stderr
+    assert lcmtools(*words, *arguments, **environment).stderr.startswith("\x1b[1;31m")
+
+
+def test_wtf_colours_the_severity_and_nothing_else(
+    on_terminal: Callable[..., str],
+    lcmtools: Run,
+    start: Callable[..., Any],
+    lcmtools_path: str,
+    bus_url: str,
+    wait_until: Callable[..., None],
+) -> None:
+    start(lcmtools_path, "run", "listener", LCM_DEFAULT_URL=bus_url)
+    wait_until(lambda: lcmtools("node", "list", LCM_DEFAULT_URL=bus_url).stdout == "/listener\n")
+    screen = on_terminal("wtf", "--wait", "100ms", LCM_DEFAULT_URL=bus_url).replace("\r\n", "\n")
+    assert f"{_YELLOW}WARNING\x1b[0m The following node subscriptions are unconnected:" in screen
+    piped = lcmtools("wtf", "--wait", "100ms", LCM_DEFAULT_URL=bus_url).stdout
+    assert "\x1b" not in piped
+    assert screen.count("\x1b[0m") == screen.count("\x1b[") / 2 == piped.count("\nWARNING ")
+
+
+def test_warning_of_a_node_is_yellow_on_a_terminal_and_plain_in_a_pipe(
+    start: Callable[..., Any], lcmtools_path: str, bus_url: str
+) -> None:
+    words = (lcmtools_path, "run", "talker", "--domain", "3")
+    plain = start(*words, LCM_DEFAULT_URL=bus_url)
+    assert plain.wait_for("has no effect").startswith("[WARN] [")
+    colored = start(*words, LCM_DEFAULT_URL=bus_url, FORCE_COLOR="1")
+    assert colored.wait_for("has no effect").startswith(f"{_YELLOW}[WARN] [")
+    by_flag = start(lcmtools_path, "--color=always", *words[1:], LCM_DEFAULT_URL=bus_url)
+    assert by_flag.wait_for("has no effect").startswith(f"{_YELLOW}[WARN] [")

@@ -1,0 +1,174 @@
+"""node list, info and ping: more than the plain forms, and programs that are no nodes."""
+
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+HOST = socket.gethostname()
+
+_LISTENER = """
+import lcm
+bus = lcm.LCM()
+bus.subscribe("POSE", lambda *_: None)
+print("ready", flush=True)
+while True:
+    bus.handle()
+"""
+
+
+@pytest.fixture(scope="module")
+def programs(module_start: Callable[..., Any], lcmtools_path: str) -> dict[str, Any]:
+    """A talker, a listener in a namespace, lcm-source, and a script that only listens."""
+    import sysconfig
+
+    source = os.path.join(sysconfig.get_path("purelib"), "bin", "lcm-source")  # noqa: PTH118
+    started = {
+        "plain": module_start(sys.executable, "-c", _LISTENER),
+        "source": module_start(source, "-m", "EXAMPLE"),
+        "listener": module_start(lcmtools_path, "run", "listener", "__ns:=/r", "chatter:=/chatter"),
+        "talker": module_start(lcmtools_path, "run", "talker"),
+    }
+    started["plain"].wait_for("ready")
+    started["listener"].wait_for("I heard: [hello world")
+    return started
+
+
+pytestmark = pytest.mark.usefixtures("use_module_bus", "programs")
+
+
+def test_the_plain_list_is_names_only(lcmtools: Run) -> None:
+    assert lcmtools("node", "list").stdout == "/r/listener\n/talker\n"
+    assert lcmtools("node", "list", "-c").stdout == "2\n"
+
+
+@pytest.mark.parametrize(
+    ("wanted", "names"),
+    [("/r", ["/r/listener"]), ("*alk*", ["/talker"]), ("list*", ["/r/listener"]), ("/z*", [])],
+)
+def test_a_namespace_or_a_pattern_keeps_some(wanted: str, names: list[str], lcmtools: Run) -> None:
+    assert lcmtools("node", "list", wanted).stdout.splitlines() == names
+
+
+def test_all_shows_host_pid_and_up_time_in_rosnodes_order(
+    lcmtools: Run, programs: dict[str, Any]
+) -> None:
+    nodes, _, _ = lcmtools("node", "list", "-a").stdout.partition("\n\n")
+    rows = [row for row in nodes.splitlines() if "_lcmtools" not in row]
+    expected = [("/r/listener", programs["listener"].pid), ("/talker", programs["talker"].pid)]
+    for row, (name, pid) in zip(rows, expected, strict=True):
+        assert re.fullmatch(rf"{re.escape(HOST)}:{pid} \t{name}\tup [\d.]+ (s|min)", row)
+
+
+def test_all_shows_programs_that_are_no_nodes_under_a_heading(
+    lcmtools: Run, programs: dict[str, Any]
+) -> None:
+    _, _, others = lcmtools("node", "list", "-a").stdout.partition("\n\n")
+    assert others.startswith("Programs that are no nodes (seen on the bus):\n")
+    source, plain = programs["source"].pid, programs["plain"].pid
+    assert re.search(
+        rf"{HOST}:{source} \t.*lcm-source -m EXAMPLE \(user .+\)\n\tpublishes EXAMPLE\n", others
+    )
+    assert re.search(rf"{HOST}:{plain} \t.*\n\tlistens\n", others)
+
+
+def test_json_marks_them_as_observed(lcmtools: Run, programs: dict[str, Any]) -> None:
+    records = json.loads(lcmtools("node", "list", "-a", "--json").stdout)
+    observed = {record["pid"]: record for record in records if record.get("observed")}
+    assert observed.keys() == {programs["source"].pid, programs["plain"].pid}
+    source = observed[programs["source"].pid]
+    assert [seen["topic"] for seen in source["publications"]] == ["EXAMPLE"]
+    assert (source["listens"], observed[programs["plain"].pid]["listens"]) == (False, True)
+
+
+def test_uri_prints_an_address_for_each_node(lcmtools: Run) -> None:
+    rows = lcmtools("node", "list", "-u").stdout.splitlines()
+    assert len(rows) == 2
+    assert all(re.fullmatch(r"udp://[\d.]+:\d+/", row) for row in rows)
+
+
+def test_info_finds_a_program_by_its_pid_and_its_command(
+    lcmtools: Run, programs: dict[str, Any]
+) -> None:
+    pid = programs["source"].pid
+    for word in ("lcm-source", str(pid)):
+        result = lcmtools("node", "info", word)
+        assert result.returncode == 0
+        assert "lcm-source -m EXAMPLE] (no node: seen on the bus only)\n" in result.stdout
+        assert "Publications: \n * EXAMPLE [" in result.stdout
+        assert f"\nHost: {HOST}\nPid: {pid}\n" in result.stdout
+    (record,) = json.loads(lcmtools("node", "info", "--json", "lcm-source").stdout)
+    assert (record["observed"], record["pid"]) == (True, pid)
+
+
+def test_info_finds_a_node_by_its_pid(lcmtools: Run, programs: dict[str, Any]) -> None:
+    assert "Node [/talker]\n" in lcmtools("node", "info", str(programs["talker"].pid)).stdout
+
+
+def test_quiet_info_stops_after_the_services(lcmtools: Run) -> None:
+    text = lcmtools("node", "info", "-q", "talker").stdout
+    assert text.endswith("Services: None\n\n\n")
+    assert "Pid" not in text
+
+
+def test_hidden_services_are_shown_when_asked_for(lcmtools: Run) -> None:
+    assert "/talker/_" not in lcmtools("node", "info", "talker").stdout
+    assert " * /talker/_" in lcmtools("node", "info", "-a", "talker").stdout
+
+
+def test_info_json_has_process_counters_and_peers(lcmtools: Run, programs: dict[str, Any]) -> None:
+    (record,) = json.loads(lcmtools("node", "info", "--json", "talker").stdout)
+    chatter = next(end for end in record["publications"] if end["topic"] == "/chatter")
+    assert chatter["messages"] > 0
+    assert {"topic": "/chatter", "direction": "to", "node": "/r/listener"} in record["connections"]
+    assert record["pid"] == programs["talker"].pid
+    assert 1e6 < record["memory_bytes"] < 1e9
+    assert record["up_time"] > 0
+
+
+def test_ping_all_pings_every_node_once_and_sums_up(lcmtools: Run) -> None:
+    result = lcmtools("node", "ping", "-a")
+    assert (result.returncode, result.stderr) == (0, "")
+    head, rest = result.stdout.split("\n\n")
+    assert head == "Will ping the following nodes: \n * /r/listener\n * /talker"
+    assert (
+        len(re.findall(r"^reply from (/r/listener|/talker) \(.*\)\ttime=", rest, re.MULTILINE)) == 2
+    )
+    assert "\n2 of 2 nodes answered\nping average: " in rest
+
+
+def test_ping_sums_up_on_ctrl_c(start: Callable[..., Any], lcmtools_path: str) -> None:
+    ping = start(lcmtools_path, "node", "ping", "talker")
+    ping.wait_for("reply")
+    ping.wait_for("reply")
+    ping.send_signal(signal.SIGINT)
+    assert ping.wait() == 130
+    assert ping.lines[-2].startswith("ping average: ")
+    assert ping.lines[-1].startswith("shortest: ")
+
+
+def test_machine_takes_localhost_for_this_computer(lcmtools: Run) -> None:
+    assert lcmtools("node", "machine", "localhost").stdout == "/r/listener\n/talker\n"
+
+
+def test_ping_all_goes_on_after_a_node_that_does_not_answer(
+    lcmtools: Run, programs: dict[str, Any], tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    records = {"XDG_RUNTIME_DIR": str(tmp_path_factory.getbasetemp())}  # the module's programs'
+    programs["listener"].send_signal(signal.SIGSTOP)
+    try:
+        result = lcmtools("node", "ping", "-a", "--timeout", "300ms", **records)
+    finally:
+        programs["listener"].send_signal(signal.SIGCONT)
+    assert result.returncode == 4
+    assert "/r/listener did not answer within 0.3 s" in result.stderr
+    assert "reply from /talker" in result.stdout
+    assert "1 of 2 nodes answered\n" in result.stdout

@@ -1,0 +1,84 @@
+"""hz, bw and delay where a simulator keeps the time: it runs at its own pace, and starts anew."""
+
+import subprocess
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+# Ten messages a simulated second, five times as fast as that; stamped 0.3 s in the past.
+_SIMULATOR = """
+import sys
+import time
+import lcm
+from lcmtools.types.geometry_msgs import PoseStamped
+from lcmtools.types.rosgraph_msgs import Clock
+
+bus = lcm.LCM()
+clock, pose = Clock(), PoseStamped()
+steps = int(sys.argv[1])
+step = 0
+while True:
+    step = step % steps + 1
+    clock.clock.sec, clock.clock.nsec = divmod(step * 100_000_000, 1_000_000_000)
+    stamp = max(1, step * 100_000_000 - 300_000_000)
+    pose.header.stamp.sec, pose.header.stamp.nsec = divmod(stamp, 1_000_000_000)
+    bus.publish("/clock", clock.encode())
+    bus.publish("/pose", pose.encode())
+    print("sent", flush=True)
+    time.sleep(0.02)
+"""
+
+
+@pytest.fixture
+def simulate(
+    start_python: Callable[..., Any], bus_url: str, monkeypatch: pytest.MonkeyPatch
+) -> Callable[[int], None]:
+    """``simulate(steps)``: a simulator that starts anew after so many steps."""
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+
+    def run(steps: int) -> None:
+        start_python(_SIMULATOR, str(steps)).wait_for("sent")
+
+    return run
+
+
+def test_hz_goes_by_simulated_time(simulate: Callable[[int], None], lcmtools: Run) -> None:
+    simulate(100_000)
+    result = lcmtools("hz", "/pose", "-n", "1")
+    assert result.stdout.startswith(
+        "average rate: 10.000\n\tmin: 0.100s max: 0.100s std dev: 0.00000s window: "
+    )
+    assert result.stderr == (
+        "subscribed to [/pose]\n"
+        "lcmtools hz: times are simulated, as /clock says; --wall-time for real ones\n"
+    )
+
+
+def test_hz_wall_time_goes_by_real_time(simulate: Callable[[int], None], lcmtools: Run) -> None:
+    simulate(100_000)
+    result = lcmtools("hz", "/pose", "-n", "1", "--wall-time")
+    assert float(result.stdout.split()[2]) == pytest.approx(45, abs=15)
+    assert result.stderr == "subscribed to [/pose]\n"
+
+
+def test_delay_of_simulated_stamps_is_simulated(
+    simulate: Callable[[int], None], lcmtools: Run
+) -> None:
+    simulate(100_000)
+    result = lcmtools("delay", "/pose", "-n", "1", "-w", "5")
+    assert result.stdout.startswith("average delay: 0.300\n\tmin: 0.300s max: 0.300s")
+
+
+def test_time_that_goes_back_is_said_and_counted_anew(
+    simulate: Callable[[int], None], start: Callable[..., Any], lcmtools_path: str
+) -> None:
+    simulate(80)
+    hz = start(lcmtools_path, "hz", "/pose")
+    hz.wait_for("time has reset, resetting counters")
+    while not (line := hz.wait_for("")).startswith("average rate"):
+        pass
+    assert line == "average rate: 10.000"
+    assert hz.wait_for("min: ").startswith("\tmin: 0.100s max: 0.100s")

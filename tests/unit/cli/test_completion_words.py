@@ -1,0 +1,193 @@
+"""What can stand at a place of the command line, for a bus that is known."""
+
+import pytest
+
+from lcmtools.cli.completion.candidate import FILES
+from lcmtools.cli.completion.situation import Situation
+from lcmtools.cli.completion.words.table import candidates
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.messages.registry import fingerprint, message_class
+from lcmtools.messages.yaml_input import message_from_values
+
+PUBLISHED = [
+    ("/chatter", "std_msgs/String"),
+    ("/husky0/odometry", "nav_msgs/Odometry"),
+    ("/scan", "sensor_msgs/LaserScan"),
+    ("/_private/x", "std_msgs/String"),
+]
+GRAPH = Graph(
+    nodes=(
+        Node(
+            "/husky0/driver",
+            "1",
+            "morse",
+            1,
+            endpoints=(
+                *(Endpoint(topic, Role.PUBLISHER, (kind,)) for topic, kind in PUBLISHED),
+                Endpoint("/reset", Role.SERVICE, ("std_srvs/SetBool",)),
+                Endpoint("/husky0/_hidden", Role.SERVICE, ("std_srvs/Trigger",)),
+            ),
+        ),
+        Node("/_lcmtools_echo_1", "2", "morse", 2, tool=True),
+    ),
+    traffic=(
+        Traffic("EXAMPLE", None, (fingerprint(message_class("geometry_msgs/Twist")),), 1, 0, 0, 0),
+    ),
+)
+
+
+def complete(kind: str, word: str = "", **given: str) -> list[str]:
+    lists = {name: value.split("|") for name, value in given.items()}
+    situation = Situation(["x"], word, lists, environment={})
+    situation.__dict__["graph"] = GRAPH
+    found = candidates(kind, situation)
+    return ["files" if one is FILES else one.value for one in found if one.value.startswith(word)]
+
+
+@pytest.mark.parametrize(
+    ("word", "found"),
+    [
+        ("", ["/chatter", "/husky0/odometry", "/scan", "EXAMPLE"]),
+        ("/h", ["/husky0/odometry"]),
+        ("chat", ["chatter"]),
+        ("husky0/o", ["husky0/odometry"]),
+        ("EX", ["EXAMPLE"]),
+        ("/_", ["/_private/x"]),
+    ],
+)
+def test_topics_are_spelled_as_the_word_begins(word: str, found: list[str]) -> None:
+    assert complete("topic", word) == found
+
+
+def test_a_topic_that_is_given_already_is_not_offered_again() -> None:
+    assert "/scan" not in complete("topic", "/", topics="/scan|/chatter")
+
+
+def test_a_relative_topic_stands_in_the_namespace() -> None:
+    assert complete("topic", "odo", ns="/husky0") == ["odometry"]
+
+
+@pytest.mark.parametrize(
+    ("word", "found"),
+    [
+        ("/chatter.", ["/chatter.data"]),
+        ("/husky0/odometry/po", ["/husky0/odometry/pose"]),
+        ("/husky0/odometry.pose.pose.position.", ["x", "y", "z"]),
+        ("/scan/ranges[", ["[0]", "[-1]", "[0:5]", "[::10]"]),
+        ("/scan/nonsense.", []),
+        ("/scan/ranges[0].", []),
+        ("/unknown.", []),
+        ("EXAMPLE.linear.", ["x", "y", "z"]),
+    ],
+)
+def test_fields_are_offered_behind_a_topic(word: str, found: list[str]) -> None:
+    offered = complete("topic_and_field", word)
+    assert len(offered) == len(found)
+    assert all(one.endswith(end) for one, end in zip(offered, found, strict=True))
+
+
+def test_a_field_that_is_written_out_leads_on_to_its_own_fields() -> None:
+    assert complete("topic_and_field", "/husky0/odometry/pose") == [
+        "/husky0/odometry/pose",
+        "/husky0/odometry/pose/pose",
+        "/husky0/odometry/pose/covariance",
+    ]
+
+
+def test_the_value_of_field_is_a_path_of_the_topic() -> None:
+    assert complete("field", "hea", topic="/scan") == ["header"]
+    assert complete("field", "header.", words="/scan") == [
+        "header.seq",
+        "header.stamp",
+        "header.frame_id",
+    ]
+    assert complete("field", "position.", topic="/husky0/odometry.pose.pose")[0] == "position.x"
+
+
+def test_the_type_of_the_topic_comes_first_and_alone_before_anything_is_typed() -> None:
+    assert complete("type", topic="/chatter") == ["std_msgs/String"]
+    assert complete("type", topic="chatter") == ["std_msgs/String"]
+    assert complete("type", "std_msgs/", topic="/chatter")[0] == "std_msgs/String"
+    assert len(complete("type", "std_msgs/", topic="/chatter")) > 5
+
+
+@pytest.mark.parametrize(
+    ("word", "found"),
+    [
+        ("geometry_msgs/TwistS", "geometry_msgs/TwistStamped"),
+        ("geometry_msgs/msg/TwistS", "geometry_msgs/msg/TwistStamped"),
+        ("geometry_msgs.TwistS", "geometry_msgs.TwistStamped"),
+        ("TwistS", "TwistStamped"),
+        ("geo", "geometry_msgs/Accel"),
+    ],
+)
+def test_types_are_spelled_as_the_word_begins(word: str, found: str) -> None:
+    assert complete("type", word)[0] == found
+
+
+def test_packages_come_before_types() -> None:
+    packages = complete("type")
+    assert "geometry_msgs/" in packages
+    assert all(name.endswith("/") for name in packages)
+
+
+def test_a_prototype_is_one_word_that_pub_accepts() -> None:
+    (text,) = complete("message", type_="geometry_msgs/Twist")
+    assert text == "{linear: {x: 0.0, y: 0.0, z: 0.0}, angular: {x: 0.0, y: 0.0, z: 0.0}}"
+    kind = message_class("nav_msgs/Odometry")
+    (text,) = complete("message", type_="nav_msgs/Odometry")
+    message_from_values(kind, [text])
+
+
+def test_there_is_no_prototype_behind_a_value_or_a_file_or_for_an_unknown_type() -> None:
+    assert complete("message", type_="std_msgs/String", values="x") == []
+    assert complete("message", type_="std_msgs/String", file="x") == []
+    assert complete("message", type_="std_msgs/Bogus") == []
+
+
+def test_a_service_leads_to_its_request() -> None:
+    assert complete("service", "") == ["/reset"]
+    assert complete("request", service="/reset") == ["{data: false}"]
+    assert complete("request", "std", service="reset") == ["std_srvs/SetBool"]
+    assert complete("request", service="/reset", words="std_srvs/SetBool") == ["{data: false}"]
+
+
+def test_nodes_hosts_and_namespaces_of_the_bus() -> None:
+    assert complete("node") == ["/husky0/driver"]
+    assert complete("node", "dri") == ["driver"]
+    assert complete("node", "/_l") == ["/_lcmtools_echo_1"]
+    assert complete("host") == ["morse"]
+    assert complete("namespace") == ["/husky0"]
+    assert complete("namespace", "hus") == ["husky0"]
+
+
+@pytest.mark.parametrize(
+    ("word", "given", "found"),
+    [
+        ("", {}, ["__ns:=", "__name:="]),
+        ("__ns:=/", {}, ["__ns:=/husky0"]),
+        ("cha", {}, ["chatter:="]),
+        ("chatter:=/sc", {}, ["chatter:=/scan"]),
+        ("--na", {}, ["--name"]),
+        ("/hus", {"arguments": "--ns"}, ["/husky0"]),
+        ("--ns=/hus", {}, ["--ns=/husky0"]),
+    ],
+)
+def test_arguments_that_every_node_takes(
+    word: str, given: dict[str, str], found: list[str]
+) -> None:
+    assert complete("program_argument", word, name="talker", **given) == found
+
+
+def test_the_simulator_says_what_its_own_arguments_are() -> None:
+    assert "husky" in complete("program_argument", name="sim", arguments="--world")
+    assert "--world=husky" in complete("program_argument", "--world=", name="sim")
+    assert complete("program_argument", "./", name="sim", arguments="--world") == []
+    assert "files" in complete("program_argument", "", name="sim", arguments="--check")
+    assert "--world" in complete("program_argument", "--wo", name="sim")
+
+
+def test_a_kind_that_is_not_known_has_no_candidates() -> None:
+    assert complete("") == []
+    assert complete("one of red green", "g") == ["green"]
+    assert complete("file") == ["files"]

@@ -1,0 +1,86 @@
+"""The node that a word on the command line means."""
+
+import pytest
+
+from lcmtools.cli.find import below_or_like, find_node, find_nodes
+from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.graph.model import Graph, Node, Staleness
+
+_GRAPH = Graph(
+    (
+        Node("/husky0/driver", "1", "h", 11),
+        Node("/husky1/driver", "2", "h", 12),
+        Node("/husky1/simple_controller", "3", "h", 12),
+        Node("/talker", "4", "h", 13, stale=Staleness.ENDED),
+        Node("/talker", "5", "h", 14),
+        Node("/twin", "6", "h", 15),
+        Node("/twin", "7", "h", 16),
+    )
+)
+
+
+@pytest.mark.parametrize(
+    ("word", "ids"),
+    [
+        ("/husky0/driver", ["1"]),
+        ("husky0/driver", ["1"]),
+        ("simple_controller", ["3"]),
+        ("talker", ["5"]),
+        ("twin", ["6", "7"]),
+        ("15", ["6"]),
+        ("12", ["2", "3"]),
+    ],
+)
+def test_a_full_name_a_last_part_and_a_pid_mean_nodes(word: str, ids: list[str]) -> None:
+    assert [node.id for node in find_nodes(_GRAPH, word)] == ids
+    assert find_node(_GRAPH, word).id == ids[0]
+
+
+@pytest.mark.parametrize(
+    ("word", "line"),
+    [
+        ("driver", "several nodes are named driver; write one of /husky0/driver, /husky1/driver"),
+        ("talkr", "unknown node talkr; did you mean /talker?"),
+        (
+            "simple_controler",
+            "unknown node simple_controler; did you mean /husky1/simple_controller?",
+        ),
+        (
+            "/simple_controller",
+            "unknown node /simple_controller; did you mean /husky1/simple_controller?",
+        ),
+        ("/husky1/drivr", "unknown node /husky1/drivr; did you mean /husky1/driver?"),
+        ("99", "unknown node 99; lcmtools node list shows them"),
+        ("zzzzzz", "unknown node zzzzzz; lcmtools node list shows them"),
+    ],
+)
+def test_what_means_none_says_what_may_have_been_meant(word: str, line: str) -> None:
+    with pytest.raises(LcmtoolsError) as caught:
+        find_nodes(_GRAPH, word)
+    assert str(caught.value) == line
+
+
+def test_an_empty_name_is_wrong_usage() -> None:
+    with pytest.raises(UsageError):
+        find_nodes(_GRAPH, "")
+
+
+@pytest.mark.parametrize(
+    ("wanted", "is_wanted"),
+    [
+        ("", True),
+        ("/", True),
+        ("/husky1", True),
+        ("husky1/", True),
+        ("/husky1/driver", True),
+        ("/husky", False),
+        ("/husky*", True),
+        ("*/driver", True),
+        ("driv*", True),
+        ("/driv*", False),
+        ("husky[0-1]/dr?ver", True),
+        ("husky[!1]/driver", False),
+    ],
+)
+def test_a_namespace_or_a_pattern_keeps_nodes(wanted: str, *, is_wanted: bool) -> None:
+    assert below_or_like("/husky1/driver", wanted) == is_wanted

@@ -1,0 +1,55 @@
+"""The words after a service's name: a type as ros2 wants it, or values as rosservice does."""
+
+from collections.abc import Sequence
+
+import pytest
+
+from lcmtools.cli.service.offered import Offered
+from lcmtools.cli.service.requests import split_type
+from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
+from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.messages.registry import service_class
+
+
+def _offered(kind: str) -> Offered:
+    node = Node("/server", "1", "host", 1)
+    return Offered("/it", ((node, Endpoint("/it", Role.SERVICE, (kind,) if kind else ())),))
+
+
+@pytest.mark.parametrize(
+    ("kind", "words", "values"),
+    [
+        ("std_srvs/SetBool", [], []),
+        ("std_srvs/SetBool", ["data: true"], ["data: true"]),
+        ("std_srvs/SetBool", ["std_srvs/SetBool", "true"], ["true"]),
+        ("std_srvs/SetBool", ["std_srvs/srv/SetBool", "-1"], ["-1"]),
+        ("std_srvs/SetBool", ["std_srvs.SetBool"], []),
+        ("std_srvs/SetBool", ["SetBool", "true"], ["true"]),
+        ("std_srvs/SetBool", ["hello.world"], ["hello.world"]),
+        ("sim_msgs/Spawn", ["maps/yard"], ["maps/yard"]),
+    ],
+)
+def test_a_type_is_told_from_a_value(
+    kind: str, words: Sequence[str], values: Sequence[str]
+) -> None:
+    assert split_type(_offered(kind), words) == (service_class(kind), values)
+
+
+def test_a_type_is_needed_where_none_is_announced() -> None:
+    pair, values = split_type(_offered(""), ["std_srvs/Trigger"])
+    assert (pair, values) == (service_class("std_srvs/Trigger"), [])
+    with pytest.raises(LcmtoolsError, match="the type of /it is not known"):
+        split_type(_offered(""), ["true"])
+
+
+def test_another_type_than_the_services_is_refused() -> None:
+    with pytest.raises(UsageError, match="/it is of type std_srvs/SetBool, not std_srvs/Trigger"):
+        split_type(_offered("std_srvs/SetBool"), ["std_srvs/Trigger"])
+    with pytest.raises(UnknownType, match="unknown service type 'std_srvs/SetBol'"):
+        split_type(_offered("std_srvs/SetBool"), ["std_srvs/SetBol"])
+
+
+def test_a_type_that_is_not_known_here_is_named() -> None:
+    with pytest.raises(LcmtoolsError, match="/it: unknown service type 'theirs/Thing'") as caught:
+        split_type(_offered("theirs/Thing"), ["true"])
+    assert caught.value.exit_code == 1
