@@ -70,12 +70,12 @@ class Gains:
 class SideControl:
     """A proportional-integral controller of the speed of one side.
 
-    Args:
-        gains: How strongly it reacts.
+    Attributes:
+        gains: How strongly it reacts; new ones count from the next call on.
     """
 
     def __init__(self, gains: Gains) -> None:
-        self._gains = gains
+        self.gains = gains
         self._integral = 0.0
 
     def reset(self) -> None:
@@ -91,8 +91,8 @@ class SideControl:
             step: Time since the last call [s].
         """
         error = desired - measured
-        integral = self._integral + self._gains.ki * error * step
-        wanted = self._gains.kp * error + integral
+        integral = self._integral + self.gains.ki * error * step
+        wanted = self.gains.kp * error + integral
         possible = max(-1.0, min(1.0, wanted))
         # anti-windup: at the limit the integral may only lead away from it
         if wanted == possible or error * wanted < 0:
@@ -111,6 +111,10 @@ class VelocityControl:
         self._left = SideControl(gains)
         self._right = SideControl(gains)
         self._last_time: int | None = None
+
+    def tune(self, gains: Gains) -> None:
+        """Go on with other gains; the effort does not jump where the error is 0."""
+        self._left.gains = self._right.gains = gains
 
     def efforts(self, desired: Velocity, measured: Velocity, time: int) -> tuple[float, float]:
         """The efforts of the left and right wheels, each in [-1, 1].

@@ -6,7 +6,7 @@ from typing import TypeVar
 import pytest
 
 import lcmtools
-import lcmtools.node.context
+import lcmtools.node.process
 from lcmtools.arguments import split_arguments
 from lcmtools.bus.base import FakeBus
 from lcmtools.messages.codec import decode, encode
@@ -64,7 +64,7 @@ class Stage:
 @pytest.fixture
 def stage(monkeypatch: pytest.MonkeyPatch) -> Iterator[Stage]:
     def set_context(context: Context) -> None:
-        monkeypatch.setattr(lcmtools.node.context._process, "context", context)
+        monkeypatch.setattr(lcmtools.node.process._process, "context", context)
 
     stage = Stage(set_context)
     yield stage

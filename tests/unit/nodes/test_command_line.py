@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import lcmtools
-import lcmtools.node.context
+import lcmtools.node.process
 from lcmtools.bus.base import FakeBus
 from lcmtools.errors import UsageError
 from lcmtools.nodes import check_command_line
@@ -60,7 +60,7 @@ def test_main_spins_one_node_of_its_name_and_leaves_the_bus(
     spun: list[str] = []
     monkeypatch.setenv("LCM_DEFAULT_URL", "memq://")
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    monkeypatch.setattr(lcmtools.node.context, "_open_bus", lambda _url: FakeBus())
+    monkeypatch.setattr(lcmtools.node.process, "_open_bus", lambda _url: FakeBus())
     monkeypatch.setattr(lcmtools, "spin", lambda node: spun.append(node.name), raising=False)
     assert importlib.import_module(f"lcmtools.nodes.{node}").main(["__ns:=/husky0"]) is None
     assert spun == [f"/husky0/{node}"]

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from lcmtools import Parameter
 from lcmtools.errors import UsageError
 from lcmtools.nodes.simple_controller import SimpleController
 from lcmtools.types.geometry_msgs import Twist
@@ -122,3 +123,20 @@ def test_stop_lets_the_robot_stand(stage: Any) -> None:
 def test_gain_that_is_no_number_is_refused(stage: Any) -> None:
     with pytest.raises(UsageError, match="parameter kp: expected a number, got 'much'"):
         stage.start(SimpleController, "_kp:=much")
+
+
+def test_changed_gain_counts_from_the_next_message_on(stage: Any) -> None:
+    controller = stage.start(SimpleController)
+    stage.say("/desired_velocity", _twist(0.5))
+    stage.say("/odometry", _odometry(1.0))
+    controller.set_parameters([Parameter("kp", 0.25)])
+    stage.say("/odometry", _odometry(1.0))
+    assert [efforts[0] for efforts in _efforts(stage)] == pytest.approx([0.5, 0.125])
+
+
+@pytest.mark.parametrize("gain", [-0.1, float("nan"), float("inf")])
+def test_gain_that_cannot_be_is_refused(stage: Any, gain: float) -> None:
+    controller = stage.start(SimpleController)
+    (result,) = controller.set_parameters([Parameter("ki", gain)])
+    assert not result.successful
+    assert controller.get_parameter("ki").value == 6.7
