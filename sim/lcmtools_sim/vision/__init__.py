@@ -1,0 +1,5 @@
+"""What cameras and lasers see of solid shapes: plain numpy.
+
+Belongs here: geometry, pictures and their encoding. It must not know the engine, the bus, robots
+or time; shapes come in as values, arrays and messages without a header go out.
+"""
