@@ -1,5 +1,6 @@
 # make demo    a virtual environment, the installation, and the Husky lab as a script
 # make test    the same environment, and all tests
+# make man     the man pages anew, from the commands' own help
 # make check   types fresh, ruff, mypy, import rules, spelling
 
 # pybullet has wheels for Python 3.9 to 3.11; an interpreter that it fits is preferred
@@ -10,7 +11,7 @@ EDITABLE ?= -e
 BIN := $(VENV)/bin
 SOURCES := lcmtools sim tests bench lcm_types
 
-.PHONY: demo test check types format bench clean
+.PHONY: demo test check types man format bench clean
 
 demo: $(VENV)/.installed
 	PATH="$(abspath $(BIN)):$$PATH" labs/husky.sh
@@ -24,10 +25,14 @@ check: $(VENV)/.installed-dev
 	$(BIN)/ruff format --check $(SOURCES)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python -m lcmtools.cli.manual docs/man --check
 	$(BIN)/codespell README.md ARCHITECTURE.md CONTRIBUTING.md CHANGELOG.md labs lcm_types lcmtools sim
 
 types: $(VENV)/.installed-dev
 	$(BIN)/python lcm_types/generate.py
+
+man: $(VENV)/.installed-dev
+	$(BIN)/python -m lcmtools.cli.manual docs/man
 
 format: $(VENV)/.installed-dev
 	$(BIN)/ruff check --fix $(SOURCES)
