@@ -206,7 +206,9 @@ def test_a_nodes_counters_are_announced(
 
 
 @pytest.mark.usefixtures("private_network")
-def test_a_watch_goes_on_while_the_network_is_gone(bus_url: str) -> None:
+def test_a_watch_goes_on_while_the_network_is_gone(
+    bus_url: str, wait_until: Callable[..., None]
+) -> None:
     ip = str(shutil.which("ip"))
     route = ["224.0.0.0/4", "dev", "lo"]
     with Watch(parse_url(bus_url), "test", os.environ) as watch, ExitStack() as network:
@@ -215,7 +217,15 @@ def test_a_watch_goes_on_while_the_network_is_gone(bus_url: str) -> None:
         watch.listen_to(["/chatter"])  # announced when there is a network again
         assert watch.receive(0.0) == []
         network.close()
-        assert [node.endpoints[0].topic for node in watch.settle().nodes] == ["/chatter"]
+        with Watch(parse_url(bus_url), "other", os.environ) as other:
+
+            def is_seen() -> object:
+                watch.receive(0.1)  # in which it announces itself each second
+                return other.settle(foreign=False).nodes
+
+            wait_until(is_seen)
+            (node,) = other.graph().nodes
+        assert [endpoint.topic for endpoint in node.endpoints] == ["/chatter"]
         subprocess.run([ip, "route", "del", *route], check=True)
         # and leaving without one is no error either
 
