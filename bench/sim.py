@@ -1,39 +1,85 @@
 """How fast the simulator runs beside the bare engine with the same bodies.
 
-Rows: numbers of driving Huskies in the lab's yard. Columns: simulated seconds per second of
-Bullet's stepSimulation alone, of the simulation (tyres, encoders and sensors too), and of the
-whole loop with a node on a bus of its own (commands and messages too); ratios to the first.
+Every row is a scene. Columns: simulated seconds in a second of processor time
+  bare        of Bullet's stepSimulation alone
+  drive       of the simulation without its sensors: commands, motors, tyres and encoders too
+  sensors     of the simulation with all its sensors
+  unheard     of the whole node on a bus where nobody listens
+  heard       of the whole node with a plain LCM program that hears everything, so that all is sent
+and what the loop itself takes of the last two: all but engine, tyres and sensors (for "heard" that
+is encoding and sending). Then the time from the start to the first odometry, and memory.
 
-    python bench/sim.py [--seconds SIMULATED] [--robots N ...]
+    python bench/sim.py [--seconds SIMULATED] [--hours SIMULATED]
 """
 
-import argparse
+import resource
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from math import nan, pi
+from multiprocessing.connection import Connection
+from statistics import median
+
+from common import bus, child, isolate, parser, show
 
 import lcmtools
 from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry
 from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.loop import Loop
 from lcmtools_sim.pose import Pose
 from lcmtools_sim.robots.husky import HUSKY
+from lcmtools_sim.robots.model import RobotModel
+from lcmtools_sim.robots.pioneer import PIONEER
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.schedule import Pacer
+from lcmtools_sim.sensors.laser import LaserSettings
+from lcmtools_sim.sensors.mount import SensorMount
 from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.world import World
 from lcmtools_sim.world_file import read_scene
 from lcmtools_sim.worlds import find_world
 
-BUS = "udpm://239.255.76.67:7791?ttl=0"
-COLUMNS = 5  # robots in a row
+URL = bus(7791)
+ROUNDS = 3
+LASER = SensorMount(
+    "laser", "scan", 10.0, Pose(0.3, 0, 0.3), settings=LaserSettings(360, -0.75 * pi, 0.75 * pi)
+)
+WITH_LASER = replace(HUSKY, sensors=(LASER,))
+WITH_KINECT = replace(
+    PIONEER, sensors=tuple(m for m in PIONEER.sensors if m.kind == "depth_camera")
+)
 
 
-def scene_of(robots: int) -> Scene:
-    """The lab's yard with so many Huskies; the engine does not mind that they leave it."""
-    poses = [Pose(-40.0 - 6 * (i % COLUMNS), 6.0 * (i // COLUMNS)) for i in range(robots)]
-    placements = [RobotPlacement(HUSKY, f"/husky{i}", pose) for i, pose in enumerate(poses)]
-    return replace(read_scene(*find_world("husky")), robots=tuple(placements))
+def yard(model: RobotModel, count: int) -> Scene:
+    """The lab's yard with so many robots in rows; the engine does not mind that they leave it."""
+    poses = [Pose(-6.0 * (i // 10), 6.0 * (i % 10)) for i in range(count)]
+    if count == 1:
+        poses = [Pose()]
+    robots = tuple(RobotPlacement(model, f"/r{i}", pose) for i, pose in enumerate(poses))
+    return replace(read_scene(*find_world("husky")), robots=robots)
+
+
+def scenes() -> dict[str, tuple[Scene, Callable[[str], bool]]]:
+    """What is measured: each scene, and which of its topics are wanted for "sensors"."""
+
+    def everything(_: str) -> bool:
+        return True
+
+    def depth(topic: str) -> bool:
+        return topic.endswith("depth/image_raw")
+
+    return {
+        "1 Husky": (yard(HUSKY, 1), everything),
+        "10 Huskies": (yard(HUSKY, 10), everything),
+        "100 Huskies": (yard(HUSKY, 100), everything),
+        "1 with a laser, 360 rays, 10 Hz": (yard(WITH_LASER, 1), everything),
+        "10 with such lasers": (yard(WITH_LASER, 10), everything),
+        "world dolly, 200 rays, 100 Hz": (read_scene(*find_world("dolly")), everything),
+        "Kinect 640x480, 30 Hz, depth": (yard(WITH_KINECT, 1), depth),
+    }
 
 
 def circle() -> Twist:
@@ -43,59 +89,135 @@ def circle() -> Twist:
     return message
 
 
+def processor_seconds(work: Callable[[], object]) -> float:
+    """Seconds that this thread works on a function; other programs disturb them little."""
+    begun = time.thread_time()
+    work()
+    return time.thread_time() - begun
+
+
 def bare(scene: Scene, steps: int) -> float:
     """Seconds that the engine alone takes."""
     with World(scene) as world:
         for robot in scene.robots:
             body = world.add_robot(robot.namespace, robot.model.body, robot.pose)
             world.set_velocity(body, (0.5, 0.0, 0.0), (0.0, 0.0, 0.3))
-        return seconds_of(lambda: [world.step() for _ in range(steps)])
+        return processor_seconds(lambda: [world.step() for _ in range(steps)])
 
 
-def simulation(scene: Scene, steps: int) -> float:
+def simulation(scene: Scene, steps: int, wanted: Callable[[str], bool]) -> float:
     """Seconds that the simulation without a bus takes."""
     with Simulation(scene) as simulated:
+        simulated.ask(wanted)
         for robot in simulated.robots:
             robot.command(circle())
-        return seconds_of(lambda: [simulated.step() for _ in range(steps)])
+        return processor_seconds(lambda: [simulated.step() for _ in range(steps)])
 
 
 def whole(scene: Scene, steps: int) -> float:
-    """Seconds that the whole loop takes, publishing everything."""
-    lcmtools.init([], url=BUS)
+    """Seconds that the whole node takes on the thread that simulates."""
+    lcmtools.init([], url=URL)
     try:
         with Simulation(scene) as simulated, lcmtools.Node("bench") as node:
             for robot in simulated.robots:
                 robot.command(circle())
             bridge = Bridge(node, simulated)
+            settled = time.monotonic() + 1.5  # until it is known who listens
+            while time.monotonic() < settled:
+                bridge.receive(0.1)
             loop = Loop(simulated, bridge, Pacer(0.0), go_on=lcmtools.ok, last_step=steps)
-            return seconds_of(loop.run)
+            return processor_seconds(loop.run)
     finally:
         lcmtools.shutdown()
 
 
-def seconds_of(work: Callable[[], object]) -> float:
-    """Wall seconds that a function takes."""
-    begun = time.perf_counter()
-    work()
-    return time.perf_counter() - begun
+def listen(connection: Connection) -> None:
+    """Hear everything, as any LCM program can, and announce nothing."""
+    import lcm
+
+    listener = lcm.LCM(URL)
+    listener.subscribe("/nothing", lambda *_: None)
+    connection.send("ready")
+    while True:
+        listener.handle_timeout(1000)
+
+
+def measure(
+    scene: Scene, wanted: Callable[[str], bool], steps: int
+) -> tuple[float, float, float, float, float]:
+    """Seconds of each column: of one round, side by side."""
+    alone = bare(scene, steps)
+    driven = simulation(scene, steps, lambda _: False)
+    sensed = simulation(scene, steps, wanted)
+    unheard, heard = whole(scene, steps), nan
+    if wanted("/r0/camera/depth/points"):  # eight pictures at once are another measurement
+        with child(listen) as listener:
+            listener.wait()
+            heard = whole(scene, steps)
+    return alone, driven, sensed, unheard, heard
+
+
+def compare(seconds: float) -> None:
+    """The table of speeds."""
+    rows = []
+    for name, (scene, wanted) in scenes().items():
+        simulated = seconds / max(1, len(scene.robots) / 2)
+        steps = round(simulated / scene.dt)
+        rounds = [measure(scene, wanted, steps) for _ in range(ROUNDS)]
+        alone, driven, sensed, unheard, heard = (median(column) for column in zip(*rounds))  # noqa: B905
+        own = [f"{1 - part / all_of_it:.0%}" for part, all_of_it in ((driven, unheard),)]
+        own.append("-" if heard != heard else f"{1 - sensed / heard:.0%}")  # noqa: PLR0124 - nan
+        speeds = [simulated / part for part in (alone, driven, sensed, unheard, heard)]
+        rows.append((name, *speeds, *own))
+    columns = ("bare", "drive", "sensors", "unheard", "heard", "loop unheard", "loop heard")
+    show("times real time", ("", *columns), rows)
+
+
+def first_odometry() -> float:
+    """Seconds from the command to the first odometry on the bus."""
+    came: list[float] = []
+    lcmtools.init([], url=URL)
+    with lcmtools.Node("waiting") as node:
+        node.create_subscription(
+            Odometry, "/husky0/odometry", lambda _: came.append(time.perf_counter())
+        )
+        begun = time.perf_counter()
+        command = [sys.executable, "-m", "lcmtools_sim", "husky", "--lcm-url", URL]
+        with subprocess.Popen(command, stderr=subprocess.DEVNULL) as simulator:
+            while not came and simulator.poll() is None:
+                lcmtools.spin_once(node, 0.1)
+            simulator.terminate()
+    lcmtools.shutdown()
+    return came[0] - begun if came else nan
+
+
+def memory(hours: float) -> None:
+    """How the process grows while everything is measured."""
+    rows = []
+    with Simulation(yard(HUSKY, 1)) as simulated:
+        simulated.robots[0].command(circle())
+        for part in range(5):
+            rows.append((f"{part * hours / 4:.2f} h", _resident()))
+            for _ in range(round(hours * 3600 / 4 / simulated.scene.dt) if part < 4 else 0):  # noqa: PLR2004
+                simulated.step()
+    show("greatest resident size after so long", ("simulated", "MB"), rows)
+
+
+def _resident() -> float:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 def main() -> None:
-    """Measure and print the table."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--seconds", type=float, default=20.0, help="simulated, a measurement")
-    parser.add_argument("--robots", type=int, nargs="+", default=[1, 5, 20])
-    said = parser.parse_args()
-    print("simulated seconds per second, and ratio to the bare engine")
-    print(f"{'robots':>6} {'bare engine':>12} {'simulation':>18} {'with the bus':>18}")
-    for robots in said.robots:
-        scene = scene_of(robots)
-        steps = round(said.seconds / scene.dt)
-        times = [measure(scene, steps) for measure in (bare, simulation, whole)]
-        rates = [said.seconds / seconds for seconds in times]
-        cells = [f"{rate:9.1f} ({rate / rates[0]:5.0%})" for rate in rates[1:]]
-        print(f"{robots:>6} {rates[0]:>12.1f} {cells[0]:>18} {cells[1]:>18}")
+    """Measure and print the tables."""
+    arguments = parser(__doc__)
+    arguments.add_argument("--seconds", type=float, default=10.0, help="simulated, a measurement")
+    arguments.add_argument("--hours", type=float, default=0.25, help="simulated, for memory")
+    said = arguments.parse_args()
+    isolate()
+    memory(said.hours)
+    compare(said.seconds)
+    times = sorted(first_odometry() for _ in range(5))
+    print(f"start to first odometry: {times[0]:.2f} s at best, {times[2]:.2f} s mostly")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from dataclasses import replace
 from lcmtools.arguments import split_arguments
 from lcmtools.errors import LcmtoolsError
 from lcmtools_sim.options import Options, parse_options
-from lcmtools_sim.scene import contents
+from lcmtools_sim.scene import Scene, contents, fleet, joined, selected
 from lcmtools_sim.world_file import read_scene
 from lcmtools_sim.worlds import describe, find_world, world_names
 
@@ -42,7 +42,7 @@ def _inform(options: Options) -> bool:
     elif options.print_world:
         lines = [find_world(options.print_world)[0].rstrip()]
     elif options.check:
-        scene = read_scene(*find_world(options.check))
+        scene = _read(options.check)
         lines = [f"{options.check}: ok, {contents(scene)}"]
     else:
         return False
@@ -50,11 +50,34 @@ def _inform(options: Options) -> bool:
     return True
 
 
-def _simulate(options: Options, arguments: Sequence[str]) -> None:
-    """Run the world that is asked for, with what the command line overrides."""
-    scene = read_scene(*find_world(options.world))
+def _read(world: str) -> Scene:
+    """A world by name or file; says what of it is not simulated."""
+    scene = read_scene(*find_world(world))
+    for note in scene.notes:
+        print(f"lcmtools run sim: {note}", file=sys.stderr)  # noqa: T201 - the command's edge
+    return scene
+
+
+def overridden(scene: Scene, options: Options) -> tuple[Scene, Options]:
+    """The scene with what the command line says of it, and whether it has to follow another."""
     if options.seed is not None:
         scene = replace(scene, seed=options.seed)
+    for model, pose in options.added:
+        scene = joined(scene, model, pose)
+    if options.robots is not None:
+        scene = fleet(scene, options.robots)
+    part = selected(scene, options.only) if options.only else scene
+    if not part.robots or not (options.follow or part.robots[0] != scene.robots[0]):
+        return part, options
+    # Nodes have names of their own; this one is not the leader.
+    first = part.robots[0]
+    node = f"{scene.node}_{first.namespace.strip('/').replace('/', '_') or first.model.name}"
+    return replace(part, node=node), replace(options, follow=True)
+
+
+def _simulate(options: Options, arguments: Sequence[str]) -> None:
+    """Run the world that is asked for, with what the command line overrides."""
+    scene, options = overridden(_read(options.world), options)
     if threading.current_thread() is threading.main_thread():
         # Until the bus takes over, SIGTERM ends it as quietly as Ctrl-C.
         signal.signal(signal.SIGTERM, signal.default_int_handler)

@@ -1,9 +1,13 @@
 """Between the simulation and the bus: the only module that knows nodes, topics and publishers."""
 
+import time
 from collections.abc import Callable
 
 from lcmtools import Node, spin_once
 from lcmtools.errors import ValueMismatch
+from lcmtools.messages.registry import Message
+from lcmtools.node.publisher import Publisher
+from lcmtools.node.subscription import Subscription
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.robot import Robot
@@ -17,6 +21,9 @@ _TYPES: dict[bool, tuple[type[Command], ...]] = {
 }
 """What a command topic takes, the declared type first; by whether that is Twist."""
 
+_LOOK_PERIOD = 0.1
+"""[s] How long a new listener may wait for the first picture."""
+
 
 class Bridge:
     """Takes commands from the bus to the robots, and samples from the simulation to the bus.
@@ -28,17 +35,24 @@ class Bridge:
 
     def __init__(self, node: Node, simulation: Simulation) -> None:
         self._node = node
-        self._complaints: set[str] = set()
-        self._publishers = {
-            topic: node.create_publisher(message_type, topic)
-            for topic, message_type in simulation.topics().items()
-        }
-        for robot in simulation.robots:
-            self._subscribe(robot)
+        self._simulation = simulation
+        self._complaints: dict[str, set[str]] = {}
+        self._publishers: dict[str, Publisher[Message]] = {}
+        self._subscriptions: dict[Robot, list[Subscription]] = {}
+        self._heard: frozenset[str] | None = None
+        self._next_look = 0.0
+        self.refresh()
 
-    def receive(self) -> None:
-        """Hand over the commands that have come; never waits."""
-        spin_once(self._node, 0.0)
+    def receive(self, timeout: float = 0.0) -> None:
+        """Hand over the commands that have come, and answer calls; wait so long at most [s]."""
+        spin_once(self._node, timeout)
+        now = time.monotonic()
+        if now >= self._next_look:
+            self._next_look = now + _LOOK_PERIOD
+            heard = self._node.heard_topics()
+            if heard != self._heard:
+                self._heard = heard
+                self._simulation.ask(self._is_heard)
 
     def publish(self, samples: list[Sample]) -> None:
         """Send a step's messages."""
@@ -49,14 +63,35 @@ class Bridge:
         """Log a warning of the simulator."""
         self._node.get_logger().warning(text)
 
-    def _subscribe(self, robot: Robot) -> None:
+    def refresh(self) -> None:
+        """Publish and subscribe for the robots that are there now."""
+        topics, robots = self._simulation.topics(), self._simulation.robots
+        for topic in self._publishers.keys() - topics.keys():
+            self._node.destroy_publisher(self._publishers.pop(topic))
+        for topic, message_type in topics.items():
+            if topic not in self._publishers:
+                self._publishers[topic] = self._node.create_publisher(message_type, topic)
+        for robot in self._subscriptions.keys() - set(robots):
+            for subscription in self._subscriptions.pop(robot):
+                self._node.destroy_subscription(subscription)
+        for robot in robots:
+            if robot not in self._subscriptions:
+                self._subscriptions[robot] = self._subscribe(robot)
+        self._simulation.ask(self._is_heard)
+
+    def _is_heard(self, topic: str) -> bool:
+        return self._heard is None or self._publishers[topic].topic in self._heard
+
+    def _subscribe(self, robot: Robot) -> list[Subscription]:
         prefix = robot.namespace.rstrip("/")
         group = f"wheel command of {robot.namespace}"
+        made = []
         for command in robot.model.commands:
             topic = f"{prefix}/{command.name}"
             callback = self._commander(robot, self._node.resolve_name(topic))
             types = _TYPES[command.is_twist]
-            self._node.create_subscription(types, topic, callback, group=group)
+            made.append(self._node.create_subscription(types, topic, callback, group=group))
+        return made
 
     def _commander(self, robot: Robot, topic: str) -> Callable[[Command], None]:
         """The callback of one command topic: obeys, or says once why not."""
@@ -65,14 +100,15 @@ class Bridge:
             try:
                 robot.command(message)
             except ValueMismatch as error:
-                self._complain(f"{topic}: command ignored: {error}")
+                self._complain(topic, f"{topic}: command ignored: {error}")
             else:
-                self._complaints.clear()
+                self._complaints.pop(topic, None)
 
         return command
 
-    def _complain(self, text: str) -> None:
+    def _complain(self, topic: str, text: str) -> None:
         """Warn of a bad command, once until a good one has come: a publisher repeats its fault."""
-        if text not in self._complaints:
-            self._complaints.add(text)
+        told = self._complaints.setdefault(topic, set())
+        if text not in told:
+            told.add(text)
             self.warn(text)

@@ -10,6 +10,7 @@ forward, w [rad/s] counter-clockwise, side speeds v -+ w track / 2.
 """
 
 import math
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from lcmtools_sim.robots.model import Drive, RobotModel
@@ -124,6 +125,32 @@ class Wheels:
         self.right_angle += self.speeds.right * dt / drive.wheel_radius
 
 
+class Encoders:
+    """What the wheels' encoders count: each side's speed, with noise that grows like a random walk.
+
+    Args:
+        noise: Standard deviation of a side's way after 1 m [m]; 0 for exact ones.
+        random: Draws that many numbers of the standard normal distribution.
+    """
+
+    __slots__ = ("_noise", "_random")
+
+    def __init__(self, noise: float, random: Callable[[int], Iterable[float]]) -> None:
+        self._noise = noise
+        self._random = random
+
+    def read(self, speeds: SideSpeeds, dt: float) -> SideSpeeds:
+        """Each side's speed as it is counted over one step [m/s]."""
+        if not self._noise:
+            return speeds
+        left, right = self._random(2)
+        gain = self._noise / math.sqrt(dt)
+        return SideSpeeds(
+            speeds.left + gain * math.sqrt(abs(speeds.left)) * left,
+            speeds.right + gain * math.sqrt(abs(speeds.right)) * right,
+        )
+
+
 class Odometer:
     """Where the robot would be if its wheels never slipped: dead reckoning from the encoders.
 
@@ -140,9 +167,8 @@ class Odometer:
         self.y = 0.0
         self.yaw = 0.0
 
-    def advance(self, speeds: SideSpeeds, track: float, dt: float) -> None:
-        """Go on for one step along the chord of its arc."""
-        forward, turn_rate = body_velocity(speeds, track)
+    def advance(self, forward: float, turn_rate: float, dt: float) -> None:
+        """Go on for one step [m/s, rad/s] along the chord of its arc."""
         heading = self.yaw + turn_rate * dt / 2
         self.x += forward * dt * math.cos(heading)
         self.y += forward * dt * math.sin(heading)

@@ -1,6 +1,6 @@
 """Sensors on their robots: which topic each output of each sensor belongs on."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 
 from lcmtools.messages.registry import Message
 from lcmtools_sim.robot import Robot
@@ -23,6 +23,7 @@ class Reading:
     Attributes:
         robot: As given.
         rate: [Hz]
+        wanted: The outputs that somebody can be listening to; at first all.
     """
 
     def __init__(self, robot: Robot, mount: SensorMount, sensor: Sensor) -> None:
@@ -31,21 +32,21 @@ class Reading:
         self._sensor = sensor
         self._always = mount.always
         self._topics = {name: _topic(robot.namespace, mount, name) for name in sensor.outputs}
+        self.wanted = tuple(self._topics)
 
     def topics(self) -> dict[str, type[Message]]:
         """Its topics and their types."""
         outputs = self._sensor.outputs
         return {topic: outputs[name] for name, topic in self._topics.items()}
 
-    def wanted(self, is_wanted: Callable[[str], bool]) -> tuple[str, ...]:
-        """The outputs that somebody can be listening to."""
-        if self._always:
-            return tuple(self._topics)
-        return tuple(name for name, topic in self._topics.items() if is_wanted(topic))
+    def ask(self, is_wanted: Callable[[str], bool]) -> None:
+        """Find out anew which outputs are wanted; from now on no other is measured."""
+        topics = self._topics.items()
+        self.wanted = tuple(name for name, topic in topics if self._always or is_wanted(topic))
 
-    def measure(self, state: RobotState, wanted: Collection[str]) -> dict[str, Message]:
+    def measure(self, state: RobotState) -> dict[str, Message]:
         """The messages of one step by their topics."""
-        messages = self._sensor.sample(state, wanted)
+        messages = self._sensor.sample(state, self.wanted)
         return {self._topics[name]: message for name, message in messages.items()}
 
 

@@ -8,6 +8,7 @@ from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.command import interpret
 from lcmtools_sim.drive import (
     STOPPED,
+    Encoders,
     Odometer,
     PlanarVelocity,
     SideSpeeds,
@@ -16,7 +17,7 @@ from lcmtools_sim.drive import (
     grip,
 )
 from lcmtools_sim.pose import Pose
-from lcmtools_sim.robots.model import Drive
+from lcmtools_sim.robots.model import Drive, RobotModel
 from lcmtools_sim.rotation import (
     Vector,
     add,
@@ -24,14 +25,17 @@ from lcmtools_sim.rotation import (
     components,
     cross,
     dot,
+    moved,
     scaled,
     subtract,
     turn,
     turned,
 )
 from lcmtools_sim.scene import RobotPlacement, Scene
-from lcmtools_sim.sensors.sensor import Contact, RobotState, WheelState
-from lcmtools_sim.shapes import Part
+from lcmtools_sim.sensors.odometry import OdometrySettings
+from lcmtools_sim.sensors.sensor import Contact, RobotState, WheelState, generator
+from lcmtools_sim.shapes import Color, Part
+from lcmtools_sim.skid import skid
 from lcmtools_sim.world import Motion, World
 
 _LIFTING_OFF = 0.2  # [m/s] along its own up axis: what stands on its wheels has none
@@ -54,13 +58,17 @@ class Robot:
         self._world = world
         self._dt = scene.dt
         self._timeout = placement.cmd_timeout
+        self._ground_color = scene.ground.color
         self._body = world.add_robot(self.namespace, self.model.body, placement.pose)
         self._motion = self._before = world.motion(self._body)
         friction = self.model.drive.tyre_friction * scene.ground.friction
         side_load = self.model.body.mass * scene.gravity / 2  # [N]
         self._largest_impulse = friction * side_load * scene.dt
+        self._pull = skid if self.model.drive.skids else grip
         self._wheels = Wheels()
         self._odometer = Odometer()
+        noise = generator(scene.seed, f"{self.namespace}/encoders").standard_normal
+        self._encoders = Encoders(_travel_noise(self.model), noise)
         self._targets = STOPPED
         self._command_age = 0.0
 
@@ -89,9 +97,10 @@ class Robot:
 
     def drive(self) -> None:
         """Turn the wheels and let them pull the body, before the engine's step."""
-        drive = self.model.drive
-        self._wheels.turn(self._obeyed_targets(), drive, self._dt)
-        self._odometer.advance(self._wheels.speeds, drive.track, self._dt)
+        drive, dt = self.model.drive, self._dt
+        self._wheels.turn(self._obeyed_targets(), drive, dt)
+        counted = self._encoders.read(self._wheels.speeds, dt)
+        self._odometer.advance(*body_velocity(counted, drive.track), dt)
         velocity, turning = self._pulled(self._motion)
         self._world.set_velocity(self._body, velocity, turning)
 
@@ -121,6 +130,10 @@ class Robot:
     def moving_parts(self) -> list[Part]:
         """The shapes that can move, in the world now, but for its own."""
         return self._world.moving_parts(but=self._body)
+
+    def ground_color(self) -> Color:
+        """How the plane z = 0 looks."""
+        return self._ground_color
 
     def touching(self) -> list[Contact]:
         """Where it touches something that is not the ground."""
@@ -170,18 +183,22 @@ class Robot:
         The pull acts along the heading in the middle of the step, so that the engine's straight
         steps are the chords of the arc that the robot drives.
         """
+        _, rotation, velocity, turning = motion
         _, turn_rate = body_velocity(self._wheels.speeds, self.model.drive.track)
-        forward, left, up = turned(axes(motion.rotation), turn_rate * self._dt / 2)
-        if up[2] < _UPRIGHT or abs(dot(motion.velocity, up)) > _LIFTING_OFF:
-            return motion.velocity, motion.turning
-        before = PlanarVelocity(
-            dot(motion.velocity, forward), dot(motion.velocity, left), dot(motion.turning, up)
-        )
-        after = grip(before, self._wheels.speeds, self.model, self._largest_impulse)
-        along = scaled(forward, after.forward - before.forward)
-        across = scaled(left, after.sideways - before.sideways)
-        turn = scaled(up, after.turn_rate - before.turn_rate)
-        return add(motion.velocity, add(along, across)), add(motion.turning, turn)
+        forward, left, up = turned(axes(rotation), turn_rate * self._dt / 2)
+        if up[2] < _UPRIGHT or abs(dot(velocity, up)) > _LIFTING_OFF:
+            return velocity, turning
+        before = PlanarVelocity(dot(velocity, forward), dot(velocity, left), dot(turning, up))
+        after = self._pull(before, self._wheels.speeds, self.model, self._largest_impulse)
+        pulled = moved(velocity, forward, after.forward - before.forward)
+        pulled = moved(pulled, left, after.sideways - before.sideways)
+        return pulled, moved(turning, up, after.turn_rate - before.turn_rate)
+
+
+def _travel_noise(model: RobotModel) -> float:
+    """Of its encoders; they are the same for all that is told from them."""
+    settings = [mount.settings for mount in model.sensors]
+    return max((s.travel_noise for s in settings if isinstance(s, OdometrySettings)), default=0.0)
 
 
 def _wheel_states(

@@ -9,6 +9,8 @@ import math
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
+_STRAIGHT_UP = 1 - 1e-12
+
 
 def from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
     """The rotation about the fixed axes x, y, z, in this order [rad]."""
@@ -21,6 +23,16 @@ def from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
         cr * cp * sy - sr * sp * cy,
         cr * cp * cy + sr * sp * sy,
     )
+
+
+def to_euler(rotation: Quaternion) -> tuple[float, float, float]:
+    """Roll, pitch and yaw about the fixed axes [rad]; the inverse of ``from_euler``."""
+    x, y, z, w = rotation
+    sine = max(-1.0, min(1.0, 2 * (w * y - z * x)))
+    if abs(sine) > _STRAIGHT_UP:  # roll and yaw are about one axis then: all of it is yaw
+        return 0.0, math.asin(sine), math.copysign(2.0, -sine) * math.atan2(x, w)
+    roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+    return roll, math.asin(sine), yaw_of(rotation)
 
 
 def axes(rotation: Quaternion) -> tuple[Vector, Vector, Vector]:
@@ -75,12 +87,18 @@ def components(vector: Vector, frame: tuple[Vector, Vector, Vector]) -> Vector:
 
 def turned(frame: tuple[Vector, Vector, Vector], angle: float) -> tuple[Vector, Vector, Vector]:
     """A frame's axes after it has turned about its own up axis [rad]."""
-    forward, left, up = frame
-    cosine, sine = math.cos(angle), math.sin(angle)
+    (fx, fy, fz), (lx, ly, lz), up = frame
+    c, s = math.cos(angle), math.sin(angle)
+    forward = (c * fx + s * lx, c * fy + s * ly, c * fz + s * lz)
+    return forward, (c * lx - s * fx, c * ly - s * fy, c * lz - s * fz), up
+
+
+def moved(vector: Vector, direction: Vector, length: float) -> Vector:
+    """A vector and so many times another one."""
     return (
-        add(scaled(forward, cosine), scaled(left, sine)),
-        add(scaled(left, cosine), scaled(forward, -sine)),
-        up,
+        vector[0] + direction[0] * length,
+        vector[1] + direction[1] * length,
+        vector[2] + direction[2] * length,
     )
 
 

@@ -3,7 +3,6 @@
 Steps are numbered from 1 and are the only time here; the wall clock comes in as a function.
 """
 
-import heapq
 import math
 import time
 from collections.abc import Callable, Sequence
@@ -14,14 +13,14 @@ Item = TypeVar("Item")
 MAX_DEBT = 0.25
 """Wall seconds that the simulation may be late before the rest is dropped."""
 
-_LONGEST_SLEEP = 0.1  # [s]; how long a request to stop may go unnoticed
+_LONGEST_SLEEP = 0.1  # [s]; how long a request may go unnoticed
 
 
 class Timetable(Generic[Item]):
     """Items that are due at rates which need not divide the rate of the steps.
 
     The k-th time an item is due is the first step at or after k / rate, so that 50 Hz on a grid
-    of 240 Hz is exact on average and never drifts.
+    of 240 Hz is exact on average and never drifts. All items of a rate are due together.
 
     Args:
         dt: Seconds of a step.
@@ -29,37 +28,63 @@ class Timetable(Generic[Item]):
 
     def __init__(self, dt: float) -> None:
         self._dt = dt
-        self._next: list[tuple[int, int, int]] = []  # step, place in _items, count
-        self._items: list[tuple[float, Item]] = []
+        self._groups: dict[float, _Group[Item]] = {}
+        self._added = 0
 
     def add(self, rate: float, item: Item, *, after: int = 0) -> None:
         """Let ``item`` be due ``rate`` times a second, at most once a step, from ``after`` on."""
-        count = math.floor(after * self._dt * rate) + 1
-        while self._step(count, rate) <= after:
-            count += 1
-        self._items.append((rate, item))
-        heapq.heappush(self._next, (self._step(count, rate), len(self._items) - 1, count))
+        if rate not in self._groups:
+            count = math.floor(after * self._dt * rate) + 1
+            while self._step(count, rate) <= after:
+                count += 1
+            self._groups[rate] = _Group(count, self._step(count, rate))
+        self._groups[rate].items[self._added] = item
+        self._added += 1
 
     def remove(self, items: Sequence[Item]) -> None:
         """Let these be due no more."""
-        gone = {place for place, (_, item) in enumerate(self._items) if item in items}
-        self._next = [entry for entry in self._next if entry[1] not in gone]
-        heapq.heapify(self._next)
+        for rate, group in tuple(self._groups.items()):
+            group.items = {n: item for n, item in group.items.items() if item not in items}
+            if not group.items:
+                del self._groups[rate]
 
     def due(self, step: int) -> list[Item]:
         """What is due at ``step``, in the order of adding; steps are asked for in their order."""
-        found = []
-        while self._next and self._next[0][0] <= step:
-            _, place, count = self._next[0]
-            rate, item = self._items[place]
-            found.append(item)
-            following = max(step + 1, self._step(count + 1, rate))
-            heapq.heapreplace(self._next, (following, place, count + 1))
-        return found
+        found = [self._take(rate, step) for rate, g in self._groups.items() if g.step <= step]
+        if len(found) < 2:  # noqa: PLR2004 - else there is an order to make
+            return list(found[0].values()) if found else []
+        together = {number: item for items in found for number, item in items.items()}
+        return [together[number] for number in sorted(together)]
+
+    def _take(self, rate: float, step: int) -> dict[int, Item]:
+        """The items of a rate that is due at ``step``, by their number, and when it is due next."""
+        group = self._groups[rate]
+        group.count += 1
+        group.step = max(step + 1, self._step(group.count, rate))
+        return group.items
 
     def _step(self, count: int, rate: float) -> int:
         # The factor keeps what rounding puts just above a whole step from going to the next.
         return math.ceil(count / (rate * self._dt) * (1 - 1e-12))
+
+
+class _Group(Generic[Item]):
+    """All items of one rate.
+
+    Args:
+        count: The how many-th time comes next.
+        step: When that is.
+
+    Attributes:
+        items: By the number of their adding.
+    """
+
+    __slots__ = ("count", "items", "step")
+
+    def __init__(self, count: int, step: int) -> None:
+        self.count = count
+        self.step = step
+        self.items: dict[int, Item] = {}
 
 
 class Pacer:
@@ -73,6 +98,9 @@ class Pacer:
         period: Wall seconds of a step; 0 never waits.
         now: A monotonic clock [s].
         sleep: Waits the seconds given.
+
+    Attributes:
+        period: As given; may be changed.
     """
 
     def __init__(
@@ -81,22 +109,32 @@ class Pacer:
         now: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        self._period = period
+        self.period = period
         self._now = now
         self._sleep = sleep
         self._deadline = now()
 
-    def wait(self, go_on: Callable[[], bool]) -> float:
+    def restart(self) -> None:
+        """Forget the time that has passed: no step is late."""
+        self._deadline = self._now()
+
+    def wait(self, go_on: Callable[[], bool], meanwhile: Callable[[], None]) -> float:
         """Wait until the next step may run, or until ``go_on`` says no.
+
+        Args:
+            go_on: Whether to wait on.
+            meanwhile: What must not wait: called now and then while the next step is far away.
 
         Returns:
             The debt that was dropped [s], mostly 0.
         """
-        if not self._period:
+        if not self.period:
             return 0.0
-        self._deadline += self._period
+        self._deadline += self.period
         while (ahead := self._deadline - self._now()) > 0 and go_on():
             self._sleep(min(ahead, _LONGEST_SLEEP))
+            if ahead > _LONGEST_SLEEP:
+                meanwhile()
         if ahead > -MAX_DEBT:
             return 0.0
         self._deadline -= ahead

@@ -5,8 +5,10 @@ from collections.abc import Sequence
 
 import lcmtools
 from lcmtools_sim.bridge import Bridge
+from lcmtools_sim.control import Control
 from lcmtools_sim.display import check_display
-from lcmtools_sim.loop import run
+from lcmtools_sim.follow import FollowingSimulation, LeadersClock
+from lcmtools_sim.loop import Loop
 from lcmtools_sim.options import Options
 from lcmtools_sim.scene import Scene, contents
 from lcmtools_sim.schedule import Pacer
@@ -31,7 +33,8 @@ def simulate(scene: Scene, options: Options, arguments: Sequence[str]) -> None:
         check_display(os.environ)
     lcmtools.init(arguments)  # before the engine: from here on Ctrl-C ends it quietly
     try:
-        with Simulation(scene, window=options.gui) as simulation:
+        kind = FollowingSimulation if options.follow else Simulation
+        with kind(scene, window=options.gui) as simulation:
             _run(simulation, options)
     finally:
         lcmtools.shutdown()
@@ -41,7 +44,17 @@ def _run(simulation: Simulation, options: Options) -> None:
     scene = simulation.scene
     with lcmtools.Node(scene.node) as node:
         bridge = Bridge(node, simulation)
-        node.get_logger().info(f"simulating {scene.name}: {contents(scene)}")
-        pacer = Pacer(scene.dt / options.rate if options.rate else 0.0)
-        steps = round(options.duration / scene.dt) if options.duration else None
-        run(simulation, bridge, pacer, go_on=lcmtools.ok, steps=steps)
+        if options.follow:
+            pacer: Pacer = LeadersClock(node, simulation, bridge.refresh)
+        else:
+            pacer = Pacer(scene.dt / options.rate if options.rate else 0.0)
+        last_step = round(options.duration / scene.dt) if options.duration else None
+        loop = Loop(simulation, bridge, pacer, go_on=lcmtools.ok, last_step=last_step)
+        loop.paused = options.paused
+        Control(node, simulation, loop, bridge.refresh)
+        paused = "; paused: lcmtools sim resume starts it" if options.paused else ""
+        node.get_logger().info(f"simulating {scene.name}: {contents(scene)}{paused}")
+        if options.follow:
+            node.get_logger().info("waiting for the /clock of the process that leads")
+            pacer.wait(lcmtools.ok, bridge.receive)
+        loop.run()

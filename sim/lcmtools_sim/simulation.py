@@ -16,6 +16,7 @@ from lcmtools_sim.robot import Robot
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.schedule import Timetable
 from lcmtools_sim.sensors.sensor import RobotState
+from lcmtools_sim.shapes import Part
 from lcmtools_sim.world import World
 
 CLOCK_TOPIC = "/clock"
@@ -31,10 +32,6 @@ class Sample:
     message: Message
 
 
-def _everything(_topic: str) -> bool:
-    return True
-
-
 class Simulation:
     """A scene come to life. A context manager: it owns the engine's world.
 
@@ -46,7 +43,6 @@ class Simulation:
         scene: As given.
         robots: In the order of the scene, then as they were added.
         steps: How many have been done.
-        is_wanted: Whether anybody can be listening to a topic: what nobody hears is not measured.
 
     Raises:
         MissingExtra: pybullet is not installed.
@@ -55,7 +51,6 @@ class Simulation:
 
     def __init__(self, scene: Scene, *, window: bool = False) -> None:
         self.scene = scene
-        self.is_wanted: Callable[[str], bool] = _everything
         self._world = World(scene, window=window)
         try:
             self._begin()
@@ -80,6 +75,10 @@ class Simulation:
         """Whether it can go on; not after its window was closed."""
         return self._world.is_open()
 
+    def parts(self) -> list[Part]:
+        """Every shape that there is, in the world now."""
+        return [*self._world.fixed_parts(), *self._world.moving_parts()]
+
     def topics(self) -> dict[str, type[Message]]:
         """Every topic of its samples, with the type."""
         found: dict[str, type[Message]] = {CLOCK_TOPIC: Clock}
@@ -87,6 +86,15 @@ class Simulation:
             for reading in self._readings[robot.namespace]:
                 found.update(reading.topics())
         return found
+
+    def ask(self, is_wanted: Callable[[str], bool]) -> None:
+        """Measure only what is wanted from now on: topics that somebody can be listening to.
+
+        Until it is asked everything is measured, and so are the sensors of robots that come later.
+        """
+        for readings in self._readings.values():
+            for reading in readings:
+                reading.ask(is_wanted)
 
     def step(self) -> list[Sample]:
         """Let dt pass and return what is due then, all with the same time.
@@ -102,10 +110,14 @@ class Simulation:
         due = self._timetable.due(self.steps)
         return self._samples(due) if due else []
 
-    def reset(self) -> None:
-        """Begin anew: the same start, to the bit, as that of a new process with this scene."""
+    def reset(self, steps: int = 0) -> None:
+        """Begin anew: the same start, to the bit, as that of a new process with this scene.
+
+        Args:
+            steps: As if so many had been done with everything standing still.
+        """
         self._world.reset(self.scene)
-        self._begin()
+        self._begin(steps)
 
     def add(self, placement: RobotPlacement) -> Robot:
         """Put up one more robot; ``reset`` takes it away again.
@@ -133,12 +145,12 @@ class Simulation:
         self.robots.remove(robot)
         robot.remove()
 
-    def _begin(self) -> None:
-        self.steps = 0
+    def _begin(self, steps: int = 0) -> None:
+        self.steps = steps
         self.robots: list[Robot] = []
         self._readings: dict[str, list[Reading]] = {}
         self._timetable: Timetable[Reading | None] = Timetable(self.scene.dt)
-        self._timetable.add(CLOCK_RATE, None)
+        self._timetable.add(CLOCK_RATE, None, after=steps)
         for placement in self.scene.robots:
             self.add(placement)
 
@@ -147,15 +159,14 @@ class Simulation:
         samples = [Sample(CLOCK_TOPIC, _clock(time))]
         states: dict[str, RobotState] = {}
         for reading in due:
-            wanted = reading.wanted(self.is_wanted) if reading else ()
-            if reading is None or not wanted:  # the clock's own turn, or nobody hears it
+            if reading is None or not reading.wanted:  # the clock's turn, or nobody hears it
                 continue
             namespace = reading.robot.namespace
             if namespace not in states:
                 states[namespace] = reading.robot.state(time)
             samples += [
                 Sample(topic, message)
-                for topic, message in reading.measure(states[namespace], wanted).items()
+                for topic, message in reading.measure(states[namespace]).items()
             ]
         return samples
 

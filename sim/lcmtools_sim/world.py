@@ -154,8 +154,8 @@ class World:
         """The shapes that stand for ever, in the world; the same object until one is added."""
         return self._fixed
 
-    def moving_parts(self, but: int) -> list[Part]:
-        """The shapes of all bodies that can move but one, in the world now."""
+    def moving_parts(self, but: int | None = None) -> list[Part]:
+        """The shapes of all bodies that can move (but one), in the world now."""
         return [
             _carried(part, *self._bullet.getBasePositionAndOrientation(body, self._client))
             for body, parts in self._moving.items()

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
@@ -239,3 +240,19 @@ def test_on_ice_it_slips_and_its_encoders_do_not_notice(simulate: Simulate, effo
     # Coulomb: at most 0.8 x 0.01 x 9.81 m/s^2 for two seconds.
     assert state.velocity[0] == pytest.approx(0.8 * 0.01 * 9.81 * 2.0, rel=0.02)
     assert state.reckoned_speed[0] == pytest.approx(1.0, rel=0.01)
+
+
+@pytest.mark.parametrize("turn_rate", [0.5, 1.0, -1.0])
+def test_a_skidding_husky_turns_on_the_spot_as_the_balance_of_moments_says(
+    simulate: Simulate, twist: Steer, turn_rate: float
+) -> None:
+    husky = replace(HUSKY, drive=replace(HUSKY.drive, skids=True))
+    simulation = simulate(scene=Scene("skid", robots=(RobotPlacement(husky, "/husky0"),)))
+    simulation.robots[0].command(twist(0.0, turn_rate))
+    a, b = husky.drive.wheels[0]
+    wheel_speed = turn_rate * husky.drive.track / 2
+
+    state = run(simulation, 3.0)
+
+    assert state.turning[2] == pytest.approx(wheel_speed * b / (a * a + b * b), rel=1e-3)
+    assert state.reckoned_speed[1] == pytest.approx(turn_rate)  # which encoders cannot know

@@ -14,7 +14,7 @@ from lcmtools.types.sim_msgs import SetRate
 @timeout_option
 @json_option
 @bus_options
-def command(rate: str, *, name: str | None, timeout: float, as_json: bool) -> None:
+def command(rate: str, name: str | None, *, timeout: float, as_json: bool) -> None:
     """Let simulated time pass RATE times as fast as real time; 0: as fast as possible.
 
     \b

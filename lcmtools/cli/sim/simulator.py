@@ -21,6 +21,7 @@ from lcmtools.types.geometry_msgs import Pose
 
 _MARK = "sim_msgs/Step"
 """The type of service that only simulators offer."""
+_CLOCK = "/clock"
 _NUMBER = re.compile(r"(?P<number>.+?)\s*(?P<unit>deg)?")
 
 RequestT = TypeVar("RequestT", bound=Message)
@@ -75,10 +76,12 @@ def read_pose(words: Sequence[str]) -> Pose:
     """A pose on the ground from X, Y [m] and YAW ([rad], or "90deg"); what is left out is 0.
 
     Raises:
-        UsageError: There are too many, or one is no number.
+        UsageError: There are too many, or X without Y, or one is no number.
     """
     if len(words) > 3:  # noqa: PLR2004 - x, y, yaw
         raise UsageError(f"too many values: {' '.join(words)}", "write X Y YAW")
+    if len(words) == 1:
+        raise UsageError(f"'{words[0]}' alone is no place", "write X Y YAW, for example 1 -2 90deg")
     x, y, yaw = (*map(_number, words), *[0.0] * (3 - len(words)))
     pose = Pose()
     pose.position.x, pose.position.y = x, y
@@ -100,11 +103,14 @@ def _number(word: str) -> float:
 def _find(graph: Graph, name: str | None) -> str:
     """The full name of the simulator's node."""
     simulators = sorted({_node_of(service) for service in offered(graph) if _is_mark(service)})
+    leaders = {node.name for node, _ in graph.topic(_CLOCK).publishers if not node.stale}
     if name is not None:
         node = find_node(graph, name)
         if node.name not in simulators:
             raise LcmtoolsError(f"{node.name} is no simulator", _these(simulators))
         return node.name
+    if len(simulators) > 1 and len(leaders) == 1:  # the others follow its clock
+        return leaders.pop()
     if len(simulators) > 1:
         raise LcmtoolsError("several simulators run", f"say which: --sim {simulators[0]}")
     if not simulators:

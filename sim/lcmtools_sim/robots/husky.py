@@ -91,6 +91,7 @@ HUSKY = RobotModel(
         max_acceleration=3.0,
         time_constant=0.15,
         tyre_friction=0.8,
+        wheels=_CORNERS,
     ),
     left_wheels=("left", "front_left_wheel", "rear_left_wheel"),
     right_wheels=("right", "front_right_wheel", "rear_right_wheel"),

@@ -61,6 +61,9 @@ class Drive:
         tyre_friction: Coulomb coefficient on ground of friction 1.
         believed_track: What its controller takes for the track when it obeys a turn rate [m]; 0
             for the track itself.
+        wheels: (x, y) where wheels touch the ground, for those that skid when it turns [m].
+        skids: Turn by skidding on these wheels, as a real one does, instead of as two ideal wheels
+            at the track would.
     """
 
     wheel_radius: float
@@ -72,6 +75,8 @@ class Drive:
     time_constant: float
     tyre_friction: float
     believed_track: float = 0.0
+    wheels: tuple[tuple[float, float], ...] = ()
+    skids: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ MobileRobots' own model of the robot (amr-ros-config, pioneer3dx.urdf). Topics h
 the robot's ROS driver (RosAria) and of the Kinect's (openni).
 """
 
+from lcmtools_sim.pose import Pose
 from lcmtools_sim.robots.model import Body, CommandTopic, Drive, RobotModel
 from lcmtools_sim.sensors.mount import SensorMount
 from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part
@@ -21,6 +22,9 @@ _MASS = 23.0
 """[kg] The robot itself and a load of batteries and a computer."""
 _INERTIA = (0.35, 0.48, 0.62)
 """[kg m^2] That of a box of this size and mass."""
+
+_KINECT = (0.10, 0.0, 0.25)
+"""[m] Where the Kinect stands in base_link, on the deck."""
 
 _RED: Color = (0.7, 0.1, 0.1)
 _BLACK: Color = (0.15, 0.15, 0.15)
@@ -68,6 +72,7 @@ PIONEER = RobotModel(
         SensorMount("odometry", "RosAria/pose", 10.0),
         SensorMount("wheel_states", "RosAria/wheel_state", 10.0),
         SensorMount("ground_truth", "ground_truth", 50.0),
+        SensorMount("depth_camera", "camera", 30.0, Pose(*_KINECT)),
         SensorMount("transforms", "/tf", 50.0),
     ),
     commands=(CommandTopic("RosAria/cmd_vel", is_twist=True),),

@@ -1,6 +1,6 @@
 """A bumper around the whole robot: what it touches, and how hard."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 
 from lcmtools.messages.registry import Message
 from lcmtools.types.gazebo_msgs import ContactsState, ContactState
@@ -33,33 +33,37 @@ class BumperSensor:
         del wanted
         message = ContactsState()
         fill_header(message.header, state.time, self._frame)
-        touched: dict[str, ContactState] = {}
+        touched: dict[str, list[Contact]] = {}
         for contact in self._around.touching():
-            _add(touched.setdefault(contact.name, self._touch(contact.name)), contact, state)
-        message.states = list(touched.values())
+            touched.setdefault(contact.name, []).append(contact)
+        message.states = [self._touch(name, contacts, state) for name, contacts in touched.items()]
         return {"": message}
 
-    def _touch(self, name: str) -> ContactState:
+    def _touch(self, name: str, contacts: Sequence[Contact], state: RobotState) -> ContactState:
+        """Everything about one thing that is touched."""
+        frame = axes(state.rotation)
         touch = ContactState()
         touch.collision1_name, touch.collision2_name = self._name, name
+        normals = [components(contact.normal, frame) for contact in contacts]
+        forces = [
+            scaled(normal, contact.force) for normal, contact in zip(normals, contacts, strict=True)
+        ]
+        touch.contact_positions = [
+            _vector(components(subtract(contact.position, state.position), frame))
+            for contact in contacts
+        ]
+        touch.contact_normals = [_vector(normal) for normal in normals]
+        touch.depths = [contact.depth for contact in contacts]
+        touch.wrenches = [_wrench(force) for force in forces]
+        x, y, z = (sum(parts) for parts in zip(*forces, strict=True))
+        touch.total_wrench = _wrench((x, y, z))
         return touch
 
 
-def _add(touch: ContactState, contact: Contact, state: RobotState) -> None:
-    """Add one place to a touch."""
-    frame = axes(state.rotation)
-    normal = components(contact.normal, frame)
-    force = scaled(normal, contact.force)
-    touch.contact_positions.append(
-        _vector(components(subtract(contact.position, state.position), frame))
-    )
-    touch.contact_normals.append(_vector(normal))
-    touch.depths.append(contact.depth)
+def _wrench(force: Vector) -> Wrench:
     wrench = Wrench()
     wrench.force = _vector(force)
-    touch.wrenches.append(wrench)
-    total = touch.total_wrench.force
-    total.x, total.y, total.z = total.x + force[0], total.y + force[1], total.z + force[2]
+    return wrench
 
 
 def _vector(values: Vector) -> Vector3:

@@ -48,7 +48,7 @@ class ImuSensor:
         self._settings = cast("ImuSettings", mount.settings or ImuSettings())
         self._generator = carrier.generator(mount)
         self._frame = carrier.frame(mount.frame or "imu_link")
-        carrier.frames[self._frame] = mount.pose
+        carrier.frames[self._frame] = mount.pose.position, mount.pose.rotation
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
         """The measurement of one step."""

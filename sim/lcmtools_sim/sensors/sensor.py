@@ -18,7 +18,7 @@ from lcmtools.types.std_msgs import Header
 from lcmtools_sim.pose import Pose
 from lcmtools_sim.rotation import Quaternion, Vector, add, chain, turn
 from lcmtools_sim.sensors.mount import SensorMount, Settings
-from lcmtools_sim.shapes import Part
+from lcmtools_sim.shapes import Color, Part
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +93,10 @@ class Surroundings(Protocol):
         """The shapes that can move, in the world now, but for the robot's own."""
         ...
 
+    def ground_color(self) -> Color:
+        """How the plane z = 0 looks."""
+        ...
+
     def touching(self) -> list[Contact]:
         """Where the robot touches something that is not the ground."""
         ...
@@ -116,7 +120,7 @@ class Carrier:
     gravity: float
     seed: int
     around: Surroundings
-    frames: dict[str, Pose] = field(default_factory=dict)
+    frames: dict[str, tuple[Vector, Quaternion]] = field(default_factory=dict)
 
     def frame(self, name: str) -> str:
         """A frame's id with the robot's prefix and no slash before ("husky0/odom")."""
@@ -124,8 +128,7 @@ class Carrier:
 
     def generator(self, mount: SensorMount) -> np.random.Generator:
         """The noise of one sensor: of its own, the same in each run with the same seed."""
-        name = f"{self.namespace}/{mount.kind}/{mount.topic}"
-        return np.random.default_rng([self.seed, zlib.crc32(name.encode())])
+        return generator(self.seed, f"{self.namespace}/{mount.kind}/{mount.topic}")
 
 
 class Sensor(Protocol):
@@ -156,6 +159,11 @@ class SensorKind:
     settings: type[Settings] | None = None
     rate: float = 50.0
     topic: str = ""
+
+
+def generator(seed: int, name: str) -> np.random.Generator:
+    """The noise of whatever has this name: of its own, the same in each run with the same seed."""
+    return np.random.default_rng([seed, zlib.crc32(name.encode())])
 
 
 def placed(state: RobotState, pose: Pose) -> tuple[Vector, Quaternion]:

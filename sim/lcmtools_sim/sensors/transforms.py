@@ -38,8 +38,8 @@ class TransformsSensor:
         message.transforms = [
             _transform(state.time, self._odom, self._base, (x, y, 0.0), turned),
             *(
-                _transform(state.time, self._base, frame, pose.position, pose.rotation)
-                for frame, pose in self._carrier.frames.items()
+                _transform(state.time, self._base, frame, position, rotation)
+                for frame, (position, rotation) in self._carrier.frames.items()
             ),
         ]
         return {"": message}

@@ -7,6 +7,7 @@ from lcmtools.names import check_base_name
 from lcmtools_sim.scene import Ground, Scene
 from lcmtools_sim.world_file.document import Item, load
 from lcmtools_sim.world_file.robots import read_robots
+from lcmtools_sim.world_file.sdf import read_sdf_scene
 from lcmtools_sim.world_file.things import read_things
 from lcmtools_sim.world_file.values import color, friction, value
 
@@ -17,9 +18,14 @@ _GROUND_KEYS = ("friction", "color")
 def read_scene(text: str, source: str) -> Scene:
     """Read a world file's text; ``source`` is its name, for messages and for files beside it.
 
+    It may be one of Gazebo too, see sdf.py.
+
     Raises:
         InvalidFile: Anything is wrong with it, with file, line and reason.
     """
+    if text.lstrip("\ufeff \t\r\n").startswith("<"):
+        return read_sdf_scene(text, source)
+    notes: list[str] = []
     keys = load(text, source, "world").fields(_WORLD_KEYS)
     plain = Scene("")
     return Scene(
@@ -29,8 +35,9 @@ def read_scene(text: str, source: str) -> Scene:
         dt=value(keys, "dt", lambda item: item.number(1e-4, 0.02), plain.dt),
         gravity=value(keys, "gravity", lambda item: item.number(0, 100), plain.gravity),
         ground=value(keys, "ground", _ground, plain.ground),
-        things=value(keys, "objects", read_things, ()),
-        robots=value(keys, "robots", read_robots, ()),
+        things=value(keys, "objects", lambda item: read_things(item, notes), ()),
+        robots=value(keys, "robots", lambda item: read_robots(item, notes), ()),
+        notes=tuple(notes),
     )
 
 

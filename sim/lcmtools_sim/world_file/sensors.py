@@ -6,12 +6,15 @@ An entry whose topic a sensor of the model has changes that one; any other adds 
 from collections.abc import Sequence
 from dataclasses import fields, replace
 
+from lcmtools.errors import InvalidName
+from lcmtools.names import check_legal
 from lcmtools_sim.sensors import SENSORS
 from lcmtools_sim.sensors.mount import SensorMount, Settings
 from lcmtools_sim.sensors.sensor import SensorKind
 from lcmtools_sim.world_file.document import Item
 from lcmtools_sim.world_file.values import one_of, pose, value
 
+_ORDERED = (("shortest", "longest"), ("near", "far"))
 _MOUNT_KEYS = ("type", "topic", "rate", "pose", "frame", "always", "off")
 
 
@@ -45,7 +48,7 @@ def _mount(keys: dict[str, Item], kind: SensorKind, known: SensorMount) -> Senso
         known,
         rate=value(keys, "rate", lambda item: item.number(1e-3, 1e4), known.rate),
         pose=value(keys, "pose", pose, known.pose),
-        frame=value(keys, "frame", Item.text, known.frame),
+        frame=value(keys, "frame", _frame, known.frame),
         always=value(keys, "always", Item.flag, known.always),
         settings=_settings(keys, kind, known.settings),
     )
@@ -59,7 +62,19 @@ def _settings(keys: dict[str, Item], kind: SensorKind, known: Settings | None) -
     for setting in fields(kind.settings):  # type: ignore[arg-type] # each is a dataclass
         if setting.name in keys:
             given[setting.name] = _setting(keys[setting.name], setting.default, **setting.metadata)
+    _check_order(keys, known or kind.settings(), given)
     return replace(known or kind.settings(), **given)  # type: ignore[type-var] # a dataclass
+
+
+def _check_order(keys: dict[str, Item], settings: Settings, given: dict[str, object]) -> None:
+    """Refuse a shortest range above the longest one, and the like."""
+    for low, high in _ORDERED:
+        said = keys.get(low) or keys.get(high)
+        if not said or low not in _setting_names(settings):
+            continue
+        least, most = (given.get(name, getattr(settings, name)) for name in (low, high))
+        if least >= most:  # type: ignore[operator] # both are numbers
+            raise said.error(f"'{low}' ({least:g}) must be less than '{high}' ({most:g})")
 
 
 def _setting(
@@ -76,4 +91,17 @@ def _setting(
 
 
 def _names(kind: SensorKind) -> list[str]:
-    return [setting.name for setting in fields(kind.settings)] if kind.settings else []  # type: ignore[arg-type]
+    return _setting_names(kind.settings) if kind.settings else []
+
+
+def _setting_names(settings: Settings | type[Settings]) -> list[str]:
+    return [setting.name for setting in fields(settings)]  # type: ignore[arg-type] # a dataclass
+
+
+def _frame(item: Item) -> str:
+    """A frame's name: of one part or several, without the robot's."""
+    try:
+        check_legal(item.text())
+    except InvalidName as error:
+        raise item.error(error.what, error.hint) from None
+    return item.text()

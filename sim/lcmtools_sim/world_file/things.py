@@ -1,15 +1,25 @@
 """The entries of ``objects``: what stands around, or can be pushed."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 
-from lcmtools_sim.pose import Pose
+from lcmtools_sim.pose import ORIGIN, Pose
 from lcmtools_sim.rotation import Vector
 from lcmtools_sim.scene import FRICTION, WOOD, Thing
 from lcmtools_sim.shapes import GREY, Cuboid, Cylinder, Part, Shape, Sphere
 from lcmtools_sim.world_file.document import Item
-from lcmtools_sim.world_file.values import color, friction, length, mass, one_of, pose, value
+from lcmtools_sim.world_file.sdf import read_sdf
+from lcmtools_sim.world_file.values import (
+    color,
+    friction,
+    length,
+    mass,
+    named_file,
+    one_of,
+    pose,
+    value,
+)
 
 _COMMON_KEYS = ("type", "name", "pose", "mass", "friction", "color")
 _LEG = 0.05
@@ -18,18 +28,26 @@ _TOP = 0.03
 """[m] Thickness of a table's top."""
 
 
-def read_things(item: Item) -> tuple[Thing, ...]:
-    """Everything that ``objects`` lists.
+def read_things(item: Item, notes: list[str]) -> tuple[Thing, ...]:
+    """Everything that ``objects`` lists; ``notes`` gets what was left out of their files.
 
     Raises:
         InvalidFile: Anything is wrong with an entry, with file, line and reason.
     """
-    return tuple(thing for entry in item.items() for thing in _things(entry))
+    return tuple(thing for entry in item.items() for thing in _things(entry, notes))
 
 
-def _things(item: Item) -> list[Thing]:
-    kind = one_of(item.field("type"), _READERS, "type")
-    return kind(item)
+def _things(item: Item, notes: list[str]) -> Sequence[Thing]:
+    kind = one_of(item.field("type"), {**_READERS, "sdf": None}, "type")
+    return kind(item) if kind else _sdf(item, notes)
+
+
+def _sdf(item: Item, notes: list[str]) -> Sequence[Thing]:
+    """What stands in a file of Gazebo, about the pose."""
+    keys = item.fields(("type", "file", "pose"), required=["file"])
+    found = read_sdf(*named_file(keys["file"]), value(keys, "pose", pose, ORIGIN))
+    notes += [note for note in found.notes if note not in notes]
+    return found.things
 
 
 def _box(item: Item) -> list[Thing]:

@@ -1,13 +1,14 @@
-"""The small values that world files are made of: poses, colours, frictions, names."""
+"""The small values that world files are made of: poses, colours, names, other files."""
 
 from collections.abc import Callable, Mapping
 from typing import TypeVar
 
-from lcmtools.errors import InvalidName
+from lcmtools.errors import InvalidFile, InvalidName
 from lcmtools.names import did_you_mean, resolve_namespace
 from lcmtools_sim.pose import Pose
 from lcmtools_sim.shapes import Color
 from lcmtools_sim.world_file.document import Item
+from lcmtools_sim.world_file.files import beside, read_file
 
 Value = TypeVar("Value")
 
@@ -55,6 +56,19 @@ def namespace(item: Item) -> str:
     try:
         return resolve_namespace(item.text())
     except InvalidName as error:
+        raise item.error(error.what, error.hint) from None
+
+
+def named_file(item: Item) -> tuple[str, str]:
+    """The text of a file that is named relative to this one, and what messages call it.
+
+    Raises:
+        InvalidFile: It cannot be read.
+    """
+    path = beside(item.source, item.text())
+    try:
+        return read_file(path), str(path)
+    except InvalidFile as error:
         raise item.error(error.what, error.hint) from None
 
 

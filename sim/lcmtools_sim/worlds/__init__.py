@@ -6,11 +6,18 @@ Only files are read here; what they say is world_file.py's business.
 from importlib.resources import files
 from pathlib import Path
 
-from lcmtools.errors import InvalidFile, UsageError
+from lcmtools.errors import UsageError
 from lcmtools.names import did_you_mean
+from lcmtools_sim.world_file.files import read_file
 
-ALIASES = {"lab_0123_world": "husky", "lab_0123_world.py": "husky"}
+ALIASES = {
+    "lab_0123_world": "husky",
+    "lab_0123_world.py": "husky",
+    "pre_assignment2": "pioneer",
+    "empty_world": "empty",
+}
 """Names that the labs' texts use."""
+_ENDINGS = (".yaml", ".yml", ".sdf", ".world")
 
 
 def world_names() -> list[str]:
@@ -29,14 +36,14 @@ def find_world(world: str) -> tuple[str, str]:
 
     Args:
         world: The name of one that comes with the simulator, or a file: what has a slash in it or
-            ends with .yaml or .yml.
+            ends with .yaml, .yml, .sdf or .world.
 
     Raises:
         UsageError: There is no world of this name.
         InvalidFile: The file cannot be read.
     """
-    if "/" in world or world.endswith((".yaml", ".yml")):
-        return _read(Path(world)), world
+    if "/" in world or world.endswith(_ENDINGS):
+        return read_file(Path(world)), world
     name = ALIASES.get(world, world)
     if name not in world_names():
         hint = did_you_mean(world, [*world_names(), *ALIASES])
@@ -49,12 +56,3 @@ def find_world(world: str) -> tuple[str, str]:
 
 def _packaged(name: str) -> str:
     return files(__name__).joinpath(f"{name}.yaml").read_text(encoding="utf-8")
-
-
-def _read(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InvalidFile(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise InvalidFile(f"{path}: is not UTF-8 text (byte {error.start})") from None

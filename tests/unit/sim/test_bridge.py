@@ -56,9 +56,10 @@ class FakeNode:
         callback: Callable[[Message], None],
         *,
         group: str,
-    ) -> None:
+    ) -> FakeSubscription:
         """Keep everything."""
         self.subscriptions[topic] = FakeSubscription(types, callback, group)
+        return self.subscriptions[topic]
 
     def resolve_name(self, name: str) -> str:
         """No remaps here."""
@@ -95,6 +96,10 @@ class FakeSimulation:
     def topics(self) -> dict[str, type[Message]]:
         """One topic."""
         return {"/clock": Clock}
+
+    def ask(self, is_wanted: Callable[[str], bool]) -> None:
+        """Keep what it is told."""
+        self.is_wanted = is_wanted
 
 
 @pytest.fixture

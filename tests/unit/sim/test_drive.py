@@ -133,8 +133,7 @@ def test_dead_reckoning_closes_a_circle() -> None:
     odometer = Odometer()
     steps = 5000
     for _ in range(steps):
-        sides = side_speeds(0.5, 0.3, DRIVE)
-        odometer.advance(sides, DRIVE.track, 2 * math.pi / 0.3 / steps)
+        odometer.advance(0.5, 0.3, 2 * math.pi / 0.3 / steps)
 
     assert (odometer.x, odometer.y) == pytest.approx((0, 0), abs=1e-9)
     assert odometer.yaw == pytest.approx(2 * math.pi)
@@ -143,6 +142,6 @@ def test_dead_reckoning_closes_a_circle() -> None:
 def test_dead_reckoning_is_half_a_circle_away_after_half_the_time() -> None:
     odometer = Odometer()
     for _ in range(5000):
-        odometer.advance(side_speeds(0.5, 0.3, DRIVE), DRIVE.track, math.pi / 0.3 / 5000)
+        odometer.advance(0.5, 0.3, math.pi / 0.3 / 5000)
 
     assert (odometer.x, odometer.y) == pytest.approx((0, 2 * 0.5 / 0.3), abs=1e-6)

@@ -1,6 +1,9 @@
 """The loop's order of things, and when it ends."""
 
-from lcmtools_sim.loop import run
+from collections.abc import Callable
+
+from lcmtools_sim.loop import Loop
+from lcmtools_sim.scene import Scene
 from lcmtools_sim.schedule import Pacer
 from lcmtools_sim.simulation import Sample
 
@@ -12,6 +15,7 @@ class Steps:
         self.steps = 0
         self.log = log
         self.open = True
+        self.scene = Scene("counted")
 
     def is_open(self) -> bool:
         """Whether its window is there."""
@@ -30,8 +34,9 @@ class Log:
     def __init__(self) -> None:
         self.lines: list[str] = []
 
-    def receive(self) -> None:
-        """Write it down."""
+    def receive(self, timeout: float = 0.0) -> None:
+        """Write it down; nothing is waited for."""
+        del timeout
         self.lines.append("receive")
 
     def publish(self, samples: list[Sample]) -> None:
@@ -50,7 +55,7 @@ def no_wait() -> Pacer:
 def test_commands_come_before_the_step_and_messages_after_it() -> None:
     log = Log()
 
-    run(Steps(log.lines), log, no_wait(), go_on=lambda: True, steps=2)
+    Loop(Steps(log.lines), log, no_wait(), go_on=lambda: True, last_step=2).run()
 
     assert log.lines == ["receive", "step", "publish 0"] * 2
 
@@ -59,7 +64,7 @@ def test_it_ends_when_it_is_asked_to() -> None:
     log = Log()
     simulation = Steps(log.lines)
 
-    run(simulation, log, no_wait(), go_on=lambda: simulation.steps < 7)
+    Loop(simulation, log, no_wait(), go_on=lambda: simulation.steps < 7).run()
 
     assert simulation.steps == 7
 
@@ -69,9 +74,9 @@ def test_it_ends_without_a_step_when_the_window_is_closed() -> None:
     simulation = Steps(log.lines)
     simulation.open = False
 
-    run(simulation, log, no_wait(), go_on=lambda: True)
+    Loop(simulation, log, no_wait(), go_on=lambda: True).run()
 
-    assert log.lines == ["receive"]
+    assert log.lines == []
 
 
 def test_a_slow_computer_is_told_once() -> None:
@@ -79,8 +84,49 @@ def test_a_slow_computer_is_told_once() -> None:
     wall = iter(range(100))  # every look at the clock is a second later
 
     pacer = Pacer(0.01, now=lambda: float(next(wall)), sleep=lambda _: None)
-    run(Steps(log.lines), log, pacer, go_on=lambda: True, steps=5)
+    Loop(Steps(log.lines), log, pacer, go_on=lambda: True, last_step=5).run()
 
     warnings = [line for line in log.lines if line.startswith("warn")]
     assert len(warnings) == 1
     assert "0.99 s were dropped" in warnings[0]
+
+
+class Caller(Log):
+    """Surroundings from which a call comes while the next step is far away."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.calls: list[Callable[[], None]] = []
+
+    def receive(self, timeout: float = 0.0) -> None:
+        """Hand over the next call."""
+        super().receive(timeout)
+        if self.calls:
+            self.calls.pop(0)()
+
+
+def test_calls_are_answered_while_a_slow_rate_waits_for_its_next_step() -> None:
+    # A millionth of real time: 10 000 s to the next step.
+    surroundings, slept = Caller(), []
+    pacer = Pacer(1e4, now=lambda: sum(slept), sleep=slept.append)
+    simulation = Steps(surroundings.lines)
+    loop = Loop(simulation, surroundings, pacer, go_on=lambda: True, last_step=3)
+    surroundings.calls = [lambda: None, lambda: loop.set_rate(0)]
+
+    loop.run()
+
+    assert simulation.steps == 3
+    assert sum(slept) < 1.0
+
+
+def test_a_pause_ends_the_wait_for_a_slow_step() -> None:
+    surroundings, slept = Caller(), []
+    pacer = Pacer(1e4, now=lambda: sum(slept), sleep=slept.append)
+    simulation = Steps(surroundings.lines)
+    loop = Loop(simulation, surroundings, pacer, go_on=lambda: not loop.paused)
+    surroundings.calls = [lambda: None, lambda: setattr(loop, "paused", True)]
+
+    loop.run()
+
+    assert simulation.steps == 1
+    assert sum(slept) < 1.0

@@ -1,10 +1,16 @@
 """The simulator's command line."""
 
+import math
+from pathlib import Path
+
 import pytest
 
 from lcmtools.errors import UsageError
-from lcmtools_sim.__main__ import main
-from lcmtools_sim.options import parse_options
+from lcmtools_sim.__main__ import main, overridden
+from lcmtools_sim.options import Options, parse_options
+from lcmtools_sim.scene import Scene
+from lcmtools_sim.world_file import read_scene
+from lcmtools_sim.worlds import find_world
 
 
 def test_without_arguments_it_is_the_husky_world_in_real_time() -> None:
@@ -43,8 +49,13 @@ def test_worlds_are_listed_with_what_they_are(capsys: pytest.CaptureFixture[str]
     assert main(["--list-worlds"]) == 0
 
     assert capsys.readouterr().out == (
-        "empty  The ground and nothing on it\n"
-        "husky  A walled yard with one Husky: the world of the TDDE05 lab\n"
+        "dolly    An open place with things to see by laser and one Dolly: the world of the lab"
+        " on nodes\n"
+        "empty    The ground and nothing on it\n"
+        "husky    A walled yard with one Husky: the world of the TDDE05 lab\n"
+        "multi    Several Huskies in the open: /husky0, /husky1, ... as many as --robots says\n"
+        "pioneer  A walled room with tables and one Pioneer with a Kinect: the world of the depth"
+        " camera lab\n"
     )
 
 
@@ -81,3 +92,82 @@ def test_help_shows_examples(capsys: pytest.CaptureFixture[str]) -> None:
 
     assert caught.value.code == 0
     assert "lcmtools run sim --world ./yard.yaml --rate 4" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (["--robot", "huski"], "argument --robot: unknown model 'huski'; did you mean husky?"),
+        (["--robot", "husky@1,2"], "argument --robot: must be MODEL or MODEL@X,Y,YAW, for example"),
+        (["--robot", "husky@1,2,nan"], "argument --robot: must be MODEL or MODEL@X,Y,YAW"),
+        (["--robot", "husky@1,2,ldeg"], "argument --robot: must be MODEL or MODEL@X,Y,YAW"),
+        (["--only", "a,,b"], "argument --only: must be names with commas between, not 'a,,b'"),
+    ],
+)
+def test_a_mistake_with_robots_is_one_clear_line(arguments: list[str], reason: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        parse_options(arguments)
+
+    assert caught.value.what.startswith(reason)
+
+
+def test_robots_are_added_where_they_are_asked_for() -> None:
+    options = parse_options(["--robot", "husky@1,-2,90deg", "--robot", "dolly"])
+
+    assert [(model.name, pose.x, pose.y) for model, pose in options.added] == [
+        ("husky", 1.0, -2.0),
+        ("dolly", 0.0, 0.0),
+    ]
+    assert options.added[0][1].yaw == pytest.approx(math.pi / 2)
+
+
+def asked(*arguments: str) -> tuple[Scene, Options]:
+    options = parse_options(arguments)
+    return overridden(read_scene(*find_world(options.world)), options)
+
+
+def names(scene: Scene) -> list[str]:
+    return [robot.namespace for robot in scene.robots]
+
+
+def test_added_robots_get_the_next_free_names() -> None:
+    scene, _ = asked("husky", "--robot", "husky@3,0,0", "--robot", "husky@6,0,0")
+
+    assert names(scene) == ["/husky0", "/husky1", "/husky2"]
+    assert scene.robots[2].pose.x == 6.0
+
+
+def test_the_process_with_the_first_robot_leads_and_others_follow() -> None:
+    leading, leader = asked("multi", "--robots", "6", "--only", "husky1,/husky0")
+    following, follower = asked("multi", "--robots", "6", "--only", "husky4,husky3")
+
+    assert (names(leading), leader.follow, leading.node) == (["/husky0", "/husky1"], False, "sim")
+    assert (names(following), follower.follow) == (["/husky3", "/husky4"], True)
+    assert following.node == "sim_husky3"
+    assert following.things == leading.things
+
+
+def test_a_process_that_is_told_to_follow_is_a_node_of_another_name() -> None:
+    scene, options = asked("pioneer", "--follow")
+
+    assert (scene.node, options.follow) == ("gazebo_pioneer", True)
+
+
+def test_a_robot_that_is_not_there_cannot_be_the_only_one() -> None:
+    with pytest.raises(UsageError) as caught:
+        asked("multi", "--only", "husky9")
+
+    assert str(caught.value).startswith("the world multi has no robot '/husky9'; did you mean")
+
+
+def test_what_a_world_of_gazebo_holds_and_is_left_out_is_said(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = tmp_path / "park.world"
+    file.write_text("<sdf><world name='w'><light name='a'/><light name='b'/></world></sdf>")
+
+    assert main(["--check", str(file)]) == 0
+
+    captured = capsys.readouterr()
+    assert captured.out == f"{file}: ok, no robot; 0 things\n"
+    assert captured.err == f"lcmtools run sim: {file}: left out: light (2)\n"

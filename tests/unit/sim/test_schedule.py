@@ -68,6 +68,10 @@ class Wall:
         self.now += seconds
 
 
+def nothing() -> None:
+    """There is nothing to do meanwhile."""
+
+
 def pacer(wall: Wall, period: float) -> Pacer:
     return Pacer(period, now=lambda: wall.now, sleep=wall.sleep)
 
@@ -78,7 +82,7 @@ def test_steps_in_time_sleep_until_their_moment() -> None:
 
     for _ in range(100):
         wall.now += 0.002  # what the step cost
-        assert pace.wait(lambda: True) == 0
+        assert pace.wait(lambda: True, nothing) == 0
 
     assert wall.now == pytest.approx(101.0)
 
@@ -88,9 +92,9 @@ def test_a_late_step_is_made_good_by_the_next_without_sleeping() -> None:
     pace = pacer(wall, 0.01)
 
     wall.now += 0.035
-    assert [pace.wait(lambda: True) for _ in range(3)] == [0, 0, 0]
+    assert [pace.wait(lambda: True, nothing) for _ in range(3)] == [0, 0, 0]
     assert wall.slept == []
-    pace.wait(lambda: True)
+    pace.wait(lambda: True, nothing)
 
     assert wall.now == pytest.approx(100.04)
 
@@ -100,8 +104,8 @@ def test_a_debt_above_the_limit_is_dropped_and_told() -> None:
     pace = pacer(wall, 0.01)
 
     wall.now += 1.0
-    assert pace.wait(lambda: True) == pytest.approx(0.99)
-    pace.wait(lambda: True)
+    assert pace.wait(lambda: True, nothing) == pytest.approx(0.99)
+    pace.wait(lambda: True, nothing)
 
     assert wall.now == pytest.approx(101.01)
     assert MAX_DEBT < 0.99
@@ -111,13 +115,56 @@ def test_a_period_of_zero_never_waits() -> None:
     wall = Wall()
     pace = pacer(wall, 0.0)
 
-    assert [pace.wait(lambda: True) for _ in range(5)] == [0] * 5
+    assert [pace.wait(lambda: True, nothing) for _ in range(5)] == [0] * 5
     assert wall.slept == []
 
 
 def test_waiting_ends_soon_after_it_is_told_to() -> None:
     wall = Wall()
 
-    pacer(wall, 60.0).wait(lambda: wall.now < 100.25)
+    pacer(wall, 60.0).wait(lambda: wall.now < 100.25, nothing)
 
     assert wall.now < 100.4
+
+
+def test_what_must_not_wait_is_seen_to_while_the_next_step_is_far_away() -> None:
+    wall, seen = Wall(), []
+    pace = pacer(wall, 1.0)
+
+    pace.wait(lambda: True, lambda: seen.append(wall.now))
+
+    assert len(seen) >= 9
+    assert wall.now == pytest.approx(101.0)
+
+
+def test_nothing_is_done_meanwhile_where_steps_follow_each_other() -> None:
+    wall, seen = Wall(), []
+
+    pacer(wall, 0.01).wait(lambda: True, lambda: seen.append(wall.now))
+
+    assert seen == []
+
+
+def test_items_that_come_and_go_leave_the_others_in_their_rhythm_and_order() -> None:
+    timetable: Timetable[str] = Timetable(0.01)
+    for name, rate in (("a", 50), ("b", 25), ("c", 50)):
+        timetable.add(rate, name)
+    assert [timetable.due(step) for step in range(1, 5)] == [[], ["a", "c"], [], ["a", "b", "c"]]
+
+    timetable.remove(["a", "b"])
+    timetable.add(25, "d", after=4)
+    timetable.add(50, "e", after=4)
+
+    assert [timetable.due(step) for step in range(5, 9)] == [[], ["c", "e"], [], ["c", "d", "e"]]
+
+
+def test_a_rate_that_comes_late_keeps_to_the_same_moments() -> None:
+    early: Timetable[str] = Timetable(1 / 240)
+    late: Timetable[str] = Timetable(1 / 240)
+    early.add(50, "early")
+    late.add(50, "late", after=100)
+
+    both = [(bool(early.due(step)), bool(late.due(step))) for step in range(1, 400)]
+
+    assert all(first == second for first, second in both[100:])
+    assert not any(second for _, second in both[:100])

@@ -10,6 +10,7 @@ from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import Ground, RobotPlacement, Scene, box
 from lcmtools_sim.shapes import Cuboid
 from lcmtools_sim.world_file import read_scene
+from lcmtools_sim.worlds import find_world
 
 # What is wrong, in which line, with which words.
 MISTAKES = {
@@ -46,7 +47,9 @@ MISTAKES = {
     "objects: {}": "yard.yaml:1: 'objects' must be a list, not a mapping",
     "objects:\n- {size: [1, 1, 1]}": "yard.yaml:2: 'objects[0]' lacks the key 'type'",
     "objects:\n- {type: bax}": "yard.yaml:2: unknown type 'bax'; did you mean box?",
-    "objects:\n- {type: cone}": "yard.yaml:2: unknown type 'cone'; known types: box, cylinder, sphere, table, walls",
+    "objects:\n- {type: cone}": (
+        "yard.yaml:2: unknown type 'cone'; known types: box, cylinder, sphere, table, walls, sdf"
+    ),
     "objects:\n- {type: box, pose: [0, 0, 0]}": "yard.yaml:2: 'objects[0]' lacks the key 'size'",
     "objects:\n- {type: box, mas: 2}": (
         "yard.yaml:2: unknown key 'mas' in 'objects[0]'; did you mean mass?"
@@ -95,9 +98,111 @@ MISTAKES = {
 }
 
 
-@pytest.mark.parametrize(
-    ("text", "message"), MISTAKES.items(), ids=[m[10:60] for m in MISTAKES.values()]
-)
+# What a Husky's entry says, in line 4, and what comes back.
+HUSKY_MISTAKES = {
+    "sensors: {type: laser}": "'sensors' must be a list, not a mapping",
+    "sensors: [{}]": "'sensors[0]' lacks the key 'type'",
+    "sensors: [{type: lazer}]": "unknown sensor 'lazer'; did you mean laser?",
+    "sensors: [{type: laser, rays: 1}]": "'rays' must be between 2 and 20000, not 1",
+    "sensors: [{type: laser, rays: 10.5}]": "'rays' must be a whole number, not '10.5'",
+    "sensors: [{type: laser, rate: 0}]": "'rate' must be between 0.001 and 10000, not 0",
+    "sensors: [{type: laser, rate: nan}]": "'rate' must be between 0.001 and 10000, not nan",
+    "sensors: [{type: laser, noise: -1}]": "'noise' must be between 0 and 1000, not -1",
+    "sensors: [{type: laser, longest: inf}]": "'longest' must be between 0.01 and 1000, not inf",
+    "sensors: [{type: laser, first_angle: 400 deg}]": (
+        "'first_angle' must be between -6.28319 and 6.28319, not 6.98132"
+    ),
+    "sensors: [{type: laser, angle: 1}]": (
+        "unknown key 'angle' in 'sensors[0]'; did you mean last_angle?"
+    ),
+    "sensors: [{type: laser, shortest: 5, longest: 2}]": (
+        "'shortest' (5) must be less than 'longest' (2)"
+    ),
+    "sensors: [{type: laser, shortest: 50}]": "'shortest' (50) must be less than 'longest' (10)",
+    "sensors: [{type: depth_camera, near: 9}]": "'near' (9) must be less than 'far' (8)",
+    "sensors: [{type: depth_camera, width: 0}]": "'width' must be between 1 and 4096, not 0",
+    "sensors: [{type: laser}, {type: laser}]": (
+        "two sensors have the topic 'scan'; give one another topic"
+    ),
+    "sensors: [{type: laser, topic: b}, {type: imu, topic: b}]": (
+        "two sensors have the topic 'b'; give one another topic"
+    ),
+    "sensors: [{type: laser, topic: cmd_vel}]": (
+        "the topic '/a/cmd_vel' is used twice; give one another name"
+    ),
+    "sensors: [{type: laser, topic: " + "x" * 70 + "}]": (
+        "'/a/" + "x" * 70 + "' (from '" + "x" * 70 + "') has 73 bytes and LCM channels have at most"
+        " 63; use a shorter name or namespace"
+    ),
+    "sensors: [{type: laser, pose: [0, 0]}]": "'pose' must have 3 or 6 elements, not 2",
+    "sensors: [{type: laser, always: 1}]": "'always' must be true or false, not '1'",
+    "sensors: [{type: laser, frame: a b}]": (
+        "'a b' is not a legal name; names are made of letters, digits, '_' and '/', and start with"
+        " a letter, '/' or '~'"
+    ),
+    "skid: coulom": "unknown skid 'coulom'; did you mean coulomb?",
+    "gazebo_quirks: true": "a husky has no quirks in Gazebo",
+    "gazebo_quirks: yes": "'gazebo_quirks' must be true or false, not 'yes'",
+    "topics: [a]": "'topics' must be a mapping (key: value), not a list",
+    "topics: {odometri: odom}": "unknown key 'odometri' in 'topics'; did you mean odometry?",
+    "topics: {odometry: imu}": "the topic '/a/imu' is used twice; give one another name",
+    "topics: {odometry: ''}": "'odometry' has no value",
+    "topics: {odometry: a-b}": (
+        "'a-b' is not a legal name; names are made of letters, digits, '_' and '/', and start with"
+        " a letter, '/' or '~'"
+    ),
+    "commands: cmd_vel": "'commands' must be a list, not a single value",
+    "commands: []": "'commands' is empty: nothing could steer the robot",
+    "commands: [a, a]": "'a' is given twice in 'commands'",
+    "commands: [odometry]": "the topic '/a/odometry' is used twice; give one another name",
+    "drive: {left: [a], right: [b]}": (
+        "a husky has a drive already; 'drive' is for a model from a URDF file"
+    ),
+}
+MISTAKES |= {
+    f"robots:\n- model: husky\n  namespace: a\n  {entry}": f"yard.yaml:4: {message}"
+    for entry, message in HUSKY_MISTAKES.items()
+}
+MISTAKES |= {
+    "robots:\n- {model: pioneer, namespace: a, skid: coulomb}": (
+        "yard.yaml:2: a pioneer has two wheels, which do not skid"
+    ),
+    "robots:\n- {model: ./none.urdf, namespace: a}": (
+        "yard.yaml:2: none.urdf: cannot be read: No such file or directory"
+    ),
+    "objects:\n- {type: sdf, pose: [0, 0, 0]}": "yard.yaml:2: 'objects[0]' lacks the key 'file'",
+    "objects:\n- {type: sdf, file: ./none.sdf}": (
+        "yard.yaml:2: none.sdf: cannot be read: No such file or directory"
+    ),
+    "objects:\n- {type: sdf, file: a.sdf, size: 3}": (
+        "yard.yaml:2: unknown key 'size' in 'objects[0]'; known keys: type, file, pose"
+    ),
+    "objects:\n- {type: cylinder, radius: 0, height: 1, pose: [0, 0, 0]}": (
+        "yard.yaml:2: 'radius' must be between 0.001 and 10000, not 0"
+    ),
+    "objects:\n- {type: cylinder, radius: 1, pose: [0, 0, 0]}": (
+        "yard.yaml:2: 'objects[0]' lacks the key 'height'"
+    ),
+    "objects:\n- {type: sphere, radius: 1, height: 1, pose: [0, 0, 0]}": (
+        "yard.yaml:2: unknown key 'height' in 'objects[0]';"
+        " known keys: type, name, pose, mass, friction, color, radius"
+    ),
+    "objects:\n- {type: table, size: [0.05, 1, 1], pose: [0, 0, 0]}": (
+        "yard.yaml:2: 'size' is too small for a table with legs of 0.05 m"
+    ),
+    "objects:\n- {type: table, size: [1, 1, 0.03], pose: [0, 0, 0]}": (
+        "yard.yaml:2: 'size' is too small for a table with legs of 0.05 m"
+    ),
+    "objects:\n- {type: box, size: [1, 1, 1], pose: [0, 0, 0], color: red}": (
+        "yard.yaml:2: 'color' must be a list, not a single value"
+    ),
+    "objects:\n- {type: walls, points: [[0, 0], [1, 0]], height: 0}": (
+        "yard.yaml:2: 'height' must be between 0.01 and 1000, not 0"
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "message"), MISTAKES.items(), ids=[t[-60:] for t in MISTAKES])
 def test_a_mistake_is_said_with_file_line_and_reason(text: str, message: str) -> None:
     with pytest.raises(InvalidFile) as caught:
         read_scene(text, "yard.yaml")
@@ -173,3 +278,25 @@ objects:
 def test_an_alias_that_leads_back_to_itself_is_refused() -> None:
     with pytest.raises(InvalidFile, match=r"w.yaml:1: 'objects\[0\]' must be a mapping"):
         read_scene("objects: &all [*all]", "w.yaml")
+
+
+def test_the_comment_on_sensors_in_the_husky_world_is_right_when_it_counts() -> None:
+    text, source = find_world("husky")
+    sensors = [
+        line for line in text.splitlines() if line.startswith(("    # sensors:", "    #   - "))
+    ]
+    topics = next(line for line in text.splitlines() if line.startswith("    # topics:"))
+
+    counted = "\n".join(line.replace("    # ", "    ", 1) for line in [*sensors, topics])
+    mounts = read_scene(f"{text}\n{counted}\n", source).robots[0].model.sensors
+
+    assert len(sensors) == 6
+    assert [(mount.kind, mount.topic) for mount in mounts] == [
+        ("odometry", "odom"),
+        ("ground_truth", "ground_truth"),
+        ("imu", "imu"),
+        ("transforms", "/tf"),
+        ("laser", "scan"),
+        ("camera", "camera"),
+        ("bumper", "bumper"),
+    ]

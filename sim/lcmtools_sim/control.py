@@ -1,0 +1,206 @@
+"""The simulator's services: pause, resume, step, reset, and everything about single robots.
+
+Each answers with ``success`` and, where that is false, with the reason; none makes the simulator
+end. They run between two steps, on the thread that simulates.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Protocol, TypeVar
+
+from lcmtools import Node
+from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.names import did_you_mean, resolve_namespace
+from lcmtools.types import geometry_msgs, sim_msgs, std_srvs
+from lcmtools_sim.loop import Loop
+from lcmtools_sim.pose import Pose
+from lcmtools_sim.robot import Robot
+from lcmtools_sim.robots import MODELS
+from lcmtools_sim.rotation import Quaternion, to_euler
+from lcmtools_sim.scene import RobotPlacement
+from lcmtools_sim.simulation import Simulation
+from lcmtools_sim.snapshot import from_above, from_behind
+
+_MOST_STEPS = 1_000_000
+_MOST_PIXELS = 4096
+_WIDTH, _HEIGHT = 800, 600
+_FARTHEST = 1e5  # [m], as world files have it
+
+
+class Outcome(Protocol):
+    """What every response has."""
+
+    success: bool
+    message: str
+
+
+RequestT = TypeVar("RequestT")
+OutcomeT = TypeVar("OutcomeT", bound=Outcome)
+
+
+class Control:
+    """Offers the services on the simulator's node.
+
+    Args:
+        node: The simulator's node.
+        simulation: What they act on.
+        loop: That lets it go on.
+        on_change: Called when robots have come or gone.
+    """
+
+    def __init__(
+        self, node: Node, simulation: Simulation, loop: Loop, on_change: Callable[[], None]
+    ) -> None:
+        self._simulation = simulation
+        self._loop = loop
+        self._on_change = on_change
+        offer = node.create_service
+        offer(std_srvs.Trigger, "~pause", _told(self._pause))
+        offer(std_srvs.Trigger, "~resume", _told(self._resume))
+        offer(std_srvs.Trigger, "~reset", _told(self._reset))
+        offer(sim_msgs.Step, "~step", _told(self._step))
+        offer(sim_msgs.SetRate, "~set_rate", _told(self._set_rate))
+        offer(sim_msgs.SetPose, "~set_pose", _told(self._set_pose))
+        offer(sim_msgs.GetState, "~get_state", _told(self._get_state))
+        offer(sim_msgs.Spawn, "~spawn", _told(self._spawn))
+        offer(sim_msgs.Delete, "~delete", _told(self._delete))
+        offer(sim_msgs.Snapshot, "~snapshot", _told(self._snapshot))
+
+    def _pause(self, _: std_srvs.Trigger_Request, response: std_srvs.Trigger_Response) -> None:
+        response.message = "was paused already" if self._loop.paused else "paused"
+        self._loop.paused = True
+
+    def _resume(self, _: std_srvs.Trigger_Request, response: std_srvs.Trigger_Response) -> None:
+        response.message = "resumed" if self._loop.paused else "was not paused"
+        self._loop.paused = False
+
+    def _reset(self, _: std_srvs.Trigger_Request, response: std_srvs.Trigger_Response) -> None:
+        self._simulation.reset()
+        self._on_change()
+        response.message = "everything is where it was at the start"
+
+    def _step(self, request: sim_msgs.Step_Request, response: sim_msgs.Step_Response) -> None:
+        if not 1 <= request.steps <= _MOST_STEPS:
+            raise UsageError(f"steps must be from 1 to {_MOST_STEPS}, not {request.steps}")
+        if not self._loop.paused:
+            raise UsageError("the simulator is not paused", "pause it first")
+        done = self._loop.step(request.steps)
+        response.time = self._simulation.time
+        response.message = f"did {done} steps, now at {response.time / 1e9:.6f} s"
+
+    def _set_rate(
+        self, request: sim_msgs.SetRate_Request, response: sim_msgs.SetRate_Response
+    ) -> None:
+        if not 0 <= request.rate < math.inf:  # refuses NaN too
+            raise UsageError(f"the rate must be 0 or more, not {request.rate:g}")
+        self._loop.set_rate(request.rate)
+        speed = f"{request.rate:g} times real time" if request.rate else "as fast as possible"
+        response.message = f"simulated time passes {speed}"
+
+    def _set_pose(
+        self, request: sim_msgs.SetPose_Request, response: sim_msgs.SetPose_Response
+    ) -> None:
+        robot = self._robot(request.robot)
+        robot.place(_read_pose(request.pose))
+        response.message = f"{robot.namespace} was put there"
+
+    def _get_state(
+        self, request: sim_msgs.GetState_Request, response: sim_msgs.GetState_Response
+    ) -> None:
+        robot = self._robot(request.robot)
+        state = robot.state(self._simulation.time)
+        response.time, response.model = state.time, robot.model.name
+        place, turned, twist = response.pose.position, response.pose.orientation, response.twist
+        place.x, place.y, place.z = state.position
+        turned.x, turned.y, turned.z, turned.w = state.rotation
+        twist.linear.x, twist.linear.y, twist.linear.z = state.velocity
+        twist.angular.x, twist.angular.y, twist.angular.z = state.turning
+
+    def _spawn(self, request: sim_msgs.Spawn_Request, response: sim_msgs.Spawn_Response) -> None:
+        if request.model not in MODELS:
+            hint = did_you_mean(request.model, MODELS) or f"known models: {', '.join(MODELS)}"
+            raise UsageError(f"unknown model '{request.model}'", hint)
+        namespace = resolve_namespace(request.robot)
+        if namespace in self._robots():
+            raise UsageError(f"there is a robot {namespace} already")
+        placement = RobotPlacement(
+            MODELS[request.model], namespace, _read_pose(request.pose), where="spawn"
+        )
+        self._simulation.add(placement)
+        self._on_change()
+        response.message = f"the {request.model} {namespace} is there"
+
+    def _delete(self, request: sim_msgs.Delete_Request, response: sim_msgs.Delete_Response) -> None:
+        robot = self._robot(request.robot)
+        self._simulation.remove(robot)
+        self._on_change()
+        response.message = f"{robot.namespace} is gone"
+
+    def _snapshot(
+        self, request: sim_msgs.Snapshot_Request, response: sim_msgs.Snapshot_Response
+    ) -> None:
+        width, height = request.width or _WIDTH, request.height or _HEIGHT
+        if not (1 <= width <= _MOST_PIXELS and 1 <= height <= _MOST_PIXELS):
+            raise UsageError(f"a picture has 1 to {_MOST_PIXELS} columns and rows")
+        parts, ground = self._simulation.parts(), self._simulation.scene.ground.color
+        if request.robot:
+            state = self._robot(request.robot).state(self._simulation.time)
+            place = state.position, state.rotation
+            picture = from_behind(parts, ground, width, height, place)
+        else:
+            picture = from_above(parts, ground, width, height)
+        response.image.format, response.image.data = "png", picture
+        response.message = f"a picture of {width} x {height} pixels"
+
+    def _robots(self) -> dict[str, Robot]:
+        return {robot.namespace: robot for robot in self._simulation.robots}
+
+    def _robot(self, name: str) -> Robot:
+        """The robot with a namespace, written with or without a slash.
+
+        Raises:
+            UsageError: There is none.
+        """
+        robots = self._robots()
+        namespace = f"/{name.strip('/')}"
+        if namespace not in robots:
+            hint = did_you_mean(namespace, robots) or f"robots: {', '.join(robots) or 'none'}"
+            raise UsageError(f"there is no robot '{name}'", hint)
+        return robots[namespace]
+
+
+def _told(
+    act: Callable[[RequestT, OutcomeT], None],
+) -> Callable[[RequestT, OutcomeT], OutcomeT]:
+    """A service's callback: acts, and says whether it could."""
+
+    def answer(request: RequestT, response: OutcomeT) -> OutcomeT:
+        response.success = True
+        try:
+            act(request, response)
+        except LcmtoolsError as error:
+            response.success, response.message = False, str(error)
+        return response
+
+    return answer
+
+
+def _read_pose(message: geometry_msgs.Pose) -> Pose:
+    """A pose as a message has it; a quaternion of any length but zero.
+
+    Raises:
+        UsageError: It is no pose in the world.
+    """
+    place, turned = message.position, message.orientation
+    rotation = turned.x, turned.y, turned.z, turned.w
+    if not all(abs(value) <= _FARTHEST for value in (place.x, place.y, place.z, *rotation)):
+        raise UsageError(f"the pose is not finite, or farther than {_FARTHEST:g} m")
+    return Pose(place.x, place.y, place.z, *to_euler(_normalized(rotation)))
+
+
+def _normalized(rotation: Quaternion) -> Quaternion:
+    length = math.hypot(*rotation)
+    if not length:
+        raise UsageError("the orientation is all zeros", "w: 1 for none")
+    x, y, z, w = rotation
+    return x / length, y / length, z / length, w / length

@@ -1,0 +1,55 @@
+"""How a robot on four fixed wheels turns: by skidding, as Coulomb friction has it.
+
+Each wheel pulls its contact towards its own speed with an impulse of at most friction times load
+times step, in any direction of the plane. What the four together do is found by projected
+Gauss-Seidel sweeps (R. Cottle et al., The Linear Complementarity Problem, chapter 5). On the spot,
+with wheels at (+-a, +-b), the balance of moments gives b^2 / (a^2 + b^2) of the turn rate that the
+same wheels would have without skidding; tests hold it to that.
+"""
+
+import math
+from collections.abc import Sequence
+
+from lcmtools_sim.drive import PlanarVelocity, SideSpeeds
+from lcmtools_sim.robots.model import RobotModel
+
+_SWEEPS = 6
+
+
+def skid(
+    velocity: PlanarVelocity, speeds: SideSpeeds, model: RobotModel, largest: float
+) -> PlanarVelocity:
+    """The body's velocity after its wheels have pulled it for one step.
+
+    Args:
+        velocity: Before.
+        speeds: Of the wheels.
+        model: Its mass and inertia, and where its wheels touch the ground.
+        largest: Largest impulse of a side: friction times load times step [N s].
+    """
+    wheels = model.drive.wheels
+    mass, inertia = model.body.mass, model.body.inertia[2]
+    limit = 2 * largest / len(wheels)
+    gain = _gain(wheels, mass, inertia)
+    forward, sideways, turn_rate = velocity
+    impulses = [(0.0, 0.0)] * len(wheels)
+    for _ in range(_SWEEPS):
+        for i, (x, y) in enumerate(wheels):
+            wheel = speeds.left if y > 0 else speeds.right
+            along, across = impulses[i]
+            trial_along = along - gain * (forward - turn_rate * y - wheel)
+            trial_across = across - gain * (sideways + turn_rate * x)
+            factor = limit / max(limit, math.hypot(trial_along, trial_across))
+            new = trial_along * factor, trial_across * factor
+            change_along, change_across = new[0] - along, new[1] - across
+            forward += change_along / mass
+            sideways += change_across / mass
+            turn_rate += (x * change_across - y * change_along) / inertia
+            impulses[i] = new
+    return PlanarVelocity(forward, sideways, turn_rate)
+
+
+def _gain(wheels: Sequence[tuple[float, float]], mass: float, inertia: float) -> float:
+    """Impulse for a slip of 1 m/s, the same in all directions, so that none is preferred [kg]."""
+    farthest = max(x * x + y * y for x, y in wheels)
+    return 1 / (1 / mass + farthest / inertia)

@@ -1,0 +1,197 @@
+"""A link of an SDF model: its shapes, mass, friction and looks.
+
+What has no simple shape is counted by its kind, so that the reader can say what was left out. The
+format is that of http://sdformat.org/spec.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from lcmtools_sim.pose import Pose
+from lcmtools_sim.rotation import Vector, axes
+from lcmtools_sim.scene import Ground
+from lcmtools_sim.shapes import GREY, Color, Cuboid, Cylinder, Part, Sphere
+from lcmtools_sim.world_file.frames import Frame, frame_of
+from lcmtools_sim.world_file.markup import Element
+
+_FRICTION = 1.0
+"""As SDF has it where nothing is said."""
+_MOST_FRICTION = 10.0
+_SLAB = 0.02
+"""[m] Thickness of a plane that is not the ground."""
+_LEVEL = 0.9999
+_NEAR = 1e-3
+_SCRIPTS: dict[str, Color] = {
+    "Black": (0.05, 0.05, 0.05),
+    "Blue": (0.0, 0.0, 1.0),
+    "BlueGlow": (0.0, 0.0, 1.0),
+    "Bricks": (0.55, 0.35, 0.3),
+    "CeilingTiled": (0.85, 0.85, 0.85),
+    "DarkGrey": (0.18, 0.18, 0.18),
+    "Green": (0.0, 1.0, 0.0),
+    "Grey": (0.7, 0.7, 0.7),
+    "Orange": (1.0, 0.51, 0.04),
+    "Purple": (1.0, 0.0, 1.0),
+    "Red": (1.0, 0.0, 0.0),
+    "Turquoise": (0.0, 1.0, 1.0),
+    "White": (1.0, 1.0, 1.0),
+    "Wood": (0.6, 0.42, 0.25),
+    "Yellow": (1.0, 1.0, 0.0),
+}
+"""Colours that Gazebo's own materials ("Gazebo/Red") are like."""
+
+
+@dataclass(frozen=True, slots=True)
+class SdfLink:
+    """One link in the world.
+
+    Attributes:
+        name: For messages.
+        frame: Of its centre of mass, with the axes of the link.
+        parts: Its shapes, in the world.
+        mass: [kg]
+        friction: Of its first shape.
+        static: It stands for ever.
+        ground: What it makes of the plane z = 0; None where it holds no such plane.
+    """
+
+    name: str
+    frame: Frame
+    parts: tuple[Part, ...]
+    mass: float
+    friction: float
+    static: bool
+    ground: Ground | None = None
+
+
+def read_link(
+    element: Element, outer: Frame, name: str, left_out: Counter[str], *, static: bool
+) -> SdfLink:
+    """One link of a model that stands at ``outer`` in the world.
+
+    Raises:
+        InvalidFile: Anything is wrong with it, with file, line and reason.
+    """
+    frame = outer.place(read_pose(element, {"__model__"}))
+    own = element.attributes.get("name", "")
+    parts: list[Part] = []
+    ground, friction = None, None
+    for collision in element.all("collision"):
+        place = frame.place(read_pose(collision, {own}))
+        color = _color(element, collision)
+        rough = _friction(collision)
+        if _is_ground(collision, place):
+            ground = Ground(rough, color)
+            continue
+        found = _parts(collision.needed("geometry"), color, left_out)
+        parts += [place.part(part) for part in found]
+        friction = rough if friction is None else friction
+    if element.all("visual") and not element.all("collision"):
+        left_out["look that nothing collides with"] += len(element.all("visual"))
+    mass, centre = _inertial(element)
+    return SdfLink(
+        name,
+        Frame(frame.point(centre), frame.rotation),
+        tuple(parts),
+        mass,
+        _FRICTION if friction is None else friction,
+        static,
+        ground,
+    )
+
+
+def read_pose(element: Element, parents: Collection[str]) -> Frame:
+    """Where an element is in its parent, which may have the names ``parents``.
+
+    Raises:
+        InvalidFile: The pose is wrong, or is told in another frame.
+    """
+    pose = element.child("pose")
+    if pose is None or not pose.text.strip():
+        return Frame()
+    told_in = pose.attributes.get("relative_to") or pose.attributes.get("frame") or ""
+    if told_in and told_in not in parents:
+        raise pose.error(
+            f"the pose of {element} is relative to '{told_in}'",
+            "only poses relative to what holds the element are read",
+        )
+    x, y, z, *turned = pose.numbers("", (6, 7))
+    if len(turned) == 4:  # noqa: PLR2004 - a quaternion
+        size = math.hypot(*turned)
+        if not size:
+            raise pose.error("the rotation is all zeros", "0 0 0 1 for none")
+        qx, qy, qz, qw = (value / size for value in turned)
+        return Frame((x, y, z), (qx, qy, qz, qw))
+    if pose.attributes.get("degrees") in ("true", "1"):
+        turned = [math.radians(angle) for angle in turned]
+    return frame_of(Pose(x, y, z, *turned))
+
+
+def _parts(geometry: Element, color: Color, left_out: Counter[str]) -> list[Part]:
+    """The shapes of one geometry, in its own frame; none where it is none of the simple ones."""
+    if found := geometry.child("box"):
+        return [Part(Cuboid(found.needed("size").size()), color=color)]
+    if found := geometry.child("sphere"):
+        return [Part(Sphere(found.needed("radius").length()), color=color)]
+    if found := geometry.child("cylinder") or geometry.child("capsule"):
+        radius, long = found.needed("radius").length(), found.needed("length").length()
+        parts = [Part(Cylinder(radius, long), color=color)]
+        if found.tag == "capsule":
+            ends = ((0.0, 0.0, long / 2), (0.0, 0.0, -long / 2))
+            parts += [Part(Sphere(radius), end, color=color) for end in ends]
+        return parts
+    if found := geometry.child("plane"):
+        size = found.child("size")
+        x, y = size.numbers("", (2,), lowest=1e-4) if size else (1.0, 1.0)
+        return [Part(Cuboid((x, y, _SLAB)), (0.0, 0.0, -_SLAB / 2), color=color)]
+    left_out[geometry.children[0].tag if geometry.children else "empty geometry"] += 1
+    return []
+
+
+def _is_ground(collision: Element, place: Frame) -> bool:
+    """Whether it is the plane z = 0."""
+    level = axes(place.rotation)[2][2] > _LEVEL and abs(place.position[2]) < _NEAR
+    return level and collision.path("geometry", "plane") is not None
+
+
+def _friction(collision: Element) -> float:
+    found = collision.path("surface", "friction", "ode", "mu")
+    return min(_MOST_FRICTION, found.number(lowest=0.0)) if found else _FRICTION
+
+
+def _inertial(link: Element) -> tuple[float, Vector]:
+    """Mass [kg], and the centre of mass in the link."""
+    inertial = link.child("inertial")
+    if inertial is None:
+        return 1.0, (0.0, 0.0, 0.0)
+    mass = inertial.child("mass")
+    weight = mass.number(lowest=1e-6) if mass else 1.0
+    return weight, read_pose(inertial, {link.attributes.get("name", "")}).position
+
+
+def _color(link: Element, collision: Element) -> Color:
+    """Of the look that has the same shape; else the first one of the link."""
+    geometry = collision.child("geometry")
+    looks = link.all("visual")
+    looks.sort(key=lambda visual: not _same(visual.child("geometry"), geometry))
+    return next((color for visual in looks if (color := _material(visual))), GREY)
+
+
+def _same(one: Element | None, other: Element | None) -> bool:
+    if one is None or other is None:
+        return False
+    if (one.tag, one.text.split()) != (other.tag, other.text.split()):
+        return False
+    pairs = zip(one.children, other.children, strict=False)
+    return len(one.children) == len(other.children) and all(_same(a, b) for a, b in pairs)
+
+
+def _material(visual: Element) -> Color | None:
+    for kind in ("diffuse", "ambient"):
+        if found := visual.path("material", kind):
+            red, green, blue, *_ = found.numbers("", (3, 4), lowest=0.0)
+            return min(red, 1.0), min(green, 1.0), min(blue, 1.0)
+    script = visual.path("material", "script", "name")
+    return _SCRIPTS.get(script.text.strip().rpartition("/")[2]) if script else None

@@ -1,0 +1,249 @@
+"""What a URDF file says: links of simple shapes and masses, joined to one body.
+
+Every joint stands at zero. How such a body drives is not known here, see urdf_robot.py. The format
+is that of http://wiki.ros.org/urdf/XML.
+"""
+
+from dataclasses import dataclass
+from pathlib import PurePath
+
+from lcmtools.errors import InvalidFile
+from lcmtools_sim.pose import Pose
+from lcmtools_sim.shapes import GREY, Color, Cuboid, Cylinder, Part, Shape, Sphere
+from lcmtools_sim.world_file.frames import Frame, frame_of
+from lcmtools_sim.world_file.inertia import Inertial
+from lcmtools_sim.world_file.markup import Element, load_markup
+
+_BASE = "base_link"
+_TENSOR = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A link of the robot, in the frame of its base.
+
+    Attributes:
+        element: Where it comes from, for messages.
+        frame: Of the link itself.
+        parts: Its shapes; those that collide, or where none do, those that are seen.
+        inertial: How it resists; None has no mass.
+    """
+
+    element: Element
+    frame: Frame
+    parts: tuple[Part, ...]
+    inertial: Inertial | None
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """What joins two links.
+
+    Attributes:
+        element: Where it comes from, for messages.
+        kind: As URDF has it: fixed, continuous, revolute and so on.
+        parent: A link's name.
+        child: A link's name.
+        frame: Of the child in the parent, at zero.
+    """
+
+    element: Element
+    kind: str
+    parent: str
+    child: str
+    frame: Frame
+
+
+@dataclass(frozen=True, slots=True)
+class Urdf:
+    """A robot as its file describes it.
+
+    Attributes:
+        root: The element of the whole, for messages.
+        name: The robot's.
+        links: By name, in the frame of base_link (or of the first link, where none is called so).
+        joints: By name.
+        notes: What was left out.
+    """
+
+    root: Element
+    name: str
+    links: dict[str, Link]
+    joints: dict[str, Joint]
+    notes: tuple[str, ...]
+
+
+def read_urdf(text: str, source: str) -> Urdf:
+    """Read a URDF file's text; ``source`` is its name, for messages.
+
+    Raises:
+        InvalidFile: Anything is wrong with it, with file, line and reason.
+    """
+    _refuse_xacro(text, source)
+    root = load_markup(text, source, "robot")
+    elements = _by_name(root, "link")
+    joints = {name: _joint(element) for name, element in _by_name(root, "joint").items()}
+    frames = _frames(root, elements, joints)
+    colors = _colors(root)
+    links = {name: _link(elements[name], frame, colors) for name, frame in frames.items()}
+    notes = tuple(note for element in elements.values() for note in _left_out(element, source))
+    return Urdf(root, root.attribute("name"), links, joints, notes)
+
+
+def _refuse_xacro(text: str, source: str) -> None:
+    if source.endswith(".xacro") or "<xacro:" in text:
+        plain = PurePath(source.removesuffix(".xacro")).with_suffix(".urdf").name
+        if plain == PurePath(source).name:  # it would be emptied before xacro reads it
+            plain = f"plain_{plain}"
+        raise InvalidFile(
+            f"{source}: is a xacro file, which must be expanded first",
+            f"type: xacro {PurePath(source).name} > {plain}",
+        )
+
+
+def _by_name(root: Element, tag: str) -> dict[str, Element]:
+    found: dict[str, Element] = {}
+    for element in root.all(tag):
+        name = element.attribute("name")
+        if name in found:
+            raise element.error(f"two {tag}s are named '{name}'")
+        found[name] = element
+    return found
+
+
+def _joint(element: Element) -> Joint:
+    return Joint(
+        element,
+        element.attribute("type"),
+        element.needed("parent").attribute("link"),
+        element.needed("child").attribute("link"),
+        _origin(element),
+    )
+
+
+def _frames(root: Element, links: dict[str, Element], joints: dict[str, Joint]) -> dict[str, Frame]:
+    """Where each link is in the base, which must hold all of them together."""
+    above: dict[str, Joint] = {}
+    for joint in joints.values():
+        for name in (joint.parent, joint.child):
+            if name not in links:
+                raise joint.element.error(
+                    f"{joint.element} joins a link '{name}' that is not there"
+                )
+        if joint.child in above:
+            raise joint.element.error(f"the link '{joint.child}' has two parents")
+        above[joint.child] = joint
+    tops = [name for name in links if name not in above]
+    if len(tops) != 1:
+        held = "no link is the first" if not tops else f"{' and '.join(tops)} are not joined"
+        raise root.error(f"the links must form one tree: {held}")
+    in_root = _from_root(tops[0], joints)
+    if len(in_root) < len(links):
+        lost = next(name for name in links if name not in in_root)
+        raise links[lost].error(f"the link '{lost}' hangs on itself")
+    to_base = in_root[_BASE if _BASE in links else tops[0]].inverse()
+    return {name: to_base.place(in_root[name]) for name in links}
+
+
+def _from_root(top: str, joints: dict[str, Joint]) -> dict[str, Frame]:
+    below: dict[str, list[Joint]] = {}
+    for joint in joints.values():
+        below.setdefault(joint.parent, []).append(joint)
+    found, waiting = {top: Frame()}, [top]
+    while waiting:
+        parent = waiting.pop()
+        for joint in below.get(parent, []):
+            found[joint.child] = found[parent].place(joint.frame)
+            waiting.append(joint.child)
+    return found
+
+
+def _link(element: Element, frame: Frame, colors: dict[str, Color]) -> Link:
+    color = _look(element, colors)
+    shapes = element.all("collision") or [
+        visual for visual in element.all("visual") if not visual.path("geometry", "mesh")
+    ]
+    parts = tuple(frame.part(_part(element, shape, color)) for shape in shapes)
+    return Link(element, frame, parts, _inertial(element, frame))
+
+
+def _part(link: Element, element: Element, color: Color) -> Part:
+    """One collision or visual of a link, in the link's frame."""
+    frame = _origin(element)
+    return Part(_shape(link, element.needed("geometry")), frame.position, frame.rotation, color)
+
+
+def _shape(link: Element, geometry: Element) -> Shape:
+    if found := geometry.child("box"):
+        return Cuboid(found.size("size"))
+    if found := geometry.child("cylinder"):
+        return Cylinder(found.length("radius"), found.length("length"))
+    if found := geometry.child("sphere"):
+        return Sphere(found.length("radius"))
+    kind = geometry.children[0].tag if geometry.children else "nothing"
+    raise geometry.error(
+        f"link '{link.attribute('name')}' has a shape of <{kind}>",
+        "boxes, cylinders and spheres are taken: give it one as <collision>",
+    )
+
+
+def _inertial(link: Element, frame: Frame) -> Inertial | None:
+    element = link.child("inertial")
+    if element is None:
+        return None
+    mass = element.needed("mass").number("value", lowest=0.0)
+    inertia = element.needed("inertia")
+    xx, yy, zz, xy, xz, yz = (
+        inertia.number(name, lowest=0.0 if name[1] == name[2] else -1e6)
+        if name in inertia.attributes or name[1] == name[2]
+        else 0.0
+        for name in _TENSOR
+    )
+    return Inertial(mass, frame.place(_origin(element)), (xx, yy, zz, xy, xz, yz))
+
+
+def _origin(element: Element) -> Frame:
+    origin = element.child("origin")
+    if origin is None:
+        return Frame()
+    place = origin.vector("xyz") if "xyz" in origin.attributes else (0.0, 0.0, 0.0)
+    turned = origin.vector("rpy") if "rpy" in origin.attributes else (0.0, 0.0, 0.0)
+    return frame_of(Pose(*place, *turned))
+
+
+def _colors(root: Element) -> dict[str, Color]:
+    """The named materials, wherever they are described."""
+    materials = root.all("material")
+    for link in root.all("link"):
+        materials += [material for v in link.all("visual") for material in v.all("material")]
+    found: dict[str, Color] = {}
+    for material in materials:
+        color = _rgb(material)
+        if color and material.attributes.get("name"):
+            found.setdefault(material.attributes["name"], color)
+    return found
+
+
+def _look(link: Element, colors: dict[str, Color]) -> Color:
+    """The first colour of what is seen of a link."""
+    for visual in link.all("visual"):
+        for material in visual.all("material"):
+            color = _rgb(material) or colors.get(material.attributes.get("name", ""))
+            if color:
+                return color
+    return GREY
+
+
+def _rgb(material: Element) -> Color | None:
+    color = material.child("color")
+    if color is None:
+        return None
+    red, green, blue, _ = color.numbers("rgba", (4,), lowest=0.0)
+    return min(red, 1.0), min(green, 1.0), min(blue, 1.0)
+
+
+def _left_out(link: Element, source: str) -> list[str]:
+    """What is seen as a mesh, where nothing says how it collides."""
+    if link.all("collision") or not any(v.path("geometry", "mesh") for v in link.all("visual")):
+        return []
+    return [f"{source}:{link.line}: link '{link.attribute('name')}' is left out: it is a mesh"]

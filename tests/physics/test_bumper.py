@@ -1,0 +1,110 @@
+"""What a bumper tells: who is touched, where and how hard; nothing while there is nothing."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from lcmtools.types.gazebo_msgs import ContactsState
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools_sim.pose import Pose
+from lcmtools_sim.robots import MODELS
+from lcmtools_sim.scene import RobotPlacement, Scene, Thing, box
+from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.simulation import Simulation
+
+Simulate = Callable[..., Simulation]
+Steer = Callable[[float, float], Twist]
+Place = Callable[..., Simulation]
+
+WALL = box("wall", (0.2, 10, 1), Pose(2.1, 0, 0.5))
+
+
+@pytest.fixture
+def place(simulate: Simulate) -> Place:
+    """Makes a simulation of robots with bumpers, measured at every step."""
+
+    def make(*things: Thing, model: str = "husky", poses: tuple[Pose, ...] = (Pose(),)) -> Simulation:
+        bumper = SensorMount("bumper", "bumper", 240.0)
+        robot = replace(MODELS[model], sensors=(bumper,))
+        robots = tuple(RobotPlacement(robot, f"/r{i}", pose) for i, pose in enumerate(poses))
+        return simulate(scene=Scene("bumper", things=things, robots=robots))
+
+    return make
+
+
+def touches(simulation: Simulation, seconds: float, robot: str = "/r0") -> list[ContactsState]:
+    found = []
+    for _ in range(round(seconds * 240)):
+        samples = {sample.topic: sample.message for sample in simulation.step()}
+        message = samples[f"{robot}/bumper"]
+        assert isinstance(message, ContactsState)
+        found.append(message)
+    return found
+
+
+@pytest.mark.parametrize("model", ["husky", "pioneer", "dolly"])
+def test_standing_and_driving_on_the_ground_touch_nothing(
+    place: Place, twist: Steer, model: str
+) -> None:
+    simulation = place(model=model)
+    still = touches(simulation, 1.0)
+    simulation.robots[0].command(twist(0.5, 1.0))
+
+    assert [len(message.states) for message in still + touches(simulation, 1.0)] == [0] * 480
+
+
+@pytest.mark.parametrize("model", ["husky", "pioneer", "dolly"])
+@pytest.mark.parametrize("backwards", [False, True])
+def test_a_wall_is_named_and_its_normal_points_to_the_robot(
+    place: Place, twist: Steer, model: str, *, backwards: bool
+) -> None:
+    simulation = place(WALL, model=model, poses=(Pose(yaw=math.pi if backwards else 0),))
+    simulation.robots[0].command(twist(-0.5 if backwards else 0.5, 0.0))
+
+    message = touches(simulation, 5.0)[-1]
+
+    assert message.header.frame_id == "r0/base_link"
+    (touch,) = message.states
+    assert (touch.collision1_name, touch.collision2_name) == ("/r0", "wall")
+    back = 1.0 if backwards else -1.0
+    for normal, position in zip(touch.contact_normals, touch.contact_positions, strict=True):
+        assert (normal.x, normal.y, normal.z) == pytest.approx((back, 0, 0), abs=0.01)
+        assert position.x * back < 0  # in front of it, or behind
+    assert touch.total_wrench.force.x * back > 0
+
+
+def test_the_force_on_a_wall_is_what_the_tyres_can_give(place: Place, twist: Steer) -> None:
+    # 56.6 kg on tyres of friction 0.8 push with at most that.
+    simulation = place(WALL)
+    simulation.robots[0].command(twist(1.0, 0.0))
+
+    forces = [
+        sum(touch.total_wrench.force.x for touch in message.states)
+        for message in touches(simulation, 8.0)[-240:]
+    ]
+
+    body = MODELS["husky"].body
+    assert -sum(forces) / len(forces) == pytest.approx(body.mass * 9.81 * 0.8, rel=0.05)
+
+
+def test_two_robots_that_meet_tell_each_others_names(place: Place, twist: Steer) -> None:
+    simulation = place(poses=(Pose(), Pose(2.0, 0, 0, yaw=math.pi)))
+    for robot in simulation.robots:
+        robot.command(twist(0.5, 0.0))
+
+    first = touches(simulation, 4.0, "/r0")[-1]
+    second = touches(simulation, 0.1, "/r1")[-1]
+
+    assert [touch.collision2_name for touch in first.states] == ["/r1"]
+    assert [touch.collision2_name for touch in second.states] == ["/r0"]
+
+
+def test_backing_off_ends_the_touch(place: Place, twist: Steer) -> None:
+    simulation = place(WALL)
+    simulation.robots[0].command(twist(1.0, 0.0))
+    assert touches(simulation, 4.0)[-1].states
+    simulation.robots[0].command(twist(-0.5, 0.0))
+
+    assert not touches(simulation, 2.0)[-1].states

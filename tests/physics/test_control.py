@@ -1,0 +1,253 @@
+"""The simulator's services act as they say; on a node that is not on any bus."""
+
+import math
+from collections.abc import Callable
+
+import pytest
+
+from lcmtools.messages.codec import encode
+from lcmtools.types import sim_msgs, std_srvs
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools_sim.control import Control
+from lcmtools_sim.loop import Loop
+from lcmtools_sim.schedule import Pacer
+from lcmtools_sim.simulation import Sample, Simulation
+from lcmtools_sim.vision.png import decode_png
+
+Simulate = Callable[..., Simulation]
+Steer = Callable[[float, float], Twist]
+
+
+class Offered:
+    """A node that keeps the services it is given, and calls them."""
+
+    def __init__(self) -> None:
+        self.services: dict[str, tuple[type, Callable[[object, object], object]]] = {}
+
+    def create_service(
+        self, pair: type, name: str, callback: Callable[[object, object], object]
+    ) -> None:
+        """Keep it."""
+        self.services[name] = pair, callback
+
+    def call(self, name: str, **fields: object) -> object:
+        """Call one with a request of these fields."""
+        pair, callback = self.services[f"~{name}"]
+        request = pair.Request()
+        for field, value in fields.items():
+            setattr(request, field, value)
+        response = callback(request, pair.Response())
+        encode(response)
+        return response
+
+
+class Outside:
+    """Surroundings that count what is published."""
+
+    def __init__(self) -> None:
+        self.published: list[list[Sample]] = []
+
+    def receive(self, timeout: float = 0.0) -> None:
+        """Nothing comes."""
+        del timeout
+
+    def publish(self, samples: list[Sample]) -> None:
+        """Keep them."""
+        self.published.append(samples)
+
+    def warn(self, text: str) -> None:
+        """No warning is expected."""
+        raise AssertionError(text)
+
+
+@pytest.fixture
+def outside() -> Outside:
+    return Outside()
+
+
+@pytest.fixture
+def simulation(simulate: Simulate) -> Simulation:
+    return simulate()
+
+
+@pytest.fixture
+def changes() -> list[str]:
+    """One entry for each time that robots have come or gone."""
+    return []
+
+
+@pytest.fixture
+def node(simulation: Simulation, outside: Outside, changes: list[str]) -> Offered:
+    offered = Offered()
+    loop = Loop(simulation, outside, Pacer(0.0), go_on=lambda: True)
+    Control(offered, simulation, loop, lambda: changes.append("changed"))
+    return offered
+
+
+def paused(node: Offered) -> Offered:
+    node.call("pause")
+    return node
+
+
+def test_steps_are_done_at_once_and_only_while_it_is_paused(
+    node: Offered, simulation: Simulation, outside: Outside
+) -> None:
+    refused = node.call("step", steps=5)
+    assert (refused.success, simulation.steps) == (False, 0)
+    assert refused.message == "the simulator is not paused; pause it first"
+
+    response = paused(node).call("step", steps=48)
+
+    assert (response.success, simulation.steps, response.time) == (True, 48, 200_000_000)
+    assert len(outside.published) == 48
+
+
+@pytest.mark.parametrize("steps", [0, -3, 10**9])
+def test_a_senseless_number_of_steps_is_refused(node: Offered, steps: int) -> None:
+    response = paused(node).call("step", steps=steps)
+
+    assert not response.success
+    assert response.message == f"steps must be from 1 to 1000000, not {steps}"
+
+
+def test_reset_brings_the_same_start_to_the_bit(
+    node: Offered, simulation: Simulation, outside: Outside, twist: Steer
+) -> None:
+    def course() -> list[bytes]:
+        simulation.robots[0].command(twist(0.5, 0.3))
+        outside.published.clear()
+        node.call("step", steps=480)
+        return [encode(s.message) for samples in outside.published for s in samples]
+
+    paused(node)
+    first = course()
+    node.call("spawn", model="dolly", robot="/dolly", pose=pose(-3, 0, 0))
+    node.call("set_pose", robot="/husky0", pose=pose(1, 2, 0.3))
+    node.call("step", steps=100)
+
+    assert node.call("reset").success
+    assert (simulation.steps, [r.namespace for r in simulation.robots]) == (0, ["/husky0"])
+    assert course() == first
+
+
+def pose(x: float, y: float, yaw: float) -> sim_msgs.SetPose_Request:
+    message = sim_msgs.SetPose_Request().pose
+    message.position.x, message.position.y = x, y
+    message.orientation.z, message.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+    return message
+
+
+def test_a_robot_is_put_elsewhere_at_rest_and_its_state_says_so(
+    node: Offered, simulation: Simulation, twist: Steer
+) -> None:
+    simulation.robots[0].command(twist(1.0, 0.0))
+    paused(node).call("step", steps=480)
+
+    assert node.call("set_pose", robot="husky0", pose=pose(-3, 4, 1.2)).success
+    node.call("step", steps=1)
+    state = node.call("get_state", robot="/husky0")
+
+    assert (state.success, state.model) == (True, "husky")
+    assert (state.pose.position.x, state.pose.position.y) == pytest.approx((-3, 4), abs=1e-4)
+    assert 2 * math.atan2(state.pose.orientation.z, state.pose.orientation.w) == pytest.approx(1.2)
+    assert state.twist.linear.x == pytest.approx(0, abs=0.01)
+
+
+def test_robots_come_and_go(node: Offered, simulation: Simulation, changes: list[str]) -> None:
+    paused(node)
+    assert node.call("spawn", model="dolly", robot="/dolly", pose=pose(-3, 0, 0)).success
+    assert "/dolly/laser_scan" in simulation.topics()
+    node.call("step", steps=240)
+    assert node.call("get_state", robot="dolly").pose.position.x == pytest.approx(-3.0, abs=1e-3)
+
+    assert node.call("delete", robot="/dolly").success
+    assert "/dolly/laser_scan" not in simulation.topics()
+    assert changes == ["changed", "changed"]
+    assert node.call("delete", robot="/husky0").success
+    assert node.call("step", steps=10).success
+
+
+@pytest.mark.parametrize(
+    ("service", "fields", "message"),
+    [
+        ("delete", {"robot": "/husky1"}, "there is no robot '/husky1'; did you mean /husky0?"),
+        ("get_state", {"robot": "r2d2"}, "there is no robot 'r2d2'; robots: /husky0"),
+        ("set_pose", {"robot": ""}, "there is no robot ''; robots: /husky0"),
+        (
+            "spawn",
+            {"model": "huski", "robot": "/a"},
+            "unknown model 'huski'; did you mean husky?",
+        ),
+        (
+            "spawn",
+            {"model": "husky", "robot": "/husky0"},
+            "there is a robot /husky0 already",
+        ),
+        ("set_rate", {"rate": -1.0}, "the rate must be 0 or more, not -1"),
+        ("set_rate", {"rate": math.nan}, "the rate must be 0 or more, not nan"),
+        ("set_rate", {"rate": math.inf}, "the rate must be 0 or more, not inf"),
+        (
+            "set_pose",
+            {"robot": "/husky0", "pose": pose(math.nan, 0, 0)},
+            "the pose is not finite, or farther than 100000 m",
+        ),
+    ],
+)
+def test_what_cannot_be_done_is_said_and_changes_nothing(
+    node: Offered,
+    simulation: Simulation,
+    changes: list[str],
+    service: str,
+    fields: dict[str, object],
+    message: str,
+) -> None:
+    before = simulation.robots[0].state(0)
+
+    response = node.call(service, **fields)
+
+    assert (response.success, response.message) == (False, message)
+    assert simulation.robots[0].state(0) == before
+    assert changes == []
+
+
+def test_a_pose_without_a_rotation_is_refused(node: Offered) -> None:
+    request = sim_msgs.SetPose_Request()
+
+    response = node.call("set_pose", robot="/husky0", pose=request.pose)
+
+    assert response.message == "the orientation is all zeros; w: 1 for none"
+
+
+def test_a_robot_is_not_put_up_inside_another(node: Offered, simulation: Simulation) -> None:
+    response = node.call("spawn", model="dolly", robot="/dolly", pose=pose(0.2, 0, 0))
+
+    assert not response.success
+    assert "starts" in response.message
+    assert [robot.namespace for robot in simulation.robots] == ["/husky0"]
+
+
+def test_pause_and_resume_say_what_was(node: Offered) -> None:
+    assert [node.call(s).message for s in ("resume", "pause", "pause", "resume")] == [
+        "was not paused",
+        "paused",
+        "was paused already",
+        "resumed",
+    ]
+    assert isinstance(node.call("pause"), std_srvs.Trigger_Response)
+
+
+@pytest.mark.parametrize("robot", ["", "/husky0"])
+def test_a_snapshot_is_a_png_of_the_size_that_is_asked_for(node: Offered, robot: str) -> None:
+    response = node.call("snapshot", robot=robot, width=320, height=200)
+
+    picture = decode_png(bytes(response.image.data))
+    assert (response.success, response.image.format) == (True, "png")
+    assert picture.shape == (200, 320, 3)
+    yellow = (picture[:, :, 0] > 120) & (picture[:, :, 1] > 120) & (picture[:, :, 2] < 60)
+    assert 0.002 < yellow.mean() < 0.3  # the Husky is in it
+
+
+def test_a_snapshot_of_a_senseless_size_is_refused(node: Offered) -> None:
+    response = node.call("snapshot", width=100_000)
+
+    assert response.message == "a picture has 1 to 4096 columns and rows"

@@ -1,0 +1,156 @@
+"""What an inertial sensor feels: gravity, the motors, and the circle. m/s^2, rad/s, metres."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lcmtools.types.geometry_msgs import Twist, Vector3
+from lcmtools.types.sensor_msgs import Imu
+from lcmtools_sim.pose import Pose
+from lcmtools_sim.robots.husky import HUSKY
+from lcmtools_sim.scene import RobotPlacement, Scene
+from lcmtools_sim.sensors.imu import ImuSettings
+from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.simulation import Simulation
+
+Simulate = Callable[..., Simulation]
+Steer = Callable[[float, float], Twist]
+Place = Callable[..., Simulation]
+
+G = 9.81
+
+
+@pytest.fixture
+def place(simulate: Simulate) -> Place:
+    """Makes a simulation of one Husky with one IMU at a pose in base_link, at every step."""
+
+    def make(
+        mounted: Pose = Pose(),  # noqa: B008 - a value
+        start: Pose = Pose(),  # noqa: B008 - a value
+        *,
+        seed: int = 0,
+        gravity: float = G,
+        settings: ImuSettings = ImuSettings(),  # noqa: B008 - a value
+    ) -> Simulation:
+        mount = SensorMount("imu", "imu", 240.0, mounted, settings=settings)
+        robot = RobotPlacement(replace(HUSKY, sensors=(mount,)), "/h", start)
+        return simulate(scene=Scene("imu", seed=seed, gravity=gravity, robots=(robot,)))
+
+    return make
+
+
+def measure(simulation: Simulation, seconds: float) -> list[Imu]:
+    messages = []
+    for _ in range(round(seconds * 240)):
+        (message,) = [s.message for s in simulation.step() if s.topic == "/h/imu"]
+        assert isinstance(message, Imu)
+        messages.append(message)
+    return messages
+
+
+def xyz(vector: Vector3) -> tuple[float, float, float]:
+    return vector.x, vector.y, vector.z
+
+
+def felt(message: Imu) -> tuple[float, float, float]:
+    return xyz(message.linear_acceleration)
+
+
+@pytest.mark.parametrize("gravity", [9.81, 1.62])
+def test_at_rest_it_feels_what_holds_it_up_and_no_turning(place: Place, gravity: float) -> None:
+    message = measure(place(gravity=gravity), 1.0)[-1]
+
+    assert felt(message) == pytest.approx((0, 0, gravity), abs=0.01)
+    assert xyz(message.angular_velocity) == pytest.approx((0, 0, 0), abs=1e-6)
+    assert message.header.frame_id == "h/imu_link"
+
+
+@pytest.mark.parametrize(
+    ("turned", "expected"),
+    [
+        (Pose(roll=math.pi), (0, 0, -G)),
+        (Pose(pitch=math.pi / 2), (-G, 0, 0)),  # its x axis points down
+        (Pose(roll=math.pi / 2), (0, G, 0)),
+        (Pose(roll=0.3), (0, G * math.sin(0.3), G * math.cos(0.3))),
+    ],
+)
+def test_a_turned_sensor_feels_it_along_its_own_axes(
+    place: Place, turned: Pose, expected: tuple[float, float, float]
+) -> None:
+    assert felt(measure(place(turned), 1.0)[-1]) == pytest.approx(expected, abs=0.01)
+
+
+def test_speeding_up_is_felt_forward_and_braking_backward(place: Place, twist: Steer) -> None:
+    simulation = place()
+    simulation.robots[0].command(twist(1.0, 0.0))
+    faster = measure(simulation, 0.1)[-1]
+    measure(simulation, 2.0)
+    steady = measure(simulation, 0.1)[-1]
+    simulation.robots[0].command(twist(0.0, 0.0))
+    slower = measure(simulation, 0.1)[-1]
+
+    assert felt(faster) == pytest.approx((3.0, 0, G), abs=0.05)
+    assert felt(steady) == pytest.approx((0, 0, G), abs=0.02)
+    assert felt(slower) == pytest.approx((-3.0, 0, G), abs=0.05)
+
+
+@pytest.mark.parametrize(("forward", "turn_rate"), [(0.5, 0.3), (1.0, -1.0), (0.0, 2.0)])
+@pytest.mark.parametrize("lever", [(0.0, 0.0), (0.4, 0.0), (0.2, -0.3)])
+def test_on_a_circle_it_feels_the_centripetal_acceleration_of_where_it_is(
+    place: Place, twist: Steer, forward: float, turn_rate: float, lever: tuple[float, float]
+) -> None:
+    x, y = lever
+    simulation = place(Pose(x, y, 0.2))
+    simulation.robots[0].command(twist(forward, turn_rate))
+    measure(simulation, 2.0)
+
+    messages = measure(simulation, 1.0)
+
+    mean = np.mean([felt(message) for message in messages], axis=0)
+    expected = (-(turn_rate**2) * x, forward * turn_rate - turn_rate**2 * y, G)
+    assert mean == pytest.approx(expected, abs=0.01 * max(1.0, abs(forward * turn_rate)))
+    assert messages[-1].angular_velocity.z == pytest.approx(turn_rate, rel=0.001)
+
+
+def test_beginning_to_turn_is_felt_across_a_lever(place: Place, twist: Steer) -> None:
+    simulation = place(Pose(0.4, 0.0, 0.0))
+    simulation.robots[0].command(twist(0.0, 2.0))
+
+    messages = measure(simulation, 0.2)
+
+    rates = [message.angular_velocity.z for message in messages]
+    euler = (rates[24] - rates[23]) * 240 * 0.4
+    assert euler > 1.0
+    assert felt(messages[24])[1] == pytest.approx(euler, rel=0.02)
+
+
+def test_the_orientation_is_that_of_the_sensor_in_the_world(place: Place) -> None:
+    message = measure(place(Pose(yaw=0.5), Pose(3, 4, 0, yaw=0.7)), 0.5)[-1]
+
+    turned = message.orientation
+    assert (turned.x, turned.y) == pytest.approx((0, 0), abs=1e-4)
+    assert 2 * math.atan2(turned.z, turned.w) == pytest.approx(1.2, abs=1e-4)
+
+
+def test_falling_it_feels_nothing(place: Place) -> None:
+    message = measure(place(start=Pose(0, 0, 5)), 0.5)[-1]
+
+    assert felt(message) == pytest.approx((0, 0, 0), abs=0.01)
+
+
+def test_its_noise_has_the_deviations_that_are_asked_for_and_says_them(place: Place) -> None:
+    messages = measure(place(settings=ImuSettings(0.02, 0.3)), 10.0)[240:]
+
+    accelerations = np.array([felt(message) for message in messages]) - (0, 0, G)
+    rates = np.array([xyz(message.angular_velocity) for message in messages])
+    assert accelerations.std(axis=0) == pytest.approx([0.3] * 3, rel=0.06)
+    assert rates.std(axis=0) == pytest.approx([0.02] * 3, rel=0.06)
+    assert abs(accelerations.mean(axis=0)).max() < 4 * 0.3 / math.sqrt(len(messages))
+    assert abs(rates.mean(axis=0)).max() < 4 * 0.02 / math.sqrt(len(messages))
+    one_after_another = np.corrcoef(accelerations[1:, 0], accelerations[:-1, 0])[0, 1]
+    assert abs(one_after_another) < 0.1  # white
+    assert messages[0].linear_acceleration_covariance[::4] == pytest.approx((0.09,) * 3)
+    assert messages[0].angular_velocity_covariance[::4] == pytest.approx((0.0004,) * 3)

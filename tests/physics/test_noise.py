@@ -1,0 +1,195 @@
+"""Every sensor's noise: none unless it is asked for, of the size that is, and one seed, one run."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lcmtools.messages.codec import encode
+from lcmtools.messages.registry import Message
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools_sim.pose import Pose
+from lcmtools_sim.robots.husky import HUSKY
+from lcmtools_sim.scene import RobotPlacement, Scene, box
+from lcmtools_sim.sensors.depth_camera import DepthCameraSettings
+from lcmtools_sim.sensors.ground_truth import GroundTruthSettings
+from lcmtools_sim.sensors.imu import ImuSettings
+from lcmtools_sim.sensors.laser import LaserSettings
+from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.sensors.odometry import OdometrySettings
+from lcmtools_sim.sensors.wheel_states import WheelStatesSettings
+from lcmtools_sim.simulation import Simulation
+
+Simulate = Callable[..., Simulation]
+Steer = Callable[[float, float], Twist]
+
+FRONT = Pose(0.6, 0.0, 0.3)
+NOISY = {
+    "odometry": SensorMount("odometry", "s", 50, settings=OdometrySettings(0.01, 0.02, 0.03)),
+    "wheel_states": SensorMount("wheel_states", "s", 50, settings=WheelStatesSettings(0.01, 0.1)),
+    "ground_truth": SensorMount("ground_truth", "s", 50, settings=GroundTruthSettings(0.05, 0.02)),
+    "imu": SensorMount("imu", "s", 50, settings=ImuSettings(0.01, 0.1)),
+    "laser": SensorMount("laser", "s", 10, FRONT, settings=LaserSettings(noise=0.02)),
+    "depth_camera": SensorMount(
+        "depth_camera", "s", 10, FRONT, settings=DepthCameraSettings(64, 48, noise=1.4e-3)
+    ),
+}
+WALL = box("wall", (0.2, 30, 3), Pose(4.1, 0, 1.5))
+
+
+def scene(*mounts: SensorMount, seed: int = 0, count: int = 1) -> Scene:
+    robots = tuple(
+        RobotPlacement(replace(HUSKY, sensors=mounts), f"/h{i}", Pose(0, 5.0 * i))
+        for i in range(count)
+    )
+    return Scene("noise", seed=seed, things=(WALL,), robots=robots)
+
+
+@pytest.fixture
+def messages(simulate: Simulate, twist: Steer) -> Callable[..., list[Message]]:
+    """The messages of one sensor of a robot that drives a circle."""
+
+    def run(mount: SensorMount, seconds: float, *, seed: int = 0) -> list[Message]:
+        simulation = simulate(scene=scene(mount, seed=seed))
+        simulation.robots[0].command(twist(0.3, 1.0))
+        steps = [simulation.step() for _ in range(round(seconds * 240))]
+        return [s.message for samples in steps for s in samples if s.topic.startswith("/h0/s")]
+
+    return run
+
+
+def without_noise(mount: SensorMount) -> SensorMount:
+    if mount.kind == "depth_camera":
+        return replace(mount, settings=DepthCameraSettings(64, 48))
+    return replace(mount, settings=None)
+
+
+@pytest.mark.parametrize("kind", NOISY)
+def test_one_seed_gives_the_same_bytes_and_another_gives_others(
+    messages: Callable[..., list[Message]], kind: str
+) -> None:
+    first, again, other = (
+        [encode(message) for message in messages(NOISY[kind], 0.5, seed=seed)]
+        for seed in (7, 7, 8)
+    )
+
+    assert first == again
+    assert len(first) == len(other) > 4
+    assert first != other
+
+
+@pytest.mark.parametrize("kind", NOISY)
+def test_without_noise_the_seed_does_not_matter(
+    messages: Callable[..., list[Message]], kind: str
+) -> None:
+    mount = without_noise(NOISY[kind])
+    first, other = (
+        [encode(message) for message in messages(mount, 0.3, seed=seed)] for seed in (7, 8)
+    )
+
+    assert first == other
+
+
+def test_encoders_drift_from_the_way_like_a_random_walk(simulate: Simulate, twist: Steer) -> None:
+    # After 10 m straight on: each side's way is off by 0.01 sqrt(10) m, so that the forward way is
+    # by that / sqrt(2) and the heading by that sqrt(2) / track.
+    mount = replace(NOISY["odometry"], settings=OdometrySettings(0.01))
+    ways, headings = [], []
+    simulation = simulate(scene=replace(scene(mount, count=40), things=()))
+    simulation.ask(lambda _: False)
+    for robot in simulation.robots:
+        robot.command(twist(1.0, 0.0))
+    for _ in range(round(10.35 * 240)):
+        simulation.step()
+    for robot in simulation.robots:
+        state = robot.state(0)
+        x, y, yaw = state.reckoned_pose
+        ways.append(math.hypot(x, y) - state.position[0])
+        headings.append(yaw)
+
+    spread = 0.01 * math.sqrt(10)
+    assert np.std(headings) == pytest.approx(spread * math.sqrt(2) / HUSKY.drive.track, rel=0.35)
+    assert np.std(ways) == pytest.approx(spread / math.sqrt(2), rel=0.35)
+    assert abs(np.mean(headings)) < 4 * np.std(headings) / math.sqrt(40)
+
+
+def test_encoders_at_rest_do_not_drift_and_the_robot_drives_as_without_noise(
+    simulate: Simulate, twist: Steer
+) -> None:
+    mount = replace(NOISY["odometry"], settings=OdometrySettings(0.05))
+    noisy, exact = (
+        simulate(scene=scene(one)) for one in (mount, replace(mount, settings=None))
+    )
+    for simulation in (noisy, exact):
+        for _ in range(240):
+            simulation.step()
+        assert simulation.robots[0].state(0).reckoned_pose == (0, 0, 0)
+        simulation.robots[0].command(twist(0.3, 1.0))
+        for _ in range(480):
+            simulation.step()
+
+    first, second = (simulation.robots[0].state(0) for simulation in (noisy, exact))
+    assert first.position == second.position
+    assert first.reckoned_pose != second.reckoned_pose
+    assert math.dist(first.reckoned_pose, second.reckoned_pose) < 0.3
+
+
+def test_odometry_and_the_transform_to_base_link_drift_together(
+    simulate: Simulate, twist: Steer
+) -> None:
+    mounts = (
+        replace(NOISY["odometry"], topic="odom"),
+        SensorMount("transforms", "/tf", 50.0),
+    )
+    simulation = simulate(scene=scene(*mounts))
+    simulation.robots[0].command(twist(0.3, 1.0))
+    for _ in range(600):
+        samples = {sample.topic: sample.message for sample in simulation.step()}
+        if "/tf" in samples:
+            pose, transform = samples["/h0/odom"].pose.pose, samples["/tf"].transforms[0].transform
+            assert (pose.position.x, pose.position.y) == (
+                transform.translation.x,
+                transform.translation.y,
+            )
+            assert pose.orientation.z == transform.rotation.z
+
+
+def test_white_noise_has_the_deviations_that_are_asked_for(
+    messages: Callable[..., list[Message]],
+) -> None:
+    def column(kind: str, read: Callable[[Message], float]) -> float:
+        noisy = [read(message) for message in messages(NOISY[kind], 10.0)]
+        exact = [read(message) for message in messages(without_noise(NOISY[kind]), 10.0)]
+        error = np.array(noisy) - exact
+        assert abs(error.mean()) < 4 * error.std() / math.sqrt(len(error))
+        return float(error.std())
+
+    def near(value: float) -> object:
+        return pytest.approx(value, rel=0.12)
+
+    assert column("odometry", lambda m: m.twist.twist.linear.x) == near(0.02)
+    assert column("odometry", lambda m: m.twist.twist.angular.z) == near(0.03)
+    assert column("wheel_states", lambda m: m.position[0]) == near(0.01)
+    assert column("wheel_states", lambda m: m.velocity[1]) == near(0.1)
+    assert column("ground_truth", lambda m: m.pose.pose.position.x) == near(0.05)
+    assert column("ground_truth", lambda m: m.pose.pose.position.z) == near(0.05)
+
+
+def test_noise_does_not_depend_on_who_listens_to_other_sensors(
+    simulate: Simulate, twist: Steer
+) -> None:
+    def heard(wanted: Callable[[str], bool]) -> list[bytes]:
+        simulation = simulate(scene=scene(*(replace(m, topic=k) for k, m in NOISY.items())))
+        simulation.ask(wanted)
+        simulation.robots[0].command(twist(0.3, 1.0))
+        steps = [simulation.step() for _ in range(120)]
+        return [
+            encode(s.message)
+            for samples in steps
+            for s in samples
+            if s.topic in ("/h0/laser", "/h0/odometry")
+        ]
+
+    assert heard(lambda _: True) == heard(lambda topic: topic in ("/h0/laser", "/h0/odometry"))

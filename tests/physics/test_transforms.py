@@ -1,0 +1,92 @@
+"""Where /tf says that frames are, and that odometry and the sensors' own headers agree."""
+
+from collections.abc import Callable
+
+import pytest
+
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.tf2_msgs import TFMessage
+from lcmtools_sim.robots import MODELS
+from lcmtools_sim.scene import RobotPlacement, Scene
+from lcmtools_sim.simulation import Simulation
+
+Simulate = Callable[..., Simulation]
+Steer = Callable[[float, float], Twist]
+
+ODOMETRY = {"husky": "odometry", "pioneer": "RosAria/pose", "dolly": "odom"}
+SENSORS = {
+    "husky": {"imu_link": (0.19, 0, 0.149)},
+    "pioneer": {"camera_depth_optical_frame": (0.10, 0, 0.25)},
+    "dolly": {"laser": (0.2, 0, 0)},
+}
+
+
+@pytest.fixture
+def driving(simulate: Simulate, twist: Steer) -> Callable[..., Simulation]:
+    """A simulation of one robot that drives a circle."""
+
+    def make(model: str, namespace: str = "/r0") -> Simulation:
+        robots = (RobotPlacement(MODELS[model], namespace),)
+        simulation = simulate(scene=Scene("tf", robots=robots))
+        simulation.robots[0].command(twist(0.5, 0.3))
+        simulation.ask(lambda topic: "camera" not in topic)
+        return simulation
+
+    return make
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_odom_to_base_link_is_what_odometry_says(
+    driving: Callable[..., Simulation], model: str
+) -> None:
+    simulation, compared = driving(model), 0
+    for _ in range(960):
+        samples = {sample.topic: sample.message for sample in simulation.step()}
+        odometry = samples.get(f"/r0/{ODOMETRY[model]}")
+        if odometry is None:
+            continue
+        assert isinstance(odometry, Odometry)
+        transforms = samples["/tf"]
+        assert isinstance(transforms, TFMessage)
+        first = transforms.transforms[0]
+        assert first.header.frame_id == odometry.header.frame_id == "r0/odom"
+        assert first.child_frame_id == odometry.child_frame_id == "r0/base_link"
+        assert first.header.stamp.nsec == odometry.header.stamp.nsec
+        place, pose = first.transform.translation, odometry.pose.pose
+        assert (place.x, place.y, place.z) == (pose.position.x, pose.position.y, 0)
+        turned = first.transform.rotation
+        assert (turned.z, turned.w) == (pose.orientation.z, pose.orientation.w)
+        compared += 1
+    assert compared == (40 if model == "pioneer" else 200)
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize(("namespace", "prefix"), [("/r0", "r0/"), ("/a/b", "a/b/"), ("/", "")])
+def test_every_sensor_with_a_place_hangs_on_base_link(
+    driving: Callable[..., Simulation], model: str, namespace: str, prefix: str
+) -> None:
+    simulation = driving(model, namespace)
+    samples = [sample for _ in range(24) for sample in simulation.step()]
+
+    message = next(s.message for s in samples if s.topic == "/tf")
+    _, *mounted = message.transforms
+    assert {t.header.frame_id for t in mounted} == {f"{prefix}base_link"}
+    told = {t.child_frame_id.removeprefix(prefix): t.transform.translation for t in mounted}
+    assert {name: (p.x, p.y, p.z) for name, p in told.items()} == {
+        name: pytest.approx(place) for name, place in SENSORS[model].items()
+    }
+    frames = {
+        s.message.header.frame_id for s in samples if hasattr(s.message, "header")
+    }
+    known = {t.child_frame_id for t in message.transforms} | {f"{prefix}odom", "world"}
+    assert frames <= known
+
+
+def test_an_optical_frame_looks_forward(driving: Callable[..., Simulation]) -> None:
+    simulation = driving("pioneer")
+    samples = [sample for _ in range(24) for sample in simulation.step()]
+
+    message = next(s.message for s in samples if s.topic == "/tf")
+    turned = message.transforms[1].transform.rotation
+    assert (turned.x, turned.y, turned.z, turned.w) == pytest.approx((-0.5, 0.5, -0.5, 0.5))

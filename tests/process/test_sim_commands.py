@@ -1,0 +1,199 @@
+"""``lcmtools sim``: what it says to a simulator, and what the simulator then does."""
+
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("pybullet")
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+Tell = Callable[..., str]
+
+WORLD = """\
+node: yard
+robots:
+  - {model: husky, namespace: /husky0}
+  - {model: dolly, namespace: /dolly, pose: [0, 4, 0]}
+"""
+
+pytestmark = pytest.mark.usefixtures("use_module_bus")
+
+
+@pytest.fixture(scope="module")
+def _simulator(
+    module_start: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory, lcmtools_path: str
+) -> None:
+    """A paused simulator on the module's bus."""
+    world = tmp_path_factory.mktemp("world") / "yard.yaml"
+    world.write_text(WORLD)
+    module_start(lcmtools_path, "run", "sim", str(world), "--paused").wait_for("simulating")
+
+
+@pytest.fixture(autouse=True)
+def _anew(_simulator: None, lcmtools: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every test begins with the same paused world, at time 0."""
+    monkeypatch.setenv("LCMTOOLS_COLOR", "never")
+    lcmtools("sim", "pause")
+    lcmtools("sim", "reset")
+
+
+@pytest.fixture
+def tell(lcmtools: Run) -> Tell:
+    """Runs ``lcmtools sim ...``, which must work, and gives what it prints."""
+
+    def run(*arguments: str) -> str:
+        result = lcmtools("sim", *arguments)
+        assert (result.returncode, result.stderr) == (0, ""), arguments
+        return result.stdout
+
+    return run
+
+
+def state(tell: Tell, robot: str) -> dict[str, Any]:
+    answer = json.loads(tell("state", robot, "--json"))
+    assert isinstance(answer, dict)
+    return answer
+
+
+def test_a_paused_simulator_does_the_steps_that_it_is_told_and_no_more(tell: Tell) -> None:
+    assert tell("step") == "did 1 steps, now at 0.004167 s\n"
+    assert tell("step", "239") == "did 239 steps, now at 1.000000 s\n"
+    assert state(tell, "husky0")["time"] == 1_000_000_000
+    assert state(tell, "husky0")["time"] == 1_000_000_000
+
+
+def test_pause_and_resume_say_what_was(tell: Tell, wait_until: Callable[..., None]) -> None:
+    assert tell("pause") == "was paused already\n"
+    assert tell("resume") == "resumed\n"
+    wait_until(lambda: state(tell, "husky0")["time"] > 100_000_000)
+    assert tell("resume") == "was not paused\n"
+    assert tell("pause") == "paused\n"
+    assert state(tell, "husky0")["time"] == state(tell, "husky0")["time"]
+
+
+def test_a_robot_is_where_it_is_put(tell: Tell) -> None:
+    assert tell("set-pose", "husky0", "-3.5", "-2", "90deg") == "/husky0 was put there\n"
+
+    answer = state(tell, "/husky0")
+
+    assert answer["model"] == "husky"
+    position, turned = answer["pose"]["position"], answer["pose"]["orientation"]
+    assert (position["x"], position["y"]) == pytest.approx((-3.5, -2.0), abs=1e-4)
+    assert (turned["z"], turned["w"]) == pytest.approx((0.5**0.5, 0.5**0.5), abs=1e-4)
+
+
+def test_state_is_text_for_people_too(tell: Tell) -> None:
+    text = tell("state", "dolly")
+
+    assert 'model: "dolly"' in text
+    assert "y: 4.0" in text
+
+
+def test_a_robot_comes_with_its_topics_and_goes_with_them(
+    tell: Tell, lcmtools: Run, wait_until: Callable[..., None]
+) -> None:
+    assert tell("spawn", "pioneer", "p3dx", "-4", "-1") == "the pioneer /p3dx is there\n"
+    wait_until(lambda: "/p3dx/RosAria/pose" in lcmtools("list").stdout)
+    tell("step", "24")
+    assert state(tell, "p3dx")["pose"]["position"]["x"] == pytest.approx(-4, abs=1e-3)
+
+    assert tell("delete", "p3dx") == "/p3dx is gone\n"
+    wait_until(lambda: "/p3dx/" not in lcmtools("list").stdout)
+    assert lcmtools("sim", "state", "p3dx").returncode == 1
+
+
+def test_reset_takes_away_what_has_come_and_brings_back_what_has_gone(tell: Tell) -> None:
+    tell("delete", "dolly")
+    tell("spawn", "husky", "husky7", "6", "6")
+    tell("step", "10")
+
+    answer = json.loads(tell("reset", "--json"))
+
+    assert answer == {"success": True, "message": "everything is where it was at the start"}
+    assert state(tell, "dolly")["time"] == 0
+    assert state(tell, "dolly")["pose"]["position"]["y"] == pytest.approx(4.0)
+
+
+def test_a_rate_is_kept_until_another_one_is_set(tell: Tell) -> None:
+    assert tell("set-rate", "0") == "simulated time passes as fast as possible\n"
+    assert tell("set-rate", "0.5") == "simulated time passes 0.5 times real time\n"
+    assert tell("set-rate", "1") == "simulated time passes 1 times real time\n"
+
+
+def test_at_a_very_slow_rate_it_still_answers_and_speeds_up_again(
+    tell: Tell, wait_until: Callable[..., None]
+) -> None:
+    tell("set-rate", "0.0001")
+    tell("resume")
+    first = state(tell, "husky0")["time"]
+    tell("set-rate", "1")
+
+    wait_until(lambda: state(tell, "husky0")["time"] > first + 100_000_000)
+
+
+def test_a_snapshot_is_a_png_file_and_none_is_overwritten(
+    lcmtools: Run, tmp_path: Path
+) -> None:
+    file = tmp_path / "yard.png"
+    result = lcmtools("sim", "snapshot", str(file), "--width", "64", "--height", "48")
+    assert (result.returncode, result.stdout) == (0, "")
+    assert result.stderr == f"wrote {file}: {file.stat().st_size} bytes\n"
+    head = file.read_bytes()[:24]
+    assert head[:8] == b"\x89PNG\r\n\x1a\n"
+    assert [int.from_bytes(head[i : i + 4], "big") for i in (16, 20)] == [64, 48]
+
+    assert lcmtools("sim", "snapshot", str(file)).returncode == 2
+    assert lcmtools("sim", "snapshot", str(file), "--force", "--robot", "dolly").returncode == 0
+    assert file.read_bytes()[:24] != head
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["state", "r2d2"], "there is no robot 'r2d2'; robots: /husky0, /dolly"),
+        (["state", "husky1"], "there is no robot 'husky1'; did you mean /husky0?"),
+        (["delete", "doly"], "there is no robot 'doly'; did you mean /dolly?"),
+        (["set-pose", "husky1", "0", "0"], "there is no robot 'husky1'; did you mean /husky0?"),
+        (
+            ["set-pose", "husky0", "1e9", "0"],
+            "the pose is not finite, or farther than 100000 m",
+        ),
+        (["spawn", "huski", "a", "9", "9"], "unknown model 'huski'; did you mean husky?"),
+        (["spawn", "husky", "dolly", "9", "9"], "there is a robot /dolly already"),
+        (["step", "1000001"], "steps must be from 1 to 1000000, not 1000001"),
+        (["snapshot", "x.png", "--robot", "r2d2"], "there is no robot 'r2d2'; robots: /husky0, /dolly"),
+        (["snapshot", "x.png", "--width", "5000"], "a picture has 1 to 4096 columns and rows"),
+    ],
+)
+def test_what_cannot_be_done_is_told_in_one_line_with_1(
+    lcmtools: Run, arguments: list[str], complaint: str
+) -> None:
+    result = lcmtools("sim", *arguments)
+
+    assert (result.returncode, result.stdout) == (1, "")
+    assert result.stderr == f"lcmtools sim {arguments[0]}: /yard: {complaint}\n"
+
+
+def test_a_running_simulator_is_not_stepped(tell: Tell, lcmtools: Run) -> None:
+    tell("resume")
+    result = lcmtools("sim", "step")
+
+    assert result.returncode == 1
+    assert result.stderr == (
+        "lcmtools sim step: /yard: the simulator is not paused; pause it first\n"
+    )
+
+
+def test_another_node_is_no_simulator(
+    start: Callable[..., Any], lcmtools: Run, lcmtools_path: str
+) -> None:
+    start(lcmtools_path, "run", "talker").wait_for("hello")
+
+    result = lcmtools("sim", "pause", "--sim", "talker")
+
+    assert result.returncode == 1
+    assert result.stderr == "lcmtools sim pause: /talker is no simulator; simulators: /yard\n"

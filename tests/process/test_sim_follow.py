@@ -1,0 +1,88 @@
+"""Several processes that simulate one world together: one leads the clock, the others go by it."""
+
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+
+import lcmtools as library
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.rosgraph_msgs import Clock
+
+Start = Callable[..., Any]
+FOLLOWER = "/husky2/ground_truth"
+
+
+@dataclass
+class Heard:
+    """Times [ns] in the order in which they came, and where the follower's robot was."""
+
+    clock: list[int] = field(default_factory=list)
+    stamps: list[int] = field(default_factory=list)
+    ahead: list[int] = field(default_factory=list)
+    x: list[float] = field(default_factory=list)
+
+    def hear_clock(self, message: Clock) -> None:
+        """Note the leader's time."""
+        self.clock.append(message.clock.sec * 10**9 + message.clock.nsec)
+
+    def hear_robot(self, message: Odometry) -> None:
+        """Note the follower's time, and where its robot is."""
+        stamp = message.header.stamp.sec * 10**9 + message.header.stamp.nsec
+        self.stamps.append(stamp)
+        self.x.append(message.pose.pose.position.x)
+
+
+@pytest.fixture
+def node(bus_url: str) -> Iterator[library.Node]:
+    library.init([], url=bus_url)
+    with library.Node("test") as node:
+        yield node
+    library.shutdown()
+
+
+def test_a_follower_steps_as_far_as_the_leader_and_begins_anew_with_it(
+    node: library.Node,
+    bus_url: str,
+    start: Start,
+    lcmtools: Callable[..., subprocess.CompletedProcess[str]],
+    wait_until: Callable[..., None],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+    heard = Heard()
+    node.create_subscription(Clock, "/clock", heard.hear_clock, depth=1000)
+    node.create_subscription(Odometry, FOLLOWER, heard.hear_robot, depth=1000)
+    drive = node.create_publisher(Twist, "/husky2/cmd_vel")
+
+    def spin(condition: Callable[[], object]) -> None:
+        def turn() -> object:
+            library.spin_once(node, 0.05)
+            return condition()
+
+        wait_until(turn, timeout=30)
+
+    run = (sys.executable, "-m", "lcmtools_sim", "multi", "--lcm-url", bus_url)
+    start(*run, "--only", "husky2").wait_for("waiting for the /clock of the process that leads")
+    start(*run, "--only", "husky0,husky1", "--paused")
+    spin(lambda: lcmtools("sim", "step", "24", "--sim", "/sim").returncode == 0)
+    spin(lambda: heard.clock and heard.clock[-1] == 10**8)
+    lcmtools("sim", "step", "216", "--sim", "/sim")
+    spin(lambda: heard.stamps and heard.stamps[-1] == 10**9)
+    assert heard.clock[-1] == 10**9
+
+    forward = Twist()
+    forward.linear.x = 1.0
+    drive.publish(forward)
+    lcmtools("sim", "step", "480", "--sim", "/sim")
+    spin(lambda: heard.stamps[-1] == 3 * 10**9)
+    assert heard.x[-1] > heard.x[0] + 0.5
+
+    assert lcmtools("sim", "reset", "--sim", "/sim").returncode == 0
+    lcmtools("sim", "step", "24", "--sim", "/sim")
+    spin(lambda: heard.stamps[-1] == 10**8)
+    assert heard.x[-1] == pytest.approx(heard.x[0], abs=1e-3)

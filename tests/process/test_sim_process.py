@@ -1,0 +1,216 @@
+"""The simulator as a process: it computes what is heard, keeps its time, and leaves nothing."""
+
+import json
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("pybullet")
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+Start = Callable[..., Any]
+WaitUntil = Callable[..., None]
+
+WORLD = """\
+node: yard
+robots:
+  - model: pioneer
+    namespace: /
+    sensors: [{type: depth_camera, topic: camera, width: 32, height: 24}]
+"""
+DEPTH = "/camera/depth/image_raw"
+
+# Hears one topic, as any LCM program does, and never announces it.
+PLAIN_LISTENER = """
+import lcm
+
+bus = lcm.LCM()
+bus.subscribe("/camera/depth/image", lambda channel, data: None)
+print("listening", flush=True)
+while True:
+    bus.handle()
+"""
+
+
+@pytest.fixture(autouse=True)
+def _bus(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A bus of the test's own for all that it starts."""
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+
+
+@pytest.fixture
+def simulate(start: Start, lcmtools_path: str, tmp_path: Path) -> Start:
+    """Starts the simulator with a Pioneer whose camera is small."""
+
+    def run(*arguments: str) -> Any:  # noqa: ANN401 - a Program of conftest
+        world = tmp_path / "yard.yaml"
+        world.write_text(WORLD)
+        program = start(lcmtools_path, "run", "sim", str(world), *arguments)
+        program.wait_for("simulating")
+        return program
+
+    return run
+
+
+@pytest.fixture
+def published(lcmtools: Run) -> Callable[[], dict[str, int]]:
+    """How many messages the simulator has published on each topic."""
+
+    def count() -> dict[str, int]:
+        (described,) = json.loads(lcmtools("node", "info", "/yard", "--json").stdout)
+        return {entry["topic"]: entry["messages"] for entry in described["publications"]}
+
+    return count
+
+
+def test_what_nobody_hears_is_not_computed_and_what_somebody_hears_is(
+    simulate: Start,
+    start: Start,
+    lcmtools_path: str,
+    published: Callable[[], dict[str, int]],
+    wait_until: WaitUntil,
+) -> None:
+    simulate()
+    wait_until(lambda: published()["/clock"] > 50)
+    before = published()
+    assert {topic for topic, count in before.items() if count} == {"/clock", "/rosout"}
+
+    start(lcmtools_path, "run", "listener", f"chatter:={DEPTH}").wait_for("ignored")
+
+    wait_until(lambda: published()[DEPTH] > 5)
+    after = published()
+    assert {topic for topic, count in after.items() if count} == {"/clock", "/rosout", DEPTH}
+
+
+def test_a_command_that_looks_counts_as_a_listener_as_long_as_it_looks(
+    simulate: Start, lcmtools: Run, published: Callable[[], dict[str, int]], wait_until: WaitUntil
+) -> None:
+    simulate()
+    result = lcmtools("hz", DEPTH, "-n", "1")
+    assert result.stdout.startswith("average rate: ")
+    time_of_leaving = published()["/clock"]
+    counted = published()[DEPTH]
+    assert counted > 5
+
+    wait_until(lambda: published()["/clock"] > time_of_leaving + 100)
+    settled = published()[DEPTH]
+    wait_until(lambda: published()["/clock"] > time_of_leaving + 200)
+    assert published()[DEPTH] == settled
+
+
+def test_a_plain_lcm_program_may_hear_anything_so_that_all_is_computed(
+    simulate: Start,
+    start_python: Start,
+    published: Callable[[], dict[str, int]],
+    wait_until: WaitUntil,
+) -> None:
+    simulate()
+    wait_until(lambda: published()["/clock"] > 50)
+    plain = start_python(PLAIN_LISTENER)
+    plain.wait_for("listening")
+
+    wait_until(lambda: all(count for topic, count in published().items() if topic != "/rosout"))
+
+    plain.end()
+    wait_until(lambda: _stands_still(published), timeout=20.0)
+
+
+def _stands_still(published: Callable[[], dict[str, int]]) -> bool:
+    """Whether the pictures stay as many while the clock goes on."""
+    first = published()
+    deadline = time.monotonic() + 10
+    while (second := published())["/clock"] < first["/clock"] + 50:
+        assert time.monotonic() < deadline
+    return first[DEPTH] == second[DEPTH]
+
+
+@pytest.mark.parametrize("moment", ["at its start", "while it runs", "while it is paused"])
+def test_killed_at_any_moment_it_leaves_no_process_and_is_told_stale(
+    start: Start, simulate: Start, lcmtools: Run, lcmtools_path: str, wait_until: WaitUntil, moment: str
+) -> None:
+    if moment == "at its start":
+        program = start(lcmtools_path, "run", "sim")
+    else:
+        program = simulate(*(["--paused"] if moment == "while it is paused" else []))
+    program.send_signal(signal.SIGKILL)
+
+    assert program.wait() == -signal.SIGKILL
+    wait_until(lambda: _members(program.pid) == [])
+    listed = lcmtools("node", "list")
+    if moment != "at its start":
+        assert "/yard" in listed.stdout
+        assert "stale" in listed.stdout + listed.stderr
+        assert "ended without saying goodbye" in lcmtools("wtf").stdout
+
+
+def _members(group: int) -> list[int]:
+    """The processes of a group that still run."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdecimal():
+            try:
+                fields = (entry / "stat").read_text().rpartition(")")[2].split()
+            except OSError:  # gone in between
+                continue
+            if int(fields[2]) == group and fields[0] != "Z":
+                found.append(int(entry.name))
+    return found
+
+
+def test_it_ends_after_its_duration_as_fast_as_it_can(simulate: Start) -> None:
+    program = simulate("--rate", "0", "--duration", "20")
+
+    assert program.wait(timeout=15.0) == 0
+
+
+def test_stopped_for_a_while_it_says_so_and_does_not_race_afterwards(
+    simulate: Start, lcmtools: Run
+) -> None:
+    program = simulate()
+    begun = time.monotonic()
+    before = _simulated(lcmtools)
+    os.kill(program.pid, signal.SIGSTOP)
+    time.sleep(3.0)  # the event is that time has passed
+    os.kill(program.pid, signal.SIGCONT)
+    program.wait_for("s were dropped")
+
+    passed, real = _simulated(lcmtools) - before, time.monotonic() - begun
+    # A quarter of a second of the three is made good, no more.
+    assert passed < real - 2.0
+
+
+def _simulated(lcmtools: Run) -> float:
+    answer = json.loads(lcmtools("sim", "state", "/", "--json").stdout)
+    return float(answer["time"]) / 1e9
+
+
+def test_a_node_on_simulated_time_goes_and_stands_with_the_simulator(
+    simulate: Start, start: Start, lcmtools: Run, lcmtools_path: str
+) -> None:
+    simulate("--paused")
+    talker = start(lcmtools_path, "run", "talker", "_use_sim_time:=true")
+    # Ten messages a simulated second; while nobody steps, none comes.
+    deadline = time.monotonic() + 20
+    while _hellos(talker) < 4:
+        assert time.monotonic() < deadline, talker.output
+        lcmtools("sim", "step", "24")
+    count = _hellos(talker)
+    time.sleep(0.5)  # that nothing comes takes time to see
+    assert _hellos(talker) == count
+
+    lcmtools("sim", "reset")
+    lcmtools("sim", "resume")
+    deadline = time.monotonic() + 10
+    while _hellos(talker) < count + 5:
+        assert time.monotonic() < deadline, talker.output
+        time.sleep(0.05)
+
+
+def _hellos(talker: Any) -> int:  # noqa: ANN401 - a Program of conftest
+    return sum("hello" in line for line in talker.lines)
