@@ -30,6 +30,7 @@ from lcmtools.types.nav_msgs import Odometry
 from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.loop import Loop
 from lcmtools_sim.pose import Pose
+from lcmtools_sim.readings import Interest
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.robots.model import RobotModel
 from lcmtools_sim.robots.pioneer import PIONEER
@@ -55,7 +56,7 @@ WITH_KINECT = replace(
 
 def yard(model: RobotModel, count: int) -> Scene:
     """The lab's yard with so many robots in rows; the engine does not mind that they leave it."""
-    poses = [Pose(-6.0 * (i // 10), 6.0 * (i % 10)) for i in range(count)]
+    poses = [Pose(-40.0 - 6 * (i // 10), 6.0 * (i % 10)) for i in range(count)]
     if count == 1:
         poses = [Pose()]
     robots = tuple(RobotPlacement(model, f"/r{i}", pose) for i, pose in enumerate(poses))
@@ -108,7 +109,7 @@ def bare(scene: Scene, steps: int) -> float:
 def simulation(scene: Scene, steps: int, wanted: Callable[[str], bool]) -> float:
     """Seconds that the simulation without a bus takes."""
     with Simulation(scene) as simulated:
-        simulated.ask(wanted)
+        simulated.ask(lambda topic: Interest.SURE if wanted(topic) else Interest.NONE)
         for robot in simulated.robots:
             robot.command(circle())
         return processor_seconds(lambda: [simulated.step() for _ in range(steps)])

@@ -148,21 +148,18 @@ class Context:
                 self._graph_builder.hear_head(head, Packet(NODE_CHANNEL, payload, now))
             return self._graph_builder.snapshot(time.time_ns())
 
-    def heard_topics(self) -> frozenset[str] | None:
-        """The topics that somebody can be listening to; None for all.
-
-        Nodes announce what they hear. Programs that are no nodes do not: where there can be one,
-        it may hear anything.
-        """
-        nodes = self.graph().nodes
-        if self._plain_listeners and self._plain_listeners.possible():
-            return None
+    def heard_topics(self) -> frozenset[str]:
+        """The topics that nodes announce to listen to."""
         return frozenset(
             endpoint.topic
-            for node in nodes
+            for node in self.graph().nodes
             if not node.stale
             for endpoint in node.having(Role.SUBSCRIBER)
         )
+
+    def has_plain_listeners(self) -> bool:
+        """Whether there can be programs that listen and never announce it: to any topic."""
+        return bool(self._plain_listeners and self._plain_listeners.possible())
 
     def _pids_here(self) -> frozenset[int]:
         """The processes of this computer that are nodes."""

@@ -226,13 +226,16 @@ class Node(Parametric):
         """The announced nodes of the bus; the first call starts listening to them."""
         return self.__context.graph()
 
-    def heard_topics(self) -> frozenset[str] | None:
-        """The topics that somebody can be listening to, so that others need not be computed.
-
-        None for all topics: a program that is no node may hear any, and on a bus that leaves this
-        computer there can always be one.
-        """
+    def heard_topics(self) -> frozenset[str]:
+        """The topics that nodes announce to listen to, so that others need not be computed."""
         return self.__context.heard_topics()
+
+    def has_plain_listeners(self) -> bool:
+        """Whether programs that are no nodes can be listening, to any topic.
+
+        On a bus that leaves this computer there can always be one.
+        """
+        return self.__context.has_plain_listeners()
 
     def resolve_name(self, name: str) -> str:
         """The topic or service that a name means for this node, remapped.

@@ -1,4 +1,6 @@
-"""The simulator's command: ``lcmtools run sim``, ``lcmtools-sim``, ``python -m lcmtools_sim``.
+"""Simulate robots, walls and boxes, steered and watched by topics.
+
+The simulator's command: ``lcmtools run sim``, ``lcmtools-sim``, ``python -m lcmtools_sim``.
 
 This is the edge: arguments, environment, printing and exit codes. What only informs (--help,
 --list-worlds, --print-world, --check) needs neither a bus nor pybullet.

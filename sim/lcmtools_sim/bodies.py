@@ -67,7 +67,7 @@ class BodyMaker:
             localInertiaDiagonal=body.inertia,
             physicsClientId=self._client,
         )
-        if not self._has_window:
+        if not (self._has_window and body.meshes):
             self._paint(number, body.parts[0].color)
         return number
 

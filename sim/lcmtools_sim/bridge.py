@@ -10,6 +10,7 @@ from lcmtools.node.publisher import Publisher
 from lcmtools.node.subscription import Subscription
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
+from lcmtools_sim.readings import Interest
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.simulation import Sample, Simulation
 
@@ -39,7 +40,7 @@ class Bridge:
         self._complaints: dict[str, set[str]] = {}
         self._publishers: dict[str, Publisher[Message]] = {}
         self._subscriptions: dict[Robot, list[Subscription]] = {}
-        self._heard: frozenset[str] | None = None
+        self._heard: tuple[frozenset[str], bool] = frozenset(), True
         self._next_look = 0.0
         self.refresh()
 
@@ -49,10 +50,10 @@ class Bridge:
         now = time.monotonic()
         if now >= self._next_look:
             self._next_look = now + _LOOK_PERIOD
-            heard = self._node.heard_topics()
+            heard = self._node.heard_topics(), self._node.has_plain_listeners()
             if heard != self._heard:
                 self._heard = heard
-                self._simulation.ask(self._is_heard)
+                self._simulation.ask(self._interest)
 
     def publish(self, samples: list[Sample]) -> None:
         """Send a step's messages."""
@@ -77,10 +78,13 @@ class Bridge:
         for robot in robots:
             if robot not in self._subscriptions:
                 self._subscriptions[robot] = self._subscribe(robot)
-        self._simulation.ask(self._is_heard)
+        self._simulation.ask(self._interest)
 
-    def _is_heard(self, topic: str) -> bool:
-        return self._heard is None or self._publishers[topic].topic in self._heard
+    def _interest(self, topic: str) -> Interest:
+        announced, may_be_overheard = self._heard
+        if self._publishers[topic].topic in announced:
+            return Interest.SURE
+        return Interest.POSSIBLE if may_be_overheard else Interest.NONE
 
     def _subscribe(self, robot: Robot) -> list[Subscription]:
         prefix = robot.namespace.rstrip("/")

@@ -1,6 +1,7 @@
 """Sensors on their robots: which topic each output of each sensor belongs on."""
 
 from collections.abc import Callable
+from enum import Enum
 
 from lcmtools.messages.registry import Message
 from lcmtools_sim.robot import Robot
@@ -12,6 +13,17 @@ from lcmtools_sim.sensors.sensor import Carrier, RobotState, Sensor
 from lcmtools_sim.shapes import Part
 
 
+class Interest(Enum):
+    """Whether somebody listens to a topic.
+
+    Nodes announce what they listen to; other programs do not, and may hear anything.
+    """
+
+    NONE = 0
+    POSSIBLE = 1
+    SURE = 2
+
+
 class Reading:
     """A sensor of a robot, and the topics of its messages.
 
@@ -19,34 +31,54 @@ class Reading:
         robot: That carries it.
         mount: How.
         sensor: What measures.
+        bulky: Its outputs that are sent seldom where nobody is known to listen.
 
     Attributes:
         robot: As given.
         rate: [Hz]
-        wanted: The outputs that somebody can be listening to; at first all.
+        wanted: The outputs that are measured each time; at first all.
+        seldom: Bulky outputs that nobody is known to listen to: measured once a second.
     """
 
-    def __init__(self, robot: Robot, mount: SensorMount, sensor: Sensor) -> None:
+    def __init__(
+        self, robot: Robot, mount: SensorMount, sensor: Sensor, bulky: frozenset[str] = frozenset()
+    ) -> None:
         self.robot = robot
         self.rate = mount.rate
         self._sensor = sensor
+        self._bulky = bulky
         self._always = mount.always
         self._topics = {name: _topic(robot.namespace, mount, name) for name in sensor.outputs}
         self.wanted = tuple(self._topics)
+        self.seldom: tuple[str, ...] = ()
+        self._times = 0
 
     def topics(self) -> dict[str, type[Message]]:
         """Its topics and their types."""
         outputs = self._sensor.outputs
         return {topic: outputs[name] for name, topic in self._topics.items()}
 
-    def ask(self, is_wanted: Callable[[str], bool]) -> None:
-        """Find out anew which outputs are wanted; from now on no other is measured."""
-        topics = self._topics.items()
-        self.wanted = tuple(name for name, topic in topics if self._always or is_wanted(topic))
+    @property
+    def is_idle(self) -> bool:
+        """Whether nobody can be listening to any output."""
+        return not (self.wanted or self.seldom)
+
+    def ask(self, interest: Callable[[str], Interest]) -> None:
+        """Find out anew who listens to which outputs; from now on no other is measured."""
+        found = {name: interest(topic) for name, topic in self._topics.items()}
+        if self._always:
+            found = dict.fromkeys(found, Interest.SURE)
+        maybe = [name for name, how in found.items() if how is Interest.POSSIBLE]
+        self.seldom = tuple(name for name in maybe if name in self._bulky)
+        unheard = {name for name, how in found.items() if how is Interest.NONE}
+        self.wanted = tuple(name for name in found if name not in unheard.union(self.seldom))
 
     def measure(self, state: RobotState) -> dict[str, Message]:
         """The messages of one step by their topics."""
-        messages = self._sensor.sample(state, self.wanted)
+        self._times += 1
+        is_their_turn = self.seldom and self._times % max(1, round(self.rate)) == 0
+        wanted = self.wanted + self.seldom if is_their_turn else self.wanted
+        messages = self._sensor.sample(state, wanted) if wanted else {}
         return {self._topics[name]: message for name, message in messages.items()}
 
 
@@ -54,10 +86,8 @@ def mount_sensors(robot: Robot, scene: Scene) -> list[Reading]:
     """Everything that a robot measures with, in the order of its model."""
     body = robot.model.body
     carrier = Carrier(robot.namespace, _in_base_link(body), scene.gravity, scene.seed, robot)
-    return [
-        Reading(robot, mount, SENSORS[mount.kind].make(mount, carrier))
-        for mount in robot.model.sensors
-    ]
+    mounts = [(SENSORS[mount.kind], mount) for mount in robot.model.sensors]
+    return [Reading(robot, mount, kind.make(mount, carrier), kind.bulky) for kind, mount in mounts]
 
 
 def _topic(namespace: str, mount: SensorMount, output: str) -> str:

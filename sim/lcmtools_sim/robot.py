@@ -1,7 +1,5 @@
 """One robot of the running simulation: its body in the engine, its wheels and its command."""
 
-from collections.abc import Sequence
-
 from lcmtools.errors import InvalidFile
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
@@ -19,6 +17,7 @@ from lcmtools_sim.drive import (
 from lcmtools_sim.pose import Pose
 from lcmtools_sim.robots.model import Drive, RobotModel
 from lcmtools_sim.rotation import (
+    Quaternion,
     Vector,
     add,
     axes,
@@ -119,17 +118,17 @@ class Robot:
         self._wheels.speeds = self._targets = STOPPED
         self._motion = self._before = self._world.motion(self._body)
 
-    def cast(self, starts: Sequence[Vector], ends: Sequence[Vector]) -> Sequence[float]:
-        """What a laser on it sees; see Surroundings, which a robot is for its sensors."""
-        return self._world.cast(starts, ends)
-
     def fixed_parts(self) -> tuple[Part, ...]:
-        """The shapes that stand for ever, in the world."""
+        """The shapes that stand for ever; see Surroundings, which a robot is for its sensors."""
         return self._world.fixed_parts()
 
     def moving_parts(self) -> list[Part]:
         """The shapes that can move, in the world now, but for its own."""
         return self._world.moving_parts(but=self._body)
+
+    def moving_bodies(self) -> list[tuple[tuple[Part, ...], Vector, Quaternion]]:
+        """The bodies that can move, but its own."""
+        return self._world.moving_bodies(but=self._body)
 
     def ground_color(self) -> Color:
         """How the plane z = 0 looks."""

@@ -11,7 +11,7 @@ from lcmtools.clock import NANOSECONDS, split_stamp
 from lcmtools.errors import InvalidFile
 from lcmtools.messages.registry import Message
 from lcmtools.types.rosgraph_msgs import Clock
-from lcmtools_sim.readings import Reading, mount_sensors
+from lcmtools_sim.readings import Interest, Reading, mount_sensors
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.schedule import Timetable
@@ -87,14 +87,14 @@ class Simulation:
                 found.update(reading.topics())
         return found
 
-    def ask(self, is_wanted: Callable[[str], bool]) -> None:
+    def ask(self, interest: Callable[[str], Interest]) -> None:
         """Measure only what is wanted from now on: topics that somebody can be listening to.
 
         Until it is asked everything is measured, and so are the sensors of robots that come later.
         """
         for readings in self._readings.values():
             for reading in readings:
-                reading.ask(is_wanted)
+                reading.ask(interest)
 
     def step(self) -> list[Sample]:
         """Let dt pass and return what is due then, all with the same time.
@@ -159,7 +159,7 @@ class Simulation:
         samples = [Sample(CLOCK_TOPIC, _clock(time))]
         states: dict[str, RobotState] = {}
         for reading in due:
-            if reading is None or not reading.wanted:  # the clock's turn, or nobody hears it
+            if reading is None or reading.is_idle:  # the clock's turn, or nobody hears it
                 continue
             namespace = reading.robot.namespace
             if namespace not in states:

@@ -5,7 +5,6 @@ move, and lets sensors look at them. What wheels and tyres do is not known here:
 no friction, drive.py pulls it.
 """
 
-from collections.abc import Sequence
 from importlib.util import find_spec
 from types import ModuleType
 from typing import NamedTuple, cast
@@ -19,9 +18,6 @@ from lcmtools_sim.scene import Scene, Thing
 from lcmtools_sim.sensors.sensor import Contact
 from lcmtools_sim.shapes import Part
 from lcmtools_sim.silence import silenced
-
-_MOST_RAYS = 16_000
-"""Of one call; Bullet takes 16384."""
 
 
 class Motion(NamedTuple):
@@ -141,25 +137,26 @@ class World:
             self._bullet.resetSimulation(physicsClientId=self._client)
             self._build(scene)
 
-    def cast(self, starts: Sequence[Vector], ends: Sequence[Vector]) -> list[float]:
-        """How far along each line the first thing is, 0 to 1; 1 where there is none."""
-        fractions: list[float] = []
-        for first in range(0, len(starts), _MOST_RAYS):
-            part = slice(first, first + _MOST_RAYS)
-            hits = self._bullet.rayTestBatch(starts[part], ends[part], physicsClientId=self._client)
-            fractions += [hit[2] for hit in hits]
-        return fractions
-
     def fixed_parts(self) -> tuple[Part, ...]:
         """The shapes that stand for ever, in the world; the same object until one is added."""
         return self._fixed
 
+    def moving_bodies(
+        self, but: int | None = None
+    ) -> list[tuple[tuple[Part, ...], Vector, Quaternion]]:
+        """The bodies that can move (but one): their shapes in a frame, and where that is now."""
+        place = self._bullet.getBasePositionAndOrientation
+        return [
+            (parts, *place(body, self._client))
+            for body, parts in self._moving.items()
+            if body != but
+        ]
+
     def moving_parts(self, but: int | None = None) -> list[Part]:
         """The shapes of all bodies that can move (but one), in the world now."""
         return [
-            _carried(part, *self._bullet.getBasePositionAndOrientation(body, self._client))
-            for body, parts in self._moving.items()
-            if body != but
+            _carried(part, position, rotation)
+            for parts, position, rotation in self.moving_bodies(but)
             for part in parts
         ]
 

@@ -25,7 +25,9 @@ WALL = box("wall", (0.2, 10, 1), Pose(2.1, 0, 0.5))
 def place(simulate: Simulate) -> Place:
     """Makes a simulation of robots with bumpers, measured at every step."""
 
-    def make(*things: Thing, model: str = "husky", poses: tuple[Pose, ...] = (Pose(),)) -> Simulation:
+    def make(
+        *things: Thing, model: str = "husky", poses: tuple[Pose, ...] = (Pose(),)
+    ) -> Simulation:
         bumper = SensorMount("bumper", "bumper", 240.0)
         robot = replace(MODELS[model], sensors=(bumper,))
         robots = tuple(RobotPlacement(robot, f"/r{i}", pose) for i, pose in enumerate(poses))

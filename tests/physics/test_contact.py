@@ -9,6 +9,7 @@ from lcmtools.errors import InvalidFile
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.pose import Pose
+from lcmtools_sim.readings import Interest
 from lcmtools_sim.robots import MODELS
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.rotation import axes
@@ -92,7 +93,7 @@ def test_a_thin_wall_does_not_let_it_through_at_full_speed(
     sheets = tuple(box(f"sheet{x}", (0.01, 10, 1), Pose(x, 0, 0.5)) for x in (-4.0, 4.0))
     robot = RobotPlacement(MODELS[model], "/a")
     simulation = simulate(scene=Scene("thin", dt=dt, things=sheets, robots=(robot,)))
-    simulation.ask(lambda _: False)
+    simulation.ask(lambda _: Interest.NONE)
     simulation.robots[0].command(twist(forward, 0.0))
 
     run = states(simulation, 8.0)
@@ -163,7 +164,7 @@ def test_robots_apart_do_not_influence_each_other_to_the_bit(
     all_of_them = simulate(scene=Scene("all", robots=robots))
     alone = simulate(scene=Scene("alone", robots=robots[:1]))
     for simulation in (all_of_them, alone):
-        simulation.ask(lambda _: False)
+        simulation.ask(lambda _: Interest.NONE)
         simulation.robots[0].command(twist(0.5, 0.3))
     for robot in all_of_them.robots[1:]:
         robot.command(effort(-1, -0.7))

@@ -252,8 +252,12 @@ def test_it_sees_another_robot_and_a_box_that_was_moved(simulate: Simulate) -> N
     before = metres(look(simulation, "/a"))
 
     # Dolly's chassis begins 0.8 m behind its axle.
-    assert np.nanmin(before[row_of(0.225, 2.1), 100:320]) == pytest.approx(3.0 - 0.8 - EYE_X, abs=MILLIMETRE)
-    assert np.nanmin(before[row_of(0.5, 2.7), 330:]) == pytest.approx(2.8 - EYE_X, abs=2 * MILLIMETRE)
+    assert np.nanmin(before[row_of(0.225, 2.1), 100:320]) == pytest.approx(
+        3.0 - 0.8 - EYE_X, abs=MILLIMETRE
+    )
+    assert np.nanmin(before[row_of(0.5, 2.7), 330:]) == pytest.approx(
+        2.8 - EYE_X, abs=2 * MILLIMETRE
+    )
 
     simulation.robots[1].place(Pose(5.0, 0.5))
     after = metres(look(simulation, "/a"))

@@ -56,13 +56,15 @@ more = (
     SensorMount("odometry", "noisy_odometry", 50.0, settings=OdometrySettings(0.01, 0.01, 0.01)),
 )
 skid = replace(HUSKY, drive=replace(HUSKY.drive, skids=True))
-robots = [
-    RobotPlacement(replace(model, sensors=model.sensors[:3] + more + model.sensors[-1:]), f"/r{i}", pose)
-    for i, (model, pose) in enumerate(
-        [(HUSKY, Pose()), (skid, Pose(0, 3)), (PIONEER, Pose(0, -3)), (DOLLY, Pose(-3, 0))]
-    )
-]
-things = (box("wall", (0.2, 20, 2), Pose(3, 0, 1)), box("crate", (1, 1, 1), Pose(2, 0, 0.5), mass=10))
+places = [(HUSKY, Pose()), (skid, Pose(0, 3)), (PIONEER, Pose(0, -3)), (DOLLY, Pose(-3, 0))]
+robots = []
+for number, (model, pose) in enumerate(places):
+    model = replace(model, sensors=model.sensors[:3] + more + model.sensors[-1:])
+    robots.append(RobotPlacement(model, f"/r{number}", pose))
+things = (
+    box("wall", (0.2, 20, 2), Pose(3, 0, 1)),
+    box("crate", (1, 1, 1), Pose(2, 0, 0.5), mass=10),
+)
 digest, topics = hashlib.sha256(), set()
 with Simulation(Scene("all", seed=5, things=things, robots=tuple(robots))) as simulation:
     for step in range(960):

@@ -3,6 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
@@ -17,8 +18,10 @@ from lcmtools.types.sensor_msgs import Imu, JointState
 from lcmtools.types.std_msgs import Time
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools_sim.pose import Pose
+from lcmtools_sim.readings import Interest
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import RobotPlacement, Scene
+from lcmtools_sim.sensors.mount import SensorMount
 from lcmtools_sim.simulation import Sample, Simulation
 
 Simulate = Callable[..., Simulation]
@@ -54,6 +57,55 @@ def test_rates_are_exact_over_ten_seconds(simulate: Simulate) -> None:
         "/husky0/imu": 500,
         "/tf": 500,
     }
+
+
+@pytest.mark.parametrize("dt", [1 / 240, 1 / 1000, 0.004])
+def test_each_sensor_keeps_its_own_rate_and_none_comes_twice_a_step(
+    simulate: Simulate, dt: float
+) -> None:
+    rates = (0.5, 10, 30, 50, 100, 1e4)
+    mounts = tuple(SensorMount("odometry", f"at{rate}", rate) for rate in rates)
+    robot = RobotPlacement(replace(HUSKY, sensors=mounts), "/h")
+    steps = run(simulate(scene=Scene("rates", dt=dt, robots=(robot,))), 10.0)
+
+    found = Counter(sample.topic for samples in steps for sample in samples)
+    assert {topic: count for topic, count in found.items() if topic != "/clock"} == {
+        f"/h/at{rate}": min(rate * 10, len(steps)) for rate in rates
+    }
+    for samples in steps:
+        assert len({sample.topic for sample in samples}) == len(samples)
+
+
+def test_a_robot_that_comes_later_keeps_the_rates_and_leaves_the_others_alone(
+    simulate: Simulate,
+) -> None:
+    simulation = simulate()
+    run(simulation, 1.0)
+    late = simulation.add(RobotPlacement(HUSKY, "/late", Pose(0, 5)))
+    counts = Counter(s.topic for samples in run(simulation, 2.0) for s in samples)
+    assert counts["/late/odometry"] == counts["/husky0/odometry"] == 100
+
+    simulation.remove(late)
+    counts = Counter(s.topic for samples in run(simulation, 2.0) for s in samples)
+    assert counts["/late/odometry"] == 0
+    assert counts["/husky0/odometry"] == 100
+
+
+def test_what_nobody_wants_is_not_measured_but_for_what_is_wanted_always(
+    simulate: Simulate,
+) -> None:
+    mounts = (
+        SensorMount("odometry", "odometry", 50.0),
+        SensorMount("ground_truth", "truth", 50.0, always=True),
+        SensorMount("imu", "imu", 50.0),
+    )
+    robot = RobotPlacement(replace(HUSKY, sensors=mounts), "/h")
+    simulation = simulate(scene=Scene("heard", robots=(robot,)))
+    simulation.ask(lambda topic: Interest.SURE if topic == "/h/imu" else Interest.NONE)
+
+    topics = {sample.topic for samples in run(simulation, 1.0) for sample in samples}
+
+    assert topics == {"/clock", "/h/imu", "/h/truth"}
 
 
 def test_topics_and_types_are_known_before_the_first_step(simulate: Simulate) -> None:

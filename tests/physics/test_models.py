@@ -3,11 +3,13 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools_sim.pose import Pose
+from lcmtools_sim.readings import Interest
 from lcmtools_sim.robots import MODELS
 from lcmtools_sim.robots.dolly import DOLLY
 from lcmtools_sim.robots.model import RobotModel
@@ -28,7 +30,7 @@ def place(simulate: Simulate) -> Place:
     def make(model: str | RobotModel, pose: Pose = Pose()) -> Simulation:  # noqa: B008 - a value
         model = MODELS[model] if isinstance(model, str) else model
         simulation = simulate(scene=Scene("free", robots=(RobotPlacement(model, "/r", pose),)))
-        simulation.ask(lambda _: False)
+        simulation.ask(lambda _: Interest.NONE)
         return simulation
 
     return make
@@ -110,7 +112,7 @@ def test_it_speeds_up_and_stops_at_its_acceleration_and_goes_the_way_that_takes(
     down = states(simulation, 4.0)
 
     speeds = [0.0, *(state.velocity[0] for state in (*up, *down))]
-    steepest = max(abs(b - a) / dt for a, b in zip(speeds, speeds[1:], strict=False))
+    steepest = max(abs(b - a) / dt for a, b in pairwise(speeds))
     assert steepest == pytest.approx(limit, rel=0.01)
     half = next(i for i, state in enumerate(up, 1) if state.velocity[0] >= 0.5)
     assert half * dt == pytest.approx(0.5 / limit, abs=2 * dt)

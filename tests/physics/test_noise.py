@@ -11,6 +11,7 @@ from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools_sim.pose import Pose
+from lcmtools_sim.readings import Interest
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import RobotPlacement, Scene, box
 from lcmtools_sim.sensors.depth_camera import DepthCameraSettings
@@ -71,8 +72,7 @@ def test_one_seed_gives_the_same_bytes_and_another_gives_others(
     messages: Callable[..., list[Message]], kind: str
 ) -> None:
     first, again, other = (
-        [encode(message) for message in messages(NOISY[kind], 0.5, seed=seed)]
-        for seed in (7, 7, 8)
+        [encode(message) for message in messages(NOISY[kind], 0.5, seed=seed)] for seed in (7, 7, 8)
     )
 
     assert first == again
@@ -98,7 +98,7 @@ def test_encoders_drift_from_the_way_like_a_random_walk(simulate: Simulate, twis
     mount = replace(NOISY["odometry"], settings=OdometrySettings(0.01))
     ways, headings = [], []
     simulation = simulate(scene=replace(scene(mount, count=40), things=()))
-    simulation.ask(lambda _: False)
+    simulation.ask(lambda _: Interest.NONE)
     for robot in simulation.robots:
         robot.command(twist(1.0, 0.0))
     for _ in range(round(10.35 * 240)):
@@ -119,9 +119,7 @@ def test_encoders_at_rest_do_not_drift_and_the_robot_drives_as_without_noise(
     simulate: Simulate, twist: Steer
 ) -> None:
     mount = replace(NOISY["odometry"], settings=OdometrySettings(0.05))
-    noisy, exact = (
-        simulate(scene=scene(one)) for one in (mount, replace(mount, settings=None))
-    )
+    noisy, exact = (simulate(scene=scene(one)) for one in (mount, replace(mount, settings=None)))
     for simulation in (noisy, exact):
         for _ in range(240):
             simulation.step()
@@ -182,7 +180,7 @@ def test_noise_does_not_depend_on_who_listens_to_other_sensors(
 ) -> None:
     def heard(wanted: Callable[[str], bool]) -> list[bytes]:
         simulation = simulate(scene=scene(*(replace(m, topic=k) for k, m in NOISY.items())))
-        simulation.ask(wanted)
+        simulation.ask(lambda topic: Interest.SURE if wanted(topic) else Interest.NONE)
         simulation.robots[0].command(twist(0.3, 1.0))
         steps = [simulation.step() for _ in range(120)]
         return [

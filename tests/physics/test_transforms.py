@@ -7,6 +7,7 @@ import pytest
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.tf2_msgs import TFMessage
+from lcmtools_sim.readings import Interest
 from lcmtools_sim.robots import MODELS
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.simulation import Simulation
@@ -30,7 +31,7 @@ def driving(simulate: Simulate, twist: Steer) -> Callable[..., Simulation]:
         robots = (RobotPlacement(MODELS[model], namespace),)
         simulation = simulate(scene=Scene("tf", robots=robots))
         simulation.robots[0].command(twist(0.5, 0.3))
-        simulation.ask(lambda topic: "camera" not in topic)
+        simulation.ask(lambda topic: Interest.SURE if "camera" not in topic else Interest.NONE)
         return simulation
 
     return make
@@ -76,9 +77,7 @@ def test_every_sensor_with_a_place_hangs_on_base_link(
     assert {name: (p.x, p.y, p.z) for name, p in told.items()} == {
         name: pytest.approx(place) for name, place in SENSORS[model].items()
     }
-    frames = {
-        s.message.header.frame_id for s in samples if hasattr(s.message, "header")
-    }
+    frames = {s.message.header.frame_id for s in samples if hasattr(s.message, "header")}
     known = {t.child_frame_id for t in message.transforms} | {f"{prefix}odom", "world"}
     assert frames <= known
 

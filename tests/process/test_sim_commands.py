@@ -135,9 +135,7 @@ def test_at_a_very_slow_rate_it_still_answers_and_speeds_up_again(
     wait_until(lambda: state(tell, "husky0")["time"] > first + 100_000_000)
 
 
-def test_a_snapshot_is_a_png_file_and_none_is_overwritten(
-    lcmtools: Run, tmp_path: Path
-) -> None:
+def test_a_snapshot_is_a_png_file_and_none_is_overwritten(lcmtools: Run, tmp_path: Path) -> None:
     file = tmp_path / "yard.png"
     result = lcmtools("sim", "snapshot", str(file), "--width", "64", "--height", "48")
     assert (result.returncode, result.stdout) == (0, "")
@@ -165,7 +163,10 @@ def test_a_snapshot_is_a_png_file_and_none_is_overwritten(
         (["spawn", "huski", "a", "9", "9"], "unknown model 'huski'; did you mean husky?"),
         (["spawn", "husky", "dolly", "9", "9"], "there is a robot /dolly already"),
         (["step", "1000001"], "steps must be from 1 to 1000000, not 1000001"),
-        (["snapshot", "x.png", "--robot", "r2d2"], "there is no robot 'r2d2'; robots: /husky0, /dolly"),
+        (
+            ["snapshot", "x.png", "--robot", "r2d2"],
+            "there is no robot 'r2d2'; robots: /husky0, /dolly",
+        ),
         (["snapshot", "x.png", "--width", "5000"], "a picture has 1 to 4096 columns and rows"),
     ],
 )

@@ -48,7 +48,7 @@ def _bus(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
 def simulate(start: Start, lcmtools_path: str, tmp_path: Path) -> Start:
     """Starts the simulator with a Pioneer whose camera is small."""
 
-    def run(*arguments: str) -> Any:  # noqa: ANN401 - a Program of conftest
+    def run(*arguments: str) -> Any:
         world = tmp_path / "yard.yaml"
         world.write_text(WORLD)
         program = start(lcmtools_path, "run", "sim", str(world), *arguments)
@@ -132,7 +132,12 @@ def _stands_still(published: Callable[[], dict[str, int]]) -> bool:
 
 @pytest.mark.parametrize("moment", ["at its start", "while it runs", "while it is paused"])
 def test_killed_at_any_moment_it_leaves_no_process_and_is_told_stale(
-    start: Start, simulate: Start, lcmtools: Run, lcmtools_path: str, wait_until: WaitUntil, moment: str
+    start: Start,
+    simulate: Start,
+    lcmtools: Run,
+    lcmtools_path: str,
+    wait_until: WaitUntil,
+    moment: str,
 ) -> None:
     if moment == "at its start":
         program = start(lcmtools_path, "run", "sim")
@@ -212,5 +217,5 @@ def test_a_node_on_simulated_time_goes_and_stands_with_the_simulator(
         time.sleep(0.05)
 
 
-def _hellos(talker: Any) -> int:  # noqa: ANN401 - a Program of conftest
+def _hellos(talker: Any) -> int:
     return sum("hello" in line for line in talker.lines)

@@ -13,7 +13,7 @@ from lcmtools.types.sim_msgs import Delete
 @timeout_option
 @json_option
 @bus_options
-def command(robot: str, name: str | None, *, timeout: float, as_json: bool) -> None:
+def command(robot: str, *, name: str | None, timeout: float, as_json: bool) -> None:
     """Take a robot away.
 
     \b

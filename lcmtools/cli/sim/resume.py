@@ -12,7 +12,7 @@ from lcmtools.types.std_srvs import Trigger
 @timeout_option
 @json_option
 @bus_options
-def command(name: str | None, *, timeout: float, as_json: bool) -> None:
+def command(*, name: str | None, timeout: float, as_json: bool) -> None:
     """Let simulated time go on.
 
     \b

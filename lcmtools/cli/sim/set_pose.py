@@ -15,7 +15,9 @@ from lcmtools.types.sim_msgs import SetPose
 @timeout_option
 @json_option
 @bus_options
-def command(robot: str, words: tuple[str, ...], name: str | None, *, timeout: float, as_json: bool) -> None:
+def command(
+    robot: str, words: tuple[str, ...], name: str | None, *, timeout: float, as_json: bool
+) -> None:
     """Put a robot elsewhere, at rest: X and Y in metres, YAW in radians or as 90deg.
 
     \b

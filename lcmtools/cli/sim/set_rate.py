@@ -1,5 +1,7 @@
 """``lcmtools sim set-rate``."""
 
+import math
+
 import click
 
 from lcmtools.cli.options import CONTEXT, bus_options, json_option
@@ -14,7 +16,7 @@ from lcmtools.types.sim_msgs import SetRate
 @timeout_option
 @json_option
 @bus_options
-def command(rate: str, name: str | None, *, timeout: float, as_json: bool) -> None:
+def command(rate: str, *, name: str | None, timeout: float, as_json: bool) -> None:
     """Let simulated time pass RATE times as fast as real time; 0: as fast as possible.
 
     \b
@@ -23,8 +25,15 @@ def command(rate: str, name: str | None, *, timeout: float, as_json: bool) -> No
       lcmtools sim set-rate 0
     """  # noqa: D301 - \b is click's mark
     request = SetRate.Request()
-    try:
-        request.rate = float(rate)
-    except ValueError:
-        raise UsageError(f"'{rate}' is not a number", "write 1 for real time") from None
+    request.rate = _read_rate(rate)
     tell(ask(name, "set_rate", SetRate, request, timeout), as_json=as_json)
+
+
+def _read_rate(text: str) -> float:
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = math.nan
+    if not 0 <= rate < math.inf:  # refuses NaN too
+        raise UsageError(f"the rate must be a number, 0 or more, not '{text}'", "1 is real time")
+    return rate

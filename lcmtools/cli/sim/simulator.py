@@ -56,7 +56,10 @@ def ask(
         ServiceTimeout: It did not answer.
     """
     with open_watch(f"sim_{verb}") as watch:
-        simulator = _find(watch.settle(foreign=False), name)
+        graph = watch.settle(foreign=False)
+        if not any(map(_is_mark, offered(graph))):  # a busy one may have answered too late
+            graph = watch.settle(foreign=False)
+        simulator = _find(graph, name)
     with asking_node(f"sim_{verb}") as node:
         response = node.create_client(pair, f"{simulator}/{verb}").call(request, timeout)
     if not response.success:  # type: ignore[attr-defined] # all responses of sim_msgs have it

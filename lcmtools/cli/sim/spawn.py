@@ -16,7 +16,15 @@ from lcmtools.types.sim_msgs import Spawn
 @timeout_option
 @json_option
 @bus_options
-def command(model: str, robot: str, words: tuple[str, ...], name: str | None, *, timeout: float, as_json: bool) -> None:
+def command(
+    model: str,
+    robot: str,
+    words: tuple[str, ...],
+    name: str | None,
+    *,
+    timeout: float,
+    as_json: bool,
+) -> None:
     """Put up one more robot of a MODEL (husky, pioneer, dolly) with the namespace ROBOT.
 
     \b

@@ -5,8 +5,11 @@ import click
 from lcmtools.cli.options import CONTEXT, bus_options, json_option
 from lcmtools.cli.output import data
 from lcmtools.cli.sim.simulator import ask, sim_option, tell, timeout_option
-from lcmtools.messages.text import format_message
+from lcmtools.messages.plain import to_plain
+from lcmtools.messages.plain_text import Writer
 from lcmtools.types.sim_msgs import GetState
+
+_OUTCOME = ("success", "message")
 
 
 @click.command("state", context_settings=CONTEXT)
@@ -15,7 +18,7 @@ from lcmtools.types.sim_msgs import GetState
 @timeout_option
 @json_option
 @bus_options
-def command(robot: str, name: str | None, *, timeout: float, as_json: bool) -> None:
+def command(robot: str, *, name: str | None, timeout: float, as_json: bool) -> None:
     """Show where a robot truly is and how it moves.
 
     \b
@@ -29,4 +32,5 @@ def command(robot: str, name: str | None, *, timeout: float, as_json: bool) -> N
     if as_json:
         tell(response, as_json=True)
     else:
-        data(format_message(response))
+        told = {name: value for name, value in to_plain(response).items() if name not in _OUTCOME}
+        data(Writer().block(told))

@@ -13,7 +13,7 @@ from lcmtools.types.sim_msgs import Step
 @timeout_option
 @json_option
 @bus_options
-def command(steps: int, name: str | None, *, timeout: float, as_json: bool) -> None:
+def command(steps: int, *, name: str | None, timeout: float, as_json: bool) -> None:
     """Let a paused simulator do STEPS steps (else one), as fast as it can.
 
     \b

@@ -36,6 +36,9 @@ COLOR = "rgb/image_raw"
 COLOR_COMPRESSED = "rgb/image_raw/compressed"
 COLOR_INFO = "rgb/camera_info"
 
+BULKY = frozenset((METRIC, POINTS))
+"""What other outputs tell too, in a fifth of the bytes: megabytes, thirty times a second."""
+
 _COLORED = {COLOR, COLOR_COMPRESSED, POINTS}
 _LOOKING = _COLORED | {RAW, METRIC, COMPRESSED}
 

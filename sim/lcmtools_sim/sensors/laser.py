@@ -1,5 +1,6 @@
 """A laser scanner that turns in its own x-y plane."""
 
+import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import cast
@@ -8,13 +9,15 @@ import numpy as np
 
 from lcmtools.messages.registry import Message
 from lcmtools.types.sensor_msgs import LaserScan
+from lcmtools_sim.rotation import Vector, axes
 from lcmtools_sim.sensors.mount import SensorMount, Settings
 from lcmtools_sim.sensors.sensor import Carrier, RobotState, fill_header, placed
 from lcmtools_sim.sensors.settings import deviation, number
-from lcmtools_sim.vision.rays import cast as cast_rays
+from lcmtools_sim.shapes import Part
+from lcmtools_sim.vision.scan import Scannable, scan, scannable
 from lcmtools_sim.vision.solids import Floats, matrix, solids_of
 
-_CLEARANCE = 1e-3  # [m] that a ray starts before the robot's own body ends
+_MOST_KNOWN = 10_000  # bodies
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +62,7 @@ class LaserSensor:
         carrier.frames[self._frame] = mount.pose.position, mount.pose.rotation
         angles = np.linspace(settings.first_angle, settings.last_angle, settings.rays)
         self._rays = np.stack((np.cos(angles), np.sin(angles), np.zeros_like(angles)), axis=1)
-        self._begin = self._beyond_body(carrier)
+        self._known: dict[int, tuple[tuple[Part, ...], Scannable]] = {}
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
         """The scan of one step."""
@@ -76,24 +79,29 @@ class LaserSensor:
     def _ranges(self, state: RobotState) -> Floats:
         """Distances along all rays [m], with inf as the message has it."""
         place, rotation = placed(state, self._mount.pose)
+        settings, (_, _, up) = self._settings, axes(rotation)
         rays = self._rays @ matrix(rotation).T
-        settings, begin = self._settings, self._begin
-        starts = np.array(place) + rays * begin[:, None]
-        ends = np.array(place) + rays * settings.longest
-        fractions = np.array(self._around.cast(starts.tolist(), ends.tolist()))
-        ranges = begin + fractions * (settings.longest - begin)
+        ranges = scan(self._groups(place), place, rays, up, settings.longest)
         if settings.noise:
             ranges += self._generator.normal(0.0, settings.noise, len(ranges))
-        ranges[fractions >= 1.0] = np.inf
         ranges[ranges < settings.shortest] = -np.inf
         ranges[ranges > settings.longest] = np.inf
         return ranges
 
-    def _beyond_body(self, carrier: Carrier) -> Floats:
-        """How far along each ray the robot's own body ends [m]: seen from outside, backwards."""
-        longest = self._settings.longest
-        pose = self._mount.pose
-        rays = self._rays @ matrix(pose.rotation).T
-        outside = np.array(pose.position) + rays * longest
-        back = cast_rays(solids_of(carrier.parts), outside, -rays, longest)
-        return np.where(np.isfinite(back), longest - back + _CLEARANCE, 0.0)
+    def _groups(self, eye: Vector) -> list[Scannable]:
+        """What is around and not too far; shapes are prepared when they are seen first."""
+        groups = [self._prepared(self._around.fixed_parts())]
+        for parts, position, rotation in self._around.moving_bodies():
+            group = self._prepared(parts)
+            if math.dist(position, eye) <= self._settings.longest + group.reach:
+                groups.append(group.placed(position, rotation))
+        return groups
+
+    def _prepared(self, parts: tuple[Part, ...]) -> Scannable:
+        """These shapes, which are the same as long as they are the same object."""
+        known = self._known.get(id(parts))
+        if known is None or known[0] is not parts:
+            if len(self._known) > _MOST_KNOWN:  # bodies that have gone
+                self._known.clear()
+            known = self._known[id(parts)] = parts, scannable(solids_of(parts))
+        return known[1]

@@ -5,7 +5,7 @@ It knows no bus, no engine and no schedule; one sensor, one file.
 """
 
 import zlib
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -81,16 +81,19 @@ class Contact:
 class Surroundings(Protocol):
     """What a robot's sensors may see of the world around it; see lcmtools_sim.world."""
 
-    def cast(self, starts: Sequence[Vector], ends: Sequence[Vector]) -> Sequence[float]:
-        """How far along each line the first thing is, 0 to 1; 1 where there is none."""
-        ...
-
     def fixed_parts(self) -> tuple[Part, ...]:
         """The shapes that stand for ever, in the world; equal (by identity) until one changes."""
         ...
 
     def moving_parts(self) -> list[Part]:
         """The shapes that can move, in the world now, but for the robot's own."""
+        ...
+
+    def moving_bodies(self) -> list[tuple[tuple[Part, ...], Vector, Quaternion]]:
+        """The bodies that can move, but for the robot's own: their shapes in a frame, and its pose.
+
+        The shapes of a body are the same object as long as it is there.
+        """
         ...
 
     def ground_color(self) -> Color:
@@ -153,12 +156,14 @@ class SensorKind:
         settings: The class of its settings; None where there is nothing to set.
         rate: [Hz] Where a world file does not say it.
         topic: Where a world file does not say it.
+        bulky: Outputs that are too large to be sent where nobody is known to listen.
     """
 
     make: Callable[[SensorMount, Carrier], Sensor]
     settings: type[Settings] | None = None
     rate: float = 50.0
     topic: str = ""
+    bulky: frozenset[str] = frozenset()
 
 
 def generator(seed: int, name: str) -> np.random.Generator:

@@ -43,6 +43,16 @@ class Solids:
         """How many solids, the ground not counted."""
         return len(self.kinds)
 
+    def only(self, mask: npt.NDArray[np.bool_]) -> "Solids":
+        """Those of the group where ``mask`` (n,) is true, without the ground."""
+        return Solids(
+            self.kinds[mask],
+            self.centres[mask],
+            self.axes[mask],
+            self.half_sizes[mask],
+            self.colors[mask],
+        )
+
     def placed(self, position: Vector, rotation: Quaternion) -> "Solids":
         """The group as it is in the world when its frame is at this pose there."""
         turn = matrix(rotation)

@@ -13,6 +13,7 @@ from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.command import interpret
+from lcmtools_sim.readings import Interest
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.simulation import Sample
 
@@ -21,6 +22,7 @@ from lcmtools_sim.simulation import Sample
 class FakePublisher:
     """Keeps what is published."""
 
+    topic: str
     sent: list[Message] = field(default_factory=list)
 
     def publish(self, message: Message) -> None:
@@ -44,10 +46,12 @@ class FakeNode:
         self.publishers: dict[str, FakePublisher] = {}
         self.subscriptions: dict[str, FakeSubscription] = {}
         self.warnings: list[str] = []
+        self.heard: frozenset[str] = frozenset()
+        self.overheard = False
 
     def create_publisher(self, _: type[Message], topic: str) -> FakePublisher:
         """Keep its topic."""
-        return self.publishers.setdefault(topic, FakePublisher())
+        return self.publishers.setdefault(topic, FakePublisher(topic))
 
     def create_subscription(
         self,
@@ -73,6 +77,14 @@ class FakeNode:
         """Keep it."""
         self.warnings.append(text)
 
+    def heard_topics(self) -> frozenset[str]:
+        """What the test says."""
+        return self.heard
+
+    def has_plain_listeners(self) -> bool:
+        """What the test says."""
+        return self.overheard
+
 
 class FakeRobot:
     """Understands commands as a Husky does, and does not move."""
@@ -97,9 +109,19 @@ class FakeSimulation:
         """One topic."""
         return {"/clock": Clock}
 
-    def ask(self, is_wanted: Callable[[str], bool]) -> None:
+    def ask(self, interest: Callable[[str], Interest]) -> None:
         """Keep what it is told."""
-        self.is_wanted = is_wanted
+        self.interest = interest
+
+    def is_open(self) -> bool:
+        """It has no window."""
+        return True
+
+
+@pytest.fixture(autouse=True)
+def _nothing_comes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The node is no real one, that could spin."""
+    monkeypatch.setattr("lcmtools_sim.bridge.spin_once", lambda *_: None)
 
 
 @pytest.fixture
@@ -179,3 +201,26 @@ def test_samples_go_out_on_their_topics(bridge: Bridge, node: FakeNode) -> None:
 def test_the_fake_robot_refuses_as_the_real_one_does() -> None:
     with pytest.raises(ValueMismatch):
         FakeRobot("/a").command(efforts())
+
+
+@pytest.mark.parametrize(
+    ("listening", "interest"),  # topics of nodes, and whether others may listen
+    [
+        (({"/clock"}, False), Interest.SURE),
+        (({"/clock"}, True), Interest.SURE),
+        ((set(), True), Interest.POSSIBLE),
+        (({"/other"}, False), Interest.NONE),
+    ],
+)
+def test_who_can_be_listening_is_told_to_the_simulation(
+    node: FakeNode,
+    simulation: FakeSimulation,
+    bridge: Bridge,
+    listening: tuple[set[str], bool],
+    interest: Interest,
+) -> None:
+    node.heard, node.overheard = frozenset(listening[0]), listening[1]
+
+    bridge.receive()
+
+    assert simulation.interest("/clock") is interest

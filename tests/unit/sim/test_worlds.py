@@ -37,7 +37,10 @@ def test_an_unknown_name_brings_a_near_miss() -> None:
 
 
 def test_an_unknown_name_far_from_all_brings_the_list() -> None:
-    with pytest.raises(UsageError, match=r"'x'; worlds: dolly, empty, husky, multi, pioneer; or give a file, ./x.yaml"):
+    with pytest.raises(
+        UsageError,
+        match=r"'x'; worlds: dolly, empty, husky, multi, pioneer; or give a file, ./x.yaml",
+    ):
         find_world("x")
 
 

@@ -1,0 +1,74 @@
+"""Which outputs of a sensor are measured, by who listens."""
+
+from collections.abc import Collection, Mapping
+from types import SimpleNamespace
+
+import pytest
+
+from lcmtools.messages.registry import Message
+from lcmtools.types.std_msgs import String
+from lcmtools_sim.readings import Interest, Reading
+from lcmtools_sim.sensors.mount import SensorMount
+
+
+class Outputs:
+    """A sensor that gives what it is asked for."""
+
+    outputs: Mapping[str, type[Message]] = {"small": String, "large": String}
+
+    def sample(self, state: object, wanted: Collection[str]) -> Mapping[str, Message]:
+        """An empty text for each."""
+        del state
+        return {name: String() for name in wanted}
+
+
+@pytest.fixture
+def robot() -> SimpleNamespace:
+    return SimpleNamespace(namespace="/r")
+
+
+def measured(reading: Reading, times: int) -> list[str]:
+    return [topic for _ in range(times) for topic in reading.measure(None)]  # type: ignore[arg-type] # no state is needed
+
+
+def make(robot: SimpleNamespace, *, always: bool = False) -> Reading:
+    mount = SensorMount("camera", "eye", 10.0, always=always)
+    return Reading(robot, mount, Outputs(), frozenset(("large",)))  # type: ignore[arg-type] # a part of one
+
+
+def test_everything_is_measured_until_somebody_asks(robot: SimpleNamespace) -> None:
+    assert measured(make(robot), 1) == ["/r/eye/small", "/r/eye/large"]
+
+
+def test_only_what_nodes_listen_to_is_measured(robot: SimpleNamespace) -> None:
+    reading = make(robot)
+    reading.ask(lambda topic: Interest.SURE if topic == "/r/eye/large" else Interest.NONE)
+
+    assert measured(reading, 3) == ["/r/eye/large"] * 3
+
+
+def test_nothing_is_measured_where_nobody_can_listen(robot: SimpleNamespace) -> None:
+    reading = make(robot)
+    reading.ask(lambda _: Interest.NONE)
+
+    assert reading.is_idle
+    assert measured(reading, 30) == []
+
+
+def test_what_is_bulky_comes_once_a_second_to_those_who_may_only_be_listening(
+    robot: SimpleNamespace,
+) -> None:
+    reading = make(robot)
+    reading.ask(lambda _: Interest.POSSIBLE)
+
+    topics = measured(reading, 30)
+
+    assert not reading.is_idle
+    assert (topics.count("/r/eye/small"), topics.count("/r/eye/large")) == (30, 3)
+
+
+def test_always_means_always(robot: SimpleNamespace) -> None:
+    reading = make(robot, always=True)
+    reading.ask(lambda _: Interest.NONE)
+
+    assert measured(reading, 2) == ["/r/eye/small", "/r/eye/large"] * 2
