@@ -29,7 +29,6 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import JointState
 
-
 MAX_GAIN = 1000.0
 """Far beyond what is of use."""
 

@@ -12,9 +12,12 @@ from lcmtools.errors import UsageError
 from lcmtools.nodes import check_command_line
 
 NODES = ["talker", "listener", "moving_robot", "simple_controller", "evaluate_controller"]
+NODES.append("reading_laser")
+DRIVERS = ["teleop", "pioneer_manual_controller", "steering"]
+ALL = [*NODES, *DRIVERS, "image_view", "kinect_viewer"]
 
 
-@pytest.mark.parametrize("node", NODES)
+@pytest.mark.parametrize("node", ALL)
 @pytest.mark.parametrize("flag", ["--help", "-h"])
 def test_help_shows_topics_and_an_example_and_needs_no_bus(
     node: str, flag: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -22,6 +25,7 @@ def test_help_shows_topics_and_an_example_and_needs_no_bus(
     monkeypatch.setenv("LCM_DEFAULT_URL", "not a bus")
     importlib.import_module(f"lcmtools.nodes.{node}").main([flag])
     text = capsys.readouterr().out
+    assert text.partition("Example:")[2].count("lcmtools ") >= 2
     assert f"lcmtools run {node}" in text
     assert "scribes:\n" in text or "Publishes:\n" in text
     assert "__ns:=/husky0" in text

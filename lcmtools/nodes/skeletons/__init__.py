@@ -1,0 +1,48 @@
+"""The labs' nodes with the interesting part left out, to be filled in: one file a node.
+
+``lcmtools lab skeleton NAME`` copies one. Each runs as it is and does nothing wrong; its TODOs say
+what is missing. The answers are the nodes of the same names in the folder above.
+"""
+
+from importlib.resources import files
+from pathlib import Path
+
+from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.names import did_you_mean
+
+NAMES = (
+    "evaluate_controller",
+    "kinect_viewer",
+    "moving_robot",
+    "pioneer_manual_controller",
+    "reading_laser",
+    "simple_controller",
+)
+
+
+def copy_skeleton(name: str, folder: Path, *, overwrite: bool = False) -> Path:
+    """Write a node's skeleton into a folder, which is made where it is not there yet.
+
+    Returns:
+        The file.
+
+    Raises:
+        UsageError: There is no skeleton of that name, or the file is there already.
+        LcmtoolsError: It cannot be written.
+    """
+    if name not in NAMES:
+        hint = did_you_mean(name, NAMES) or f"there are {', '.join(NAMES)}"
+        raise UsageError(f"there is no skeleton of '{name}'", hint)
+    text = (files(__name__) / f"{name}.py").read_text(encoding="utf-8")
+    path = folder / f"{name}.py"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with path.open("w" if overwrite else "x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        if path.exists() and folder.is_dir():
+            raise UsageError(f"{path} is there already", "--force overwrites it") from None
+        raise UsageError(f"{folder} is no folder", "name a folder to write into") from None
+    except OSError as error:
+        raise LcmtoolsError(f"cannot write {path}: {error.strerror}") from error
+    return path

@@ -1,0 +1,249 @@
+"""teleop, pioneer_manual_controller and steering: from terminals and pipes, to the last zero."""
+
+import os
+import pty
+import select
+import signal
+import subprocess
+import termios
+import threading
+import time
+from collections.abc import Callable, Iterator
+
+import lcm
+import pytest
+
+from lcmtools.types.geometry_msgs import Twist, TwistStamped
+
+Velocity = tuple[float, float]
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+
+class Robot:
+    """Hears all commands on a bus."""
+
+    def __init__(self, url: str, topic: str) -> None:
+        self.heard: list[Velocity] = []
+        self._bus = lcm.LCM(url)
+        self._bus.subscribe(topic, self._hear)
+        self._goes_on = True
+        self._thread = threading.Thread(target=self._listen)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Hear no more."""
+        self._goes_on = False
+        self._thread.join()
+
+    def _listen(self) -> None:
+        while self._goes_on:
+            self._bus.handle_timeout(50)
+
+    def _hear(self, _channel: str, payload: bytes) -> None:
+        try:
+            twist = Twist.decode(payload)
+        except ValueError:
+            twist = TwistStamped.decode(payload).twist
+        self.heard.append((round(twist.linear.x, 3), round(twist.angular.z, 3)))
+
+
+@pytest.fixture
+def listen(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str], Robot]]:
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+    robots: list[Robot] = []
+
+    def make(topic: str) -> Robot:
+        robots.append(Robot(bus_url, topic))
+        return robots[-1]
+
+    yield make
+    for robot in robots:
+        robot.close()
+
+
+class Typist:
+    """A program at a terminal, and who types."""
+
+    def __init__(self, *command: str) -> None:
+        self.screen, self._end = pty.openpty()
+        self.before = termios.tcgetattr(self._end)
+        self.written = b""
+        self.process = subprocess.Popen(
+            command,
+            stdin=self._end,
+            stdout=self._end,
+            stderr=self._end,
+            env={**os.environ, "TERM": "xterm"},
+            start_new_session=True,
+        )
+
+    def wait_for(self, text: str, timeout: float = 15.0) -> None:
+        """Read until a text is on the screen."""
+        deadline = time.monotonic() + timeout
+        while text.encode() not in self.written:
+            left = deadline - time.monotonic()
+            assert left > 0, self.written
+            if select.select([self.screen], [], [], left)[0]:
+                self.written += os.read(self.screen, 65536)
+
+    def type(self, keys: str) -> None:
+        """Press keys."""
+        os.write(self.screen, keys.encode())
+
+    def settings(self) -> list[object]:
+        """Those of the terminal."""
+        return list(termios.tcgetattr(self._end))
+
+    def end(self) -> int:
+        """Read until the program has ended."""
+        deadline = time.monotonic() + 15
+        while self.process.poll() is None:
+            assert time.monotonic() < deadline
+            if select.select([self.screen], [], [], 0.02)[0]:
+                self.written += os.read(self.screen, 65536)
+        return self.process.wait()
+
+    def close(self) -> None:
+        """End it in any case."""
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        for descriptor in (self.screen, self._end):
+            if descriptor >= 0:
+                os.close(descriptor)
+
+    def hang_up(self) -> None:
+        """Close the terminal, and tell the program as the kernel does."""
+        os.close(self.screen)
+        self.screen = -1
+        self.process.send_signal(signal.SIGHUP)
+
+
+@pytest.fixture
+def typist(lcmtools_path: str) -> Iterator[Callable[..., Typist]]:
+    typists: list[Typist] = []
+
+    def sit_down(*words: str) -> Typist:
+        typists.append(Typist(lcmtools_path, "run", *words))
+        return typists[-1]
+
+    yield sit_down
+    for one in typists:
+        one.close()
+
+
+def without_repeats(heard: list[Velocity]) -> list[Velocity]:
+    return [one for before, one in zip([None, *heard], heard, strict=False) if one != before]
+
+
+def test_keys_from_a_pipe_are_published_one_by_one_and_end_with_zeros(
+    listen: Callable[[str], Robot], lcmtools: Run, wait_until: Callable[..., None]
+) -> None:
+    robot = listen("/cmd_vel")
+    result = lcmtools("run", "teleop", stdin="i q z l I J . k\n")
+    assert result.returncode == 0
+    wait_until(lambda: len(robot.heard) >= 11)
+    assert robot.heard[:8] == [
+        (0.5, 0.0), (0.55, 0.0), (0.495, 0.0), (0.0, -0.99), (0.495, 0.0), (0.0, 0.99),
+        (-0.495, 0.99), (0.0, 0.0),
+    ]  # fmt: skip
+    assert set(robot.heard[8:]) == {(0.0, 0.0)}
+
+
+def test_waits_in_a_pipe_are_kept_and_the_command_repeated(
+    listen: Callable[[str], Robot], lcmtools: Run, wait_until: Callable[..., None]
+) -> None:
+    robot = listen("/RosAria/cmd_vel")
+    lcmtools("run", "pioneer_manual_controller", "_speed:=0.3", stdin="i 1 l")
+    wait_until(lambda: robot.heard[-3:] == [(0.0, 0.0)] * 3)
+    assert without_repeats(robot.heard) == [(0.3, 0.0), (0.0, -1.0), (0.0, 0.0)]
+    assert 6 <= robot.heard.count((0.3, 0.0)) <= 12
+
+
+def test_stamped_commands_go_to_the_remapped_topic(
+    listen: Callable[[str], Robot], lcmtools: Run, wait_until: Callable[..., None]
+) -> None:
+    robot = listen("/a/b")
+    lcmtools("run", "teleop", "--stamped", "__ns:=/a", "cmd_vel:=b", stdin="u")
+    wait_until(lambda: len(robot.heard) >= 4)
+    assert without_repeats(robot.heard) == [(0.5, 1.0), (0.0, 0.0)]
+
+
+def test_sliders_are_steered_from_a_pipe(
+    listen: Callable[[str], Robot], lcmtools: Run, wait_until: Callable[..., None]
+) -> None:
+    robot = listen("/husky0/desired_velocity")
+    lcmtools("run", "steering", "/husky0/desired_velocity", stdin="up up left d x space")
+    wait_until(lambda: len(robot.heard) >= 9)
+    assert without_repeats(robot.heard) == [
+        (0.1, 0.0), (0.2, 0.0), (0.2, 0.1), (0.2, 0.09), (0.0, 0.09), (0.0, 0.0),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT])
+def test_every_ending_signal_stops_the_robot_and_restores_the_terminal(
+    number: signal.Signals,
+    listen: Callable[[str], Robot],
+    typist: Callable[..., Typist],
+    wait_until: Callable[..., None],
+) -> None:
+    robot = listen("/cmd_vel")
+    driver = typist("teleop")
+    driver.wait_for("v +0.00")
+    assert driver.settings() != driver.before
+    driver.type("i")
+    wait_until(lambda: robot.heard.count((0.5, 0.0)) >= 3)
+    driver.process.send_signal(number)
+    driver.process.send_signal(number)  # impatience changes nothing
+    assert driver.end() == 0
+    assert driver.settings() == driver.before
+    wait_until(lambda: robot.heard[-3:] == [(0.0, 0.0)] * 3)
+
+
+@pytest.mark.parametrize("last_key", ["\x04", "hang up"])
+def test_end_of_the_terminal_stops_the_robot(
+    last_key: str,
+    listen: Callable[[str], Robot],
+    typist: Callable[..., Typist],
+    wait_until: Callable[..., None],
+) -> None:
+    robot = listen("/RosAria/cmd_vel")
+    driver = typist("pioneer_manual_controller")
+    driver.wait_for("v +0.00")
+    driver.type("\x1b[A")  # the arrow up
+    wait_until(lambda: (0.5, 0.0) in robot.heard)
+    if last_key == "hang up":
+        driver.hang_up()
+        driver.process.wait(15)
+    else:
+        driver.type(last_key)
+        assert driver.end() == 0
+    wait_until(lambda: robot.heard[-3:] == [(0.0, 0.0)] * 3)
+
+
+def test_key_that_is_held_drives_and_one_that_is_let_go_stops(
+    listen: Callable[[str], Robot], typist: Callable[..., Typist], wait_until: Callable[..., None]
+) -> None:
+    robot = listen("/cmd_vel")
+    driver = typist("teleop", "--hold")
+    driver.wait_for("v +0.00")
+    driver.type("i")
+    wait_until(lambda: robot.heard[-1:] == [(0.5, 0.0)])
+    wait_until(lambda: robot.heard[-3:] == [(0.0, 0.0)] * 3)
+    assert driver.process.poll() is None
+
+
+def test_suspended_program_stops_the_robot_and_gives_the_terminal_back(
+    listen: Callable[[str], Robot], typist: Callable[..., Typist], wait_until: Callable[..., None]
+) -> None:
+    robot = listen("/cmd_vel")
+    driver = typist("teleop")
+    driver.wait_for("v +0.00")
+    driver.type("i")
+    wait_until(lambda: (0.5, 0.0) in robot.heard)
+    driver.process.send_signal(signal.SIGTSTP)
+    # a session of its own is an orphaned group, which the kernel does not stop: it goes on at once
+    wait_until(lambda: robot.heard[-3:] == [(0.0, 0.0)] * 3)
+    driver.process.send_signal(signal.SIGCONT)
+    driver.type("j")
+    wait_until(lambda: robot.heard[-1] == (0.0, 1.0))

@@ -1,0 +1,143 @@
+"""kinect_viewer and image_view: lines, files, and a terminal that is given back."""
+
+import json
+import os
+import pty
+import select
+import signal
+import struct
+import subprocess
+import termios
+import time
+from collections.abc import Callable
+from fcntl import ioctl
+from pathlib import Path
+
+import lcm
+import pytest
+
+from lcmtools.nodes.picture.png import PngPixels, decode_png, encode_png
+from lcmtools.types.sensor_msgs import CompressedImage, Image
+
+TOPIC = "/camera/depth/image_raw"
+
+
+def picture() -> Image:
+    message = Image()
+    message.encoding, message.width, message.height, message.step = "16UC1", 8, 6, 16
+    message.data = struct.pack("<48H", *range(1000, 1048))
+    message.data_length = len(message.data)
+    return message
+
+
+def publish_until_end(process: "subprocess.Popen[bytes]", url: str, message: object) -> None:
+    """A camera, until whoever looks has had enough."""
+    bus = lcm.LCM(url)
+    deadline = time.monotonic() + 15
+    while process.poll() is None:
+        assert time.monotonic() < deadline
+        bus.publish(TOPIC, message.encode())
+        time.sleep(0.05)
+
+
+def look(url: str, path: str, message: object, *words: str) -> tuple[int, str]:
+    """Run a viewer in front of a camera; its exit code and output."""
+    with subprocess.Popen(
+        [path, "run", *words],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        env={**os.environ, "LCM_DEFAULT_URL": url},
+    ) as process:
+        publish_until_end(process, url, message)
+        assert process.stdout is not None
+        return process.returncode, process.stdout.read().decode()
+
+
+def test_one_line_is_written_where_there_is_no_terminal(bus_url: str, lcmtools_path: str) -> None:
+    assert look(bus_url, lcmtools_path, picture(), "kinect_viewer", "--once") == (
+        0,
+        "8 x 6 16UC1  min 1.00 m  max 1.05 m  middle 1.03 m\n",
+    )
+
+
+def test_picture_is_saved_with_values_and_with_a_number(
+    bus_url: str, lcmtools_path: str, tmp_path: Path
+) -> None:
+    file = str(tmp_path / "depth%03d.png")
+    words = ("image_view", f"image:={TOPIC}", "--once", "--json", "--values", "--save", file)
+    code, output = look(bus_url, lcmtools_path, picture(), *words)
+    assert (code, json.loads(output)["file"]) == (0, file.replace("%03d", "000"))
+    pixels = decode_png((tmp_path / "depth000.png").read_bytes())
+    assert (pixels.width, pixels.height, pixels.bits) == (8, 6, 16)
+    assert pixels.rows == struct.pack(">48H", *range(1000, 1048))
+
+
+def test_compressed_picture_is_shown_and_a_broken_one_is_one_line(
+    bus_url: str, lcmtools_path: str
+) -> None:
+    message = CompressedImage()
+    message.format = "png"
+    message.data = encode_png_of_depth()
+    message.data_length = len(message.data)
+    words = ("kinect_viewer", "--once")
+    assert look(bus_url, lcmtools_path, message, *words)[1].startswith("2 x 1 16UC1  min 0.70 m")
+    message.data = b"no picture"
+    message.data_length = len(message.data)
+    code, output = look(bus_url, lcmtools_path, message, *words)
+    assert (code, output) == (
+        1,
+        "lcmtools run kinect_viewer: broken PNG picture: it has no PNG signature\n",
+    )
+
+
+def encode_png_of_depth() -> bytes:
+    return encode_png(PngPixels(2, 1, 1, 16, struct.pack(">2H", 700, 1200)))
+
+
+@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, "q"])
+def test_terminal_shows_the_picture_and_is_given_back(  # noqa: PLR0915 - one story, from begin to end
+    ending: signal.Signals | str,
+    bus_url: str,
+    lcmtools_path: str,
+    wait_until: Callable[..., None],
+) -> None:
+    screen, end = pty.openpty()
+    ioctl(end, termios.TIOCSWINSZ, struct.pack("HHHH", 12, 40, 0, 0))
+    before = termios.tcgetattr(end)
+    written = bytearray()
+    bus = lcm.LCM(bus_url)
+
+    def shows(text: bytes) -> bool:
+        bus.publish(TOPIC, picture().encode())
+        while select.select([screen], [], [], 0.02)[0]:
+            written.extend(os.read(screen, 65536))
+        return text in written
+
+    environment = {"LCM_DEFAULT_URL": bus_url, "TERM": "xterm", "COLORTERM": "truecolor"}
+    with subprocess.Popen(
+        [lcmtools_path, "run", "kinect_viewer"],
+        stdin=end, stdout=end, stderr=end, env={**os.environ, **environment},
+        start_new_session=True,
+    ) as viewer:  # fmt: skip
+        try:
+            wait_until(lambda: shows(b"\x1b[c"))  # it asks for graphics
+            os.write(screen, b"\x1b[?62;22c")
+            wait_until(lambda: shows(b"near 1 m  far 1.5 m") and shows(b"8 x 6 16UC1"))
+            assert b"\x1b[?25l" in written
+            assert "\u2580".encode() in written
+            written.clear()
+            ioctl(end, termios.TIOCSWINSZ, struct.pack("HHHH", 30, 90, 0, 0))
+            wait_until(lambda: shows(b"\x1b[2J"))  # drawn anew in the new size
+            if isinstance(ending, str):
+                os.write(screen, ending.encode())
+            else:
+                viewer.send_signal(ending)
+            wait_until(lambda: shows(b"\x1b[?25h\x1b[?1049l"))
+            wait_until(lambda: viewer.poll() is not None)
+            assert viewer.returncode == 0
+            assert termios.tcgetattr(end) == before
+        finally:
+            viewer.kill()
+    os.close(screen)
+    os.close(end)
