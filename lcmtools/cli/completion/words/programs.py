@@ -8,11 +8,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Protocol, cast
 
 from lcmtools.cli.completion.candidate import FILES, Candidate
 from lcmtools.cli.completion.situation import Situation
 from lcmtools.names import base_name_of, is_hidden
+from lcmtools.packages.nodes import OWN, runnables
+from lcmtools.packages.workspace import workspace
 
 _GROUP = "lcmtools.nodes"
 _FLAGS = {
@@ -36,14 +39,28 @@ class Completer(Protocol):
 
 
 def programs(situation: Situation) -> Iterator[Candidate]:
-    """The nodes that can be run."""
+    """The nodes that can be run, and the packages of others than lcmtools' own."""
     del situation
-    yield from (Candidate(entry.name) for entry in sorted(entry_points(group=_GROUP)))
+    known = runnables(Path.cwd())
+    yield from (Candidate(node.name) for node in known if node.package == OWN)
+    yield from map(Candidate, dict.fromkeys(one.package for one in known if one.package != OWN))
+
+
+def packages(situation: Situation) -> Iterator[Candidate]:
+    """The packages of the workspace."""
+    del situation
+    yield from (Candidate(package.name) for package in workspace(Path.cwd()).packages)
 
 
 def arguments(situation: Situation) -> Iterator[Candidate]:
     """A node's arguments: those that every node takes, and its own."""
     before = list(situation.given.get("arguments", ()))
+    if not before:
+        package = situation.value("name")
+        known = [one for one in runnables(Path.cwd()) if one.package == package]
+        yield from (Candidate(node.name) for node in known)
+        if known and package not in {node.name for node in known}:
+            return
     flag_before = before[-1] if before else ""
     if flag_before in _FLAGS:
         yield from _values(situation, _FLAGS[flag_before])

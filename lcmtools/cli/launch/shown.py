@@ -1,0 +1,70 @@
+"""What is shown of a plan and of its end, as rows and for JSON.
+
+Belongs here: texts only.
+"""
+
+import json
+import shlex
+from collections.abc import Iterator, Sequence
+
+from lcmtools.launch.plan import Argument, NodePlan
+from lcmtools.launch.supervisor import Outcome
+
+
+def argument_rows(arguments: Sequence[Argument]) -> Iterator[str]:
+    """The arguments of a file, in roslaunch's manner."""
+    for title, is_required in (("Required", True), ("Optional", False)):
+        group = [argument for argument in arguments if (argument.default is None) is is_required]
+        if group:
+            yield f"{title} Arguments:"
+        for argument in group:
+            default = f" (default {json.dumps(argument.default)})" if not is_required else ""
+            doc = " ".join(argument.doc.split())
+            yield f"  {argument.name}{default}: {doc}" if doc else f"  {argument.name}{default}"
+    if not arguments:
+        yield "No arguments."
+
+
+def argument_record(argument: Argument) -> dict[str, object]:
+    """An argument, for JSON."""
+    return {"name": argument.name, "default": argument.default, "doc": argument.doc}
+
+
+def node_rows(node: NodePlan) -> Iterator[str]:
+    """A node as it would be run: a comment, and a line for the shell."""
+    about = [f"output {node.output.value}"]
+    if node.respawn:
+        about.append(f"respawn after {node.respawn_delay:g} s" if node.respawn_delay else "respawn")
+    if node.is_required:
+        about.append("required")
+    yield f"# {node.name} ({node.place}; {', '.join(about)})"
+    yield node.command_line()
+
+
+def node_record(node: NodePlan) -> dict[str, object]:
+    """A node as it would be run, for JSON."""
+    return {
+        "node": node.name,
+        "command": list(node.command),
+        "line": node.command_line(),
+        "environment": dict(node.environment),
+        "directory": node.directory,
+        "place": node.place,
+        "output": node.output.value,
+        "respawn": node.respawn,
+        "respawn_delay": node.respawn_delay,
+        "required": node.is_required,
+    }
+
+
+def outcome_rows(outcomes: Sequence[Outcome]) -> list[str]:
+    """The closing table."""
+    rows = [("node", "end", "restarts", "log")]
+    rows += [
+        (o.node, o.end, str(o.restarts), shlex.quote(o.log) if o.log else "-") for o in outcomes
+    ]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]

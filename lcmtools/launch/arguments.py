@@ -1,0 +1,115 @@
+"""The arguments of launch files: declared, given, passed on to files that are included.
+
+Belongs here: what ``<arg>`` means. https://wiki.ros.org/roslaunch/XML/arg
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+
+from lcmtools.errors import UsageError
+from lcmtools.launch.element import Element
+from lcmtools.launch.plan import Argument
+from lcmtools.launch.scope import Scope
+from lcmtools.launch.tags import known_children
+from lcmtools.names import did_you_mean
+
+
+def declare(element: Element, scope: Scope) -> Scope:
+    """The scope behind an ``<arg>``.
+
+    Raises:
+        InvalidFile: It is declared twice, is fixed and was given, or has no value.
+    """
+    name = scope.required(element, "name")
+    has_value, has_default = "value" in element.attributes, "default" in element.attributes
+    if has_value and has_default:
+        raise element.error(f"the argument '{name}' has both 'value' and 'default'")
+    if name in scope.arguments:
+        raise element.error(f"the argument '{name}' is declared twice")
+    if has_value and name in scope.passed and not scope.takes_all:
+        raise element.error(f"the argument '{name}' is fixed by the file and cannot be given")
+    if has_value or (has_default and name not in scope.passed):
+        text = scope.text(element, "value" if has_value else "default")
+    elif name in scope.passed:
+        text = scope.passed[name]
+    else:
+        doc = scope.text(element, "doc")
+        told = f" ({doc})" if doc else ""
+        hint = "say it in the include" if scope.is_included else f"type {name}:=VALUE"
+        raise element.error(f"the argument '{name}'{told} has no value", hint)
+    return replace(scope, arguments={**scope.arguments, name: text})
+
+
+def arguments_of(element: Element) -> list[Argument]:
+    """The arguments that a file takes: those that it does not fix itself."""
+    found: dict[str, Argument] = {}
+    for child in element.children:
+        if child.tag == "group":
+            found.update({argument.name: argument for argument in arguments_of(child)})
+        elif (
+            child.tag == "arg" and "value" not in child.attributes and child.attributes.get("name")
+        ):
+            about = child.attributes
+            name = about["name"]
+            found.setdefault(name, Argument(name, about.get("default"), about.get("doc", "")))
+    return list(found.values())
+
+
+def given_inside(element: Element, scope: Scope) -> tuple[Scope, dict[str, str]]:
+    """What an include gives to its file: the scope with its variables, and the arguments."""
+    inside = scope.below(element)
+    found: dict[str, str] = {}
+    for child in known_children(element):
+        if scope.holds(child) and child.tag == "env":
+            inside = inside.with_variable(child)
+        elif scope.holds(child):
+            name = scope.required(child, "name")
+            key = "value" if "value" in child.attributes else "default"
+            if key not in child.attributes:
+                raise child.error(f"the argument '{name}' has no value")
+            found[name] = scope.text(child, key)
+    return inside, found
+
+
+def names_in(element: Element) -> set[str]:
+    """The names of a file's arguments, the fixed ones too."""
+    found: set[str] = set()
+    for child in element.children:
+        if child.tag == "group":
+            found |= names_in(child)
+        elif child.tag == "arg":
+            found.add(child.attributes.get("name", ""))
+    return found
+
+
+def check_given(roots: Sequence[Element], passed: Mapping[str, str]) -> None:
+    """Refuse arguments that no file takes.
+
+    Raises:
+        UsageError: There is one.
+    """
+    known = {name for root in roots for name in names_in(root)}
+    for name, text in passed.items():
+        if name not in known:
+            files = ", ".join(root.source for root in roots)
+            what = f"{name}:={text}: {files} has no argument '{name}'"
+            raise UsageError(what, _hint(name, known))
+
+
+def check_passed(
+    element: Element, passed: Mapping[str, str], known: Collection[str], file: str
+) -> None:
+    """Refuse arguments that an included file does not take.
+
+    Raises:
+        InvalidFile: There is one.
+    """
+    for name in passed:
+        if name not in known:
+            raise element.error(f"{file} has no argument '{name}'", _hint(name, known))
+
+
+def _hint(name: str, known: Collection[str]) -> str:
+    if not known:
+        return "it takes none"
+    return did_you_mean(name, known) or f"there are {', '.join(sorted(known))}"

@@ -1,0 +1,107 @@
+"""A launch file's text, read and made into elements by the reader for its kind.
+
+Belongs here: opening files, and which kind one is.
+"""
+
+import os
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from lcmtools.errors import InvalidFile
+from lcmtools.launch.element import LARGEST, Element
+from lcmtools.launch.packages import LABS
+
+STANDARD_INPUT = "-"
+
+
+@dataclass(frozen=True, slots=True)
+class File:
+    """A launch file that was read.
+
+    Attributes:
+        root: What is in it.
+        path: Where it is, in full.
+        folder: Where paths in it begin.
+    """
+
+    root: Element
+    path: str
+    folder: Path
+
+
+def shown(path: Path) -> str:
+    """A path as messages have it: short where it is below this folder, or one of the labs'."""
+    full = path.resolve()
+    for folder in (Path.cwd(), LABS):
+        if full.is_relative_to(folder):
+            return str(full.relative_to(folder))
+    return str(path)
+
+
+def read_file(path: Path, place: str = "") -> File:
+    """Read a launch file.
+
+    Args:
+        path: The file.
+        place: Where it is named, for messages; "" where it was typed.
+
+    Raises:
+        InvalidFile: It cannot be read, or is none.
+    """
+    before = f"{place}: " if place else ""
+    try:
+        with path.open("rb") as file:
+            content = file.read(LARGEST + 1)
+    except OSError as error:
+        raise InvalidFile(f"{before}cannot read {shown(path)}: {error.strerror}") from None
+    full = path.resolve()
+    return File(read_content(content, shown(path)), str(full), full.parent)
+
+
+def read_standard_input() -> File:
+    """Read the launch file that comes from a pipe.
+
+    Raises:
+        InvalidFile: It is none.
+    """
+    root = read_content(sys.stdin.buffer.read(LARGEST + 1), "standard input")
+    return File(root, STANDARD_INPUT, Path.cwd())
+
+
+def read_content(content: bytes, source: str) -> Element:
+    """The root of a launch file.
+
+    Args:
+        content: Its bytes.
+        source: Its name, for messages.
+
+    Raises:
+        InvalidFile: It is none, with the line.
+    """
+    if len(content) > LARGEST:
+        raise InvalidFile(f"{source}: more than {LARGEST} bytes are no launch file")
+    if source.endswith(".py"):
+        raise InvalidFile(
+            f"{source} is a program, as ROS 2 has launch files", "write it in YAML: see the help"
+        )
+    if not content.strip():
+        raise InvalidFile(f"{source}:1: the file is empty")
+    if _is_xml(content, source):
+        from lcmtools.launch.xml_file import read_xml
+
+        return read_xml(content, source)
+    from lcmtools.launch.yaml_file import read_yaml
+
+    try:
+        return read_yaml(content.decode("utf-8-sig"), source)
+    except UnicodeDecodeError:
+        raise InvalidFile(f"cannot read {source}: it is not UTF-8 text") from None
+
+
+def _is_xml(content: bytes, source: str) -> bool:
+    suffix = os.path.splitext(source)[1]  # noqa: PTH122 - of a name that is no path always
+    if suffix in (".yaml", ".yml"):
+        return False
+    begins = content.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<")
+    return suffix == ".xml" or begins or b"<launch" in content

@@ -1,0 +1,205 @@
+"""Where packages are, and the launch files in them.
+
+Belongs here: from a package's name to its folder, and from what one types to a file. A package is
+one of the workspace, an installed Python package, or one of the labs' that lcmtools brings.
+"""
+
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+
+from lcmtools.errors import InvalidFile, UsageError
+from lcmtools.names import did_you_mean
+from lcmtools.packages.workspace import workspace
+
+LABS = Path(__file__).parent / "files"
+"""The packages that the labs' texts name, each with its launch files."""
+SUFFIXES = (".launch", ".yaml", ".yml", ".xml")
+_MOST_FILES = 10_000
+"""Files of a package that are looked at: somebody may have made the home folder a package."""
+
+
+def path_from(folder: Path, name: str) -> Path:
+    """The path that a launch file in a folder means; "~" is the home folder.
+
+    Raises:
+        UsageError: It cannot be one.
+    """
+    try:
+        os.fsencode(name)
+        path = folder / Path(name).expanduser()
+    except (RuntimeError, ValueError):  # somebody unknown's home, or half a character
+        raise UsageError(f"{name!a} is no path") from None
+    if "\0" in name:
+        raise UsageError(f"{name!a} is no path")
+    return path
+
+
+def is_there(path: Path) -> bool:
+    """Whether there is something to read: a file, or a pipe that a shell has made."""
+    try:
+        return path.exists() and not path.is_dir()
+    except (OSError, ValueError):  # a name that is too long, or none
+        return False
+
+
+def find_package(name: str, *starts: Path) -> Path:
+    """A package's folder.
+
+    Args:
+        name: Its name.
+        starts: Folders whose workspaces count besides the current one's.
+
+    Raises:
+        UsageError: There is no such package.
+    """
+    space = workspace(Path.cwd(), *starts)
+    if name.replace("_", "a").replace("-", "a").isalnum():
+        own = (package.folder for package in space.packages if package.name == name)
+        for folder in (*own, *_installed(name.replace("-", "_")), LABS / name):
+            if folder.is_dir():
+                return folder
+    known = [*lab_packages(), *(package.name for package in space.packages)]
+    hint = did_you_mean(name, known) or "it is neither installed nor in this workspace"
+    raise UsageError(f"there is no package '{name}'", hint)
+
+
+def is_package(name: str) -> bool:
+    """Whether there is a package of this name."""
+    try:
+        find_package(name)
+    except UsageError:
+        return False
+    return True
+
+
+def lab_packages() -> list[str]:
+    """The packages that the labs' texts name."""
+    return sorted(path.name for path in LABS.iterdir() if path.is_dir())
+
+
+def lab_files() -> list[tuple[str, str]]:
+    """The labs' launch files, each with its package."""
+    return [
+        (package, path.name)
+        for package in lab_packages()
+        for path in sorted((LABS / package / "launch").iterdir())
+    ]
+
+
+def launch_files(package: str) -> list[str]:
+    """The names of a package's launch files; none where there is no such package."""
+    try:
+        return [path.name for path in _launch_files(find_package(package))]
+    except UsageError:
+        return []
+
+
+def files_below(folder: Path) -> Iterator[Path]:
+    """A package's files in order, without those of hidden folders."""
+    for count, path in enumerate(sorted(folder.rglob("*"))):
+        if count == _MOST_FILES:
+            return
+        if not any(part.startswith(".") for part in path.relative_to(folder).parts):
+            yield path
+
+
+def find_files(words: Sequence[str]) -> list[Path]:
+    """The launch files that ``[PACKAGE] FILE...`` means.
+
+    Raises:
+        InvalidFile: There is no such file.
+        UsageError: There is no such package.
+    """
+    first, *rest = words
+    if not rest and not is_there(Path(first)):
+        return [_find_alone(first)]
+    if rest and not is_there(Path(first)):
+        folder = find_package(first)
+        return [_find_in(folder, first, name) for name in rest]
+    return [_existing(word) for word in words]
+
+
+def _existing(word: str) -> Path:
+    path = Path(word)
+    if not is_there(path):
+        raise InvalidFile(f"there is no launch file {word}")
+    return path
+
+
+def _find_alone(word: str) -> Path:
+    """A file here, one of the labs', or the launch file of a package that has one."""
+    for name in _spellings(word):
+        for place in (Path(name), Path("launch") / name):
+            if is_there(place):
+                return place
+    if Path(word).is_dir() and not is_package(word):
+        raise InvalidFile(f"{word} is a folder, not a launch file")
+    known = {name: LABS / package / "launch" / name for package, name in lab_files()}
+    for name in _spellings(word):
+        if name in known:
+            return known[name]
+    if is_package(word):
+        return _only_file(find_package(word), word)
+    here = [path.name for path in _launch_names(Path())]
+    hint = did_you_mean(word, [*known, *here]) or f"those of the labs: {', '.join(known)}"
+    raise InvalidFile(f"there is no launch file {word}", hint)
+
+
+def _launch_names(folder: Path) -> list[Path]:
+    """The files of a folder that are named as launch files are, and those in its folder launch."""
+    return [
+        path
+        for place in (folder, folder / "launch")
+        if place.is_dir()
+        for path in sorted(place.iterdir())
+        if path.suffix in SUFFIXES
+    ]
+
+
+def _find_in(folder: Path, package: str, name: str) -> Path:
+    wanted = _spellings(name)
+    for spelling in wanted:  # what stands where launch files usually are comes first
+        for place in (folder / "launch" / spelling, folder / spelling):
+            if place.is_file():
+                return place
+    for path in files_below(folder):
+        if path.name in wanted and path.is_file():
+            return path
+    known = [path.name for path in _launch_files(folder)]
+    hint = did_you_mean(name, known) or (f"it has {', '.join(known)}" if known else "")
+    raise InvalidFile(f"there is no launch file {name} in the package {package}", hint)
+
+
+def _only_file(folder: Path, package: str) -> Path:
+    files = _launch_files(folder)
+    if len(files) == 1:
+        return files[0]
+    names = ", ".join(path.name for path in files)
+    hint = f"it has {names}" if files else "it has none in a folder launch"
+    raise InvalidFile(f"the file of the package {package} is missing", hint)
+
+
+def _launch_files(folder: Path) -> list[Path]:
+    """What stands where launch files usually are."""
+    return [
+        path
+        for path in files_below(folder)
+        if path.suffix in SUFFIXES and path.parent.name == "launch"
+    ]
+
+
+def _spellings(name: str) -> list[str]:
+    return [name, *(f"{name}{suffix}" for suffix in SUFFIXES)]
+
+
+def _installed(name: str) -> Iterator[Path]:
+    if name in sys.stdlib_module_names:
+        return
+    try:
+        spec = find_spec(name)
+    except (ImportError, ValueError):
+        return
+    yield from map(Path, (spec and spec.submodule_search_locations) or ())

@@ -1,0 +1,131 @@
+"""Parameters of launch files: from ``<param>`` and ``<rosparam>`` to names and YAML texts.
+
+Belongs here: where a parameter's value comes from, and which nodes it is for. There is no server of
+parameters on LCM: each node gets its own on its command line.
+"""
+
+from collections.abc import Iterator, Mapping
+
+from lcmtools.errors import InvalidFile, UsageError
+from lcmtools.launch.element import LARGEST, Element
+from lcmtools.launch.packages import path_from
+from lcmtools.launch.scope import Scope, located
+from lcmtools.messages.documents import parse
+from lcmtools.messages.plain import Value
+from lcmtools.messages.setting import ANY, read_setting, text_of, write_setting
+from lcmtools.names import check_legal, namespace_of, resolve
+
+_KINDS = {"str": "string", "int": "int", "double": "float", "bool": "bool"}
+_SOURCES = ("value", "textfile", "command", "binfile")
+
+Found = Iterator[tuple[str, str]]
+
+
+def param(element: Element, scope: Scope) -> tuple[str, str] | None:
+    """A ``<param>``'s name and text; None for one that is not for LCM (a command's output).
+
+    Raises:
+        InvalidFile: It is wrong.
+    """
+    name = scope.required(element, "name")
+    located(element, lambda: check_legal(name))
+    given = [source for source in _SOURCES if source in element.attributes]
+    if len(given) != 1:
+        raise element.error(f"param {name} needs one of: {', '.join(_SOURCES)}")
+    if given[0] == "value":
+        return name, _typed(element, scope, name)
+    if given[0] == "textfile":
+        return name, write_setting(read_text(element, scope.required(element, "textfile"), scope))
+    return None
+
+
+def rosparam(element: Element, scope: Scope) -> Found:
+    """The names and texts of a ``<rosparam>``: YAML that stands in it, or a file's.
+
+    Raises:
+        InvalidFile: It is wrong.
+    """
+    text, source, line = element.text, element.source, element.line
+    if file := scope.text(element, "file"):
+        text, source, line = read_text(element, file, scope), file, 1
+    if scope.flag(element, "subst_value"):
+        text = scope.put_in(element, text)
+    prefix = [part for part in (scope.text(element, "ns"), scope.text(element, "param")) if part]
+    for value in _documents(text, source, line):
+        if not isinstance(value, dict) and "param" not in element.attributes:
+            raise element.error("rosparam: expected names and values", "for example kp: 0.5")
+        for name, leaf in _leaves(value, "/".join(prefix)):
+            located(element, lambda name=name: check_legal(name))  # type: ignore[misc]
+            yield name, text_of(leaf, ANY)
+
+
+def own_parameters(node: str, everywhere: Mapping[str, str]) -> dict[str, str]:
+    """What a node gets of the parameters with full names: those below it, and above it.
+
+    Those above are what a node in ROS would find by looking in its namespace and those around it.
+    """
+    namespace = namespace_of(node)
+    found: dict[str, str] = {}
+    for name, text in sorted(everywhere.items(), key=lambda item: item[0].count("/")):
+        around = namespace_of(name)
+        if name.startswith(f"{node}/"):
+            found[name[len(node) + 1 :]] = text
+        elif f"{namespace.rstrip('/')}/".startswith(f"{around.rstrip('/')}/"):
+            found[name.rpartition("/")[2]] = text
+    return found
+
+
+def full_name(element: Element, name: str, scope: Scope) -> str:
+    """The full name of a parameter that is not private.
+
+    Raises:
+        InvalidFile: It is not legal.
+    """
+    return located(element, lambda: resolve(name, scope.namespace))
+
+
+def read_text(element: Element, name: str, scope: Scope) -> str:
+    """The text of a file that an element names.
+
+    Raises:
+        InvalidFile: It cannot be read.
+    """
+    path = located(element, lambda: path_from(scope.folder, name))
+    try:
+        with path.open("rb") as file:
+            content = file.read(LARGEST + 1)
+        if len(content) > LARGEST:
+            raise element.error(f"{path} has more than {LARGEST} bytes")
+        return content.decode()
+    except OSError as error:
+        raise element.error(f"cannot read {path}: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise element.error(f"cannot read {path}: it is not UTF-8 text") from None
+
+
+def _typed(element: Element, scope: Scope, name: str) -> str:
+    """A value's text, as what its type says."""
+    kind, text = scope.text(element, "type", "auto"), scope.text(element, "value")
+    if kind in ("auto", "yaml"):
+        return text or write_setting("")  # nodes take no notice of nothing
+    if kind not in _KINDS:
+        raise element.error(f"'{kind}' is no type", f"types: {', '.join(_KINDS)}, yaml, auto")
+    return located(
+        element, lambda: write_setting(read_setting(text, _KINDS[kind], f"param {name}"))
+    )
+
+
+def _documents(text: str, source: str, line: int) -> list[Value]:
+    try:
+        return [document.value for document in parse(text, line)]
+    except UsageError as error:
+        raise InvalidFile(f"{source}: {error.what}", error.hint) from None
+
+
+def _leaves(value: Value, name: str) -> Iterator[tuple[str, Value]]:
+    """Each value with the path of names to it."""
+    if isinstance(value, dict):
+        for key, part in value.items():
+            yield from _leaves(part, f"{name}/{key}" if name else key)
+    else:
+        yield name, value

@@ -1,0 +1,385 @@
+"""launch: processes that are started, shown, started again and surely ended."""
+
+import json
+import signal
+import subprocess
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+Launch = Callable[..., Any]
+
+STUBBORN = "trap '' INT; echo ready; while true; do sleep 0.05; done"
+DEAF = "trap '' INT TERM HUP; sleep 100 & echo ready $!; while true; do sleep 0.05; done"
+
+
+@pytest.fixture(autouse=True)
+def _state(tmp_path: Path, bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A bus, a folder for logs, and a workspace of the test's own: nobody else's packages count."""
+    (tmp_path / "mine").mkdir()
+    project = '[project]\nname = "mine"\n[tool.lcmtools]\n'
+    (tmp_path / "mine" / "pyproject.toml").write_text(project)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def launch(start: Callable[..., Any], lcmtools_path: str, tmp_path: Path) -> Callable[..., Any]:
+    """``launch(text, *arguments)``: a launch of a file that has this text."""
+
+    def run(text: str, *arguments: str, **environment: str) -> Any:
+        (tmp_path / "a.yaml").write_text(text)
+        return start(lcmtools_path, "launch", "a.yaml", *arguments, **environment)
+
+    return run
+
+
+def shell(script: str, name: str = "node", more: str = "") -> str:
+    """A node that is a shell's script, as part of the list of nodes."""
+    return f"  - {{exec: {json.dumps(f'sh -c {json.dumps(script)}')}, name: {name}{more}}}\n"
+
+
+def nodes(*scripts: str) -> str:
+    """A launch file with these nodes."""
+    return "nodes:\n" + "".join(scripts)
+
+
+def is_running(pid: int) -> bool:
+    """Whether a process runs; one that only waits for its parent to look does not."""
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return False
+    return state not in "ZX"
+
+
+def pid_of(program: Any, name: str) -> int:
+    """The process of a node, once it was started."""
+    line = program.wait_for(f"[{name}] started")
+    return int(line.rpartition(" ")[2])
+
+
+def table(program: Any) -> dict[str, list[str]]:
+    """The closing table: the cells behind each node's name."""
+    first = next(i for i, line in enumerate(program.lines) if line.startswith("node  "))
+    rows = [line.split("  ") for line in program.lines[first + 1 :]]
+    return {row[0].strip(): [cell.strip() for cell in row[1:] if cell.strip()] for row in rows}
+
+
+def test_labs_file_runs_its_node_in_the_namespace_until_ctrl_c(
+    start: Callable[..., Any], lcmtools: Run, lcmtools_path: str, wait_until: Callable[..., None]
+) -> None:
+    program = start(lcmtools_path, "launch", "simple_controller.launch", "__ns:=/husky0")
+    name = "/husky0/husky_simple_controller"
+    wait_until(lambda: lcmtools("node", "list").stdout == f"{name}\n")
+    assert (
+        " * /husky0/velocity_cmd [sensor_msgs/JointState]" in lcmtools("node", "info", name).stdout
+    )
+    program.send_signal(signal.SIGINT)
+    assert program.wait() == 0
+    assert table(program)[name][:2] == ["ended when asked to", "0"]
+    assert lcmtools("node", "list").stdout == ""
+
+
+def test_lines_have_their_nodes_name_and_are_in_its_log(launch: Launch, tmp_path: Path) -> None:
+    program = launch(
+        nodes(
+            shell("echo one; echo two >&2; printf last", "first", ", ns: a"),
+            shell("echo quiet; echo loud >&2", "second", ", output: log"),
+            shell("echo shown", "third", ", output: screen"),
+        )
+    )
+    assert program.wait() == 0
+    shown = {line for line in program.lines if "] started" not in line and "] ended" not in line}
+    assert {"[a/first-1] one", "[a/first-1] two", "[a/first-1] last"} <= shown
+    assert {"[second-2] loud", "[third-3] shown"} <= shown
+    assert "[second-2] quiet" not in shown
+    latest = tmp_path / "state" / "lcmtools" / "log" / "latest"
+    assert {path.name for path in latest.iterdir()} == {"a-first-1.log", "second-2.log"}
+    assert sorted((latest / "a-first-1.log").read_text().splitlines()) == ["last", "one", "two"]
+    assert set((latest / "second-2.log").read_text().splitlines()) == {"quiet", "loud"}
+    assert table(program)["/a/first"][1:] == ["0", str(latest.resolve() / "a-first-1.log")]
+    assert table(program)["/third"] == ["ended", "0", "-"]
+
+
+@pytest.mark.parametrize(("option", "is_shown"), [("--screen", True), ("--log", False)])
+def test_output_of_all_nodes_is_said_on_the_command_line(
+    launch: Launch,
+    option: str,
+    is_shown: bool,  # noqa: FBT001 - pytest passes it by name
+) -> None:
+    program = launch(nodes(shell("echo a line", "n")), option)
+    assert program.wait() == 0
+    assert ("[n-1] a line" in program.lines) is is_shown
+
+
+def test_node_that_fails_makes_exit_code_1_and_the_others_go_on(launch: Launch) -> None:
+    program = launch(nodes(shell("exit 3", "bad"), shell("sleep 0.3; echo well", "good")))
+    assert program.wait() == 1
+    assert "[good-2] well" in program.lines
+    rows = table(program)
+    assert rows["/bad"][0] == "died with exit code 3"
+    assert rows["/good"][0] == "ended"
+
+
+def test_node_that_dies_by_a_signal_is_told(launch: Launch) -> None:
+    program = launch(nodes(shell("kill -SEGV $$", "bad")))
+    assert program.wait() == 1
+    assert table(program)["/bad"][0] == "died by SIGSEGV"
+
+
+def test_node_is_started_again_after_its_delay(launch: Launch, tmp_path: Path) -> None:
+    script = "echo run >> runs; exit 1"
+    program = launch(nodes(shell(script, "n", ", respawn: true, respawn_delay: 0.2")))
+    program.wait_for("starts again in 0.2 s")
+    program.wait_for("[n-1] started again")
+    program.wait_for("starts again in 0.5 s")  # one that keeps dying is given ever more time
+    program.wait_for("[n-1] started again")
+    program.wait_for("starts again in 1 s")
+    program.send_signal(signal.SIGINT)
+    assert program.wait() == 0
+    assert table(program)["/n"][:2] == ["died with exit code 1", "2"]
+    assert (tmp_path / "runs").read_text() == "run\n" * 3
+
+
+@pytest.mark.parametrize(("code", "result"), [(0, 0), (4, 1)])
+def test_end_of_a_required_node_ends_all(launch: Launch, code: int, result: int) -> None:
+    program = launch(
+        nodes(
+            shell("echo ready; exec sleep 100", "other"),
+            shell(f"sleep 0.2; exit {code}", "must", ", required: true"),
+        )
+    )
+    program.wait_for("[must-2] is required: asking all nodes to end")
+    assert program.wait() == result
+    assert table(program)["/other"][0] == "ended by SIGINT"
+
+
+def test_signals_follow_each_other_in_the_times_that_are_set(
+    launch: Launch, wait_until: Callable[..., None]
+) -> None:
+    program = launch(
+        nodes(shell(STUBBORN, "stubborn"), shell(DEAF, "deaf")),
+        *("--sigint-timeout", "300ms", "--sigterm-timeout", "300ms"),
+    )
+    wait_until(lambda: program.output.count("] ready") == 2)
+    sleeper = int(program.wait_for("[deaf-2] ready").rpartition(" ")[2])
+    program.send_signal(signal.SIGINT)
+    started = time.monotonic()
+    assert program.wait() == 0
+    assert 0.6 <= time.monotonic() - started < 5
+    rows = table(program)
+    assert (rows["/stubborn"][0], rows["/deaf"][0]) == ("ended by SIGTERM", "ended by SIGKILL")
+    assert not is_running(sleeper)
+
+
+def test_ctrl_c_again_goes_on_at_once(launch: Launch) -> None:
+    program = launch(nodes(shell(DEAF, "deaf")))
+    program.wait_for("ready")
+    program.send_signal(signal.SIGINT)
+    program.wait_for("Ctrl-C again: at once")
+    for _ in range(2):
+        program.send_signal(signal.SIGINT)
+        time.sleep(0.1)  # two signals of one kind that come together are one
+    assert program.wait(5) == 0
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_other_signals_end_it_in_order_too(launch: Launch, number: int) -> None:
+    program = launch(nodes("  - run: talker\n"))
+    program.wait_for("hello world")
+    program.send_signal(number)
+    assert program.wait() == 0
+    assert table(program)["/talker"][0] == "ended when asked to"
+
+
+def test_nothing_outlives_a_launcher_that_is_killed(
+    launch: Launch, wait_until: Callable[..., None]
+) -> None:
+    quick = 'trap "echo asked >> end; exit" INT; echo ready; while true; do sleep 0.05; done'
+    program = launch(
+        nodes(
+            shell(DEAF, "deaf"),
+            shell("sleep 100; true", "plain"),
+            shell(quick, "quick"),
+            "  - run: talker\n",
+        )
+    )
+    pids = [pid_of(program, name) for name in ("deaf-1", "plain-2", "quick-3", "talker-4")]
+    program.wait_for("hello world")
+    pids += [int(line.split()[-1]) for line in program.lines if line.startswith("[deaf-1] ready")]
+    assert len(pids) == 5
+    program.send_signal(signal.SIGKILL)
+    wait_until(lambda: not any(map(is_running, pids)), 2.5)
+    assert Path("end").read_text() == "asked\n", "whoever heeds SIGINT ends in order, asked once"
+
+
+def test_nothing_is_started_where_a_program_is_missing(launch: Launch, tmp_path: Path) -> None:
+    program = launch(nodes(shell("touch started", "a"), "  - run: talkr\n"))
+    assert program.wait() == 2
+    assert program.lines == [
+        "lcmtools launch: a.yaml:3: there is no node 'talkr'; did you mean talker?"
+    ]
+    assert not (tmp_path / "started").exists()
+    assert not (tmp_path / "state").exists()
+
+
+def test_program_that_the_system_refuses_ends_what_was_started(
+    launch: Launch, tmp_path: Path
+) -> None:
+    (tmp_path / "broken").write_bytes(b"\x7fELF nothing more")
+    (tmp_path / "broken").chmod(0o755)
+    program = launch(nodes(shell("exec sleep 100", "a"), "  - {exec: ./broken, name: b}\n"))
+    assert program.wait() == 1
+    rows = table(program)
+    assert rows["/a"][0] == "ended by SIGINT"
+    assert rows["/b"][0].startswith("cannot be started: Exec format error")
+
+
+@pytest.mark.parametrize(("more", "expected"), [("", ""), (", stdin: true", "hello\n")])
+def test_standard_input_is_for_the_node_that_asks_for_it(
+    lcmtools: Run, tmp_path: Path, more: str, expected: str
+) -> None:
+    (tmp_path / "a.yaml").write_text(f"nodes: [{{exec: cat{more}}}]")
+    result = lcmtools("launch", "a.yaml", stdin="hello\n")
+    assert (result.returncode, result.stdout) == (0, expected)
+
+
+def test_launch_file_comes_from_a_pipe(lcmtools: Run) -> None:
+    text = '<launch><node pkg="lcmtools" type="talker" name="t"/></launch>'
+    result = lcmtools("launch", "-", "--nodes", "__ns:=/a", stdin=text)
+    assert (result.returncode, result.stdout) == (0, "/a/t\n")
+
+
+def test_reader_that_has_had_enough_ends_it(lcmtools_path: str, tmp_path: Path) -> None:
+    (tmp_path / "a.yaml").write_text(nodes(shell("while echo line; do sleep 0.01; done", "n")))
+    done = subprocess.run(
+        ["bash", "-c", f"{lcmtools_path} launch a.yaml | head -n 2; echo ${{PIPESTATUS[0]}}"],  # noqa: S607 - bash, wherever it is
+        capture_output=True,
+        text=True,
+        timeout=20,
+        check=False,
+    )
+    assert done.stdout.splitlines() == ["[n-1] line", "[n-1] line", "0"]
+
+
+def test_prefixes_have_colour_only_where_it_is_wanted(launch: Launch) -> None:
+    text = nodes(shell("echo a", "n"))
+    colored, plain = launch(text, LCMTOOLS_COLOR="always"), launch(text)
+    assert (colored.wait(), plain.wait()) == (0, 0)
+    assert "\x1b[32m[n-1]\x1b[0m a" in colored.lines
+    assert "\x1b" not in plain.output
+
+
+def test_all_nodes_are_on_the_chosen_bus_but_those_that_the_file_puts_elsewhere(
+    launch: Launch, bus_url: str
+) -> None:
+    say = "echo url=$LCM_DEFAULT_URL ns=$LCMTOOLS_NAMESPACE"
+    text = nodes(shell(say, "a", ", ns: x"), shell(say, "b", ', env: {LCMTOOLS_DOMAIN: "5"}'))
+    program = launch(text, "--lcm-url", bus_url, LCM_DEFAULT_URL="")
+    assert program.wait() == 0
+    assert f"[x/a-1] url={bus_url} ns=/x" in program.lines
+    assert "[b-2] url=udpm://239.255.76.67:7672?ttl=0 ns=" in program.lines
+
+
+def test_questions_are_answered_and_nothing_is_run(lcmtools: Run, tmp_path: Path) -> None:
+    (tmp_path / "a.launch").write_text(
+        """<launch><arg name="who" doc="whom to greet"/><arg name="n" default="1"/>
+        <node pkg="lcmtools" type="talker" name="t$(arg n)" args="$(arg who)"/></launch>"""
+    )
+
+    def ask(*words: str) -> str:
+        result = lcmtools("launch", "a.launch", *words)
+        assert (result.returncode, result.stderr) == (0, "")
+        return result.stdout
+
+    line = "lcmtools run talker bob __ns:=/ __name:=t1"
+    assert ask("--nodes", "who:=bob") == "/t1\n"
+    assert json.loads(ask("--nodes", "who:=bob", "--json")) == ["/t1"]
+    assert ask("--args", "t1", "who:=bob") == f"{line}\n"
+    assert json.loads(ask("--args", "/t1", "who:=bob", "--json"))["command"] == line.split()
+    assert ask("--files", "who:=bob") == f"{tmp_path}/a.launch\n"
+    expected = 'Required Arguments:\n  who: whom to greet\nOptional Arguments:\n  n (default "1")\n'
+    assert ask("--show-args") == ask("--ros-args") == expected
+    assert json.loads(ask("--show-args", "--json"))[0] == {
+        "name": "who",
+        "default": None,
+        "doc": "whom to greet",
+    }
+    dry = ask("--dry-run", "who:=bob")
+    assert dry == f"# /t1 (a.launch:2; output log)\n{line}\n"
+    assert json.loads(ask("--dry-run", "who:=bob", "--json"))[0]["line"] == line
+    assert not (tmp_path / "state").exists()
+
+
+def test_printed_command_line_is_what_a_shell_takes(lcmtools: Run, tmp_path: Path) -> None:
+    (tmp_path / "a.yaml").write_text(
+        "nodes:\n"
+        '  - exec: sh -c \'echo "$X" "$0" "$PWD"\' "it\'s"\n'
+        "    name: n\n    cwd: .\n    env: {X: a b}\n"
+    )
+    line = lcmtools("launch", "a.yaml", "--args", "n").stdout
+    printed = subprocess.run(["sh", "-c", line], capture_output=True, text=True, check=True)  # noqa: S607
+    assert printed.stdout == f"a b it's {tmp_path}\n"
+
+
+def test_notes_are_told_and_the_rest_is_run(lcmtools: Run, tmp_path: Path) -> None:
+    (tmp_path / "a.launch").write_text(
+        '<launch>\n<nodde/><node pkg="lcmtools" type="talker" name="t"/></launch>'
+    )
+    result = lcmtools("launch", "a.launch", "--nodes")
+    assert (result.returncode, result.stdout) == (0, "/t\n")
+    assert result.stderr == (
+        "lcmtools launch: a.launch:2: there is no tag 'nodde' in launch; did you mean node?\n"
+    )
+
+
+def test_launcher_that_has_no_place_for_logs_says_so_before_it_starts_anything(
+    launch: Launch, tmp_path: Path
+) -> None:
+    (tmp_path / "file").touch()
+    program = launch(nodes(shell("touch started")), XDG_STATE_HOME=str(tmp_path / "file"))
+    assert program.wait() == 1
+    assert "cannot make the folder for log files" in program.output
+    assert not (tmp_path / "started").exists()
+
+
+def test_many_nodes_are_launched_and_ended_together(launch: Launch) -> None:
+    text = nodes(*(shell("echo up; exec sleep 100", f"n{i}") for i in range(40)))
+    program = launch(text)
+    pids = [pid_of(program, f"n{i}-{i + 1}") for i in range(40)]
+    program.send_signal(signal.SIGINT)
+    assert program.wait() == 0
+    assert len(table(program)) == 40
+    assert not any(map(is_running, pids))
+
+
+def test_ctrl_c_counts_while_nobody_reads_what_is_shown(
+    lcmtools_path: str, tmp_path: Path, wait_until: Callable[..., None]
+) -> None:
+    text = nodes(shell("echo $$ > pid; while true; do echo much to read; done", "n"))
+    (tmp_path / "a.yaml").write_text(text)
+    command = [lcmtools_path, "launch", "a.yaml"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as program:
+        wait_until(lambda: Path("pid").is_file() and Path("pid").read_text().endswith("\n"))
+        pid = int(Path("pid").read_text())
+        log = tmp_path / "state" / "lcmtools" / "log" / "latest" / "n-1.log"
+        sizes = [-1]
+        # it is stuck when nothing more comes into the log
+        wait_until(lambda: sizes.append(log.stat().st_size) or sizes[-1] == sizes[-2] > 30_000)
+        program.send_signal(signal.SIGINT)
+        assert program.wait(10) == 0
+        assert not is_running(pid)
+
+
+def test_log_shows_a_nodes_warnings_only(launch: Launch) -> None:
+    script = "echo '[INFO] [1] [/n]: fine' >&2; echo '[WARN] [1] [/n]: not fine' >&2"
+    program = launch(nodes(shell(script, "n", ", output: log")))
+    assert program.wait() == 0
+    assert "[n-1] [WARN] [1] [/n]: not fine" in program.lines
+    assert "[INFO]" not in program.output

@@ -1,0 +1,165 @@
+"""Where launch files and nodes are found."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from lcmtools.errors import InvalidFile, UsageError
+from lcmtools.launch.executables import Executable, find_executable, find_typed, startable
+from lcmtools.launch.packages import LABS, find_files, find_package
+
+Make = Callable[..., Path]
+
+
+@pytest.fixture
+def workspace(folder: Path) -> Make:
+    """``workspace("pkg", "launch/a.launch")``: a package in this folder, with these files."""
+
+    def make(name: str, *files: str) -> Path:
+        package = folder / name
+        for file in files:
+            path = package / file
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.touch()
+        (package / "pyproject.toml").write_text(
+            f'[project]\nname = "{package.name}"\n[project.entry-points."lcmtools.nodes"]\n'
+            f'drive = "{package.name}.drive:main"\n[tool.lcmtools]\n'
+        )
+        return package
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("words", "path"),
+    [
+        (["simple_controller.launch"], "air_lab0/launch/simple_controller.launch"),
+        (["simple_controller"], "air_lab0/launch/simple_controller.launch"),
+        (["air_lab0", "simple_controller.launch"], "air_lab0/launch/simple_controller.launch"),
+        (["gazebo_ros", "empty_world.launch"], "gazebo_ros/launch/empty_world.launch"),
+        (["pre_assignment2"], "pre_assignment2/launch/pre_assignment2.launch"),
+        (["gazebo_ros"], "gazebo_ros/launch/empty_world.launch"),
+    ],
+)
+def test_labs_files_are_found_by_name_and_by_package(
+    folder: Path, words: list[str], path: str
+) -> None:
+    assert folder == Path.cwd()
+    assert find_files(words) == [LABS / path]
+
+
+def test_own_package_and_own_file_come_before_the_labs(workspace: Make, folder: Path) -> None:
+    package = workspace("air_lab0", "launch/simple_controller.launch", "deep/er/b.yaml")
+    assert find_package("air_lab0") == package
+    assert find_files(["air_lab0", "simple_controller.launch"]) == [
+        package / "launch" / "simple_controller.launch"
+    ]
+    assert find_files(["air_lab0", "b.yaml"]) == [package / "deep" / "er" / "b.yaml"]
+    (folder / "simple_controller.launch").touch()
+    assert find_files(["simple_controller.launch"]) == [Path("simple_controller.launch")]
+
+
+def test_file_here_is_found_without_its_suffix_and_in_the_folder_launch(folder: Path) -> None:
+    (folder / "launch").mkdir()
+    for name in ("a.yaml", "launch/b.launch"):
+        (folder / name).touch()
+    assert find_files(["a"]) == [Path("a.yaml")]
+    assert find_files(["b.launch"]) == find_files(["b"]) == [Path("launch/b.launch")]
+    with pytest.raises(InvalidFile, match=r"did you mean b\.launch\?"):
+        find_files(["bb.launch"])
+
+
+def test_package_is_found_from_within_and_below_src(
+    workspace: Make, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package = workspace("src/mine", "launch/a.launch")
+    assert find_package("mine") == package
+    monkeypatch.chdir(package / "launch")
+    assert find_package("mine") == package
+    assert folder in package.parents
+
+
+def test_installed_package_is_a_package() -> None:
+    assert find_package("lcmtools") == LABS.parents[1]
+
+
+def test_several_files_are_taken_together(folder: Path) -> None:
+    (folder / "a.yaml").touch()
+    (folder / "b.yaml").touch()
+    assert find_files(["a.yaml", "b.yaml"]) == [Path("a.yaml"), Path("b.yaml")]
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["simple_contoller.launch"], "did you mean simple_controller.launch?"),
+        (["nothing"], "there is no launch file nothing; those of the labs: simple_controller"),
+        (["air_lab0", "nope"], "there is no launch file nope in the package air_lab0; it has"),
+        (["ar_lab0", "a.launch"], "there is no package 'ar_lab0'; did you mean air_lab0?"),
+        (["../etc", "passwd"], "there is no package '../etc'"),
+        (["here"], "here is a folder, not a launch file"),
+        (["a.yaml", "b.yaml"], "there is no launch file b.yaml"),
+    ],
+)
+def test_what_is_not_there_is_told(folder: Path, words: list[str], reason: str) -> None:
+    (folder / "here").mkdir()
+    (folder / "a.yaml").touch()
+    with pytest.raises(UsageError) as caught:
+        find_files(words)
+    assert reason in str(caught.value)
+
+
+def test_package_with_several_launch_files_names_them(workspace: Make) -> None:
+    workspace("mine", "launch/a.launch", "launch/b.launch")
+    with pytest.raises(InvalidFile, match=r"it has a.launch, b.launch"):
+        find_files(["mine"])
+
+
+@pytest.mark.parametrize(
+    ("package", "name", "node"),
+    [
+        ("lcmtools", "talker", "talker"),
+        ("beginner_tutorials", "listener", "listener"),
+        ("air_lab0", "evaluate_controller.py", "evaluate_controller"),
+        ("my_package", "moving_robot", "moving_robot"),
+        ("gazebo_ros", "gzserver", "sim"),
+        ("morse", "morse", "sim"),
+    ],
+)
+def test_nodes_of_the_labs_are_lcmtools_own(
+    folder: Path, package: str, name: str, node: str
+) -> None:
+    assert find_executable(package, name, folder).command == ("lcmtools", "run", node)
+
+
+def test_nodes_of_the_workspace_are_found_from_here_and_from_the_files_folder(
+    workspace: Make, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    launch = workspace("air_lab0", "launch/a.launch") / "launch"
+    expected = ("lcmtools", "run", "air_lab0", "drive")
+    assert find_executable("air_lab0", "drive.py", folder) == Executable(expected)
+    assert find_typed(["air_lab0", "drive", "x"], folder) == (Executable(expected), ["x"])
+    monkeypatch.chdir("/")
+    assert find_executable("air_lab0", "drive", launch) == Executable(expected, str(launch))
+    assert find_typed(["drive"], launch)[0].directory == str(launch)
+
+
+def test_executable_file_of_a_package_is_its_node(workspace: Make) -> None:
+    script = workspace("mine", "scripts/die.py") / "scripts" / "die.py"
+    here = Path.cwd()
+    with pytest.raises(
+        UsageError, match="there is no node 'die' in the package mine; did you mean dr"
+    ):
+        find_executable("mine", "die", here)
+    script.chmod(0o755)
+    for name in ("die", "die.py"):
+        assert find_executable("mine", name, here) == Executable((str(script),))
+
+
+def test_what_is_shown_as_lcmtools_is_the_one_that_runs_now() -> None:
+    program, *rest = startable(["nice", "lcmtools", "run", "talker"])[1:]
+    assert rest == ["run", "talker"]
+    assert os.access(program, os.X_OK)
+    assert startable(["echo", "lcmtools"]) == ["echo", "lcmtools"]
