@@ -26,7 +26,10 @@ _PORTS_A_WORKER = 500
 COMMAND = str(Path(sysconfig.get_path("scripts")) / "lcmtools")
 _INHERITED = (
     *("LCM_DEFAULT_URL", "LCM_DBG", "NO_COLOR", "FORCE_COLOR", "CLICOLOR_FORCE"),
-    *(f"LCMTOOLS_{name}" for name in ("DOMAIN", "NAMESPACE", "COLOR", "TIMEOUT", "DEBUG")),
+    *(
+        f"LCMTOOLS_{name}"
+        for name in ("DOMAIN", "NAMESPACE", "COLOR", "TIMEOUT", "DEBUG", "TYPE_PATH")
+    ),
 )
 
 

@@ -166,8 +166,12 @@ def chosen_url() -> "BusUrl":
     return url
 
 
-def open_watch(tool: str) -> "Watch":
+def open_watch(tool: str, *, whole: bool = False) -> "Watch":
     """A look at the bus that the command line means.
+
+    Args:
+        tool: The command's name.
+        whole: Large messages are wanted whole; else their heads will do.
 
     Raises:
         UsageError: The URL or the domain is wrong.
@@ -175,7 +179,7 @@ def open_watch(tool: str) -> "Watch":
     """
     from lcmtools.bus.watch import Watch
 
-    return Watch(chosen_url(), tool, os.environ)
+    return Watch(chosen_url(), tool, os.environ, whole=whole)
 
 
 def topic_spellings(name: str) -> list[str]:

@@ -1,76 +1,137 @@
 """``lcmtools run``."""
 
+import sys
+import traceback
 from collections.abc import Sequence
-from importlib.metadata import EntryPoint, entry_points
-from typing import Protocol, cast
+from pathlib import Path
+from types import TracebackType
 
 import click
 
 from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import CONTEXT, bus_choice, bus_options, json_option
-from lcmtools.cli.output import document, lines
-from lcmtools.errors import MissingExtra, UsageError
-from lcmtools.names import did_you_mean
-
-GROUP = "lcmtools.nodes"
-"""The entry points that are nodes; any installed package can add its own."""
-
-
-class Program(Protocol):
-    """A node's main function."""
-
-    def __call__(self, args: Sequence[str] | None = None) -> int | None:
-        """Run until asked to end; return an exit code, None for 0."""
-        ...
+from lcmtools.cli.output import document, lines, talk
+from lcmtools.cli.summaries import summary
+from lcmtools.errors import LcmtoolsError, MissingExtra, UsageError
+from lcmtools.packages.nodes import OWN, Program, Runnable, find_node, runnables
+from lcmtools.packages.workspace import workspace
 
 
 @click.command("run", context_settings={**CONTEXT, "allow_interspersed_args": False})
 @click.option("-l", "--list", "show_list", is_flag=True, help="List the nodes that can be run.")
 @json_option
 @bus_options
-@click.argument("name", required=False)
+@click.argument("name", required=False, metavar="[PACKAGE] NAME")
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
 def command(name: str | None, arguments: tuple[str, ...], *, show_list: bool, as_json: bool) -> int:
     """Run a node by its name, with names, remaps and parameters as ROS writes them.
 
     After NAME: __ns:=/husky0, __name:=driver, from:=to, _parameter:=value; or the same as
-    --ns, --name, --remap from:=to (-r), --param parameter:=value. Everything else is the node's.
+    --ns, --name, --param parameter:=value, --remap from:=to (-r). Everything else is the node's.
+    A PACKAGE of the workspace need not be installed; PACKAGE alone lists its nodes.
 
     \b
     Examples:
       lcmtools run sim
       lcmtools run simple_controller __ns:=/husky0 controlled_velocity:=velocity_cmd
+      lcmtools run air_lab0 simple_controller __ns:=/husky0
       lcmtools run --list
     """  # noqa: D301 - \b is click's mark
-    known = {entry.name: entry for entry in entry_points(group=GROUP)}
     if show_list and name:
         raise UsageError("--list takes no node's name", f"type lcmtools run {name}, or only --list")
-    if show_list:
-        document(sorted(known)) if as_json else lines(sorted(known))
-        return 0
-    if not name:
+    known = runnables(Path.cwd())
+    if name and not show_list and not _is_package(name, arguments, known):
+        return _run([name, *arguments], known)
+    if not name and not show_list:
         raise UsageError("the node's name is missing", "lcmtools run --list shows them")
-    if name not in known:
-        raise UsageError(
-            f"there is no node '{name}'",
-            did_you_mean(name, known) or "lcmtools run --list shows them",
+    _list([node for node in known if name in (None, node.package)], name, as_json=as_json)
+    return 0
+
+
+def _is_package(name: str, arguments: Sequence[str], known: Sequence[Runnable]) -> bool:
+    """Whether it is a package's name alone, and no node's."""
+    named = {node.name for node in known}
+    packages = {one.package for one in known} | {one.name for one in workspace(Path.cwd()).packages}
+    return not arguments and name in packages - named
+
+
+def _list(nodes: Sequence[Runnable], package: str | None, *, as_json: bool) -> None:
+    """What can be typed: a node's name, behind its package's where that is needed."""
+    if not nodes:
+        talk(f"lcmtools run: the package {package} has no nodes")
+    own = package or OWN
+    typed = {
+        node.name if node.package == own else f"{node.package} {node.name}": node for node in nodes
+    }
+    if as_json:
+        document(sorted(typed))
+        return
+    width = max(map(len, typed), default=0)
+    lines(
+        f"{name:<{width}}  {summary(node.target, node.folder)}".rstrip()
+        for name, node in sorted(typed.items())
+    )
+
+
+def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
+    node, arguments = _find(words, known)
+    hidden = [one.package for one in known if one.name == node.name and one.package != node.package]
+    if node.package == OWN and words[0] == node.name and hidden:
+        talk(
+            f"lcmtools run: this is lcmtools' own {node.name}; {hidden[0]} has one too: "
+            f"lcmtools run {hidden[0]} {node.name}"
         )
-    program = _load(known[name])
-    click.get_current_context().meta[COMMAND] = f"lcmtools run {name}"
+    typed = words[: len(words) - len(arguments)]
     try:
+        program = _load(node)
+        click.get_current_context().meta[COMMAND] = f"lcmtools run {' '.join(typed)}"
         return program([*_bus_arguments(), *arguments]) or 0
     except KeyboardInterrupt:  # asked to end before the node was ready to be asked
         return 0
+    except (LcmtoolsError, OSError):
+        raise
+    except Exception as error:
+        if node.package == OWN:
+            raise
+        return _blame(error, node)
 
 
-def _load(entry: EntryPoint) -> Program:
+def _find(words: Sequence[str], known: Sequence[Runnable]) -> tuple[Runnable, list[str]]:
     try:
-        return cast(Program, entry.load())
+        return find_node(words, known)
+    except UsageError as error:
+        for problem in workspace(Path.cwd()).problems:  # the one that is missed may be in there
+            raise UsageError(error.what, str(problem)) from error
+        raise
+
+
+def _load(node: Runnable) -> Program:
+    try:
+        return node.load()
     except ModuleNotFoundError as error:
+        package, point, _ = (error.name or "").partition(".")
+        if point and package in (OWN, node.import_name):
+            raise  # it misspells a module of its own, or of lcmtools
         raise MissingExtra(
-            f"{entry.name} needs the Python package '{error.name}', which is not installed",
+            f"{node.name} needs the Python package '{error.name}', which is not installed",
             f"type: pip install {error.name}",
         ) from error
+
+
+def _blame(error: Exception, node: Runnable) -> int:
+    """Show where somebody's own node has failed, without the part that is lcmtools'."""
+    frames = error.__traceback__
+    while frames and not _is_of(frames, node):
+        frames = frames.tb_next
+    text = "".join(traceback.format_exception(type(error), error, frames, chain=False))
+    sys.stderr.write(text)
+    sys.stderr.flush()
+    return 1
+
+
+def _is_of(frames: TracebackType, node: Runnable) -> bool:
+    module = str(frames.tb_frame.f_globals.get("__name__", ""))
+    return module.partition(".")[0] == node.import_name
 
 
 def _bus_arguments() -> list[str]:

@@ -54,10 +54,11 @@ def decode(cls: type[M], payload: bytes | bytearray | memoryview) -> M:
         DecodeError: The payload is of another type, ends early, or has a length that cannot be.
     """
     data = payload if isinstance(payload, bytes) else bytes(payload)
-    if data[:_FINGERPRINT_BYTES] != layout(cls).fingerprint:
+    known = layout(cls)
+    if data[:_FINGERPRINT_BYTES] != known.fingerprint:
         raise DecodeError(f"expected {type_name(cls)}, got {describe_payload(data)}")
     try:
-        return cast("M", layout(cls).read(Cursor(data, _FINGERPRINT_BYTES)))
+        return cast("M", known.read(Cursor(data, _FINGERPRINT_BYTES)))
     except Malformed as malformed:
         raise DecodeError(f"broken {type_name(cls)}: {malformed}") from None
 

@@ -88,17 +88,17 @@ def _plain(value: object, field: Field, depth: int) -> Plain:
         return [_plain(element, field, depth + 1) for element in as_sequence(value)]
     if field.message_class:
         return to_plain(cast("Message", value))
-    return _plain_scalar(value)
+    return plain_scalar(value)
 
 
 def _plain_row(elements: Sequence[object]) -> list[Plain]:
     """Numbers, booleans or strings; seldom there are numpy's among them."""
     if _PLAIN.issuperset(map(type, elements)):
         return cast("list[Plain]", list(elements))
-    return [_plain_scalar(element) for element in elements]
+    return [plain_scalar(element) for element in elements]
 
 
-def _plain_scalar(value: object) -> Plain:
+def plain_scalar(value: object) -> Plain:
     """A value as it is, or Python's own number for one of numpy's."""
     return value.item() if hasattr(value, "item") else cast("Plain", value)
 

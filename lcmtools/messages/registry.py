@@ -1,38 +1,25 @@
 """Which message types there are: by name, by class and by fingerprint.
 
-Belongs here: how a type's name is read and written, and how its class is found. Must not know
-what is inside a message. A look-up by name or fingerprint reads tables and imports no type.
+Belongs here: how a type's class is found. Must not know what is inside a message, nor how users'
+types are found and made (see ``lcmtools.packages``). A look-up by name or fingerprint reads tables
+and imports no type.
+
+Of two types with the same name, a user's own counts: the nearer one is what somebody works on. The
+others are still found by their fingerprints.
 """
 
 import importlib
-import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from functools import cache
-from typing import ClassVar, Protocol, cast
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, Protocol, cast
 
 from lcmtools.errors import UnknownType
+from lcmtools.messages.type_names import STUDENTS, find, full_name, near_miss, preference
+from lcmtools.packages.source import Problem, TypeSource
 
-PREFERRED = (
-    "std_msgs/Empty",
-    "std_msgs/Bool",
-    "std_msgs/Int8",
-    "std_msgs/UInt8",
-    "std_msgs/Int16",
-    "std_msgs/Int32",
-    "std_msgs/Int64",
-    "std_msgs/Time",
-    "builtin_interfaces/Time",
-    "geometry_msgs/Vector3",
-    "geometry_msgs/Twist",
-    "geometry_msgs/TwistStamped",
-    "geometry_msgs/TwistWithCovariance",
-    "geometry_msgs/TwistWithCovarianceStamped",
-)
-"""What a payload is taken for when several types have its fingerprint: the type that robots send
-most. Types that are not listed follow in alphabetical order."""
-
-_NAME = re.compile(r"(?:([\w.]+?)[/.](?:(?:msg|srv)[/.])?)?(\w+)", re.ASCII)
+if TYPE_CHECKING:  # most look-ups do without them
+    from lcmtools.packages.user_types import UserTypes
 
 
 class Message(Protocol):
@@ -60,51 +47,61 @@ class ServiceType(Protocol):
     Response: type[Message]
 
 
-@dataclass(frozen=True, slots=True)
-class TypeSource:
-    """A place that generated classes are imported from.
+class Supply(Protocol):
+    """Types that are looked for when they are asked for; None where there are none."""
 
-    Attributes:
-        prefix: The module above the packages, as given to lcm-gen ("lcmtools.types").
-        fingerprints: Every type's name ("geometry_msgs/Twist") and fingerprint.
-        services: Names of the service pairs ("std_srvs/Trigger").
-    """
+    def near(self) -> TypeSource | None:
+        """Those that count before all others."""
 
-    prefix: str
-    fingerprints: Mapping[str, int]
-    services: Sequence[str] = ()
+    def far(self) -> TypeSource | None:
+        """Those that are looked at when a type is not known otherwise."""
 
 
 class Registry:
-    """All types of some sources; an earlier source wins where two have the same name."""
+    """All types of some sources; an earlier source wins where two have the same name.
 
-    def __init__(self, sources: Sequence[TypeSource]) -> None:
-        self._sources = tuple(sources)
-        self._types = {name: s for s in reversed(self._sources) for name in s.fingerprints}
-        self._services = {name: s for s in reversed(self._sources) for name in s.services}
+    Args:
+        sources: What is always there.
+        supply: What a user may have besides.
+        warn: Told what is doubtful about a type that is used.
+    """
+
+    def __init__(
+        self,
+        sources: Sequence[TypeSource],
+        supply: Supply | None = None,
+        warn: Callable[[str], object] = str,
+    ) -> None:
+        self._fixed = tuple(sources)
+        self._supply = supply
+        self._warn = warn
+        self._warned: set[str] = set()
+        self._seen = {source.prefix for source in sources}
 
     def type_names(self) -> list[str]:
         """Names of all message types, sorted."""
-        return sorted(self._types)
+        return sorted({name for source in self._all() for name in source.fingerprints})
 
     def service_names(self) -> list[str]:
         """Names of all service pairs, sorted."""
-        return sorted(self._services)
+        return sorted({name for source in self._all() for name in source.services})
 
-    def message_class(self, name: str) -> type[Message]:
+    def message_class(self, name: str, number: int | None = None) -> type[Message]:
         """The class of a type, imported now.
 
         Args:
             name: geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or, where only
                 one package has it, Twist.
+            number: Its fingerprint, where that is known: of several types with the same name, the
+                one that has it.
 
         Raises:
             UnknownType: There is no such type, or several packages have it.
+            InvalidFile: The .lcm file that should have it is wrong.
         """
-        found = _find(name, self._types, "type")
-        if not found:
-            raise UnknownType(f"unknown type '{name}'", self._type_hint(name))
-        return cast("type[Message]", _load(self._types[found].prefix, found))
+        source, found = self._type(name, number)
+        self._warn_once(source, found)
+        return cast("type[Message]", _load(source.prefix, found))
 
     def service_class(self, name: str) -> type[ServiceType]:
         """The pair of a service; the name is written as for ``message_class``.
@@ -113,7 +110,8 @@ class Registry:
             UnknownType: There is no such service, or several packages have it.
         """
         found = self.service_name(name)
-        return cast("type[ServiceType]", _load(self._services[found].prefix, found))
+        source = next(one for one in self._all() if found in one.services)
+        return cast("type[ServiceType]", _load(source.prefix, found))
 
     def service_name(self, name: str) -> str:
         """The full name of a service pair ("std_srvs/Trigger"), of any way to write it.
@@ -121,9 +119,9 @@ class Registry:
         Raises:
             UnknownType: There is no such service, or several packages have it.
         """
-        found = _find(name, self._services, "service")
+        found = self._find_service(name, self._usual()) or self._find_service(name, self._all())
         if not found:
-            hint = _near(name, self._services) or "see: lcmtools srv list"
+            hint = near_miss(name, self.service_names()) or "see: lcmtools srv list"
             raise UnknownType(f"unknown service type '{name}'", hint)
         return found
 
@@ -132,32 +130,133 @@ class Registry:
 
         Types with equal field names and types share a fingerprint, so this is a list.
         """
-        names = [
-            name for name, source in self._types.items() if source.fingerprints[name] == fingerprint
-        ]
-        return sorted(names, key=_preference)
+        for sources in (self._usual, self._all):
+            names = {
+                name
+                for source in sources()
+                for name, number in source.fingerprints.items()
+                if number == fingerprint
+            }
+            if names:
+                return sorted(names, key=preference)
+        return []
 
     def type_name(self, cls: type) -> str:
         """The name of a generated class, whether it is registered here or not."""
         package, _, _ = cls.__module__.rpartition(".")
-        for source in self._sources:
-            if package.startswith(f"{source.prefix}."):
-                return f"{package.removeprefix(source.prefix)[1:]}/{cls.__name__}"
+        for prefix in self._seen:
+            if f"{package}.".startswith(f"{prefix}."):
+                return "/".join(filter(None, (package.removeprefix(prefix)[1:], cls.__name__)))
         return "/".join(filter(None, (package.rpartition(".")[2], cls.__name__)))
 
+    def files(self) -> dict[str, str]:
+        """The .lcm file of each type of the user's own."""
+        return {
+            name: file for source in reversed(self._all()) for name, file in source.files.items()
+        }
+
+    def problems(self) -> Sequence[Problem]:
+        """What is wrong with .lcm files of the user's own."""
+        far = self._supply.far() if self._supply else None
+        return far.problems if far else ()
+
+    def _type(self, name: str, number: int | None) -> tuple[TypeSource, str]:
+        """The source of a type, and its full name."""
+        problem = None
+        for sources in (self._usual(), self._all()):
+            found = find(name, {one for source in sources for one in source.fingerprints}, "type")
+            problem = _problem(found or full_name(name), sources)
+            having = [one for one in sources if found in one.fingerprints]
+            if problem:  # an installed package may have what the type lacked
+                having = [one for one in having if one not in self._fixed and one.files]
+            if found and having:
+                same = (one for one in having if one.fingerprints[found] == number)
+                return next(same, having[0]), found
+        if problem:
+            raise problem.error()
+        raise UnknownType(f"unknown type '{name}'", self._type_hint(name))
+
+    def _usual(self) -> list[TypeSource]:
+        """The sources that it costs nothing to ask."""
+        near = self._supply.near() if self._supply else None
+        return self._remember([*([near] if near else []), *self._fixed])
+
+    def _all(self) -> list[TypeSource]:
+        far = self._supply.far() if self._supply else None
+        return self._remember([*self._usual(), *([far] if far else [])])
+
+    def _remember(self, sources: list[TypeSource]) -> list[TypeSource]:
+        self._seen.update(source.prefix for source in sources if source.prefix)
+        return sources
+
+    def _warn_once(self, source: TypeSource, name: str) -> None:
+        """Say that there is another type of this name."""
+        notes = [source.notes[name]] if name in source.notes else []
+        file = source.files.get(name)
+        number = source.fingerprints[name]
+        file = None if name.startswith(STUDENTS) else file
+        if file and any(one.fingerprints.get(name, number) != number for one in self._fixed):
+            notes.append(f"{name} is not as lcmtools has it; used is {file}")
+        for note in notes:
+            if note not in self._warned:
+                self._warned.add(note)
+                self._warn(f"lcmtools: {note}")
+
     def _type_hint(self, name: str) -> str:
-        service = _find(name, self._services, "service")
+        sources = self._all()
+        service = self._find_service(name, sources)
         if service:
             return f"{service} is a service; its messages are {service}_Request and _Response"
-        return _near(name, self._types) or "see: lcmtools msg list"
+        near = near_miss(name, (one for source in sources for one in source.fingerprints))
+        package = full_name(name).rpartition("/")[0]
+        for problem in self.problems():  # the one that is missed may be in there
+            if f" {package}/" not in near:
+                return str(problem.error())
+        return near or "see: lcmtools msg list"
+
+    @staticmethod
+    def _find_service(name: str, sources: Sequence[TypeSource]) -> str | None:
+        return find(name, {one for source in sources for one in source.services}, "service")
 
 
 @cache
 def default_registry() -> Registry:
-    """The registry of the types that lcmtools brings along."""
+    """The registry of the types that lcmtools brings along and of the user's own."""
+    return Registry([_shipped()], user_types(), _log)
+
+
+@cache
+def user_types() -> "UserTypes":
+    """The types of the person who runs this process (LCMTOOLS_TYPE_PATH, packages)."""
+    import os
+    import sys
+
+    from lcmtools.packages.user_types import UserTypes
+
+    script = Path(sys.argv[0] if sys.argv and sys.argv[0] else ".").absolute().parent
+
+    def starts() -> list[Path]:
+        try:
+            here = [Path.cwd()]
+        except OSError:  # somebody has removed the current folder
+            here = []
+        return [*here, *([script] if script.name != "bin" else [])]
+
+    return UserTypes(os.environ, starts, _shipped().fingerprints)
+
+
+@cache
+def _shipped() -> TypeSource:
     from lcmtools.types.fingerprints import FINGERPRINTS, SERVICES
 
-    return Registry([TypeSource("lcmtools.types", FINGERPRINTS, SERVICES)])
+    return TypeSource("lcmtools.types", FINGERPRINTS, SERVICES)
+
+
+def _log(text: str) -> None:
+    """Warn as libraries do: to standard error, unless the program wants it elsewhere."""
+    import logging
+
+    logging.getLogger("lcmtools").warning("%s", text)
 
 
 def type_names() -> list[str]:
@@ -165,9 +264,14 @@ def type_names() -> list[str]:
     return default_registry().type_names()
 
 
+def problems() -> Sequence[Problem]:
+    """What is wrong with .lcm files of the user's own: types of theirs may be missing."""
+    return default_registry().problems()
+
+
 def packages() -> list[str]:
     """Names of the packages that have message types, sorted."""
-    return sorted({name.partition("/")[0] for name in type_names()})
+    return sorted({name.partition("/")[0] for name in type_names() if "/" in name})
 
 
 def service_names() -> list[str]:
@@ -175,13 +279,14 @@ def service_names() -> list[str]:
     return default_registry().service_names()
 
 
-def message_class(name: str) -> type[Message]:
+def message_class(name: str, number: int | None = None) -> type[Message]:
     """The class of a type (see Registry.message_class).
 
     Raises:
         UnknownType: There is no such type, or several packages have it.
+        InvalidFile: The .lcm file that should have it is wrong.
     """
-    return default_registry().message_class(name)
+    return default_registry().message_class(name, number)
 
 
 def service_class(name: str) -> type[ServiceType]:
@@ -223,41 +328,19 @@ def _class_name(cls: type) -> str:
     return default_registry().type_name(cls)
 
 
-def _find(name: str, known: Iterable[str], kind: str) -> str | None:
-    """The one of the known names that is meant, None for none of them."""
-    match = _NAME.fullmatch(name)
-    if not match:
-        return None
-    package, short = match.groups()
-    if package:
-        full = f"{package}/{short}"
-        return full if full in known else None
-    found = sorted(full for full in known if full.rpartition("/")[2] == short)
-    if len(found) > 1:
-        raise UnknownType(f"several {kind}s are called '{name}'", f"say {' or '.join(found)}")
-    return found[0] if found else None
-
-
-def _near(name: str, known: Iterable[str]) -> str:
-    """A hint that names the known names most like a mistyped one, "" if there are none."""
-    import difflib
-
-    package, _, short = re.sub(r"[/.](msg|srv)(?=[/.])", "", name).replace(".", "/").rpartition("/")
-    folded: dict[str, list[str]] = {}
-    for full in known:
-        folded.setdefault(full.rpartition("/")[2].lower(), []).append(full)
-    close = difflib.get_close_matches(short.lower(), folded, n=1)
-    if not close:
-        return ""
-    names = folded[close[0]]
-    same_package = [full for full in names if full.startswith(f"{package}/")]
-    return f"did you mean {' or '.join(sorted(same_package or names))}?"
-
-
-def _preference(name: str) -> tuple[int, str]:
-    return (PREFERRED.index(name) if name in PREFERRED else len(PREFERRED), name)
+def _problem(name: str, sources: Sequence[TypeSource]) -> Problem | None:
+    """Why the type of this name is not there, or not the one that counts."""
+    for source in sources:
+        if name in source.fingerprints:
+            return None
+        for problem in source.problems:
+            if problem.concerns(name):
+                return problem
+    return None
 
 
 def _load(prefix: str, name: str) -> object:
     package, _, short = name.rpartition("/")
-    return getattr(importlib.import_module(f"{prefix}.{package}"), short)
+    module = importlib.import_module(f"{prefix}.{package}" if package else prefix)
+    value: object = getattr(module, short)
+    return value

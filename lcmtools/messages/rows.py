@@ -119,8 +119,12 @@ class Numbers:
 
     def read(self, count: int, cursor: Cursor) -> object:
         """Numbers as a tuple, booleans as a list: what lcm-gen's decoders give."""
-        start = cursor.take(count * self._size, self._where)
-        numbers = struct.unpack_from(f">{count}{self._code}", cursor.data, start)
+        data, start = cursor.data, cursor.offset
+        end = start + count * self._size
+        if not start <= end <= len(data):  # not take() at once: short arrays are slower by its call
+            cursor.take(count * self._size, self._where)
+        cursor.offset = end
+        numbers = struct.unpack_from(f">{count}{self._code}", data, start)
         return list(numbers) if self._code == "?" else numbers
 
 

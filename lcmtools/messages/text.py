@@ -18,11 +18,14 @@ It is YAML 1.1. Unlike rostopic's, long strings stay on one line, for grep.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from operator import attrgetter
 from typing import cast
 
 from lcmtools.messages.fields import Field, is_time, visible_fields
-from lcmtools.messages.plain import plain_value
+from lcmtools.messages.plain import plain_scalar, plain_value
 from lcmtools.messages.registry import Message
 from lcmtools.messages.shape import as_sequence
 
@@ -47,12 +50,14 @@ _ESCAPED = re.compile(r"[^ !#-\[\]-~]")
 
 # Text that needs no quotes for any YAML parser: words that are not YAML's own, no numbers.
 _WORD = re.compile(r"[A-Za-z_/][\w./-]*", re.ASCII)
+_NSEC_WIDTH = 9
+_PLAIN = frozenset((bool, int, float, str))
 _RESERVED = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
 
 
 def format_message(message: Message) -> str:
     """A message as ``rostopic echo`` shows it, without an end of line; "" if it has no fields."""
-    return "\n".join(_message_lines(message, ""))
+    return _message_text(message, "")
 
 
 def quoted(text: str) -> str:
@@ -60,28 +65,80 @@ def quoted(text: str) -> str:
     return f'"{_ESCAPED.sub(_escape, text)}"' if text else "''"
 
 
-def _message_lines(message: Message, indent: str) -> Iterator[str]:
-    cls = type(message)
-    width = 9 if is_time(cls) else 0
+def _message_text(message: Message, indent: str) -> str:
+    return _form(type(message), indent).fill(message)
+
+
+@dataclass(frozen=True, slots=True)
+class _Form:
+    """How messages of one class are written: a text with gaps, and what goes there.
+
+    Attributes:
+        template: The text; %r where a number goes, %s where a text does.
+        values: What goes there, out of a message.
+        texts: The gaps of texts, by number, and what turns their values into them.
+    """
+
+    template: str
+    values: Callable[[Message], Iterable[object]]
+    texts: tuple[tuple[int, Callable[[object], str]], ...]
+
+    def fill(self, message: Message) -> str:
+        """The text of a message."""
+        values = list(self.values(message))
+        for place, text in self.texts:
+            values[place] = text(values[place])
+        if not _PLAIN.issuperset(map(type, values)):  # numpy's numbers have a repr of their own
+            values = list(map(plain_scalar, values))
+        return self.template % tuple(values)
+
+
+# Writing is most of what echo does, and what is the same for all messages of a class need not be
+# worked out again for each: that makes it about three times as fast (bench/codec.py).
+@cache
+def _form(cls: type[Message], indent: str) -> _Form:
+    lines: list[str] = []
+    leaves: list[tuple[str, Callable[[object], str] | None]] = []
+    _add_fields(cls, indent, "", lines, leaves)
+    paths = [path for path, _ in leaves]
+    texts = tuple((place, text) for place, (_, text) in enumerate(leaves) if text)
+    return _Form("\n".join(lines), _getter(paths), texts)
+
+
+def _getter(paths: Sequence[str]) -> Callable[[Message], Iterable[object]]:
+    """What takes the values at some paths out of a message."""
+    if len(paths) > 1:
+        return attrgetter(*paths)  # gives a tuple only where there are several
+    return lambda message: [attrgetter(path)(message) for path in paths]
+
+
+def _add_fields(
+    cls: type[Message],
+    indent: str,
+    path: str,
+    lines: list[str],
+    leaves: list[tuple[str, Callable[[object], str] | None]],
+) -> None:
+    """Add the lines of a class's fields, and the path and the text of each value in them."""
     for field in visible_fields(cls):
-        value = getattr(message, field.name)
-        if field.dimensions:
-            yield from _array_lines(field, value, indent)
-        elif field.message_class:
-            yield f"{indent}{field.name}: "
-            yield from _message_lines(value, f"{indent}  ")
-        elif field.type == "string":
-            yield f"{indent}{field.name}: {quoted(value)}"
-        else:
-            padding = width if field.name != "sec" else 0
-            yield f"{indent}{field.name}: {plain_value(value, field)!r:>{padding}}"
+        head, where = f"{indent}{field.name}: ", f"{path}{field.name}"
+        if field.message_class and not field.dimensions:
+            lines.append(head)
+            _add_fields(field.message_class, f"{indent}  ", f"{where}.", lines, leaves)
+            continue
+        text = _text_of(field, f"{indent}  ")
+        padding = _NSEC_WIDTH if is_time(cls) and field.name != "sec" else ""
+        lines.append(f"{head}%{padding}{'s' if text else 'r'}")
+        leaves.append((where, text))
 
 
-def _array_lines(field: Field, value: object, indent: str) -> Iterator[str]:
-    if not field.message_class and field.type != "string":
-        yield f"{indent}{field.name}: {plain_value(value, field)!r}"
-    else:
-        yield from _block(field, value, f"{indent}{field.name}: ", f"{indent}  ")
+def _text_of(field: Field, indent: str) -> Callable[[object], str] | None:
+    """What makes the text of a field's value; None for a number."""
+    if field.dimensions and not field.message_class and field.type != "string":
+        return lambda value: repr(plain_value(value, field))
+    if field.dimensions:
+        return lambda value: "\n".join(_block(field, value, "", indent))
+    return cast("Callable[[object], str]", quoted) if field.type == "string" else None
 
 
 def _block(field: Field, value: object, head: str, indent: str, depth: int = 1) -> Iterator[str]:
@@ -93,7 +150,8 @@ def _block(field: Field, value: object, head: str, indent: str, depth: int = 1) 
             yield from _block(field, element, f"{indent}- ", f"{indent}  ", depth + 1)
         elif field.message_class:
             yield f"{indent}- "
-            yield from _message_lines(cast("Message", element), f"{indent}  ")
+            if text := _message_text(cast("Message", element), f"{indent}  "):
+                yield text
         else:
             yield f"{indent}- {word_or_quoted(cast('str', element))}"
 

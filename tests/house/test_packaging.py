@@ -72,6 +72,13 @@ def test_wheel_holds_types_stubs_and_markers(wheel: zipfile.ZipFile) -> None:
     assert expected - set(wheel.namelist()) == set()
 
 
+def test_wheel_holds_the_lcm_file_of_every_type(wheel: zipfile.ZipFile) -> None:
+    sources = {str(path.relative_to(ROOT / "lcm_types")) for path in ROOT.glob("lcm_types/*/*.lcm")}
+    folder = "lcmtools/lcm_files/"
+    shipped = {name for name in wheel.namelist() if name.startswith(folder)}
+    assert {name.removeprefix(folder) for name in shipped} == sources, "see force-include"
+
+
 def test_wheel_holds_nothing_but_the_two_packages(wheel: zipfile.ZipFile) -> None:
     tops = {name.partition("/")[0] for name in wheel.namelist()}
     metadata = {top for top in tops if top.endswith((".dist-info", ".data"))}

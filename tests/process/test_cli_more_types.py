@@ -3,10 +3,12 @@
 import json
 import subprocess
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+ROOT = Path(__file__).parents[2]
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
 TWIST = "linear:\n  x: 0.0\n  y: 0.0\n  z: 0.0\nangular:\n  x: 0.0\n  y: 0.0\n  z: 0.0\n"
@@ -143,3 +145,20 @@ def test_srv_show_of_an_unknown_type_is_exit_code_2_with_a_near_miss(lcmtools: R
         "lcmtools srv show: unknown service type 'std_srvs/Triger'; "
         "did you mean std_srvs/Trigger?\n"
     )
+
+
+def test_msg_show_r_prints_the_file_with_its_comments(lcmtools: Run) -> None:
+    file = ROOT / "lcm_types" / "sensor_msgs" / "LaserScan.lcm"
+    result = lcmtools("msg", "show", "-r", "LaserScan")
+    assert (result.returncode, result.stderr) == (0, "")
+    assert result.stdout == f"[sensor_msgs/LaserScan]:\n{file.read_text().strip()}\n"
+    assert "// [rad] from one beam to the next" in result.stdout
+
+
+def test_srv_show_r_prints_both_files(lcmtools: Run) -> None:
+    folder = ROOT / "lcm_types" / "std_srvs"
+    request, response = (
+        (folder / f"SetBool_{part}.lcm").read_text().strip() for part in ("Request", "Response")
+    )
+    result = lcmtools("srv", "show", "-r", "std_srvs/SetBool")
+    assert result.stdout == f"{request}\n---\n{response}\n"

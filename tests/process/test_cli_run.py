@@ -15,10 +15,13 @@ pytestmark = pytest.mark.usefixtures("use_module_bus")
 
 def test_list_names_what_can_be_run(lcmtools: Run) -> None:
     result = lcmtools("run", "--list")
-    known = set(result.stdout.splitlines())
+    rows = [line.split(maxsplit=1) for line in result.stdout.splitlines()]
+    known = {row[0] for row in rows}
     assert result.returncode == 0
     assert known >= {"talker", "listener", "simple_controller", "evaluate_controller", "sim"}
-    assert result.stdout.splitlines() == sorted(known)
+    assert [row[0] for row in rows] == sorted(known)
+    assert ["listener", "Tell what the talker says: the first subscriber."] in rows
+    assert all(len(row) == 2 for row in rows), "each has its summary"
     assert json.loads(lcmtools("run", "--list", "--json").stdout) == sorted(known)
 
 
@@ -99,7 +102,7 @@ def test_exit_code_is_the_nodes(lcmtools: Run, tmp_path: Path) -> None:
     environment = {"PYTHONPATH": str(tmp_path)}
     result = lcmtools("run", "mine", "a", "--b", "c:=d", **environment)
     assert (result.returncode, result.stdout) == (7, "['a', '--b', 'c:=d']\n")
-    assert "mine" in lcmtools("run", "--list", **environment).stdout.splitlines()
+    assert "mine mine" in lcmtools("run", "--list", **environment).stdout.splitlines()
 
 
 def test_simulator_without_pybullet_says_what_to_type_with_exit_code_3(

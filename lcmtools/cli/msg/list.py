@@ -3,8 +3,8 @@
 import click
 
 from lcmtools.cli.options import CONTEXT, json_option
-from lcmtools.cli.output import document, lines
-from lcmtools.messages.registry import type_names
+from lcmtools.cli.output import document, lines, talk
+from lcmtools.messages.registry import problems, type_names
 
 
 @click.command("list", context_settings=CONTEXT)
@@ -17,6 +17,8 @@ def command(*, as_json: bool) -> None:
       lcmtools msg list
       lcmtools msg list --json
     """  # noqa: D301 - \b is click's mark
+    for problem in problems():
+        talk(str(problem.error()), "lcmtools msg list")
     if as_json:
         document(type_names())
     else:

@@ -4,6 +4,7 @@ import sys
 
 import click
 
+from lcmtools.cli.msg.source import source_text
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import data, document
 from lcmtools.errors import UsageError
@@ -15,8 +16,9 @@ _EXAMPLE = "for example lcmtools msg show geometry_msgs/Twist"
 
 @click.command("show", context_settings=CONTEXT)
 @click.argument("type_", metavar="[TYPE]", default="-")
+@click.option("-r", "--raw", is_flag=True, help="Show its .lcm file, with the comments.")
 @json_option
-def command(type_: str, *, as_json: bool) -> None:
+def command(type_: str, *, raw: bool, as_json: bool) -> None:
     """Show the fields of a message type, nested ones expanded.
 
     TYPE is geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or Twist; "-" or none
@@ -25,22 +27,24 @@ def command(type_: str, *, as_json: bool) -> None:
     \b
     Examples:
       lcmtools msg show geometry_msgs/Twist
+      lcmtools msg show -r sensor_msgs/LaserScan
       lcmtools type /husky0/odometry | lcmtools msg show
     """  # noqa: D301 - \b is click's mark
     type_ = _piped() if type_ == "-" else type_
     kind = message_class(type_)
+    show = source_text if raw else definition
     if as_json:
         document(
             {
                 "type": type_name(kind),
                 "fingerprint": f"{fingerprint(kind):#018x}",
-                "definition": definition(kind),
+                "definition": show(kind),
             }
         )
         return
     if "/" not in type_ and "." not in type_:
         data(f"[{type_name(kind)}]:")
-    data(definition(kind))
+    data(show(kind))
 
 
 def _piped() -> str:

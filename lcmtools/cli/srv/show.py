@@ -2,6 +2,7 @@
 
 import click
 
+from lcmtools.cli.msg.source import source_text
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import document, lines
 from lcmtools.messages.definition import definition
@@ -10,8 +11,9 @@ from lcmtools.messages.registry import service_class, service_name
 
 @click.command("show", context_settings=CONTEXT)
 @click.argument("type_", metavar="TYPE")
+@click.option("-r", "--raw", is_flag=True, help="Show the .lcm files, with the comments.")
 @json_option
-def command(type_: str, *, as_json: bool) -> None:
+def command(type_: str, *, raw: bool, as_json: bool) -> None:
     """Show the fields of a service type: the request's, a line of dashes, the response's.
 
     TYPE is std_srvs/Trigger, std_srvs/srv/Trigger, std_srvs.Trigger or Trigger.
@@ -22,7 +24,8 @@ def command(type_: str, *, as_json: bool) -> None:
       lcmtools srv show Trigger --json
     """  # noqa: D301 - \b is click's mark
     pair, name = service_class(type_), service_name(type_)
-    request, response = definition(pair.Request), definition(pair.Response)
+    show = source_text if raw else definition
+    request, response = show(pair.Request), show(pair.Response)
     if as_json:
         document({"type": name, "request": request, "response": response})
         return

@@ -51,7 +51,7 @@ def command(
     def report(found: Mapping[str, Delay | None]) -> None:
         _report(found, as_json=as_json)
 
-    with open_watch("delay") as watch:
+    with open_watch("delay", whole=True) as watch:
         how = How(timeout, count, wall_time)
         measure(turns(watch, tuple(meters), how), meters, report, count)
 
@@ -94,7 +94,7 @@ def _stamp(packet: Packet) -> int:
             f"the type of the messages on {packet.channel} is not known",
             f"lcmtools echo {packet.channel} shows their bytes",
         )
-    stamped = stamp(decode(message_class(names[0]), packet.payload))
+    stamped = stamp(decode(message_class(names[0], packet.fingerprint), packet.payload))
     if stamped is None:
         raise LcmtoolsError(
             f"{names[0]}, which comes on {packet.channel}, has no header with a stamp",

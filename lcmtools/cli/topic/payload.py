@@ -53,7 +53,7 @@ class Decoder:
                 return f"unknown type, fingerprint {number:#018x}"
             announced = self._watch.graph().topic(channel).types
             meant = next((name for name in announced if name in names), names[0])
-            self._classes[key] = message_class(meant)
+            self._classes[key] = message_class(meant, number)
         return self._classes[key]
 
     def _not_as_said(self, number: int) -> str:

@@ -1,0 +1,35 @@
+"""``lcmtools msg generate``."""
+
+from pathlib import Path
+
+import click
+
+from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.output import document, lines, talk
+from lcmtools.messages.user_types import sources_of
+from lcmtools.packages.languages import LANGUAGES, generate
+
+
+@click.command("generate", context_settings=CONTEXT)
+@click.option("--lang", required=True, type=click.Choice(LANGUAGES), help="The language.")
+@click.argument("folder", metavar="DIR", type=click.Path())
+@click.argument("types", nargs=-1)
+@json_option
+def command(*, lang: str, folder: str, types: tuple[str, ...], as_json: bool) -> None:
+    """Write code for message types into DIR with lcm-gen, for programs on plain LCM.
+
+    TYPES are types or packages, shipped or your own; none means all your own. Types that they are
+    made of are written too.
+
+    \b
+    Examples:
+      lcmtools msg generate --lang cpp generated geometry_msgs/Twist std_msgs/String
+      lcmtools msg generate --lang c generated air_lab0
+    """  # noqa: D301 - \b is click's mark
+    files = sources_of(types)
+    written = generate(files, lang, Path(folder).expanduser())
+    if as_json:
+        document([str(path) for path in written])
+    else:
+        lines(map(str, written))
+        talk(f"{len(written)} file{'s'[: len(written) != 1]} in {folder}")

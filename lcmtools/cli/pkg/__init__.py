@@ -1,0 +1,1 @@
+"""The verbs of ``lcmtools pkg``, one file each."""

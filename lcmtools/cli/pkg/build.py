@@ -1,0 +1,35 @@
+"""``lcmtools pkg build``."""
+
+import click
+
+from lcmtools.cli.msg.building import build_folders
+from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.output import talk
+from lcmtools.cli.pkg.found import unknown, workspace_packages
+from lcmtools.errors import LcmtoolsError
+
+
+@click.command("build", context_settings=CONTEXT)
+@click.argument("name", required=False)
+@json_option
+def command(name: str | None, *, as_json: bool) -> int:
+    """Check and compile the messages of the workspace's packages, or of one.
+
+    Nothing needs this: messages are compiled when they are first used. It says at once what is
+    wrong. The exit code is 1 if anything is.
+
+    \b
+    Examples:
+      lcmtools pkg build
+      lcmtools pkg build air_lab0
+    """  # noqa: D301 - \b is click's mark
+    found = workspace_packages()
+    chosen = [one for one in found if name in (None, one.name)]
+    if not chosen and name:
+        raise unknown(name, [one.name for one in found])
+    if not chosen:
+        raise LcmtoolsError("there is no package here", "lcmtools pkg create NAME makes one")
+    code = build_folders([one.folder for one in chosen], as_json=as_json)
+    if code == 0:
+        talk(f"ready: {', '.join(one.name for one in chosen)}")
+    return code

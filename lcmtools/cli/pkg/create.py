@@ -1,0 +1,89 @@
+"""``lcmtools pkg create``."""
+
+from pathlib import Path
+
+import click
+
+from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.output import document, lines, talk
+from lcmtools.errors import UsageError
+from lcmtools.messages.registry import packages
+from lcmtools.packages.create import NewPackage, check, create
+
+_DEPS = "--deps"
+
+
+class _SeveralDeps(click.Command):
+    """Takes ``--deps a b c`` as catkin and ros2 do: words up to the next option."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Repeat the option before each of its words."""
+        spread: list[str] = []
+        option = ""
+        for word in args:
+            if word.startswith("-"):
+                option = word if word in (_DEPS, "--dependencies") else ""
+                spread += [] if option else [word]
+            else:
+                spread += [_DEPS, word] if option else [word]
+        if option and args[-1] == option:
+            spread.append(option)  # click says that its value is missing
+        return super().parse_args(ctx, spread)
+
+
+@click.command("create", cls=_SeveralDeps, context_settings=CONTEXT)
+@click.argument("name")
+@click.argument("folder", metavar="[DIR]", default=".", type=click.Path())
+@click.option(
+    _DEPS,
+    "--dependencies",
+    "dependencies",
+    multiple=True,
+    metavar="PACKAGE...",
+    help="Packages of messages.",
+)
+@click.option("--node", metavar="NAME", help="Its node's name (else NAME_node).")
+@click.option("--msg", "message", metavar="NAME", default="", help="A message of its own.")
+@click.option("--license", "license_", metavar="SPDX", default="", help="For example MIT.")
+@click.option("--force", is_flag=True, help="Overwrite files that are there.")
+@json_option
+def command(  # noqa: PLR0913 - one parameter an option
+    *,
+    name: str,
+    folder: str,
+    dependencies: tuple[str, ...],
+    node: str | None,
+    message: str,
+    license_: str,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Make a small package: a node that runs, a launch file, a test and, with --msg, a message.
+
+    It goes into the folder NAME in DIR, or in the current folder. It can be used at once, without
+    installing.
+
+    \b
+    Examples:
+      lcmtools pkg create air_lab0 --deps nav_msgs geometry_msgs --node simple_controller
+      lcmtools pkg create air_lab0 ~/labs --msg ControllerEvaluationStat
+    """  # noqa: D301 - \b is click's mark
+    wanted = [one for word in dependencies for one in word.split(",") if one]
+    new = NewPackage(
+        name, node or f"{name}_node", message, tuple(dict.fromkeys(wanted)), license_.strip()
+    )
+    check(new, packages())
+    _check_license(new.license)
+    place = Path(folder).expanduser() / name
+    written = create(new, place, replace=force)
+    if as_json:
+        document({"folder": str(place), "files": [str(path) for path in written]})
+        return
+    lines(str(place / path) for path in written)
+    where = "" if folder == "." else f"cd {folder}; "
+    talk(f"next: {where}lcmtools run {name} {new.node}")
+
+
+def _check_license(name: str) -> None:
+    if name and not all(one.isalnum() or one in "-.+ ()" for one in name):
+        raise UsageError(f"--license: '{name}' is no licence's short name", "for example MIT")

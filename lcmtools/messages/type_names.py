@@ -1,0 +1,75 @@
+"""How a type's name is written, and which of the known names one means.
+
+Belongs here: names as text: spellings, near misses, what comes first of several. Must not know
+where types come from.
+"""
+
+import re
+from collections.abc import Iterable
+
+from lcmtools.errors import UnknownType
+
+PREFERRED = (
+    "std_msgs/Empty",
+    "std_msgs/Bool",
+    "std_msgs/Int8",
+    "std_msgs/UInt8",
+    "std_msgs/Int16",
+    "std_msgs/Int32",
+    "std_msgs/Int64",
+    "std_msgs/Time",
+    "builtin_interfaces/Time",
+    "geometry_msgs/Vector3",
+    "geometry_msgs/Twist",
+    "geometry_msgs/TwistStamped",
+    "geometry_msgs/TwistWithCovariance",
+    "geometry_msgs/TwistWithCovarianceStamped",
+)
+"""What a payload is taken for when several types have its fingerprint: the type that robots send
+most. Types that are not listed follow in alphabetical order."""
+
+STUDENTS = ("air_lab0/",)
+"""Packages that lcmtools has because students make them in the labs: theirs count, in silence."""
+
+_NAME = re.compile(r"(?:([\w.]+?)[/.](?:(?:msg|srv)[/.])?)?(\w+)", re.ASCII)
+
+
+def find(name: str, known: Iterable[str], kind: str) -> str | None:
+    """The one of the known names that is meant, None for none of them."""
+    match = _NAME.fullmatch(name)
+    if not match:
+        return None
+    package, short = match.groups()
+    if package:
+        full = f"{package}/{short}"
+        return full if full in known else None
+    found = sorted(full for full in known if full.rpartition("/")[2] == short)
+    if len(found) > 1:
+        raise UnknownType(f"several {kind}s are called '{name}'", f"say {' or '.join(found)}")
+    return found[0] if found else None
+
+
+def full_name(name: str) -> str:
+    """A type's name in lcmtools' own spelling, where it has a package."""
+    return re.sub(r"[/.](?:(?:msg|srv)[/.])?(?=\w+$)", "/", name, flags=re.ASCII)
+
+
+def near_miss(name: str, known: Iterable[str]) -> str:
+    """A hint that names the known names most like a mistyped one, "" if there are none."""
+    import difflib
+
+    package, _, short = re.sub(r"[/.](msg|srv)(?=[/.])", "", name).replace(".", "/").rpartition("/")
+    folded: dict[str, list[str]] = {}
+    for full in known:
+        folded.setdefault(full.rpartition("/")[2].lower(), []).append(full)
+    close = difflib.get_close_matches(short.lower(), folded, n=1)
+    if not close:
+        return ""
+    names = folded[close[0]]
+    same_package = [full for full in names if full.startswith(f"{package}/")]
+    return f"did you mean {' or '.join(sorted(same_package or names))}?"
+
+
+def preference(name: str) -> tuple[int, str]:
+    """What to sort names by, so that the likeliest comes first."""
+    return (PREFERRED.index(name) if name in PREFERRED else len(PREFERRED), name)

@@ -1,0 +1,200 @@
+"""From .lcm files to Python packages that can be imported, and the table of what is in them.
+
+Belongs here: which types can be used and which cannot, the packages' ``__init__``, the pairs of
+services, fingerprints. Must not know where the files come from or where the result is kept.
+
+A type is taken with lcm-gen's own module; the package of a type that only lcmtools brings
+(geometry_msgs) is made of names that lead to ``lcmtools.types``.
+"""
+
+import importlib
+import json
+import sys
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from lcmtools.packages.generated import Generated, generate, move, unknown_type
+from lcmtools.packages.index import INDEX
+from lcmtools.packages.source import Problem
+from lcmtools.packages.type_files import LcmFile
+
+SHIPPED = "lcmtools.types"
+
+_INIT = '''"""Made by lcmtools of .lcm files: change those, not this."""
+
+{imports}
+
+def __getattr__(name: str) -> object:
+    """What this package has not itself, lcmtools may bring."""
+    from importlib import import_module
+
+    if {shipped} and not name.startswith("__"):
+        return getattr(import_module("{home}"), name)
+    raise AttributeError(f"module {{__name__}} has no attribute {{name}}")
+'''
+_PAIR = '''"""Made by lcmtools of .lcm files: change those, not this."""
+
+from {module}_Request import {name}_Request
+from {module}_Response import {name}_Response
+
+
+class {name}:
+    """The service {package}/{name}."""
+
+    Request = {name}_Request
+    Response = {name}_Response
+'''
+
+
+@dataclass(slots=True)
+class _Build:
+    """A build while it is made."""
+
+    prefix: str
+    folder: Path
+    shipped: Collection[str]
+    types: dict[str, Generated] = field(default_factory=dict)
+    problems: list[Problem] = field(default_factory=list)
+    notes: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def root(self) -> Path:
+        return self.folder / self.prefix
+
+    def add(self, file: LcmFile) -> None:
+        """Add the types of one file; of two files that have the same one, the first counts."""
+        with TemporaryDirectory(dir=self.folder) as name:
+            scratch = Path(name)
+            found, problems = generate(file, self.prefix, scratch)
+            self.problems += problems
+            for one in found:
+                if one.name not in self.types:
+                    self.types[one.name] = move(one, scratch / self.prefix, self.root)
+                elif one.tables != self.types[one.name].tables:
+                    first = self.types[one.name].file
+                    self.notes[one.name] = f"{one.name} is in {first} and, other, in {one.file}"
+
+    def drop_incomplete(self) -> None:
+        """Take out types with fields of types that there are not, until all are complete."""
+        while incomplete := [found for one in self.types.values() if (found := self._missing(one))]:
+            known = {name for name, one in self.types.items() if one.tables} | set(self.shipped)
+            for one, missing in incomplete:
+                self.problems.append(unknown_type(one, missing, known))
+                self._drop(one.name)
+
+    def write_packages(self) -> list[str]:
+        """Write each package's ``__init__`` and the services; return the services' names."""
+        requests = [one.removesuffix("_Request") for one in self.types if one.endswith("_Request")]
+        services = [
+            name
+            for name in sorted(requests)
+            if f"{name}_Response" in self.types and name not in self.types
+        ]
+        for name in services:
+            self._write_pair(name)
+        exported = [*sorted(self.types), *services]
+        for package in sorted(self._packages(exported)):
+            names = [name.rpartition("/")[2] for name in exported if _package(name) == package]
+            self._write_init(package, names)
+        return services
+
+    def fingerprints(self) -> dict[str, int]:
+        """Import all types, and take out what Python cannot make a message of."""
+        sys.path.insert(0, str(self.folder))
+        try:
+            importlib.invalidate_caches()
+            numbers = {name: self._fingerprint(one) for name, one in sorted(self.types.items())}
+        finally:
+            sys.path.remove(str(self.folder))
+            for module in [one for one in sys.modules if one.split(".")[0] == self.prefix]:
+                del sys.modules[module]
+        return {name: number for name, number in numbers.items() if number is not None}
+
+    def _fingerprint(self, one: Generated) -> int | None:
+        if not one.tables:
+            return None  # an enum is no message
+        package, _, short = one.name.rpartition("/")
+        try:
+            module = importlib.import_module(".".join(filter(None, (self.prefix, package, short))))
+            message = getattr(module, short)()
+            return int(message.get_hash())
+        except RecursionError:
+            what = f"{one.name} contains itself"
+            self._refuse(one, what, "only an array of variable size can hold its own type")
+        except Exception as error:  # noqa: BLE001 - whatever a class made of a strange file raises
+            self._refuse(one, f"{one.name}: no message can be made of it: {error}", "")
+        return None
+
+    def _refuse(self, one: Generated, what: str, hint: str) -> None:
+        self.problems.append(Problem(str(one.file), 0, what, hint, one.name))
+
+    def _drop(self, name: str) -> None:
+        self.types.pop(name).module.unlink()
+
+    def _missing(self, one: Generated) -> tuple[Generated, str] | None:
+        for path in one.nested():
+            name = "/".join(path.removeprefix(f"{self.prefix}.").rsplit(".", 1))
+            there = self.types.get(name)
+            if not (there.tables if there else name in self.shipped):
+                return one, name
+        return None
+
+    def _packages(self, names: Iterable[str]) -> set[str]:
+        """All packages and those around them; also those that only lcmtools brings."""
+        packages = {_package(name) for name in (*names, *self.shipped)}
+        for package in list(packages):
+            parts = package.split(".")
+            packages.update(".".join(parts[:count]) for count in range(len(parts)))
+        return packages
+
+    def _write_init(self, package: str, names: Sequence[str]) -> None:
+        folder = self.root.joinpath(*filter(None, package.split(".")))
+        folder.mkdir(parents=True, exist_ok=True)
+        shipped = any(_package(name) == package for name in self.shipped)
+        text = _INIT.format(
+            imports="".join(f"from .{name} import {name} as {name}\n" for name in names),
+            shipped=shipped,
+            home=f"{SHIPPED}.{package}",
+        )
+        (folder / "__init__.py").write_text(text, "utf-8")
+
+    def _write_pair(self, service: str) -> None:
+        package, _, name = service.rpartition("/")
+        module = ".".join(filter(None, (self.prefix, package, name)))
+        text = _PAIR.format(module=module, name=name, package=package)
+        (self.root / Path(*package.split("."), f"{name}.py")).write_text(text, "utf-8")
+
+
+def build(files: Sequence[LcmFile], prefix: str, folder: Path, shipped: Mapping[str, int]) -> None:
+    """Fill an empty folder with the types of some files, and a table of them.
+
+    Args:
+        files: The .lcm files; of two that have the same type, the first counts.
+        prefix: The name of the package above all others.
+        folder: Where all of it goes.
+        shipped: The types that lcmtools brings, which theirs may be made of.
+
+    Raises:
+        MissingExtra: There is no lcm-gen.
+    """
+    making = _Build(prefix, folder, shipped)
+    making.root.mkdir()
+    for file in files:
+        making.add(file)
+    making.drop_incomplete()
+    services = making.write_packages()
+    numbers = making.fingerprints()
+    table = {
+        "fingerprints": {name: f"{number:016x}" for name, number in numbers.items()},
+        "files": {name: str(making.types[name].file) for name in numbers},
+        "services": [name for name in services if f"{name}_Request" in numbers],
+        "problems": [asdict(problem) for problem in making.problems],
+        "notes": making.notes,
+    }
+    (folder / INDEX).write_text(json.dumps(table), "utf-8")
+
+
+def _package(name: str) -> str:
+    return name.rpartition("/")[0]

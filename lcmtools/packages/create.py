@@ -1,0 +1,190 @@
+"""A new package: the files of one that runs, is tested and can be installed.
+
+Belongs here: checking its names, filling the templates in the folder ``template``, and writing all
+files or none. Must not know the command line.
+"""
+
+import keyword
+import re
+import shutil
+import sys
+import tempfile
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from string import Template
+
+from lcmtools.errors import InvalidName, LcmtoolsError, UsageError
+from lcmtools.names import did_you_mean
+
+TEMPLATES = Path(__file__).parent / "template"
+
+_PACKAGE = re.compile(r"[a-z][a-z0-9_]*", re.ASCII)
+_MESSAGE = re.compile(r"[A-Z][A-Za-z0-9]*", re.ASCII)
+_LONGEST = 50
+_TAKEN = ("lcm", "lcmtools", "lcmtools_sim", "test", "tests")
+_FILES = {
+    "pyproject.toml": "pyproject.toml",
+    "README.md": "README.md",
+    "gitignore": ".gitignore",
+    "package.py": "{package}/__init__.py",
+    "node.py": "{package}/{node}.py",
+    "launch.yaml": "launch/{node}.yaml",
+    "test_node.py": "tests/test_{node}.py",
+}
+_MESSAGE_FILES = {
+    "msg.py": "{package}/msg/__init__.py",
+    "message.lcm": "{package}/msg/{message}.lcm",
+}
+_USUAL_TOPICS = {
+    "geometry_msgs": ("Twist", "cmd_vel"),
+    "nav_msgs": ("Odometry", "odometry"),
+    "sensor_msgs": ("LaserScan", "scan"),
+    "std_msgs": ("String", "chatter"),
+}
+"""What a new node listens to, by the package that it depends on."""
+
+
+@dataclass(frozen=True, slots=True)
+class NewPackage:
+    """What a package is to be.
+
+    Attributes:
+        name: As Python imports it.
+        node: Its node's name.
+        message: Its message's name; "" for none.
+        dependencies: Packages of message types that it uses.
+        license: An SPDX name ("MIT"); "" for none.
+    """
+
+    name: str
+    node: str
+    message: str = ""
+    dependencies: Sequence[str] = ()
+    license: str = ""
+
+
+def check(new: NewPackage, known: Collection[str]) -> None:
+    """Refuse names that Python, LCM or lcmtools could not use.
+
+    Args:
+        new: The package.
+        known: The packages of message types that there are.
+
+    Raises:
+        InvalidName: A name breaks a rule.
+        UsageError: A dependency is not known.
+    """
+    _check_module(new.name, "package")
+    _check_module(new.node, "node")
+    if new.name in sys.stdlib_module_names or new.name in _TAKEN:
+        raise InvalidName(f"'{new.name}' is the name of another Python package", "use another one")
+    if new.node in ("msg", "__init__"):
+        raise InvalidName(f"a node cannot be called '{new.node}'", "use another name")
+    if new.message and not _MESSAGE.fullmatch(new.message):
+        raise InvalidName(
+            f"'{new.message}' is not a message's name",
+            "it starts with a capital letter: letters and digits, as in ControllerEvaluationStat",
+        )
+    if keyword.iskeyword(new.message):
+        raise InvalidName(f"'{new.message}' is a keyword of Python", "use another name")
+    for name in new.dependencies:
+        if name not in known and name != new.name:
+            hint = did_you_mean(name, known) or "lcmtools msg packages lists them"
+            raise UsageError(f"--deps: there is no package '{name}' of message types", hint)
+
+
+def create(new: NewPackage, folder: Path, *, replace: bool = False) -> list[Path]:
+    """Write a package into a folder; return what was written, relative to it.
+
+    Args:
+        new: The package, checked.
+        folder: Its own folder, which may be there already.
+        replace: Overwrite files of the same names.
+
+    Raises:
+        LcmtoolsError: A file is there already, or cannot be written.
+    """
+    texts = _texts(new)
+    try:
+        present = [path for path in texts if (folder / path).exists()]
+        if present and not replace:
+            raise LcmtoolsError(
+                f"{folder / present[0]} is there already", "--force overwrites it and its like"
+            )
+        _write(texts, folder)
+    except OSError as error:
+        raise LcmtoolsError(f"cannot write {folder}: {error.strerror}") from error
+    return sorted(texts)
+
+
+def _check_module(name: str, kind: str) -> None:
+    if not _PACKAGE.fullmatch(name) or len(name) > _LONGEST:
+        raise InvalidName(
+            f"'{name}' is not a {kind}'s name",
+            "it starts with a small letter: small letters, digits and '_', as in air_lab0",
+        )
+    if keyword.iskeyword(name):
+        raise InvalidName(f"'{name}' is a keyword of Python", "use another name")
+
+
+def _write(texts: Mapping[Path, str], folder: Path) -> None:
+    """Write into a folder beside, then move: a full disk leaves nothing half made."""
+    made = not folder.exists()
+    folder.mkdir(parents=True, exist_ok=True)
+    scratch = Path(tempfile.mkdtemp(prefix=".making-", dir=folder))
+    try:
+        for path, text in texts.items():
+            (scratch / path).parent.mkdir(parents=True, exist_ok=True)
+            (scratch / path).write_text(text, "utf-8")
+        for path in texts:
+            (folder / path).parent.mkdir(parents=True, exist_ok=True)
+            (scratch / path).replace(folder / path)
+    except OSError:
+        if made:
+            shutil.rmtree(folder, ignore_errors=True)
+        raise
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _texts(new: NewPackage) -> dict[Path, str]:
+    files = _FILES | (_MESSAGE_FILES if new.message else {})
+    words = _words(new)
+    return {
+        Path(target.format_map(words)): Template(_template(source)).substitute(words)
+        for source, target in files.items()
+    }
+
+
+def _template(name: str) -> str:
+    return (TEMPLATES / f"{name}.txt").read_text("utf-8")
+
+
+def _words(new: NewPackage) -> dict[str, str]:
+    """What stands for the names in the templates."""
+    heard = next((one for one in new.dependencies if one in _USUAL_TOPICS), "std_msgs")
+    kind, topic = _USUAL_TOPICS[heard]
+    own_import = f'{new.message} = lcmtools.message_class("{new.name}/{new.message}")\n'
+    said = new.message or "Int32"
+    return {
+        "package": new.name,
+        "node": new.node,
+        "node_class": "".join(part.capitalize() for part in new.node.split("_")),
+        "message": new.message,
+        "dependencies": ", ".join(f'"{one}"' for one in new.dependencies),
+        "license": f'license = "{new.license}"\n' if new.license else "",
+        "heard_package": heard,
+        "heard": kind,
+        "topic": topic,
+        "said": said,
+        "said_type": f"{new.name}/{new.message}" if new.message else "std_msgs/Int32",
+        "said_field": "count" if new.message else "data",
+        "own_import": f"\n{own_import}" if new.message else "",
+        "other_import": "" if new.message else "from lcmtools.types.std_msgs import Int32\n",
+        "message_entry": (
+            f'\n[project.entry-points."lcmtools.messages"]\n{new.name} = "{new.name}.msg"\n'
+            if new.message
+            else ""
+        ),
+    }

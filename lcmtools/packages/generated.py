@@ -1,0 +1,188 @@
+"""What lcm-gen makes of one file, looked at without importing it.
+
+Belongs here: moving the modules of a run into one tree, and reading the table of a module's nested
+types. Must not know caches or fingerprints.
+"""
+
+import ast
+import re
+import shutil
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from lcmtools.names import closest
+from lcmtools.packages.lcm_gen import run_lcm_gen
+from lcmtools.packages.source import Problem
+from lcmtools.packages.type_files import LcmFile
+
+_TABLES = ("__slots__", "__typenames__", "__dimensions__")
+_LCM_NAMES = {
+    "bool": "boolean",
+    "char": "byte",
+    "float32": "float",
+    "float32_t": "float",
+    "float64": "double",
+    "float64_t": "double",
+    "int": "int32_t",
+    "str": "string",
+    "uint": "int32_t",
+    **{f"int{bits}": f"int{bits}_t" for bits in (8, 16, 32, 64)},
+    **{f"uint{bits}": f"int{bits}_t" for bits in (16, 32, 64)},
+    **{f"uint{bits}_t": f"int{bits}_t" for bits in (16, 32, 64)},
+    "uint8": "byte",
+    "uint8_t": "byte",
+}
+"""What people write who come from C, Python or ROS, and what LCM has for it."""
+
+
+_COMMENT = re.compile(rb"//[^\n]*|/\*.*?\*/", re.DOTALL)
+_STRANGE = re.compile(rb"[^\w\s;{}\[\].,=+\-/*]", re.ASCII)
+
+
+@dataclass(frozen=True, slots=True)
+class Generated:
+    """A module that lcm-gen has made.
+
+    Attributes:
+        name: Its type's name: "geometry_msgs/Twist", or "pose_t" outside of any package.
+        file: The .lcm file that it is of.
+        module: Where it is.
+        tables: lcm-gen's tables of its fields, as in the class; empty for an enum.
+    """
+
+    name: str
+    file: Path
+    module: Path
+    tables: tuple[object, ...]
+
+    def nested(self) -> Iterator[str]:
+        """The module paths of the types that its fields have: "PREFIX.geometry_msgs.Twist"."""
+        names = self.tables[1] if self.tables else None
+        for name in names if isinstance(names, list) else ():
+            if isinstance(name, str) and "." in name:
+                yield name
+
+
+def generate(source: LcmFile, prefix: str, folder: Path) -> tuple[list[Generated], list[Problem]]:
+    """Let lcm-gen write the Python modules of one .lcm file into an empty folder.
+
+    It gets the file without its comments: it would copy them into Python's, and quotation marks in
+    one would end that, so that the rest would be run.
+    """
+    file = source.path
+    text = _without_comments(source.content)
+    if strange := _STRANGE.search(text):
+        line = text[: strange.start()].count(b"\n") + 1
+        character = text[strange.start() : strange.start() + 4].decode("utf-8", "replace")[:1]
+        what = f"unexpected {character!r}"
+        return [], [Problem(str(file), line, what, "a .lcm file has words, numbers and ;{}[].=-")]
+    copy = folder / "file.lcm"
+    copy.write_bytes(text)
+    problem = run_lcm_gen(copy, ["--python", "--ppath", str(folder), "--package-prefix", prefix])
+    if problem:
+        return [], [replace(problem, file=str(file))]
+    found: list[Generated] = []
+    problems: list[Problem] = []
+    root = folder / prefix
+    for module in sorted(root.rglob("*.py")):
+        if module.name == "__init__.py":  # lcmtools writes its own: see build
+            continue
+        name = type_name(module.relative_to(root).with_suffix("").parts)
+        one = _look(module, name, file)
+        if isinstance(one, Problem):
+            problems.append(one)
+        else:
+            found.append(one)
+    return found, problems
+
+
+def move(one: Generated, old_root: Path, new_root: Path) -> Generated:
+    """Put a module into the tree of all of them."""
+    target = new_root / one.module.relative_to(old_root)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    shutil.move(one.module, target)
+    return Generated(one.name, one.file, target, one.tables)
+
+
+def type_name(parts: tuple[str, ...]) -> str:
+    """The name of a type from the parts of its module's path."""
+    package = ".".join(parts[:-1])
+    return f"{package}/{parts[-1]}" if package else parts[-1]
+
+
+def unknown_type(one: Generated, missing: str, known: set[str]) -> Problem:
+    """What to say of a type with a field whose type there is not."""
+    short = missing.rpartition("/")[2]
+    line = _line_of(one.file, missing.replace("/", "."), short)
+    near = _LCM_NAMES.get(short) or _like(missing, one, known)
+    hint = f"did you mean {near}?" if near else "name the folder of its .lcm file too"
+    same = missing.rpartition("/")[0] == one.name.rpartition("/")[0]
+    written = short if same else missing.replace("/", ".")
+    return Problem(str(one.file), line, f"{one.name}: unknown type '{written}'", hint, one.name)
+
+
+def _like(missing: str, one: Generated, known: set[str]) -> str:
+    """The type that was meant, as a .lcm file writes it; "" where nothing is like it."""
+    package, _, short = missing.rpartition("/")
+    shorts = {name.rpartition("/")[2]: name for name in sorted(known) if "/" in name or not package}
+    inside = {name.rpartition("/")[2]: name for name in known if name.rpartition("/")[0] == package}
+    if near := closest(short, inside):
+        found = inside[near[0]]
+    elif package == one.name.rpartition("/")[0]:  # written without a package
+        found = next((shorts[name] for name in closest(short, shorts)), "")
+    else:
+        found = shorts.get(short) or next(iter(closest(missing, known)), "")
+    return found.replace("/", ".")
+
+
+def _without_comments(text: bytes) -> bytes:
+    """The text with its lines where they were."""
+    return _COMMENT.sub(lambda comment: b" " + b"\n" * comment[0].count(b"\n"), text)
+
+
+def _look(module: Path, name: str, file: Path) -> Generated | Problem:
+    """A module's tables, or why Python cannot import it."""
+    try:
+        body = ast.parse(module.read_bytes()).body
+    except (SyntaxError, ValueError) as error:
+        return _not_python(file, name, error)
+    members = [node for one in body if isinstance(one, ast.ClassDef) for node in one.body]
+    values = dict(_assignments(members))
+    if not all(table in values for table in _TABLES):
+        return Generated(name, file, module, ())  # an enum
+    tables = tuple(ast.literal_eval(values[table]) for table in _TABLES)
+    taken = {node.name for node in members if isinstance(node, ast.FunctionDef)} | set(values)
+    for field in tables[0]:
+        if field in taken:
+            what = f"{name}: a field cannot be called '{field}': lcm-gen's Python needs that name"
+            return Problem(str(file), _line_of(file, field), what, "use another name", name)
+    return Generated(name, file, module, tables)
+
+
+def _assignments(members: Sequence[ast.stmt]) -> Iterator[tuple[str, ast.expr]]:
+    for node in members:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            yield node.targets[0].id, node.value
+
+
+def _not_python(file: Path, name: str, error: Exception) -> Problem:
+    word = re.search(r"self\.(\w+)", getattr(error, "text", None) or "")
+    if word is None:
+        what = f"{name}: lcm-gen makes no proper Python of it: {getattr(error, 'msg', error)}"
+        return Problem(str(file), 0, what, "", name)
+    line = _line_of(file, word[1])
+    what = f"{name}: '{word[1]}' is a keyword of Python and cannot be a field"
+    return Problem(str(file), line, what, f"for example {word[1]}_", name)
+
+
+def _line_of(file: Path, *words: str) -> int:
+    """The first line that has one of the words, 0 for none."""
+    lines = [line.partition("//")[0] for line in file.read_text("utf-8", "replace").splitlines()]
+    for word in words:
+        alone = rf"(?<![\w.]){re.escape(word)}(?![\w.])"
+        for pattern in (rf"{alone}\s+\w+\s*[\[;]", alone):  # the type of a field, or any
+            for number, line in enumerate(lines, 1):
+                if re.search(pattern, line):
+                    return number
+    return 0

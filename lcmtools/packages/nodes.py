@@ -1,0 +1,189 @@
+"""Nodes that can be run by name: of installed packages, and of the workspace without installing.
+
+Belongs here: which nodes there are, which one is meant, and importing one. A node is an entry point
+"lcmtools.nodes": of a distribution, or as a workspace package's pyproject.toml writes it. Must not
+know the command line.
+"""
+
+import importlib
+import re
+import sys
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from typing import Protocol, cast
+
+from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError
+from lcmtools.names import did_you_mean
+from lcmtools.packages.type_files import GROUPS
+from lcmtools.packages.workspace import Package, Workspace, read_project, table, workspace
+
+GROUP = "lcmtools.nodes"
+"""The entry points that are nodes; any installed package can add its own."""
+OWN = "lcmtools"
+"""The package of the nodes that lcmtools brings."""
+
+_TARGET = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_][\w.]*", re.ASCII)
+
+
+class Program(Protocol):
+    """A node's main function."""
+
+    def __call__(self, args: Sequence[str] | None = None) -> int | None:
+        """Run until asked to end; return an exit code, None for 0."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Runnable:
+    """A node that can be run.
+
+    Attributes:
+        package: Its package's name.
+        name: Its own.
+        target: Where its main function is, as "module:function".
+        folder: Where its code is imported from; None for an installed package.
+    """
+
+    package: str
+    name: str
+    target: str
+    folder: Path | None = None
+
+    @property
+    def import_name(self) -> str:
+        """The Python package or module that its code is in."""
+        return re.split(r"[.:]", self.target)[0]
+
+    def load(self) -> Program:
+        """Import its main function; other workspace packages can be imported from then on too.
+
+        Raises:
+            LcmtoolsError: Its module or function is not there. What its own code raises when it is
+                imported is raised too.
+        """
+        if self.folder is not None:
+            sys.path.insert(0, str(self.folder))
+            for package in workspace(self.folder, Path.cwd()).packages:
+                _add_to_path(package.import_folder())
+        module, _, path = self.target.partition(":")
+        try:
+            value: object = importlib.import_module(module)
+        except ModuleNotFoundError as error:
+            if self.folder is None or not f"{module}.".startswith(f"{error.name}."):
+                raise
+            raise self._lost(f"there is no module {error.name}") from error
+        for attribute in path.split("."):
+            value = getattr(value, attribute, None)
+        if not callable(value):
+            raise self._lost(f"{module} has no function '{path}'")
+        return cast("Program", value)
+
+    def _lost(self, what: str) -> LcmtoolsError:
+        hint = f'see [project.entry-points."{GROUP}"] in its pyproject.toml'
+        return LcmtoolsError(f"the node '{self.name}' of {self.package}: {what}", hint)
+
+
+def runnables(*starts: Path) -> list[Runnable]:
+    """All nodes that can be run, sorted by package; the workspace's before the installed one."""
+    found: dict[tuple[str, str], Runnable] = {}
+    space = workspace(*starts)
+    names = {package.name for package in space.packages}
+    for package in space.packages:
+        for node in workspace_nodes(package, space):
+            found[node.package, node.name] = node
+    for entry in entry_points(group=GROUP):
+        node = Runnable(_package_of(entry), entry.name, entry.value)
+        if node.package not in names:
+            found[node.package, node.name] = node
+    return [found[key] for key in sorted(found)]
+
+
+def words_to_run(package: str, name: str, *starts: Path) -> tuple[str, ...]:
+    """What stands after ``lcmtools run`` for a node of somebody's package; () where there is none.
+
+    Args:
+        package: Its package; those that lcmtools brings have no words of their own here.
+        name: Its name, or that of a script that it was once: simple_controller.py.
+        starts: Folders whose workspaces count.
+    """
+    names = {node.name for node in runnables(*starts) if node.package == package != OWN}
+    spellings = (name, name.removesuffix(".py"))
+    return next(((package, one) for one in spellings if one in names), ())
+
+
+def name_of_run(words: Sequence[str], *starts: Path) -> str:
+    """The name of the node that the words after ``lcmtools run`` mean.
+
+    Raises:
+        UsageError: There is no such node, or several packages have it.
+    """
+    return find_node(words, runnables(*starts))[0].name
+
+
+def installed_packages() -> list[str]:
+    """The installed packages that have nodes or messages, sorted."""
+    found = (entry for group in GROUPS for entry in entry_points(group=group))
+    return sorted({_package_of(entry) for entry in found})
+
+
+def workspace_nodes(package: Package, space: Workspace) -> list[Runnable]:
+    """The nodes that a package's pyproject.toml names; what is wrong there becomes a problem."""
+    named = table(read_project(package.folder), "project", "entry-points", GROUP)
+    nodes = []
+    for name, target in named.items():
+        if isinstance(target, str) and _TARGET.fullmatch(target):
+            nodes.append(Runnable(package.name, name, target, package.import_folder()))
+        else:
+            hint = f'write  {name} = "{package.name}.{name}:main"'
+            path = package.folder / "pyproject.toml"
+            space.problems.append(InvalidFile(f"{path}: the node '{name}' is no function", hint))
+    return nodes
+
+
+def find_node(words: Sequence[str], known: Sequence[Runnable]) -> tuple[Runnable, list[str]]:
+    """The node that ``PACKAGE NODE ...`` or ``NODE ...`` means, and the words after it.
+
+    Raises:
+        UsageError: There is no such node, or several packages have it.
+    """
+    first, rest = words[0], list(words[1:])
+    of_package = {node.name: node for node in known if node.package == first}
+    named = [node for node in known if node.name == first]
+    if of_package and rest and rest[0] in of_package:
+        return of_package[rest[0]], rest[1:]
+    if of_package and not named:
+        wrong = rest[0] if rest else ""
+        hint = did_you_mean(wrong, of_package) or f"it has {', '.join(of_package)}"
+        raise UsageError(f"the package {first} has no node '{wrong}'", hint)
+    own = [node for node in named if node.package == OWN]
+    if len(named) > 1 and not own:
+        hint = " or ".join(f"{node.package} {node.name}" for node in named)
+        raise UsageError(f"several packages have a node '{first}'", f"say {hint}")
+    if named:
+        return (own or named)[0], rest
+    raise _unknown(first, rest, known)
+
+
+def _unknown(first: str, rest: Sequence[str], known: Iterable[Runnable]) -> UsageError:
+    """What to say where neither a package nor a node has the name."""
+    names = {node.name for node in known}
+    packages = {node.package for node in known}
+    hint = did_you_mean(first, names | packages) or "lcmtools run --list shows them"
+    if rest and rest[0] in names:
+        homes = [node.package for node in known if node.name == rest[0]]
+        near = did_you_mean(first, packages) or f"{' and '.join(homes)} has such a node"
+        return UsageError(f"there is no package '{first}'", near)
+    return UsageError(f"there is no node '{first}'", hint)
+
+
+def _package_of(entry: EntryPoint) -> str:
+    """The name that an installed node's package goes by."""
+    module = entry.module.partition(".")[0]
+    return OWN if module in (OWN, "lcmtools_sim") else module
+
+
+def _add_to_path(folder: Path) -> None:
+    if str(folder) not in sys.path:
+        sys.path.append(str(folder))

@@ -1,0 +1,120 @@
+"""The .lcm files that users have: on LCMTOOLS_TYPE_PATH, in the workspace, in installed packages.
+
+Belongs here: which files there are, and reading them. Must not know what is in them.
+"""
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from itertools import islice
+from pathlib import Path
+
+from lcmtools.packages.source import Problem
+from lcmtools.packages.workspace import LONGEST_FILE
+
+VARIABLE = "LCMTOOLS_TYPE_PATH"
+"""Folders with .lcm files, also nested, with ':' between them."""
+GROUPS = ("lcmtools.nodes", "lcmtools.messages")
+"""The entry points that say that an installed package may have .lcm files."""
+
+_MOST_FOLDERS = 2000  # somebody may name the home folder
+_OTHER_FOLDERS = {"build", "dist", "node_modules", "site-packages", "venv"}
+
+
+@dataclass(frozen=True, slots=True)
+class LcmFile:
+    """A file as it was when it was read.
+
+    Attributes:
+        path: Where it is, in full.
+        content: Its bytes.
+    """
+
+    path: Path
+    content: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What was found in some folders.
+
+    Attributes:
+        files: In the order in which they count: of two that have the same type, the first.
+        problems: What cannot be read.
+    """
+
+    files: Sequence[LcmFile]
+    problems: Sequence[Problem]
+
+
+def variable_folders(environment: Mapping[str, str]) -> list[Path]:
+    """The folders that the variable names."""
+    words = environment.get(VARIABLE, "").split(":")
+    return [Path(word).expanduser().absolute() for word in words if word]
+
+
+def installed_folders() -> list[Path]:
+    """The folders of installed packages that may have .lcm files; they are not imported."""
+    from importlib.metadata import entry_points
+
+    modules: dict[str, None] = {}
+    for group in GROUPS:
+        modules.update(dict.fromkeys(one.module.split(".")[0] for one in entry_points(group=group)))
+    return [
+        Path(place)
+        for module in sorted(modules)
+        if module not in ("lcmtools", "lcmtools_sim")
+        for place in _places(module)
+    ]
+
+
+def shipped_folder() -> Path:
+    """Where the .lcm files of the types are that lcmtools brings."""
+    package = Path(__file__).parents[1]
+    installed = package / "lcm_files"
+    return installed if installed.is_dir() else package.parent / "lcm_types"
+
+
+def read_folders(folders: Sequence[Path]) -> Found:
+    """All .lcm files below some folders, each once, sorted within a folder."""
+    files: dict[Path, LcmFile] = {}
+    problems: list[Problem] = []
+    for folder in dict.fromkeys(folders):
+        if not folder.is_dir():
+            problems.append(Problem(str(folder), 0, "there is no such folder", f"see {VARIABLE}"))
+            continue
+        for path in _paths(folder):
+            one = files.get(path) or _read(path)
+            if isinstance(one, LcmFile):
+                files[path] = one
+            elif one not in problems:
+                problems.append(one)
+    return Found(list(files.values()), problems)
+
+
+def _paths(folder: Path) -> Iterator[Path]:
+    """The .lcm files below a folder; of one that is very large, those that are found in time."""
+    walk = islice(os.walk(folder), _MOST_FOLDERS)
+    for place, folders, names in walk:
+        folders[:] = sorted(one for one in folders if one[0] != "." and one not in _OTHER_FOLDERS)
+        yield from (Path(place, name) for name in sorted(names) if name.endswith(".lcm"))
+
+
+def _read(path: Path) -> LcmFile | Problem:
+    try:
+        if not path.is_file():
+            return Problem(str(path), 0, "this is no file")
+        if path.stat().st_size > LONGEST_FILE:
+            return Problem(str(path), 0, f"a .lcm file has less than {LONGEST_FILE} bytes")
+        return LcmFile(path, path.read_bytes())
+    except OSError as error:
+        return Problem(str(path), 0, f"cannot be read: {error.strerror}")
+
+
+def _places(module: str) -> Sequence[str]:
+    try:
+        spec = find_spec(module)
+    except (ImportError, ValueError):
+        return ()
+    return (spec and spec.submodule_search_locations) or ()

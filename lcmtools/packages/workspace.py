@@ -1,0 +1,173 @@
+"""Packages: folders of the workspace whose pyproject.toml has a table [tool.lcmtools].
+
+Belongs here: finding them. The workspace is the nearest folder, from the current one upwards, that
+holds packages, itself or in ``src``. Folders of other users are never taken. Must not know nodes
+or messages.
+"""
+
+import os
+import re
+import stat
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from lcmtools.errors import InvalidFile
+
+MARK = "[tool.lcmtools]"
+"""What makes a folder's pyproject.toml that of a package."""
+LONGEST_FILE = 1_000_000
+"""Bytes of a pyproject.toml or .lcm file; whatever is longer is something else."""
+
+_MOST_FOLDERS = 300  # in a folder; one that has more, like /tmp, is no workspace
+_MOST_LEVELS = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Package:
+    """A package of the workspace.
+
+    Attributes:
+        name: As Python imports it: "air_lab0".
+        folder: Where its pyproject.toml is.
+    """
+
+    name: str
+    folder: Path
+
+    def import_folder(self) -> Path:
+        """The folder that its code is imported from."""
+        source = self.folder / "src"
+        return source if (source / self.name).is_dir() else self.folder
+
+    def module_folder(self) -> Path:
+        """The folder that its code is in."""
+        return self.import_folder() / self.name
+
+
+@dataclass(frozen=True, slots=True)
+class Workspace:
+    """What there is around a folder.
+
+    Attributes:
+        packages: Sorted by name; of two with the same name, the nearer one.
+        problems: What is wrong with others: one broken package stops no other.
+    """
+
+    packages: list[Package]
+    problems: list[InvalidFile]
+
+
+def workspace(*starts: Path) -> Workspace:
+    """The packages of the workspaces that some folders are in."""
+    found: dict[str, Package] = {}
+    problems: list[InvalidFile] = []
+    for folder in package_folders(*starts):
+        try:
+            name = _name(folder)
+        except InvalidFile as error:  # noqa: PERF203 - each package for itself
+            problems.append(error)
+        else:
+            found.setdefault(name, Package(name, folder))
+    return Workspace([found[name] for name in sorted(found)], problems)
+
+
+def package_folders(*starts: Path) -> list[Path]:
+    """The folders of these packages, unread; those of the first start come first."""
+    found: dict[Path, None] = {}
+    for start in starts:
+        found.update(dict.fromkeys(_workspace(start)))
+    return list(found)
+
+
+def read_project(folder: Path) -> dict[str, object]:
+    """A package's pyproject.toml.
+
+    Raises:
+        InvalidFile: It cannot be read or is no TOML, with the line.
+    """
+    if sys.version_info >= (3, 11):
+        import tomllib
+    else:
+        import tomli as tomllib
+
+    path = folder / "pyproject.toml"
+    try:
+        return tomllib.loads(path.read_text("utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InvalidFile(f"cannot read {path}: {error}") from error
+    except tomllib.TOMLDecodeError as error:
+        place = re.search(r"\(at line (\d+), column \d+\)", str(error))
+        line = f":{place[1]}" if place else ""
+        reason = re.sub(r"\s*\(at .*\)", "", str(error))
+        raise InvalidFile(f"{path}{line}: this is not TOML: {reason}") from error
+
+
+def table(value: object, *keys: str) -> dict[str, object]:
+    """A table inside of others; empty where there is none."""
+    for key in keys:
+        value = value.get(key) if isinstance(value, dict) else None
+    return value if isinstance(value, dict) else {}
+
+
+def _name(folder: Path) -> str:
+    name = table(read_project(folder), "project").get("name")
+    path = folder / "pyproject.toml"
+    if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z][\w.-]*", name, re.ASCII):
+        raise InvalidFile(
+            f"{path}: the package has no proper name", 'write  name = "air_lab0"  below [project]'
+        )
+    return re.sub(r"[-.]+", "_", name)
+
+
+def _workspace(start: Path) -> list[Path]:
+    """The packages of the workspace that a folder is in."""
+    for level in (start, *start.parents)[:_MOST_LEVELS]:
+        found = [*_children(level), *_children(level / "src")]
+        if found and _is_meant(level, start, found):
+            return found
+        if _is_package(level) and _is_alone(level):
+            return [level]
+    return []
+
+
+def _is_meant(level: Path, start: Path, found: list[Path]) -> bool:
+    """Whether the packages in a folder concern somebody at ``start``, which is it or below it.
+
+    In a folder that everybody can write, such as /tmp, only if that is in it or in one of them.
+    """
+    is_shared = level.stat().st_mode & stat.S_IWOTH
+    return not is_shared or level == start or any(start.is_relative_to(one) for one in found)
+
+
+def _is_alone(folder: Path) -> bool:
+    """Whether the folder above holds too much to be looked into."""
+    return folder not in _children(folder.parent)
+
+
+def _children(folder: Path) -> list[Path]:
+    """The packages in a folder."""
+    return sorted(path for path in _folders(folder) if _is_package(path))
+
+
+def _folders(folder: Path) -> Iterator[Path]:
+    try:
+        with os.scandir(folder) as entries:
+            names = [one.name for one in entries if one.name[0] != "." and one.is_dir()]
+    except OSError:
+        return
+    if len(names) <= _MOST_FOLDERS:
+        yield from (folder / name for name in names)
+
+
+def _is_package(folder: Path) -> bool:
+    path = folder / "pyproject.toml"
+    try:
+        state = path.stat()
+        if state.st_uid not in (os.getuid(), 0) or state.st_size > LONGEST_FILE:
+            return False
+        text = path.read_text("utf-8", "replace")
+    except OSError:
+        return False
+    return any(line.strip() == MARK for line in text.splitlines())

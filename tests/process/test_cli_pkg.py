@@ -1,0 +1,195 @@
+"""pkg, and run for packages: what a student does, from an empty folder on."""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+CREATE = ("pkg", "create", "air_lab0", "--node", "simple_controller")
+NAMES = ("--deps", "nav_msgs", "geometry_msgs", "--msg", "Stat")
+
+
+@pytest.fixture(autouse=True)
+def _own_cache(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+
+
+@pytest.fixture
+def space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lcmtools: Run) -> Path:
+    """A workspace, which is the current folder, with the package air_lab0."""
+    folder = tmp_path / "space"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    made = lcmtools(*CREATE, *NAMES)
+    assert (made.returncode, made.stderr) == (0, "next: lcmtools run air_lab0 simple_controller\n")
+    assert all((folder / line).is_file() for line in made.stdout.splitlines())
+    return folder
+
+
+def test_new_package_runs_without_being_installed(
+    space: Path, start: Callable[..., Any], lcmtools: Run, lcmtools_path: str, bus_url: str
+) -> None:
+    words = ["__ns:=/husky0", "odometry:=/other/odometry"]
+    shell = ["sh", "-c", f'cd {space} && exec "$0" run air_lab0 simple_controller "$@"']
+    node = start(*shell, lcmtools_path, *words, LCM_DEFAULT_URL=bus_url)
+    node.wait_for("[/husky0/simple_controller]: 0 messages on odometry so far")
+    info = lcmtools("node", "info", "/husky0/simple_controller", "--lcm-url", bus_url).stdout
+    assert " * /husky0/count [air_lab0/Stat]\n" in info
+    assert " * /other/odometry [nav_msgs/Odometry]\n" in info
+    echo = lcmtools("echo", "-n", "1", "/husky0/count", "--lcm-url", bus_url)
+    assert (echo.stdout, echo.stderr) == ("count: 0\nperiod: 0.0\n---\n", "")
+
+
+def test_its_script_is_run_by_python_as_well(
+    space: Path, start: Callable[..., Any], lcmtools: Run, bus_url: str
+) -> None:
+    script = space / "air_lab0" / "air_lab0" / "simple_controller.py"
+    words = ["__ns:=/husky0", "__name:=mine", "odometry:=a"]
+    start(sys.executable, str(script), *words, LCM_DEFAULT_URL=bus_url).wait_for("[/husky0/mine]")
+    info = lcmtools("node", "info", "/husky0/mine", "--lcm-url", bus_url).stdout
+    assert " * /husky0/a [nav_msgs/Odometry]\n" in info
+    assert " * /husky0/count [air_lab0/Stat]\n" in info
+
+
+def test_its_test_passes(space: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"],
+        cwd=space / "air_lab0",
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, "1 passed" in done.stdout) == (0, True), done.stdout + done.stderr
+
+
+def test_its_launch_file_says_which_node_runs(space: Path, lcmtools: Run) -> None:
+    shown = lcmtools("launch", str(space / "air_lab0/launch/simple_controller.yaml"), "--nodes")
+    assert (shown.returncode, shown.stdout) == (0, "/simple_controller\n")
+
+
+def test_messages_are_imported_as_in_ros(space: Path) -> None:
+    source = "from air_lab0.msg import Stat\nprint(Stat().period)\nfrom air_lab0.msg import Stats\n"
+    done = subprocess.run(
+        [sys.executable, "-c", source],
+        cwd="/",
+        env={**os.environ, "PYTHONPATH": str(space / "air_lab0")},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.stdout == "0.0\n"
+    assert "ImportError: cannot import name 'Stats' from 'air_lab0.msg'" in done.stderr
+
+
+@pytest.mark.usefixtures("space")
+def test_packages_and_their_nodes_are_listed(lcmtools: Run) -> None:
+    assert lcmtools("run", "air_lab0").stdout.startswith("simple_controller ")
+    assert "\nlistener " in lcmtools("run", "--list").stdout
+    names = json.loads(lcmtools("run", "--list", "--json").stdout)
+    assert {"air_lab0 simple_controller", "talker"} <= set(names)
+    found = {one["name"]: one for one in json.loads(lcmtools("pkg", "list", "--json").stdout)}
+    assert found["air_lab0"]["nodes"] == ["simple_controller"]
+    assert found["lcmtools"]["is_installed"]
+    folder = str(Path.cwd() / "air_lab0")
+    assert lcmtools("pkg", "list").stdout.splitlines()[0].split() == ["air_lab0", folder]
+    assert lcmtools("pkg", "find", "air_lab0").stdout == f"{folder}\n"
+    assert lcmtools("pkg", "prefix", "air_lab").stderr.endswith("did you mean air_lab0?\n")
+
+
+@pytest.mark.usefixtures("space")
+def test_build_says_what_was_made_and_what_is_wrong(space: Path, lcmtools: Run) -> None:
+    file = "air_lab0/air_lab0/msg/Stat.lcm"
+    made = lcmtools("pkg", "build")
+    assert made.stdout == f"air_lab0/Stat  {file}\n"
+    assert (made.returncode, made.stderr) == (0, "ready: air_lab0\n")
+    (space / file).write_text("package air_lab0;\nstruct Stat\n{\n  double x\n}\n")
+    failed = lcmtools("pkg", "build", "air_lab0")
+    said = f"{file}:5: expected token ;; a ';' is missing before this\n"
+    assert (failed.returncode, failed.stdout) == (1, "")
+    assert failed.stderr == f"lcmtools pkg build: {said}"
+    assert lcmtools("msg", "show", "air_lab0/Stat").stderr == f"lcmtools msg show: {said}"
+    listed = lcmtools("msg", "list")
+    assert (listed.returncode, listed.stderr) == (0, f"lcmtools msg list: {said}")
+    record = json.loads(lcmtools("msg", "build", "--json").stdout)
+    assert (record["types"], record["problems"][0]["line"]) == ([], 5)
+
+
+def test_nothing_is_overwritten(space: Path, lcmtools: Run) -> None:
+    node = space / "air_lab0" / "air_lab0" / "simple_controller.py"
+    node.write_text("mine\n")
+    again = lcmtools(*CREATE)
+    assert (again.returncode, again.stdout) == (1, "")
+    assert again.stderr == (
+        "lcmtools pkg create: air_lab0/pyproject.toml is there already;"
+        " --force overwrites it and its like\n"
+    )
+    assert node.read_text() == "mine\n"
+    assert lcmtools(*CREATE, "--force").returncode == 0
+    assert node.read_text() != "mine\n"
+
+
+@pytest.mark.parametrize(
+    ("source", "said"),
+    [
+        ("def main(args=None):\n    return undefined\n", "NameError: name 'undefined' is not"),
+        ("def main(args=None)\n", "SyntaxError: expected ':'"),
+        ("from lcmtools.types.geometry_msg import Twist\n", "No module named 'lcmtools.types.geo"),
+        ("x = 3\n", "has no function 'main'; see [project.entry-points"),
+        ("import no_such_module\n", "needs the Python package 'no_such_module', which is not"),
+    ],
+)
+def test_a_fault_in_ones_own_node_is_shown_where_it_is(
+    source: str, said: str, space: Path, lcmtools: Run
+) -> None:
+    (space / "air_lab0" / "air_lab0" / "simple_controller.py").write_text(source)
+    done = lcmtools("run", "air_lab0", "simple_controller")
+    assert done.returncode in (1, 3)
+    assert said in done.stderr
+    assert "fault of lcmtools" not in done.stderr
+    assert "lcmtools/cli" not in done.stderr
+
+
+def test_a_broken_package_beside_does_not_matter_until_it_is_meant(
+    space: Path, lcmtools: Run
+) -> None:
+    (space / "other").mkdir()
+    (space / "other" / "pyproject.toml").write_text("[tool.lcmtools]\n[project\n")
+    assert lcmtools("run", "talker", "--help").returncode == 0
+    assert lcmtools("run", "air_lab0").stdout.startswith("simple_controller ")
+    wrong = lcmtools("run", "other", "go")
+    assert (wrong.returncode, wrong.stderr.count("\n")) == (2, 1)
+    assert f"{space}/other/pyproject.toml:2: this is not TOML" in wrong.stderr
+
+
+@pytest.mark.usefixtures("space")
+def test_ones_own_node_with_a_name_of_lcmtools_is_pointed_out(lcmtools: Run) -> None:
+    done = lcmtools("run", "simple_controller", "--help")
+    assert done.returncode == 0
+    assert done.stderr == (
+        "lcmtools run: this is lcmtools' own simple_controller; air_lab0 has one too:"
+        " lcmtools run air_lab0 simple_controller\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("line", "answer"),
+    [
+        ("lcmtools run air", "air_lab0"),
+        ("lcmtools run air_lab0 ", "simple_controller"),
+        ("lcmtools pkg build ", "air_lab0"),
+        ("lcmtools msg show air_lab0/S", "air_lab0/Stat"),
+        ("lcmtools pkg create other --deps nav", "nav_msgs"),
+    ],
+)
+@pytest.mark.usefixtures("space")
+def test_packages_are_completed(line: str, answer: str, lcmtools: Run, bus_url: str) -> None:
+    asked = lcmtools(line, _LCMTOOLS_COMPLETE="bash", LCM_DEFAULT_URL=bus_url)
+    assert answer in asked.stdout.split()
+    assert asked.stderr == ""

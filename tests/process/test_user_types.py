@@ -1,0 +1,203 @@
+"""Types of one's own, in every command: LCMTOOLS_TYPE_PATH, and code for other languages."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "plain_lcm"
+POSE = "package fleet;\nstruct Pose { geometry_msgs.Point at; Tag tag; }\n"
+TAG = "package fleet;\nstruct Tag { int32_t n; string words[n]; }\n"
+CALL = "package fleet;\nstruct Go_Request { double x; }\nstruct Go_Response { boolean ok; }\n"
+
+
+@pytest.fixture(autouse=True)
+def folder(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Path:
+    """A folder with types, on LCMTOOLS_TYPE_PATH."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+    for name, text in (("fleet/Pose.lcm", POSE), ("deep/er/Tag.lcm", TAG), ("Go.lcm", CALL)):
+        path = tmp_path / "types" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    monkeypatch.setenv("LCMTOOLS_TYPE_PATH", str(tmp_path / "types"))
+    return tmp_path / "types"
+
+
+def test_every_command_for_types_knows_them(lcmtools: Run) -> None:
+    assert "fleet/Pose" in lcmtools("msg", "list").stdout.splitlines()
+    assert lcmtools("msg", "package", "fleet").stdout.count("\n") == 4
+    shown = lcmtools("msg", "show", "fleet.Pose").stdout
+    assert shown.endswith("  float64 z\nfleet/Tag tag\n  string[] words\n")
+    assert lcmtools("msg", "proto", "fleet/Tag").stdout == "words: []\n"
+    assert "fleet/Tag: string[] words" in lcmtools("msg", "find-field", "words").stdout
+    assert "fleet/Go" in lcmtools("srv", "list").stdout.splitlines()
+    assert lcmtools("srv", "show", "fleet/Go").stdout == "float64 x\n---\nbool ok\n"
+    number = lcmtools("msg", "fingerprint", "fleet/Tag").stdout.strip()
+    record = json.loads(lcmtools("msg", "show", "--json", "fleet/Tag").stdout)
+    assert record["fingerprint"] == f"0x{number}"
+
+
+def test_they_are_published_and_seen(
+    start: Callable[..., Any], lcmtools: Run, lcmtools_path: str, bus_url: str
+) -> None:
+    at = ("--lcm-url", bus_url)
+    echo = start(lcmtools_path, "echo", "/p", *at)
+    value = "{at: [1, 2, 3], tag: {words: [a, b]}}"
+    pub = start(lcmtools_path, "pub", "-r", "20", "/p", "fleet/Pose", value, *at)
+    echo.wait_for("words:")
+    assert "/p [fleet/Pose]" in lcmtools("list", "-v", *at).stdout
+    assert lcmtools("find", "fleet/Pose", *at).stdout == "/p\n"
+    heard = lcmtools("echo", "-n", "1", "/p/tag/words[1]", *at).stdout
+    assert "b" in heard
+    pub.send_signal(2)
+
+
+def test_a_plain_program_is_known_by_its_fingerprint(
+    start_python: Callable[..., Any], lcmtools: Run, bus_url: str, folder: Path
+) -> None:
+    made = lcmtools("msg", "generate", "--lang", "python", str(folder.parent / "gen"), "fleet/Tag")
+    assert made.returncode == 0
+    source = (
+        "import time, lcm\nfrom fleet import Tag\nbus, tag = lcm.LCM(), Tag()\n"
+        "tag.n, tag.words = 1, ['plain']\n"
+        "while True:\n    bus.publish('TAGS', tag.encode())\n    time.sleep(0.05)\n"
+    )
+    start_python(source, LCM_DEFAULT_URL=bus_url, PYTHONPATH=str(folder.parent / "gen"))
+    heard = lcmtools("echo", "-n", "1", "TAGS", "--lcm-url", bus_url)
+    assert "plain" in heard.stdout
+    assert heard.returncode == 0
+
+
+def test_scripts_get_them_by_name(folder: Path) -> None:
+    source = "import lcmtools; print(lcmtools.message_class('fleet/Pose')().at.x)"
+    done = subprocess.run(
+        [sys.executable, "-c", source], capture_output=True, text=True, check=False, cwd=folder
+    )
+    assert (done.stdout, done.stderr) == ("0.0\n", "")
+
+
+def test_commands_that_start_at_once_all_get_the_same(
+    start: Callable[..., Any], lcmtools_path: str
+) -> None:
+    programs = [start(lcmtools_path, "msg", "fingerprint", "fleet/Pose") for _ in range(6)]
+    assert {program.wait() for program in programs} == {0}
+    assert len({program.output for program in programs}) == 1
+    kept = Path(os.environ["XDG_CACHE_HOME"]) / "lcmtools" / "types"
+    assert len(list(kept.iterdir())) == 1
+
+
+def test_types_of_an_installed_package_are_known_everywhere(
+    lcmtools: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    site = tmp_path / "site"
+    metadata = site / "lab_types-1.0.dist-info"
+    metadata.mkdir(parents=True)
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: lab_types\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text("[lcmtools.messages]\nlab = lab_types.msg\n")
+    (site / "lab_types" / "msg").mkdir(parents=True)
+    (site / "lab_types" / "__init__.py").write_text("raise SystemExit('nobody imports this')\n")
+    (site / "lab_types" / "msg" / "Far.lcm").write_text(
+        "package lab_types;\r\nstruct Far { std_msgs.Header header; }\r\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(site))
+    assert "lab_types/Far" in lcmtools("msg", "list").stdout.splitlines()
+    assert lcmtools("msg", "show", "lab_types/Far").stdout.startswith("std_msgs/Header header\n")
+    made = "package fleet;\nstruct Uses { lab_types.Far far; }\n"
+    (tmp_path / "types" / "Uses.lcm").write_text(made)
+    shown = lcmtools("msg", "show", "fleet/Uses")
+    assert (shown.stderr, shown.stdout[:18]) == ("", "lab_types/Far far\n")
+
+
+def test_nothing_is_compiled_for_a_command_that_needs_no_type(lcmtools: Run, bus_url: str) -> None:
+    assert lcmtools("list", "--lcm-url", bus_url).returncode == 0
+    assert list(Path(os.environ["XDG_CACHE_HOME"]).iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("language", "file"),
+    [
+        ("c", "fleet_Pose.c"),
+        ("cpp", "fleet/Pose.hpp"),
+        ("java", "fleet/Pose.java"),
+        ("python", "fleet/Pose.py"),
+    ],
+)
+def test_code_is_written_with_what_types_are_made_of(
+    language: str, file: str, lcmtools: Run, tmp_path: Path
+) -> None:
+    target = tmp_path / "gen"
+    for name in ("fleet/Pose", "fleet/Go_Request"):  # the second run keeps what the first made
+        done = lcmtools("msg", "generate", "--lang", language, str(target), name)
+        assert done.returncode == 0
+        assert all(Path(line).is_file() for line in done.stdout.splitlines())
+    assert (target / file).is_file()
+    point = file.replace("fleet", "geometry_msgs").replace("Pose", "Point")
+    assert (target / point).is_file()
+    if language == "python":
+        assert "Pose" in (target / "fleet" / "__init__.py").read_text()
+        assert "Go_Request" in (target / "fleet" / "__init__.py").read_text()
+
+
+def test_code_of_a_broken_file_is_not_begun(lcmtools: Run, tmp_path: Path, folder: Path) -> None:
+    (folder / "fleet" / "Pose.lcm").write_text("package fleet;\nstruct Pose {\n Tag t }\n")
+    done = lcmtools("msg", "generate", "--lang", "c", str(tmp_path / "gen"), "fleet/Pose")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert f"{folder}/fleet/Pose.lcm:3: expected token ;" in done.stderr
+    assert not (tmp_path / "gen").exists()
+
+
+@pytest.fixture(scope="module")
+def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The example's folder, built."""
+    headers = Path(sysconfig.get_path("purelib")) / "include" / "lcm" / "lcm.h"
+    missing = [tool for tool in ("make", "cc", "c++") if shutil.which(tool) is None]
+    if missing or not headers.exists():
+        pytest.skip(f"not here: {', '.join(missing) or 'the headers of LCM'}")
+    folder = tmp_path_factory.mktemp("example") / "plain_lcm"
+    shutil.copytree(
+        EXAMPLE, folder, ignore=shutil.ignore_patterns("generated", "talker", "listener")
+    )
+    path = f"{sysconfig.get_path('scripts')}:{os.environ['PATH']}"
+    command = ["make", f"PYTHON={sys.executable}", "CXX=c++"]
+    done = subprocess.run(
+        command,
+        cwd=folder,
+        env={**os.environ, "PATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "warning" not in done.stderr
+    return folder
+
+
+def test_node_in_cpp_talks_with_lcmtools(
+    programs: Path, start: Callable[..., Any], lcmtools: Run, bus_url: str
+) -> None:
+    start(str(programs / "talker"), LCM_DEFAULT_URL=bus_url).wait_for("hello world")
+    at = ("--lcm-url", bus_url)
+    heard = lcmtools("echo", "-n", "1", "/chatter", *at).stdout
+    assert heard.startswith('data: "hello world ')
+    assert " * /chatter [std_msgs/String] 1 publisher\n" in lcmtools("list", "-v", *at).stdout
+
+
+def test_node_in_c_hears_lcmtools(
+    programs: Path, start: Callable[..., Any], lcmtools_path: str, bus_url: str
+) -> None:
+    listener = start(str(programs / "listener"), LCM_DEFAULT_URL=bus_url)
+    listener.wait_for("listening")
+    words = ("pub", "-r", "10", "/cmd_vel", "geometry_msgs/Twist", "{linear: [0.5, 0, 0]}")
+    start(lcmtools_path, *words, LCM_DEFAULT_URL=bus_url)
+    listener.wait_for("/cmd_vel: 0.50 m/s forward, 0.00 rad/s")

@@ -1,0 +1,221 @@
+"""From .lcm files to types that can be used: what is made, what is refused, and what is kept."""
+
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from lcmtools.messages.codec import decode, encode
+from lcmtools.messages.registry import Registry, fingerprint
+from lcmtools.packages import cache
+from lcmtools.packages.source import TypeSource
+from lcmtools.packages.user_types import UserTypes
+from lcmtools.types.fingerprints import FINGERPRINTS
+from lcmtools.types.geometry_msgs import Twist
+
+Types = Callable[..., UserTypes]
+Write = Callable[..., Path]
+
+STAT = "package lab;\nstruct Stat\n{\n  int32_t samples;\n  geometry_msgs.Twist twist;\n}\n"
+
+
+def registry(types: UserTypes) -> Registry:
+    return Registry([TypeSource("lcmtools.types", FINGERPRINTS)], types)
+
+
+def near(types: UserTypes) -> TypeSource:
+    found = types.near()
+    assert found is not None
+    return found
+
+
+def test_types_are_made_of_shipped_types_and_of_each_other_across_packages(
+    write: Write, types_of: Types
+) -> None:
+    folder = write(
+        {
+            "lab/Stat.lcm": STAT,
+            "b/More.lcm": "package other.deep;\nstruct More { lab.Stat first; Last last; }\n",
+            "b/Last.lcm": "package other.deep;\nstruct Last { int32_t n; double values[n]; }\n",
+            "plain.lcm": "struct plain_t { other.deep.More more; }\n",
+        }
+    )
+    known = registry(types_of(folder))
+    more = known.message_class("other.deep.More")()
+    assert type(more.first.twist) is Twist
+    more.first.twist.linear.x, more.last.values = 0.5, [1.0, 2.0]
+    back = decode(type(more), encode(more))
+    assert (back.first.twist.linear.x, back.last.values) == (0.5, (1.0, 2.0))
+    assert known.type_name(type(more)) == "other.deep/More"
+    plain = known.message_class("plain_t")()
+    assert known.type_name(type(plain)) == "plain_t"
+    assert type(plain.more) is type(more)
+    assert known.type_name(Twist) == "geometry_msgs/Twist"
+    assert {"lab/Stat", "other.deep/More", "plain_t"} <= set(known.type_names())
+
+
+def test_a_file_without_a_package_does_not_take_the_one_of_the_file_before(
+    write: Write, types_of: Types
+) -> None:
+    folder = write({"a.lcm": "package p;\nstruct A { byte x; }\n", "b.lcm": "struct B { A a; }\n"})
+    source = near(types_of(folder))
+    assert set(source.fingerprints) == {"p/A"}
+    assert source.problems[0].what == "B: unknown type 'A'"
+    assert source.problems[0].hint == "did you mean p.A?"
+
+
+def test_fingerprint_leads_to_the_type(write: Write, types_of: Types) -> None:
+    known = registry(types_of(write({"Stat.lcm": STAT})))
+    cls = known.message_class("lab/Stat")
+    assert known.candidates(fingerprint(cls)) == ["lab/Stat"]
+
+
+def test_own_type_counts_and_the_shipped_one_is_found_by_its_fingerprint(
+    write: Write, types_of: Types
+) -> None:
+    said: list[str] = []
+    types = types_of(write({"s.lcm": "package std_msgs;\nstruct String { string text; }\n"}))
+    known = Registry([TypeSource("lcmtools.types", FINGERPRINTS)], types, said.append)
+    own = known.message_class("std_msgs/String")
+    assert own.__slots__ == ["text"]
+    number = FINGERPRINTS["std_msgs/String"]
+    assert known.candidates(number) == ["std_msgs/String"]
+    assert known.message_class("std_msgs/String", number).__slots__ == ["data"]
+    assert len(said) == 1
+    assert said[0].startswith("lcmtools: std_msgs/String is not as lcmtools has it; used is ")
+
+
+def test_of_two_folders_with_the_same_type_the_first_counts_and_that_is_said(
+    tmp_path: Path, types_of: Types
+) -> None:
+    for name, field in (("a", "double x"), ("b", "double y"), ("c", "double x")):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "T.lcm").write_text(f"package p;\nstruct T {{ {field}; }}\n")
+    a, b, c = (tmp_path / name for name in "abc")
+    assert near(types_of(a, c)).notes == {}, "the same twice is no fault"
+    source = near(types_of(b, a))
+    assert source.files["p/T"] == str(b / "T.lcm")
+    assert source.notes == {"p/T": f"p/T is in {b / 'T.lcm'} and, other, in {a / 'T.lcm'}"}
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "what", "hint"),
+    [
+        ("package p;\nstruct T {\n  double x\n}\n", 4, "expected token ;", "a ';' is missing"),
+        ("package p;\nstruct T{\n double x;\n}\n", 3, "expected token {", "lcm-gen wants a space"),
+        ("double x;\n", 1, "Missing struct token", "a file is  package name;"),
+        ("struct T { double x[]; }", 1, "Array sizes must be declared", "declare the size before"),
+        ("struct T { byte a[n];\n int32_t n; }", 1, "Unknown variable array index 'n'", "declare"),
+        ("struct T {\n byte a;\n byte a; }", 3, "Duplicate member name 'a'", ""),
+        ("struct T {\n uint8_t a;\n}", 2, "T: unknown type 'uint8_t'", "did you mean byte?"),
+        ("struct T {\n int a;\n}", 2, "T: unknown type 'int'", "did you mean int32_t?"),
+        ("struct T {\n geometry_msgs.Twst a; }", 2, "unknown type 'geometry_msgs.Twst'", "Twist?"),
+        ("struct T {\n no_such.Thing a; }", 2, "unknown type 'no_such.Thing'", "name the folder"),
+        ("struct T {\n double class; }", 2, "T: 'class' is a keyword of Python", "class_"),
+        ("struct T {\n double encode; }", 2, "T: a field cannot be called 'encode'", "another"),
+        ("struct T { T t; }", 0, "T contains itself", "only an array of variable size"),
+        ("enum E { A }\nstruct T { E e; }", 2, "T: unknown type 'E'", ""),
+        ("\n\x00\x01", 2, "unexpected '\\x00'", "a .lcm file has words"),
+        ('struct T {\n """ byte x; }', 2, "unexpected '\"'", "a .lcm file has words"),
+    ],
+)
+def test_what_is_wrong_with_a_file_is_told_with_its_line(
+    text: str, line: int, what: str, hint: str, write: Write, types_of: Types
+) -> None:
+    folder = write({"p/T.lcm": text, "p/Good.lcm": "package p;\nstruct Good { byte x; }\n"})
+    source = near(types_of(folder))
+    assert set(source.fingerprints) == {"p/Good"}, "the others are not affected"
+    (problem,) = source.problems
+    assert (problem.file, problem.line) == (str(folder / "p/T.lcm"), line)
+    assert what in problem.what
+    assert hint in problem.hint
+
+
+def test_a_broken_file_is_what_its_type_is_refused_for_even_if_lcmtools_has_one(
+    write: Write, types_of: Types
+) -> None:
+    known = registry(types_of(write({"std_msgs/String.lcm": "package std_msgs;\nstruct String {"})))
+    with pytest.raises(Exception, match=r"String\.lcm:\d+: "):
+        known.message_class("std_msgs/String")
+    assert known.message_class("std_msgs/Header").__slots__ == ["seq", "stamp", "frame_id"]
+
+
+def test_nothing_in_a_comment_is_run(write: Write, types_of: Types) -> None:
+    evil = '// """\n// raise SystemExit\n/* """ + 1/0 + """ */\n'
+    source = near(types_of(write({"T.lcm": f"{evil}struct T {{\n{evil} byte x; {evil} }}\n"})))
+    assert (set(source.fingerprints), source.problems) == ({"T"}, [])
+
+
+def test_service_pairs_are_found(write: Write, types_of: Types) -> None:
+    text = "package p;\nstruct Go_Request { double x; }\nstruct Go_Response { boolean ok; }\n"
+    known = registry(types_of(write({"Go.lcm": text})))
+    assert known.service_names() == ["p/Go"]
+    service = known.service_class("p/Go")
+    assert service.Request.__slots__ == ["x"]
+    assert service.Response is known.message_class("p/Go_Response")
+
+
+def test_an_edited_file_counts_at_once(write: Write, types_of: Types) -> None:
+    types = types_of(write({"T.lcm": "package p;\nstruct T { double x; }\n"}))
+    known = registry(types)
+    old = known.message_class("p/T")
+    write({"T.lcm": "package p;\nstruct T { double y; }\n"})
+    new = known.message_class("p/T")
+    assert (old.__slots__, new.__slots__) == (["x"], ["y"])
+    assert known.type_name(old) == known.type_name(new) == "p/T"
+
+
+def test_what_is_made_once_is_kept(
+    write: Write, types_of: Types, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = write({"T.lcm": "package p;\nstruct T { double x; }\n"})
+    first = near(types_of(folder))
+    monkeypatch.setattr(cache, "_make", None)  # whoever calls it fails
+    assert near(types_of(folder)) == first
+
+
+def test_many_at_once_make_the_same(write: Write, types_of: Types, cache_folder: Path) -> None:
+    folder = write({f"T{n}.lcm": f"package p;\nstruct T{n} {{ double x; }}\n" for n in range(5)})
+    found: list[TypeSource] = []
+    threads = [
+        threading.Thread(target=lambda: found.append(near(types_of(folder)))) for _ in range(4)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(20)
+    assert len(found) == 4
+    assert all(source == found[0] for source in found)
+    assert len(list((cache_folder / "lcmtools" / "types").iterdir())) == 1, (
+        "nothing half made stays"
+    )
+
+
+def test_a_cache_that_somebody_has_damaged_is_made_anew(
+    write: Write, types_of: Types, cache_folder: Path
+) -> None:
+    folder = write({"T.lcm": "package p;\nstruct T { double x; }\n"})
+    first = near(types_of(folder))
+    (index,) = cache_folder.glob("lcmtools/types/*/index.json")
+    for damage in ("", "{", "[]", '{"fingerprints": 3}'):
+        index.write_text(damage)
+        assert near(types_of(folder)) == first
+
+
+def test_without_a_cache_folder_types_work_all_the_same(write: Write, tmp_path: Path) -> None:
+    folder = write({"T.lcm": "package p;\nstruct T { double x; }\n"})
+    (tmp_path / "file").write_text("")
+    environment = {"LCMTOOLS_TYPE_PATH": str(folder), "XDG_CACHE_HOME": str(tmp_path / "file")}
+    types = UserTypes(environment, list, FINGERPRINTS)
+    assert registry(types).message_class("p/T").__slots__ == ["x"]
+
+
+def test_folder_that_is_not_there_is_told(types_of: Types, tmp_path: Path) -> None:
+    source = near(types_of(tmp_path / "nope"))
+    assert source.fingerprints == {}
+    assert str(source.problems[0].error()).startswith(f"{tmp_path}/nope: there is no such folder")
+
+
+def test_nothing_is_looked_for_where_nothing_is_said(tmp_path: Path) -> None:
+    assert UserTypes({}, lambda: [tmp_path], FINGERPRINTS).near() is None

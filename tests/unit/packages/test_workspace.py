@@ -1,0 +1,132 @@
+"""Which folders are packages, and which workspace one is in."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from lcmtools.errors import UsageError
+from lcmtools.packages.nodes import Runnable, find_node, name_of_run, runnables, words_to_run
+from lcmtools.packages.workspace import workspace
+
+Write = Callable[..., Path]
+
+PROJECT = '[project]\nname = "{}"\n[tool.lcmtools]\n'
+NODES = '[project]\nname = "{0}"\n[project.entry-points."lcmtools.nodes"]\n{1}\n[tool.lcmtools]\n'
+
+
+def names(*starts: Path) -> list[str]:
+    return [package.name for package in workspace(*starts).packages]
+
+
+@pytest.mark.parametrize("place", ["ws", "ws/a", "ws/a/a/msg", "ws/src", "ws/src/b", "ws/notes"])
+def test_workspace_is_found_from_everywhere_in_it(place: str, write: Write) -> None:
+    root = write(
+        {
+            "ws/a/pyproject.toml": PROJECT.format("a"),
+            "ws/a/a/msg/x.lcm": "",
+            "ws/src/b/pyproject.toml": PROJECT.format("b-c"),
+            "ws/notes/x.txt": "",
+            "ws/other/pyproject.toml": '[project]\nname = "other"\n',
+        }
+    )
+    assert names(root / place) == (["b_c"] if place.startswith("ws/src") else ["a", "b_c"])
+
+
+def test_outside_there_is_none(write: Write) -> None:
+    root = write({"ws/a/pyproject.toml": PROJECT.format("a"), "else/where/x": ""})
+    assert names(root / "else" / "where") == []
+
+
+def test_a_folder_that_everybody_writes_concerns_only_who_is_in_it(write: Write) -> None:
+    root = write({"all/a/pyproject.toml": PROJECT.format("a"), "all/mine/x": "", "all/a/b/x": ""})
+    (root / "all").chmod(0o1777)
+    assert names(root / "all" / "mine") == []
+    assert names(root / "all") == names(root / "all" / "a" / "b") == ["a"]
+
+
+def test_a_broken_package_stops_no_other(write: Write) -> None:
+    root = write(
+        {
+            "a/pyproject.toml": PROJECT.format("a"),
+            "b/pyproject.toml": "[tool.lcmtools]\nname = = 3\n",
+            "c/pyproject.toml": "[tool.lcmtools]\n",
+            "d/pyproject.toml": PROJECT.format("../d"),
+        }
+    )
+    found = workspace(root)
+    assert [package.name for package in found.packages] == ["a"]
+    told = [str(problem) for problem in found.problems]
+    assert told[0].startswith(f"{root}/b/pyproject.toml:2: this is not TOML: ")
+    assert told[1].startswith(f"{root}/c/pyproject.toml: the package has no proper name; write ")
+    assert told[2].startswith(f"{root}/d/pyproject.toml: the package has no proper name; write ")
+
+
+def test_folders_of_other_users_are_not_taken(
+    write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    root = write({"a/pyproject.toml": PROJECT.format("a")})
+    owner = (root / "a").stat().st_uid
+    monkeypatch.setattr("os.getuid", lambda: owner + 1)
+    assert names(root) == ([] if owner else ["a"]), "root's are everybody's"
+
+
+def test_nodes_come_from_the_workspace_and_from_what_is_installed(write: Write) -> None:
+    root = write({"a/pyproject.toml": NODES.format("a", 'go = "a.go:main"')})
+    found = {(node.package, node.name) for node in runnables(root)}
+    assert {("a", "go"), ("lcmtools", "talker"), ("lcmtools", "sim")} <= found
+
+
+def test_launch_files_find_the_nodes_of_a_package(write: Write) -> None:
+    root = write({"a/pyproject.toml": NODES.format("a", 'talker = "a.go:main"')})
+    assert words_to_run("a", "talker", root) == words_to_run("a", "talker.py", root)
+    assert words_to_run("a", "talker", root) == ("a", "talker")
+    assert words_to_run("a", "listener", root) == ()
+    assert words_to_run("lcmtools", "talker", root) == (), "said by its name alone"
+    assert name_of_run(["a", "talker", "__ns:=/x"], root) == "talker"
+
+
+def test_a_node_that_is_no_function_is_left_out(write: Write) -> None:
+    root = write({"a/pyproject.toml": NODES.format("a", 'go = "a.go"\nstop = "a:stop"')})
+    assert [node.name for node in runnables(root) if node.package == "a"] == ["stop"]
+
+
+KNOWN = [
+    Runnable("lab", "drive", "lab:main"),
+    Runnable("lab", "talker", "lab:main"),
+    Runnable("lcmtools", "talker", "lcmtools:main"),
+    Runnable("other", "drive", "other:main"),
+    Runnable("same", "same", "same:main"),
+]
+
+
+@pytest.mark.parametrize(
+    ("words", "package", "name", "rest"),
+    [
+        (["lab", "drive", "a"], "lab", "drive", ["a"]),
+        (["lab", "talker"], "lab", "talker", []),
+        (["talker", "lab"], "lcmtools", "talker", ["lab"]),
+        (["same"], "same", "same", []),
+        (["same", "same", "same"], "same", "same", ["same"]),
+        (["same", "__ns:=/a"], "same", "same", ["__ns:=/a"]),
+    ],
+)
+def test_words_mean_a_node(words: list[str], package: str, name: str, rest: list[str]) -> None:
+    node, left = find_node(words, KNOWN)
+    assert (node.package, node.name, left) == (package, name, rest)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["drive"], "several packages have a node 'drive'; say lab drive or other drive"),
+        (["lab", "drvie"], "the package lab has no node 'drvie'; did you mean drive?"),
+        (["lab", "x"], "the package lab has no node 'x'; it has drive, talker"),
+        (["lob", "drive"], "there is no package 'lob'; did you mean lab?"),
+        (["talkre"], "there is no node 'talkre'; did you mean talker?"),
+    ],
+)
+def test_words_that_mean_no_node_get_a_hint(words: list[str], said: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        find_node(words, KNOWN)
+    assert str(caught.value) == said
