@@ -14,7 +14,7 @@ SOURCES := lcmtools sim tests bench lcm_types
 .PHONY: demo test check types man format bench clean
 
 demo: $(VENV)/.installed
-	PATH="$(abspath $(BIN)):$$PATH" labs/husky.sh
+	PATH="$(abspath $(BIN)):$$PATH" labs/husky/lab.sh
 
 test: $(VENV)/.installed-dev
 	$(BIN)/pytest -n 3 $(ARGS)
@@ -26,7 +26,7 @@ check: $(VENV)/.installed-dev
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python -m lcmtools.cli.manual docs/man --check
-	$(BIN)/codespell README.md ARCHITECTURE.md CONTRIBUTING.md CHANGELOG.md labs lcm_types lcmtools sim
+	$(BIN)/codespell README.md ARCHITECTURE.md CONTRIBUTING.md CHANGELOG.md docs/*.md labs lcm_types lcmtools sim
 
 types: $(VENV)/.installed-dev
 	$(BIN)/python lcm_types/generate.py
@@ -39,7 +39,7 @@ format: $(VENV)/.installed-dev
 	$(BIN)/ruff format $(SOURCES)
 
 bench: $(VENV)/.installed-dev
-	for script in $(filter-out bench/common.py,$(wildcard bench/*.py)); do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+	for script in $(filter-out bench/common.py bench/commands.py bench/compared.py,$(wildcard bench/*.py)); do echo "== $$script"; $(BIN)/python $$script || exit 1; done
 
 $(VENV)/.venv:
 	@$(PYTHON) -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 11))' || { \

@@ -108,7 +108,9 @@ def main() -> None:
     """Measure and print."""
     options = parser(__doc__)
     options.add_argument("--seconds", type=float, default=20.0)
-    seconds = options.parse_args().seconds
+    options.add_argument("--quick", action="store_true", help="5 seconds: rough figures")
+    arguments = options.parse_args()
+    seconds = 5.0 if arguments.quick else arguments.seconds
     isolate()
     with ExitStack() as stack:
         stack.enter_context(child(announce, _FULL, _OTHERS)).wait()

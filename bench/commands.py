@@ -84,7 +84,7 @@ def start(command: Sequence[str], environment: Environment, output: str = os.dev
         (os.POSIX_SPAWN_OPEN, 1, output, flags, 0o600),
         (os.POSIX_SPAWN_OPEN, 2, os.devnull, os.O_WRONLY, 0),
     ]
-    return os.posix_spawn(command[0], command, environment, file_actions=files)
+    return os.posix_spawn(command[0], list(command), environment, file_actions=files)
 
 
 def run(command: Sequence[str], environment: Environment) -> Run:
@@ -113,7 +113,7 @@ def watch(
     with tempfile.NamedTemporaryFile() as output:
         pid = start(command, environment, output.name)
         try:
-            _await(lambda: begun.search(_content(output.name)) is not None)
+            _await(lambda: begun.search(_content(output.name)) is not None, " ".join(command))
             time.sleep(_SETTLING / 2)
             before = time.perf_counter(), processor_time(pid), Path(output.name).stat().st_size
             time.sleep(seconds)
@@ -168,8 +168,8 @@ def middle(results: Sequence[Result], value: Callable[[Result], float]) -> float
     return median(value(result) for result in results)
 
 
-def _await(is_so: Callable[[], bool]) -> None:
-    """Wait until something is so.
+def _await(is_so: Callable[[], bool], whom: str) -> None:
+    """Wait until a command has made something so.
 
     Raises:
         TimeoutError: It never is.
@@ -177,7 +177,7 @@ def _await(is_so: Callable[[], bool]) -> None:
     deadline = time.monotonic() + _PATIENCE
     while not is_so():
         if time.monotonic() > deadline:
-            raise TimeoutError("a command prints nothing")
+            raise TimeoutError(f"{whom}: it does not print what it should")
         time.sleep(0.02)
 
 

@@ -22,6 +22,7 @@ _LOOPBACK = (
     "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo"
     ' && exec "$@"'
 )
+_FEW = 3  # rounds
 _PATIENCE = 30.0  # [s] for a child to get ready or to report
 
 
@@ -30,6 +31,16 @@ def parser(docstring: str | None) -> argparse.ArgumentParser:
     return argparse.ArgumentParser(
         description=docstring, formatter_class=argparse.RawDescriptionHelpFormatter
     )
+
+
+def rounds_asked(docstring: str | None, usual: int) -> int:
+    """How many rounds the command line asks for: ``--rounds N``, or ``--quick`` for a few."""
+    options = parser(docstring)
+    options.add_argument("--rounds", type=int, default=usual, help="default: %(default)s")
+    options.add_argument("--quick", action="store_true", help="a few rounds: rough figures")
+    arguments = options.parse_args()
+    rounds: int = arguments.rounds
+    return min(_FEW, rounds) if arguments.quick else rounds
 
 
 def bus(port: int, **options: int) -> str:

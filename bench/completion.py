@@ -17,7 +17,7 @@ from signal import SIGTERM, signal
 from statistics import median
 
 from commands import TOOL, Run, child_environment, run, talking
-from common import bus, child, isolate, parser, show
+from common import bus, child, isolate, rounds_asked, show
 
 _BREAKS = " \t\n\"'><=;|&(:"
 _PORT = 7792  # of startup.child_environment
@@ -100,9 +100,7 @@ def rows(runs: Mapping[str, Sequence[Run]]) -> list[list[object]]:
 
 def main() -> None:
     """Measure and print."""
-    options = parser(__doc__)
-    options.add_argument("--rounds", type=int, default=21)
-    rounds = options.parse_args().rounds
+    rounds = rounds_asked(__doc__, 21)
     isolate()
     show(
         f"One completion, medians of {rounds}",

@@ -15,7 +15,7 @@ from contextlib import ExitStack, contextmanager
 from multiprocessing.connection import Connection
 from statistics import median
 
-from common import bus, child, isolate, parser, show
+from common import bus, child, isolate, rounds_asked, show
 
 import lcmtools
 from lcmtools.bus.tap import Tap
@@ -126,9 +126,7 @@ def load() -> Iterator[None]:
 
 def main() -> None:
     """Measure and print."""
-    options = parser(__doc__)
-    options.add_argument("--rounds", type=int, default=20)
-    rounds = options.parse_args().rounds
+    rounds = rounds_asked(__doc__, 20)
     isolate()
     table: list[list[object]] = []
     with nodes():

@@ -14,7 +14,7 @@ from multiprocessing.connection import Connection
 from statistics import median
 
 import lcm
-from common import bus, child, every, isolate, parser, show
+from common import bus, child, every, isolate, rounds_asked, show
 
 import lcmtools
 from lcmtools.types.sensor_msgs import Image
@@ -82,9 +82,7 @@ def run(sender: Callable[[Connection, float], None], rate: float) -> tuple[float
 
 def main() -> None:
     """Measure and print."""
-    options = parser(__doc__)
-    options.add_argument("--runs", type=int, default=5)
-    runs = options.parse_args().runs
+    runs = rounds_asked(__doc__, 5)
     rate = _RATE if isolate() else _MODEST_RATE
     senders = {"plain lcm": send_plainly, "lcmtools": send_as_node}
     found: dict[str, list[tuple[float, float]]] = {label: [] for label in senders}

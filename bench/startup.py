@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from statistics import median
 
 from commands import TOOL, Run, child_environment, run, talking
-from common import isolate, parser, show
+from common import isolate, rounds_asked, show
 
 _COMMANDS = {
     "python -c pass": [sys.executable, "-c", "pass"],
@@ -55,9 +55,7 @@ def rows(runs: Mapping[str, Sequence[Run]]) -> list[list[object]]:
 
 def main() -> None:
     """Measure and print."""
-    options = parser(__doc__)
-    options.add_argument("--rounds", type=int, default=21)
-    rounds = options.parse_args().rounds
+    rounds = rounds_asked(__doc__, 21)
     isolate()
     show(
         f"From the shell, medians of {rounds} runs",

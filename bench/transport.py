@@ -15,7 +15,7 @@ from multiprocessing.connection import Connection
 from statistics import median
 
 import lcm
-from common import bus, child, every, isolate, parser, quantile, show
+from common import bus, child, every, isolate, quantile, rounds_asked, show
 
 import lcmtools
 from lcmtools.types.geometry_msgs import Twist
@@ -199,9 +199,7 @@ def streams(*, fast: bool) -> list[Stream]:
 
 def main() -> None:
     """Measure and print."""
-    options = parser(__doc__)
-    options.add_argument("--rounds", type=int, default=3)
-    rounds = options.parse_args().rounds
+    rounds = rounds_asked(__doc__, 3)
     fast = isolate()
     show(
         f"From process to process, medians of {rounds} rounds",

@@ -174,7 +174,9 @@ def main() -> None:
     """Measure and print the tables."""
     command = parser(__doc__)
     command.add_argument("--pictures", type=int, default=36, help="headings of the camera")
-    count = command.parse_args().pictures
+    command.add_argument("--quick", action="store_true", help="6 pictures: rough figures")
+    arguments = command.parse_args()
+    count = 6 if arguments.quick else arguments.pictures
     client = engine()
     compare_pictures(client, count)
     compare_lasers(client, count)
