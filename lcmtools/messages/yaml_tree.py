@@ -177,12 +177,16 @@ def _scalar(event: "yaml.ScalarEvent") -> Value:
 
 
 def _binary(event: "yaml.ScalarEvent") -> bytes:
-    from base64 import b64decode
+    from base64 import b64decode, b64encode
 
+    text = "".join(event.value.split())
     try:
-        return b64decode("".join(event.value.split()), validate=True)
+        data = b64decode(text, validate=True)
     except ValueError:
-        raise BadYaml(event.start_mark, "!!binary is not followed by base64") from None
+        data = b""
+    if b64encode(data) != text.encode():  # some Pythons take "=" for base64
+        raise BadYaml(event.start_mark, "!!binary is not followed by base64")
+    return data
 
 
 def _unknown_tag(event: "yaml.ScalarEvent | yaml.CollectionStartEvent") -> BadYaml:
