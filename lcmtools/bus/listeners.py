@@ -11,6 +11,9 @@ from lcmtools.bus.processes import Process, owners, udp_sockets
 from lcmtools.bus.url import BusUrl
 
 _LOOK_PERIOD = 1.0  # [s] between two looks at the socket table
+_SECOND_LOOK = 0.5
+"""[s] A node's socket is a stranger's before it has announced itself and after it has said goodbye;
+what is still there after so long is no node's."""
 
 
 def listening_sockets(url: BusUrl) -> frozenset[int]:
@@ -48,11 +51,12 @@ class PlainListeners:
         self._now = now
         self._next_look = now()
         self._possible = True
+        self._strangers: frozenset[int] = frozenset()
         self._sockets: frozenset[int] = frozenset()
         self._holders: dict[int, Process] = {}
 
     def possible(self) -> bool:
-        """Whether there can be any, as of a second ago.
+        """Whether there can be any, as of a second or two ago.
 
         Always, where datagrams leave this computer or nobody can know who listens; never within
         one process.
@@ -62,16 +66,21 @@ class PlainListeners:
         if not self._url.is_multicast or self._url.ttl:
             return True
         if self._now() >= self._next_look:
-            self._next_look = self._now() + _LOOK_PERIOD
-            self._possible = self._look()
+            self._look()
         return self._possible
 
-    def _look(self) -> bool:
-        """Whether a socket of the bus belongs to a process that is no node, or that is hidden."""
-        sockets = listening_sockets(self._url)
+    def _look(self) -> None:
+        """Look at the socket table again; strangers count when they are seen the second time."""
+        before, sockets = self._strangers, listening_sockets(self._url)
+        self._strangers = self._without_nodes(sockets)
+        # Not even one's own socket is there: this system does not tell.
+        self._possible = not sockets or bool(self._strangers & before)
+        is_sure = self._strangers <= before
+        self._next_look = self._now() + (_LOOK_PERIOD if is_sure else _SECOND_LOOK)
+
+    def _without_nodes(self, sockets: frozenset[int]) -> frozenset[int]:
+        """Those that belong to a process that is no node, or that is hidden."""
         if sockets != self._sockets:  # to find whose they are costs milliseconds
             self._sockets, self._holders = sockets, owners(sockets)
-        nodes = self._nodes()
-        return not sockets or any(  # not even one's own: this system does not tell
-            inode not in self._holders or self._holders[inode].pid not in nodes for inode in sockets
-        )
+        nodes, holders = self._nodes(), self._holders
+        return frozenset(s for s in sockets if s not in holders or holders[s].pid not in nodes)

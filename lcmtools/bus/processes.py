@@ -30,6 +30,7 @@ class UdpSocket:
         inode: The socket's identity.
         uid: The user it belongs to.
         drops: Datagrams that the kernel dropped because its buffer was full.
+        queued_bytes: What waits to be read, with the kernel's overhead.
     """
 
     address: str
@@ -37,6 +38,7 @@ class UdpSocket:
     inode: int
     uid: int
     drops: int
+    queued_bytes: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,6 +227,7 @@ def _parse_row(columns: list[str]) -> UdpSocket:
         inode=int(columns[9]),
         uid=int(columns[7]),
         drops=int(columns[12]),
+        queued_bytes=int(columns[4].partition(":")[2], 16),
     )
 
 

@@ -2,54 +2,86 @@
 
 It joins the group beside everyone else and sees every sender, whether or not that program has
 ever heard of lcmtools. It decodes nothing, and no datagram makes it fail.
+
+By default it takes the heads of large messages only: their first datagram tells channel, type,
+size and number, and on Linux a filter in the kernel drops the others, so that a bus full of images
+costs next to nothing to watch.
 """
 
 import contextlib
 import select
 import socket
 import struct
+import sys
 import time
+from collections.abc import Mapping
 
 from lcmtools.bus.multicast import check_multicast, receiving_socket, sending_socket
+from lcmtools.bus.socket_filter import (
+    ACCEPT,
+    DROP,
+    JUMP_EQUAL,
+    JUMP_GREATER_EQUAL,
+    LOAD_HALF,
+    LOAD_LENGTH,
+    LOAD_WORD,
+    UDP_HEADER,
+    Instruction,
+    attach,
+    detach,
+)
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.names import check_length
 from lcmtools.wire.datagram import (
-    Malformed,
-    ShortMessage,
+    FRAGMENT_HEADER_BYTES,
+    MAGIC_FRAGMENT,
     fits_datagram,
     fragments,
-    parse,
     short_message,
 )
 from lcmtools.wire.packet import Packet, Sender
-from lcmtools.wire.reassembly import Reassembler
+from lcmtools.wire.reader import Reader
+from lcmtools.wire.sequence import Sequence
 
-_SO_TIMESTAMPNS = 35  # asm-generic/socket.h; Python's socket module does not name it
+_SO_TIMESTAMPNS = 35  # asm-generic/socket.h; Python's socket module does not name these
+_SO_MEMINFO = 55
+_RECVTTL = 12  # linux/in.h
+_DROPS = 8  # the place of the dropped datagrams among its numbers (linux/sock_diag.h)
 _TIMESPEC = struct.Struct("@qq")
+_ANCILLARY_BYTES = 64
 _MAX_DATAGRAM = 65536
-_MOST_MALFORMED = 1000  # senders that are remembered
 _BATCH = 256  # datagrams taken at once before the caller is served
+_STREAM, _STREAM_GAP, _NAP = 8, 0.005, 0.01
+"""After so many turns, each within so many seconds of the last, a turn begins with a nap [s]."""
 
 
 class Tap:
     """An observer of one multicast group.
 
+    Args:
+        url: The bus.
+        whole: Put large messages together; else their heads come (``Packet.whole_bytes``).
+        in_kernel: Let the kernel drop what only whole messages need, where it can; the results
+            are the same without.
+
     Raises:
         BusError: Multicast does not work here, with what to type.
     """
 
-    def __init__(self, url: BusUrl) -> None:
+    def __init__(self, url: BusUrl, *, whole: bool = False, in_kernel: bool = True) -> None:
         check_multicast(url)
         self._address = (url.host, url.port)
         self._receiver = receiving_socket(url)
         self._receiver.settimeout(0.0)
         self._sender = sending_socket(url)
         self._seqno = 0
-        self._reassembler = Reassembler()
-        self.malformed: dict[Sender, str] = {}
-        """The last reason for each sender whose datagrams could not be read."""
-        _ask_kernel_for_times(self._receiver)
+        self._whole = whole
+        self._filtered = not whole and in_kernel and attach(self._receiver, heads_only())
+        self._reader = Reader(whole=whole)
+        self._buffer = memoryview(bytearray(_MAX_DATAGRAM))
+        self._turns, self._last_turn = 0, 0.0
+        _ask_kernel(self._receiver)
 
     def __enter__(self) -> "Tap":
         """Use the tap as a context manager."""
@@ -68,6 +100,33 @@ class Tap:
     def port(self) -> int:
         """The UDP port that ``send`` sends from; 0 before the first."""
         return int(self._sender.getsockname()[1])
+
+    @property
+    def malformed(self) -> Mapping[Sender, str]:
+        """The last reason for each sender whose datagrams could not be read."""
+        return self._reader.malformed
+
+    @property
+    def sequences(self) -> Mapping[Sender, Sequence]:
+        """What each sender's numbers tell of loss."""
+        return self._reader.sequences
+
+    @property
+    def ttls(self) -> Mapping[Sender, int]:
+        """How many routers each sender's datagrams may pass: 0 for none but this computer's."""
+        return self._reader.ttls
+
+    def drops(self) -> int | None:
+        """Datagrams that were lost here because they were not read fast enough.
+
+        None where the kernel does not tell, or counts those that its filter drops among them.
+        """
+        if self._filtered:
+            return None
+        with contextlib.suppress(OSError, IndexError):
+            numbers = self._receiver.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, 4 * (_DROPS + 1))
+            return memoryview(numbers).cast("I")[_DROPS]
+        return None
 
     def send(self, channel: str, payload: bytes) -> None:
         """Publish one message, as an LCM instance of its own.
@@ -90,43 +149,71 @@ class Tap:
 
     def receive(self, timeout: float) -> list[Packet]:
         """The messages that have arrived, waiting up to ``timeout`` seconds for the first."""
-        if not select.select([self._receiver], [], [], max(0.0, timeout))[0]:
+        timeout = max(0.0, timeout)
+        if self._is_streaming():  # to be woken for each message costs more than to read it
+            time.sleep(min(_NAP, timeout))
+        if not select.select([self._receiver], [], [], timeout)[0]:
             return []
         packets: list[Packet] = []
-        for _ in range(_BATCH):
-            try:
-                data, ancillary, _, address = self._receiver.recvmsg(_MAX_DATAGRAM, 64)
-            except BlockingIOError:
-                break
-            packet = self._read(data, Sender(*address), _arrival(ancillary))
-            if packet is not None:
-                packets.append(packet)
+        receive, read, buffer = self._receiver.recvmsg_into, self._reader.read, self._buffer
+        with contextlib.suppress(BlockingIOError):
+            for _ in range(_BATCH):
+                size, ancillary, _, address = receive([buffer], _ANCILLARY_BYTES)
+                arrival, ttl = _told(ancillary)
+                packet = read(bytes(buffer[:size]), Sender(*address), arrival, ttl)
+                if packet is not None:
+                    packets.append(packet)
+        if self._filtered and self._reader.needs_all:  # of messages that come again
+            detach(self._receiver)
+            self._filtered = False
         return packets
 
-    def _read(self, data: bytes, sender: Sender, arrival: int) -> Packet | None:
-        """The message that this datagram completes, if it does."""
-        message = parse(data)
-        if isinstance(message, Malformed):
-            if len(self.malformed) < _MOST_MALFORMED or sender in self.malformed:
-                self.malformed[sender] = message.reason
-            return None
-        if not isinstance(message, ShortMessage):
-            whole = self._reassembler.add(sender, message)
-            if whole is None:
-                return None
-            message = whole
-        return Packet(message.channel, message.payload, arrival, sender, message.seqno)
+    def _is_streaming(self) -> bool:
+        """Whether messages come so often that the turns follow each other at once.
+
+        Whole messages are not waited for: they would fill the kernel's buffer meanwhile.
+        """
+        now = time.monotonic()
+        self._turns = self._turns + 1 if now - self._last_turn < _STREAM_GAP else 0
+        self._last_turn = now
+        if self._turns < _STREAM or self._whole:
+            return False
+        self._last_turn += _NAP
+        return True
 
 
-def _ask_kernel_for_times(receiver: socket.socket) -> None:
-    with contextlib.suppress(OSError):  # not Linux: the time of reading serves instead
-        receiver.setsockopt(socket.SOL_SOCKET, _SO_TIMESTAMPNS, 1)
+def heads_only() -> list[Instruction]:
+    """The filter that drops all fragments but the first; what is malformed comes through."""
+    number = UDP_HEADER + 16
+    return [
+        Instruction(LOAD_LENGTH),
+        Instruction(JUMP_GREATER_EQUAL, UDP_HEADER + FRAGMENT_HEADER_BYTES, 0, 5),
+        Instruction(LOAD_WORD, UDP_HEADER),
+        Instruction(JUMP_EQUAL, int.from_bytes(MAGIC_FRAGMENT, "big"), 0, 3),
+        Instruction(LOAD_HALF, number),
+        Instruction(JUMP_EQUAL, 0, 1, 0),
+        DROP,
+        ACCEPT,
+    ]
 
 
-def _arrival(ancillary: list[tuple[int, int, bytes]]) -> int:
-    """The kernel's receive time, nanoseconds since 1970; the present where it tells none."""
+def _ask_kernel(receiver: socket.socket) -> None:
+    """Ask it to tell when each datagram came, and with what time to live."""
+    for level, option in ((socket.SOL_SOCKET, _SO_TIMESTAMPNS), (socket.IPPROTO_IP, _RECVTTL)):
+        with contextlib.suppress(OSError):  # not Linux: the time of reading serves instead
+            receiver.setsockopt(level, option, 1)
+
+
+def _told(ancillary: list[tuple[int, int, bytes]]) -> tuple[int, int | None]:
+    """The kernel's receive time, nanoseconds since 1970, and the time to live.
+
+    The present where the kernel tells no time, None where it does not tell the other.
+    """
+    arrival, ttl = 0, None
     for level, kind, data in ancillary:
         if level == socket.SOL_SOCKET and kind == _SO_TIMESTAMPNS and len(data) >= _TIMESPEC.size:
             seconds, nanoseconds = _TIMESPEC.unpack_from(data)
-            return int(seconds) * 1_000_000_000 + int(nanoseconds)
-    return time.time_ns()
+            arrival = seconds * 1_000_000_000 + nanoseconds
+        elif level == socket.IPPROTO_IP and kind == socket.IP_TTL:
+            ttl = int.from_bytes(data[:4], sys.byteorder)
+    return arrival or time.time_ns(), ttl

@@ -66,14 +66,18 @@ class Observer(Protocol):
         ...
 
 
-def open_observer(url: BusUrl) -> Observer:
+def open_observer(url: BusUrl, *, whole: bool = False) -> Observer:
     """The best observer that a bus allows.
+
+    Args:
+        url: The bus.
+        whole: Large messages are wanted whole; else their heads will do.
 
     Raises:
         BusError: The bus cannot be reached, with what to type.
     """
     if url.is_multicast:
-        return Tap(url)
+        return Tap(url, whole=whole)
     from lcmtools.bus.liblcm import LcmListener
 
     return LcmListener(url)
@@ -87,6 +91,7 @@ class Watch:
         tool: The command's name, announced while it listens ("echo").
         environment: The process's environment variables.
         observer: What sees the messages; None for the best that the bus allows.
+        whole: Large messages are wanted whole; else their heads will do (``Packet.whole_bytes``).
 
     Raises:
         BusError: The bus cannot be reached, with what to type.
@@ -98,9 +103,11 @@ class Watch:
         tool: str,
         environment: Mapping[str, str],
         observer: Observer | None = None,
+        *,
+        whole: bool = False,
     ) -> None:
         self.url = url
-        self._observer = observer or open_observer(url)
+        self._observer = observer or open_observer(url, whole=whole)
         self._records = NodeRecords(url, environment)
         self._node = _tool_node(tool)
         self._builder = GraphBuilder(but=self._node.id)
@@ -164,8 +171,8 @@ class Watch:
         """Ask all nodes to announce themselves and wait until the graph is complete.
 
         Args:
-            foreign: Wait longer where programs of this computer that are no nodes may be about
-                to publish: these cannot be asked.
+            foreign: Wait longer where programs that are no nodes publish, or, on this computer,
+                may be about to: these cannot be asked.
         """
         self._builder.recall(node for node in self._records.read() if _is_here(node))
         self.probe()
@@ -185,10 +192,10 @@ class Watch:
         """What is known now."""
         return self._builder.snapshot(time.time_ns())
 
-    def malformed(self) -> dict[str, str]:
-        """Senders of datagrams that could not be read, with the last reason."""
-        senders = self._observer.malformed if isinstance(self._observer, Tap) else {}
-        return {str(sender): reason for sender, reason in senders.items()}
+    @property
+    def tap(self) -> Tap | None:
+        """What knows the senders' datagrams; None where the bus is no multicast."""
+        return self._observer if isinstance(self._observer, Tap) else None
 
     def forget(self, node: Node) -> None:
         """Drop a stale node and its record."""
@@ -199,10 +206,19 @@ class Watch:
         return any(packet.channel in TALK_CHANNELS for packet in self.receive(timeout))
 
     def _await_foreign(self, deadline: float) -> None:
+        """Listen on where there are programs that cannot be asked; to the end where one is heard.
+
+        Which channels a program has only listening tells: the first may be one of ten.
+        """
         while (left := deadline - time.monotonic()) > 0:
             heard = {s.port for s in self._builder.heard_senders() if is_local(s.address)}
             heard.add(self._observer.port)
-            known = {node.pid for node in self.graph().nodes}
+            graph = self.graph()
+            if graph.foreign():
+                for _ in self.packets(left):
+                    pass
+                return
+            known = {node.pid for node in graph.nodes}
             if not unheard_senders(self.url.host, self.url.port, heard, known):
                 return
             self.receive(min(left, 0.1))

@@ -1,10 +1,11 @@
-"""Evidence and findings."""
+"""Evidence, findings and rules: plain values."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 
 from lcmtools.graph.model import Graph
+from lcmtools.wire.packet import Sender
 
 
 class Severity(IntEnum):
@@ -16,6 +17,176 @@ class Severity(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
+class Listener:
+    """A socket of this computer that receives from the bus, and how it fared while wtf listened.
+
+    Attributes:
+        name: Its node or program, for people.
+        pid: Its process; None where that is not known.
+        uid: The user it belongs to.
+        drops: Datagrams that the kernel dropped meanwhile, because its buffer was full.
+        queued_bytes: What waited in the buffer at the end, with the kernel's overhead.
+        was_queued_bytes: What waited at the start.
+        buffer_bytes: How large the buffer is; None where the system does not tell.
+        state: Of the process, as ps shows it ("T" is stopped); "" where that is not known.
+        is_tool: A command of lcmtools that looks, not a part of the system.
+        is_node: A node's, before which a filter drops malformed datagrams; it counts these too.
+    """
+
+    name: str
+    pid: int | None
+    uid: int
+    drops: int = 0
+    queued_bytes: int = 0
+    was_queued_bytes: int = 0
+    buffer_bytes: int | None = None
+    state: str = ""
+    is_tool: bool = False
+    is_node: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class SenderFacts:
+    """What was seen of one sender.
+
+    Attributes:
+        sender: Its address.
+        name: Its node or program, for people.
+        is_local: It is on this computer.
+        messages: How many came.
+        lost: How many did not, by its numbers.
+        ttl: How many routers its datagrams may pass; None where that is not known.
+        uid: The user of a local one, where that is known.
+        paces: It spreads the fragments of large messages, as nodes of lcmtools do.
+    """
+
+    sender: Sender
+    name: str
+    is_local: bool = True
+    messages: int = 0
+    lost: int = 0
+    ttl: int | None = None
+    uid: int | None = None
+    paces: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """The messages of one sender on one channel, while wtf listened.
+
+    Attributes:
+        channel: The channel.
+        sender: Who; None where the bus does not say.
+        name: The sender for people.
+        times: Arrivals, nanoseconds since 1970; the first thousands.
+        largest: Bytes of the largest payload.
+        bytes: Of all payloads.
+    """
+
+    channel: str
+    sender: Sender | None
+    name: str
+    times: tuple[int, ...]
+    largest: int = 0
+    bytes: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Oddity:
+    """Something odd within the messages of a topic.
+
+    Attributes:
+        kind: "not-finite", "quaternion", "covariance", "future", "old" or "undecodable".
+        topic: The channel.
+        name: The sender for people.
+        text: What and where: the field's path.
+        count: In how many messages.
+    """
+
+    kind: str
+    topic: str
+    name: str
+    text: str
+    count: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class SimClock:
+    """How simulated time went on, by ``/clock``.
+
+    Attributes:
+        name: Who publishes it.
+        ratio: Simulated seconds in a second.
+        wanted: What the program's command line asks for; None where it asks for as much as can be.
+        busy: Which share of the time its process computed, or waited for a processor; None where
+            that is not known.
+    """
+
+    name: str
+    ratio: float
+    wanted: float | None = 1.0
+    busy: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LcmProcess:
+    """A process of this user that has something to do with LCM.
+
+    Attributes:
+        pid: Its number.
+        command: Its command line.
+        bus: Where it is ("239.255.76.67:7668"), on another bus than the one looked at; "" on it.
+        variable: Its LCM_DEFAULT_URL or LCMTOOLS_DOMAIN, as NAME=VALUE; "" without.
+        open_files: How many it has open.
+        most_files: How many it may.
+    """
+
+    pid: int
+    command: str
+    bus: str = ""
+    variable: str = ""
+    open_files: int = 0
+    most_files: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Host:
+    """What of this computer bears on the bus; empty where the system does not tell.
+
+    Attributes:
+        uid: The user who looks.
+        interface: Where the route to the group leads ("lo", "eth0").
+        is_up: Whether that is up.
+        can_multicast: Whether it has its multicast flag.
+        joined: The interfaces on which somebody has joined the group.
+        rp_filter: Of the interface: 1 is strict.
+        speed_mbit: Of the interface, megabit per second.
+        is_wireless: Whether it is.
+        receive_buffer: What a socket gets that asks for nothing (rmem_default) [byte].
+        most_receive_buffer: What one may ask for (rmem_max) [byte].
+        firewall: The name of a firewall that is enabled.
+        container: "container" or "WSL", where this is one.
+        reassembly_failures: IP datagrams whose pieces did not all come, while wtf listened.
+        environment: What is wrong with variables and Python packages, one line each.
+    """
+
+    uid: int = 0
+    interface: str = ""
+    is_up: bool = True
+    can_multicast: bool = True
+    joined: tuple[str, ...] = ()
+    rp_filter: int = 0
+    speed_mbit: int = 0
+    is_wireless: bool = False
+    receive_buffer: int = 0
+    most_receive_buffer: int = 0
+    firewall: str = ""
+    container: str = ""
+    reassembly_failures: int = 0
+    environment: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Evidence:
     """Everything that the rules may look at.
 
@@ -23,17 +194,39 @@ class Evidence:
         url: The bus.
         bus_problem: Why the bus cannot be used at all; "" when it can.
         bus_remedy: What to type against that.
+        ttl: How many routers this user's datagrams may pass.
         graph: What is known of the bus.
+        before: The same when wtf began to listen.
         listened: How long the traffic was watched [s].
         malformed: Senders of datagrams that are none of LCM's, with what is wrong.
+        own_drops: Datagrams that wtf itself was too slow for.
+        senders: Who sent.
+        streams: What was sent.
+        listeners: Who receives on this computer.
+        oddities: What was odd within messages.
+        clock: How simulated time goes on; None without a simulator.
+        processes: This user's processes that use LCM.
+        host: This computer.
+        users: What the users of this computer are called, those who appear here, by number.
     """
 
     url: str
     bus_problem: str = ""
     bus_remedy: str = ""
+    ttl: int = 0
     graph: Graph = field(default_factory=Graph)
+    before: Graph = field(default_factory=Graph)
     listened: float = 0.0
     malformed: Sequence[tuple[str, str]] = ()
+    own_drops: int = 0
+    senders: Sequence[SenderFacts] = ()
+    streams: Sequence[Stream] = ()
+    listeners: Sequence[Listener] = ()
+    oddities: Sequence[Oddity] = ()
+    clock: SimClock | None = None
+    processes: Sequence[LcmProcess] = ()
+    host: Host = field(default_factory=Host)
+    users: Mapping[int, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,5 +248,39 @@ class Finding:
     remedies: tuple[str, ...] = ()
 
 
-Rule = Callable[[Evidence], Iterator[Finding]]
+Check = Callable[[Evidence], Iterator[Finding]]
 """Looks at the evidence and yields what it finds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A rule of ``wtf``.
+
+    Attributes:
+        id: Its name ("unconnected-subscriptions").
+        severity: How grave its gravest finding is.
+        explanation: A paragraph: what it looks at, and why that matters.
+        remedy: What helps in general; findings say it more exactly.
+        check: The rule itself.
+    """
+
+    id: str
+    severity: Severity
+    explanation: str
+    remedy: str
+    check: Check
+
+    @property
+    def title(self) -> str:
+        """The first sentence of the explanation."""
+        return self.explanation.partition(". ")[0].rstrip(".")
+
+
+def rule(identifier: str, severity: Severity, remedy: str) -> Callable[[Check], Rule]:
+    """Make a check a rule; its docstring is the explanation."""
+
+    def make(check: Check) -> Rule:
+        explanation = " ".join((check.__doc__ or "").split())
+        return Rule(identifier, severity, explanation, remedy, check)
+
+    return make

@@ -29,10 +29,12 @@ class _Count:
 
     def add(self, packet: Packet) -> None:
         self.messages += 1
-        self.bytes += len(packet.payload)
+        self.bytes += packet.size
         self.last_time = packet.time
-        if packet.fingerprint is not None and len(self.fingerprints) < MOST_FINGERPRINTS:
-            self.fingerprints[packet.fingerprint] = None
+        if len(self.fingerprints) < MOST_FINGERPRINTS:
+            fingerprint = packet.fingerprint
+            if fingerprint is not None:
+                self.fingerprints[fingerprint] = None
 
 
 class GraphBuilder:
@@ -59,9 +61,10 @@ class GraphBuilder:
         if packet.channel in TALK_CHANNELS:
             return None
         key = (packet.channel, packet.sender)
-        if key not in self._traffic:
-            self._traffic[key] = _Count(packet.time)
-        self._traffic[key].add(packet)
+        count = self._traffic.get(key)
+        if count is None:
+            count = self._traffic[key] = _Count(packet.time)
+        count.add(packet)
         return None
 
     def hear_head(self, head: Head, packet: Packet) -> None:

@@ -12,6 +12,7 @@ fragment       "LC03" seqno:u32 message_size:u32 offset:u32 number:u16 count:u16
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 MAGIC_SHORT = b"LC02"
 MAGIC_FRAGMENT = b"LC03"
@@ -24,12 +25,12 @@ MESSAGE_MAX = 1 << 28
 
 _SHORT_HEADER = struct.Struct(">4sI")
 _FRAGMENT_HEADER = struct.Struct(">4sIIIHH")
+FRAGMENT_HEADER_BYTES = _FRAGMENT_HEADER.size
 _CHANNEL_LIMIT = 64  # 63 bytes and the NUL
 
 
-@dataclass(frozen=True, slots=True)
-class ShortMessage:
-    """A whole message in one datagram."""
+class ShortMessage(NamedTuple):
+    """A whole message in one datagram; a named tuple for the reason in ``packet``."""
 
     seqno: int
     channel: str

@@ -26,7 +26,7 @@ _GROUP = (_URL.host, _URL.port)
 
 @pytest.fixture
 def tap(bus_url: str) -> Iterator[Tap]:
-    with Tap(parse_url(bus_url)) as tap:
+    with Tap(parse_url(bus_url), whole=True) as tap:
         yield tap
 
 
@@ -160,7 +160,7 @@ def _malformed() -> list[bytes]:
 def test_no_datagram_harms_the_tap_or_hides_the_others() -> None:
     random_bytes = random.Random(1)  # noqa: S311
     with (
-        Tap(_URL) as tap,
+        Tap(_URL, whole=True) as tap,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger,
     ):
         received: list[Packet] = []

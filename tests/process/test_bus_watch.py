@@ -102,6 +102,26 @@ while True:
     assert seen.sender is not None
 
 
+def test_every_channel_of_a_program_is_known_not_just_its_first(
+    bus_url: str, start_python: Callable[..., Any], open_watch: Callable[[str], Watch]
+) -> None:
+    program = start_python(
+        """
+import sys, time, lcm
+bus = lcm.LCM(sys.argv[1])
+while True:
+    for number in range(10):
+        bus.publish(f"CHANNEL_{number}", b"payload\\0")
+        print("ready", flush=True)
+        time.sleep(0.1)
+""",
+        bus_url,
+    )
+    program.wait_for("ready")
+    graph = open_watch("list").settle()
+    assert graph.topic_names() == [f"CHANNEL_{number}" for number in range(10)]
+
+
 @pytest.mark.usefixtures("private_network")
 def test_nobody_is_waited_for_on_an_empty_bus() -> None:
     with Watch(parse_url("udpm://"), "list", os.environ) as watch:
@@ -189,8 +209,9 @@ def test_malformed_datagrams_are_told_of(wait_until: WaitUntil) -> None:
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger,
     ):
         stranger.sendto(b"nonsense", (url.host, url.port))
-        wait_until(lambda: watch.receive(0.02) or watch.malformed())
-        assert list(watch.malformed().values()) == ["starts with b'nons', not with LC02 or LC03"]
+        wait_until(lambda: watch.receive(0.02) or (watch.tap and watch.tap.malformed))
+        assert watch.tap is not None
+        assert list(watch.tap.malformed.values()) == ["starts with b'nons', not with LC02 or LC03"]
 
 
 def test_a_nodes_counters_are_announced(

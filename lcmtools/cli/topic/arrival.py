@@ -3,7 +3,7 @@
 Belongs here: which clock that is. Must not know what is measured.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from lcmtools.clock import join_stamp
 from lcmtools.errors import DecodeError
@@ -15,8 +15,7 @@ CLOCK = "/clock"
 """Where a simulator publishes its time."""
 
 
-@dataclass(frozen=True, slots=True)
-class Arrival:
+class Arrival(NamedTuple):
     """A message that came on a topic.
 
     Attributes:

@@ -63,7 +63,7 @@ class _Meter:
 
     def add(self, arrival: Arrival) -> None:
         self.messages += 1
-        self._sizes.add(arrival.time, len(arrival.packet.payload))
+        self._sizes.add(arrival.time, arrival.packet.size)
 
     def take(self, now: int) -> Bandwidth | None:
         return self._sizes.take(now)

@@ -184,7 +184,7 @@ def _open(bag: str | None) -> Watch:
         UsageError: Both are named.
     """
     if bag is None:
-        return open_watch("echo")
+        return open_watch("echo", whole=True)
     if bus_choice().url or bus_choice().domain:
         raise UsageError("-b reads a log in place of the bus", "leave out --lcm-url and --domain")
     log = LogObserver(bag)

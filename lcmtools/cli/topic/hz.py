@@ -53,7 +53,7 @@ def command(  # noqa: PLR0913 - one parameter an option
     def report(found: Mapping[str, Rate | None]) -> None:
         _report(found, as_json=as_json)
 
-    with open_watch("hz") as watch:
+    with open_watch("hz", whole=condition is not None) as watch:
         measure(turns(watch, tuple(meters), how), meters, report, count)
         for topic, meter in meters.items():
             if meter.arrivals.total == 1:

@@ -90,6 +90,7 @@ class _Sorter:
         self._decoder = Decoder(watch)
         self._clock = ArrivalClock(is_simulated=False)
         self._spellings = {topic: set(topic_spellings(topic)) for topic in topics}
+        self._topics: dict[str, list[str]] = {}
         self._silent = set(topics)
         self._has_told = False
 
@@ -131,13 +132,17 @@ class _Sorter:
                 is_reset = True
             when = self._clock.time(packet)
             if when is not None:
-                arrivals += (Arrival(topic, packet, when) for topic in self._topics_of(packet))
-        self._silent.difference_update(arrival.topic for arrival in arrivals)
+                arrivals += [Arrival(topic, packet, when) for topic in self._topics_of(packet)]
+        if self._silent:
+            self._silent.difference_update(arrival.topic for arrival in arrivals)
         return Turn(tuple(arrivals), self._clock.now or time.time_ns(), is_reset=is_reset)
 
     def _topics_of(self, packet: Packet) -> list[str]:
         """The topics, as typed, that a packet counts for."""
-        found = [topic for topic, names in self._spellings.items() if packet.channel in names]
+        found = self._topics.get(packet.channel)
+        if found is None:
+            found = [name for name, them in self._spellings.items() if packet.channel in them]
+            self._topics[packet.channel] = found
         return found if found and self._counts(packet) else []
 
     def _counts(self, packet: Packet) -> bool:

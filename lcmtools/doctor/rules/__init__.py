@@ -1,26 +1,51 @@
-"""The rules, one file a family. A new rule is a function, listed in ``RULES``."""
+"""The rules, one file a family. A new rule is a function with ``@rule``, listed in ``RULES``."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from lcmtools.doctor.model import Evidence, Finding, Rule
-from lcmtools.doctor.rules.bus import bus_works, datagrams_are_lcm, something_is_there
-from lcmtools.doctor.rules.connections import publications_are_heard, subscriptions_are_fed
-from lcmtools.doctor.rules.nodes import nodes_answer, nodes_have_names_of_their_own
-from lcmtools.doctor.rules.types import topics_have_one_type
+from lcmtools.doctor.rules import bus, connections, content, listeners, nodes, traffic, types
 
 RULES: tuple[Rule, ...] = (
-    bus_works,
-    something_is_there,
-    datagrams_are_lcm,
-    nodes_answer,
-    nodes_have_names_of_their_own,
-    topics_have_one_type,
-    subscriptions_are_fed,
-    publications_are_heard,
+    bus.bus_works,
+    bus.something_is_there,
+    bus.everybody_is_here,
+    bus.one_provider_is_used,
+    bus.datagrams_go_as_far_as_they_should,
+    bus.the_bus_is_ones_own,
+    bus.datagrams_are_lcm,
+    nodes.nodes_answer,
+    nodes.nodes_have_names_of_their_own,
+    nodes.queues_have_room,
+    nodes.files_are_few,
+    types.topics_have_one_type,
+    types.types_are_known,
+    connections.subscriptions_are_fed,
+    connections.publications_are_heard,
+    traffic.topics_have_one_publisher,
+    traffic.nothing_is_lost,
+    traffic.publishers_publish,
+    traffic.rates_do_not_fall,
+    traffic.rates_are_even,
+    traffic.names_are_good,
+    traffic.the_network_has_room,
+    traffic.simulated_time_passes,
+    listeners.buffers_have_room,
+    listeners.listeners_read,
+    listeners.messages_fit_buffers,
+    content.numbers_are_numbers,
+    content.rotations_are_rotations,
+    content.covariances_are_covariances,
+    content.stamps_are_of_now,
+    content.messages_can_be_read,
+    listeners.the_group_is_joined_where_the_route_leads,
+    listeners.datagrams_arrive_complete,
+    listeners.strict_filters_are_off,
+    listeners.no_firewall_is_in_the_way,
+    listeners.the_environment_is_in_order,
 )
 
 
-def examine(evidence: Evidence) -> Iterator[Finding]:
-    """Everything that the rules find, gravest first. Where there is no bus, only that."""
-    findings = [finding for rule in RULES for finding in rule(evidence)]
+def examine(evidence: Evidence, rules: Iterable[Rule] = RULES) -> Iterator[Finding]:
+    """Everything that the rules find, gravest first."""
+    findings = [finding for rule in rules for finding in rule.check(evidence)]
     yield from sorted(findings, key=lambda finding: -finding.severity)

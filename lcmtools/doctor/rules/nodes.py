@@ -3,12 +3,16 @@
 from collections import defaultdict
 from collections.abc import Iterator
 
-from lcmtools.doctor.model import Evidence, Finding, Severity
-from lcmtools.graph.model import Node, Staleness
+from lcmtools.doctor.model import Evidence, Finding, Severity, rule
+from lcmtools.graph.model import Node, Role, Staleness
 
 
+@rule("stale-nodes", Severity.ERROR, "wake it: kill -CONT PID; or forget it: lcmtools node cleanup")
 def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
-    """Every node that was there and did not say goodbye still answers."""
+    """Every node that was there and did not say goodbye still answers.
+
+    One that does not was killed, is stopped, or its computer is gone.
+    """
     nodes = evidence.graph.nodes
     alive = {node.name for node in nodes if not node.stale}
     stale = [
@@ -28,8 +32,12 @@ def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
         )
 
 
+@rule("duplicate-names", Severity.ERROR, "start one of them with __name:=ANOTHER")
 def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
-    """No two nodes have the same name."""
+    """No two nodes have the same name.
+
+    Often an old process was left over. Commands that take a node's name cannot tell them apart.
+    """
     by_name: dict[str, list[Node]] = defaultdict(list)
     for node in evidence.graph.nodes:
         if not node.stale:
@@ -43,6 +51,56 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
                 tuple(f" * pid {node.pid} on {node.host}: {node.command}" for node in nodes),
                 (f"end one of them, or start it with __name:={name.rpartition('/')[2]}2",),
             )
+
+
+@rule("queue-drops", Severity.WARNING, "make the callback faster, or the queue's depth greater")
+def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
+    """Callbacks keep up with their messages.
+
+    A subscription keeps the newest messages, as many as its depth; what a slow callback leaves in
+    there too long is lost. Depth 1 asks for that.
+    """
+    before = {
+        (node.id, endpoint.topic): endpoint.drops
+        for node in evidence.before.nodes
+        for endpoint in node.having(Role.SUBSCRIBER)
+    }
+    rows = [
+        f" * {node.name} lost {lost} messages of {endpoint.topic} (depth {endpoint.depth})"
+        for node in evidence.graph.nodes
+        if not node.tool and not node.stale
+        for endpoint in node.having(Role.SUBSCRIBER)
+        if endpoint.depth > 1
+        and (lost := endpoint.drops - before.get((node.id, endpoint.topic), endpoint.drops)) > 0
+    ]
+    if rows:
+        yield Finding(
+            "queue-drops",
+            Severity.WARNING,
+            "The following nodes are too slow for what they hear:",
+            tuple(rows),
+            ("let the callback do less, the publisher send less, or give a greater queue depth",),
+        )
+
+
+@rule("open-files", Severity.WARNING, "close what is not needed; ulimit -n raises the limit")
+def files_are_few(evidence: Evidence) -> Iterator[Finding]:
+    """No program has nearly as many files open as it may.
+
+    liblcm also fails, by a crash, once its own file descriptor is 1024 or more.
+    """
+    rows = [
+        f" * pid {p.pid} has {p.open_files} of {p.most_files} files open: {p.command}"
+        for p in evidence.processes
+        if not p.bus and p.open_files > _MOST_FILES * min(p.most_files or _SELECT, _SELECT)
+    ]
+    if rows:
+        text = "The following programs have nearly as many files open as LCM stands:"
+        yield Finding("open-files", Severity.WARNING, text, tuple(rows), ("restart them",))
+
+
+_SELECT = 1024  # liblcm's binding waits with select(2)
+_MOST_FILES = 0.9
 
 
 def _runs(node: Node) -> bool:

@@ -2,15 +2,21 @@
 
 from collections.abc import Iterator
 
-from lcmtools.doctor.model import Evidence, Finding, Severity
+from lcmtools.doctor.model import Evidence, Finding, Severity, rule
+from lcmtools.doctor.near_types import kinship
 from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
 from lcmtools.messages.registry import candidates
+from lcmtools.names import is_hidden
 
 _NO_TYPE = -1  # in place of a fingerprint, where there is none or it changes with each message
 
 
+@rule("type-mismatch", Severity.ERROR, "remap one of them to another topic: OLD:=NEW")
 def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
-    """Everybody means the same type by a topic, and what is sent is of that type."""
+    """Everybody means the same type by a topic, and what is sent is of that type.
+
+    A subscriber cannot read messages of another type, and drops them.
+    """
     graph = evidence.graph
     for name in graph.topic_names():
         topic = graph.topic(name)
@@ -23,6 +29,31 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
                 tuple(rows),
                 (f"remap one of them to another topic, for example {name}:={name}_2",),
             )
+
+
+@rule("unknown-type", Severity.NOTE, "generate the sender's types anew from the same .lcm files")
+def types_are_known(evidence: Evidence) -> Iterator[Finding]:
+    """No type is nearly a known one, and not it.
+
+    It is often an older or newer version of it. Which field differs is found by the fingerprint;
+    other unknown types are nobody's fault.
+    """
+    rows = []
+    for name in evidence.graph.topic_names():
+        topic = evidence.graph.topic(name)
+        unknown = {f for seen in topic.foreign for f in seen.fingerprints if not candidates(f)}
+        # several fingerprints are those of data that is no LCM message
+        if is_hidden(name) or _disagree(topic) or len(unknown) != 1:
+            continue
+        rows += [f" * {name}: {_describe(number)}" for number in unknown if kinship(number)]
+    if rows:
+        yield Finding(
+            "unknown-type",
+            Severity.NOTE,
+            "The types of the following are nearly known ones:",
+            tuple(rows),
+            ("generate the code of both sides from the same .lcm files: lcm-gen",),
+        )
 
 
 def _disagree(topic: Topic) -> bool:
@@ -63,4 +94,8 @@ def _sent_by(traffic: Traffic) -> list[int]:
 def _describe(fingerprint: int) -> str:
     if fingerprint == _NO_TYPE:
         return "data that is no LCM message"
-    return " or ".join(candidates(fingerprint)) or f"an unknown type ({fingerprint:#018x})"
+    known = " or ".join(candidates(fingerprint))
+    if known:
+        return known
+    near = kinship(fingerprint)
+    return f"an unknown type ({fingerprint:#018x}{f': {near}' if near else ''})"

@@ -15,7 +15,9 @@ def test_a_row_of_the_socket_table_is_read() -> None:
         "  523: 434CFFEF:1DF3 00000000:0000 07 00000000:00030C00 00:00000000 00000000  1000"
         "        0 33445 2 00000000f00ba4 7499"
     )
-    assert processes._parse_row(row.split()) == UdpSocket("239.255.76.67", 7667, 33445, 1000, 7499)
+    assert processes._parse_row(row.split()) == UdpSocket(
+        "239.255.76.67", 7667, 33445, 1000, drops=7499, queued_bytes=0x30C00
+    )
 
 
 def test_this_process_is_found_by_its_pid() -> None:

@@ -299,3 +299,33 @@ def test_errors_come_before_warnings_and_notes() -> None:
     severities = [finding.severity for finding in examine(Evidence(url="u", graph=graph))]
     assert severities == sorted(severities, reverse=True)
     assert severities[0] is Severity.ERROR
+
+
+def older_odometry() -> int:
+    """The fingerprint of nav_msgs/Odometry without its child_frame_id."""
+    from lcmtools.doctor.near_types import fingerprint_of
+    from lcmtools.messages.fields import fields
+
+    parts = fields(message_class(ODOMETRY))
+    return fingerprint_of(tuple(field for field in parts if field.name != "child_frame_id"))
+
+
+def test_a_type_that_is_nearly_a_known_one_is_told_with_the_field_that_differs() -> None:
+    seen = Traffic("ODOM", Sender("10.0.0.1", 4000), (older_odometry(),), 5, 500, 0, 1)
+    finding = findings(traffic=[seen])["unknown-type"]
+    assert finding.severity is Severity.NOTE
+    assert finding.items[0].endswith(
+        ": like nav_msgs/Odometry, but without the field child_frame_id)"
+    )
+
+
+def test_a_mismatch_with_an_older_type_tells_the_field_that_differs() -> None:
+    seen = Traffic("/odom", Sender("10.0.0.1", 4000), (older_odometry(),), 5, 500, 0, 1)
+    listener = node("/listener", sub("/odom", ODOMETRY))
+    finding = findings(listener, traffic=[seen])["type-mismatch"]
+    assert "but without the field child_frame_id" in finding.items[1]
+
+
+def test_types_of_which_nothing_is_known_are_nobodys_fault() -> None:
+    seen = Traffic("OWN", Sender("10.0.0.1", 4000), (0x0001020304050607,), 5, 500, 0, 1)
+    assert findings(traffic=[seen]) == {}

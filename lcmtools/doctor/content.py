@@ -1,0 +1,100 @@
+"""What is odd within a message: numbers that are none, rotations that are none, wrong stamps.
+
+Pure: messages in, descriptions out. Which values mean something, although they look odd, is listed
+here: a laser's infinite range is a measurement, and an IMU says with -1 what it does not measure.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import cast
+
+from lcmtools.messages.fields import Field, visible_fields
+from lcmtools.messages.registry import Message, type_name
+
+_FLOATS = ("float32", "float64")
+_QUATERNION = "geometry_msgs/Quaternion"
+_MAY_BE_INFINITE = frozenset(
+    {"sensor_msgs/LaserScan", "sensor_msgs/Range", "sensor_msgs/BatteryState"}
+)
+_SQUARES = {9: 3, 36: 6}
+_MOST_NUMBERS = 4096
+_MOST_MESSAGES = 64
+_TOLERANCE = 1e-6
+_UNIT_TOLERANCE = 0.1
+
+Odd = tuple[str, str]
+"""A kind ("not-finite", "quaternion", "covariance") and what is odd where."""
+
+
+def oddities(message: Message, path: str = "") -> Iterator[Odd]:
+    """What is odd in a message."""
+    cls = type(message)
+    name = type_name(cls)
+    if name == _QUATERNION:
+        yield from _quaternion(message, path)
+    unmeasured = {
+        field.name.removesuffix("_covariance")
+        for field in visible_fields(cls)
+        if field.name.endswith("covariance") and _is_unmeasured(getattr(message, field.name))
+    }
+    for field in visible_fields(cls):
+        may_be_infinite = name in _MAY_BE_INFINITE and field.type in _FLOATS
+        if field.name in unmeasured or may_be_infinite:
+            continue
+        yield from _field(getattr(message, field.name), field, f"{path}{field.name}")
+
+
+def _field(value: object, field: Field, path: str) -> Iterator[Odd]:
+    if not field.dimensions:
+        if field.message_class:
+            yield from oddities(cast("Message", value), f"{path}.")
+        elif field.type in _FLOATS and not math.isfinite(float(str(value))):
+            yield "not-finite", f"{path} is {value}"
+    elif len(field.dimensions) == 1 and isinstance(value, Sequence):
+        if field.message_class:
+            for index, part in enumerate(value[:_MOST_MESSAGES]):
+                yield from oddities(part, f"{path}[{index}].")
+        elif field.type in _FLOATS:
+            yield from _numbers(value[:_MOST_NUMBERS], path)
+
+
+def _numbers(values: Sequence[float], path: str) -> Iterator[Odd]:
+    odd = [index for index, value in enumerate(values) if not math.isfinite(value)]
+    if odd:
+        more = f" and {len(odd) - 1} more" if len(odd) > 1 else ""
+        yield "not-finite", f"{path}[{odd[0]}] is {values[odd[0]]}{more}"
+    elif path.endswith("covariance") and len(values) in _SQUARES and not _is_unmeasured(values):
+        yield from _covariance(values, path)
+
+
+def _covariance(values: Sequence[float], path: str) -> Iterator[Odd]:
+    side = _SQUARES[len(values)]
+    for row in range(side):
+        if values[row * side + row] < 0:
+            yield (
+                "covariance",
+                f"{path}[{row * side + row}], a variance, is {values[row * side + row]:g}",
+            )
+            return
+        for column in range(row):
+            one, other = values[row * side + column], values[column * side + row]
+            if abs(one - other) > _TOLERANCE * max(1.0, abs(one), abs(other)):
+                indices = f"[{row * side + column}] and [{column * side + row}]"
+                yield "covariance", f"{path} is not symmetric: {indices} are {one:g} and {other:g}"
+                return
+
+
+def _is_unmeasured(values: object) -> bool:
+    """As sensor_msgs/Imu has it: the first number of a covariance is -1."""
+    return isinstance(values, Sequence) and len(values) > 0 and values[0] == -1
+
+
+def _quaternion(message: object, path: str) -> Iterator[Odd]:
+    where = path.rstrip(".") or "it"
+    parts = [float(getattr(message, name)) for name in ("x", "y", "z", "w")]
+    if not any(parts):
+        yield "quaternion", f"{where} is all zeros, and no rotation: w should be 1 for none"
+        return
+    norm = math.sqrt(sum(part * part for part in parts))
+    if math.isfinite(norm) and abs(norm - 1) > _UNIT_TOLERANCE:
+        yield "quaternion", f"{where} has the length {norm:.3g} in place of 1"

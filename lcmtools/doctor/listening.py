@@ -1,0 +1,140 @@
+"""What wtf takes down of the messages that come while it listens.
+
+Packets in, evidence out. The time that looking into messages takes is limited, so that a busy bus
+is sampled; everything is counted.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+from lcmtools.clock import join_stamp
+from lcmtools.doctor.content import oddities
+from lcmtools.doctor.model import Oddity, Stream
+from lcmtools.errors import DecodeError, UnknownType
+from lcmtools.messages.codec import decode
+from lcmtools.messages.header import stamp
+from lcmtools.messages.registry import Message, candidates, message_class
+from lcmtools.names import is_hidden
+from lcmtools.types.rosgraph_msgs import Clock
+from lcmtools.wire.packet import Packet, Sender
+
+_CLOCK = "/clock"
+_MOST_TIMES = 5000
+_MOST_STREAMS = 2000
+_MOST_ODDITIES = 200
+_SHARE = 0.3  # of the time may go into looking into messages
+_LARGEST = 4 << 20  # bytes of a message that is looked into
+_FUTURE, _OLD = 1.0, 10.0  # [s] that a stamp may be off
+_SIMULATED = 10**18  # [ns] an earlier stamp (2001) counts from a simulation's start
+
+_Key = tuple[str, Sender | None]
+
+
+@dataclass(slots=True)
+class _Stream:
+    times: list[int] = field(default_factory=list)
+    largest: int = 0
+    bytes: int = 0
+
+
+class Listening:
+    """The evidence in messages, as they come.
+
+    Args:
+        types_of: The announced types of a topic.
+    """
+
+    def __init__(self, types_of: Callable[[str], tuple[str, ...]]) -> None:
+        self._types_of = types_of
+        self._streams: dict[_Key, _Stream] = {}
+        self._odd: dict[tuple[str, _Key, str], Oddity] = {}
+        self._classes: dict[tuple[str, int], type[Message] | None] = {}
+        self._start = time.monotonic()
+        self._spent = 0.0
+        self.clock_ticks: list[tuple[int, int]] = []
+        """Arrival and simulated time of the messages on ``/clock`` [ns]."""
+        self.clock_sender: Sender | None = None
+
+    def hear(self, packet: Packet) -> None:
+        """Take a message down."""
+        if is_hidden(packet.channel):
+            return
+        key = (packet.channel, packet.sender)
+        stream = self._streams.get(key)
+        if stream is None:
+            if len(self._streams) >= _MOST_STREAMS:
+                return
+            stream = self._streams[key] = _Stream()
+        if len(stream.times) < _MOST_TIMES:
+            stream.times.append(packet.time)
+        stream.largest = max(stream.largest, packet.size)
+        stream.bytes += packet.size
+        now = time.monotonic()
+        if packet.channel == _CLOCK or self._spent <= _SHARE * (now - self._start) + 0.05:
+            self._look_into(packet, key)
+            self._spent += time.monotonic() - now
+
+    def streams(self, name: Callable[[Sender | None], str]) -> tuple[Stream, ...]:
+        """What came by channel and sender."""
+        return tuple(
+            Stream(channel, sender, name(sender), tuple(s.times), s.largest, s.bytes)
+            for (channel, sender), s in sorted(self._streams.items(), key=str)
+        )
+
+    def oddities(self, name: Callable[[Sender | None], str]) -> tuple[Oddity, ...]:
+        """What was odd in the messages, each oddity once."""
+        return tuple(replace(odd, name=name(key[1])) for (_, key, _), odd in self._odd.items())
+
+    def _look_into(self, packet: Packet, key: _Key) -> None:
+        number = packet.fingerprint
+        if number is None or packet.whole_bytes is not None or packet.size > _LARGEST:
+            return
+        cls = self._class(packet.channel, number)
+        if cls is None:
+            return
+        try:
+            message = decode(cls, packet.payload)
+        except DecodeError as error:
+            self._note("undecodable", key, str(error))
+            return
+        if packet.channel == _CLOCK and isinstance(message, Clock):
+            simulated = join_stamp(message.clock.sec, message.clock.nsec)
+            self.clock_ticks.append((packet.time, simulated))
+            self.clock_sender = packet.sender
+        for kind, text in oddities(message):
+            self._note(kind, key, text)
+        self._check_stamp(message, packet.time, key)
+
+    def _check_stamp(self, message: Message, arrival: int, key: _Key) -> None:
+        stamped = stamp(message)
+        if not stamped or (stamped < _SIMULATED and not self.clock_ticks):
+            return
+        late = (arrival - stamped) / 1e9
+        if stamped < _SIMULATED:
+            late = (self.clock_ticks[-1][1] - stamped) / 1e9
+        if late < -_FUTURE:
+            self._note("future", key, f"header.stamp is {-late:.1f} s in the future")
+        elif late > _OLD:
+            self._note("old", key, f"header.stamp is {late:.1f} s old")
+
+    def _note(self, kind: str, key: _Key, text: str) -> None:
+        """Count an oddity, by the kind and the place, which its text begins with."""
+        place = (kind, key, text.partition(" ")[0])
+        known = self._odd.get(place)
+        if known:
+            self._odd[place] = replace(known, count=known.count + 1)
+        elif len(self._odd) < _MOST_ODDITIES:
+            self._odd[place] = Oddity(kind, key[0], "", text)
+
+    def _class(self, channel: str, number: int) -> type[Message] | None:
+        key = (channel, number)
+        if key not in self._classes:
+            names = candidates(number)
+            announced = self._types_of(channel)
+            meant = next((name for name in announced if name in names), next(iter(names), None))
+            try:
+                self._classes[key] = message_class(meant, number) if meant else None
+            except UnknownType:
+                self._classes[key] = None
+        return self._classes[key]

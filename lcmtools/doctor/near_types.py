@@ -1,0 +1,113 @@
+"""What a type that nobody knows probably is: a known one with a field more, less or changed.
+
+A fingerprint is computed from the names and types of fields (lcm-proj/lcm, lcmgen/lcmgen.c), so it
+can be computed for known types with one field changed, and compared. Pure.
+"""
+
+from collections.abc import Iterable, Iterator
+from functools import cache
+
+from lcmtools.messages.fields import PRIMITIVES, Field, fields
+from lcmtools.messages.registry import Message, fingerprint, message_class, type_names
+
+_MASK = (1 << 64) - 1
+_SIGN = 1 << 63
+_START = 0x12345678
+_LCM_NAMES = {ours: lcm for lcm, ours in PRIMITIVES.items()}
+_USUAL_FIRST = (("seq", "int32"), ("utime", "int64"), ("timestamp", "int64"), ("id", "int32"))
+_USUAL_LAST = tuple(
+    (name, primitive)
+    for name in ("id", "name", "status", "timestamp", "utime")
+    for primitive in ("int32", "int64", "float64", "string")
+)
+
+
+def kinship(number: int) -> str:
+    """How a type of this fingerprint differs from a known one; "" where that is not found.
+
+    "like nav_msgs/Odometry, but without the field child_frame_id"
+    """
+    return _table().get(number, "")
+
+
+def fingerprint_of(parts: Iterable[Field]) -> int:
+    """The fingerprint of a type that has these fields."""
+    every = tuple(parts)
+    return _finished(_hashed(_START, every), every)
+
+
+@cache
+def _table() -> dict[int, str]:
+    """Every known type with one field changed, by fingerprint; it takes half a second to make."""
+    found: dict[int, str] = {}
+    for name in type_names():
+        for number, text in _changed(message_class(name)):
+            found.setdefault(number, f"like {name}, but {text}")
+    return found
+
+
+def _changed(cls: type[Message]) -> Iterator[tuple[int, str]]:
+    own, before = fields(cls), _START
+    for index, part in enumerate(own):
+        after = own[index + 1 :]
+        for middle, text in _alternatives(part, after[:1]):
+            rest = after[1:] if len(middle) > 1 else after
+            hashed = _hashed(_hashed(before, middle), rest)
+            yield _finished(hashed, (*own[:index], *middle, *rest)), text
+        before = _hashed(before, (part,))
+    for name, primitive in _USUAL_FIRST:
+        yield fingerprint_of((_new(name, primitive), *own)), f"with {name} ({primitive}) before"
+    for name, primitive in _USUAL_LAST:
+        hashed = _hashed(before, (_new(name, primitive),))
+        yield _finished(hashed, own), f"with {name} ({primitive}) at the end"
+
+
+def _alternatives(
+    part: Field, following: tuple[Field, ...]
+) -> Iterator[tuple[tuple[Field, ...], str]]:
+    """What may stand in place of a field, or of it and the one that follows."""
+    yield (), f"without the field {part.name}"
+    if part.message_class is None:
+        for primitive in PRIMITIVES.values():
+            if primitive != part.type:
+                other = Field(part.name, primitive, None, part.dimensions, part.is_length)
+                yield (other,), f"{part.name} is {primitive}, not {part.type}"
+    for one in following:
+        yield (one, part), f"{part.name} and {one.name} stand the other way round"
+
+
+def _new(name: str, primitive: str) -> Field:
+    return Field(name, primitive, None, (), is_length=False)
+
+
+def _finished(value: int, parts: Iterable[Field]) -> int:
+    nested = sum(fingerprint(part.message_class) for part in parts if part.message_class)
+    total = (value + nested) & _MASK
+    return ((total << 1) & _MASK) + (total >> 63)
+
+
+def _hashed(value: int, parts: Iterable[Field]) -> int:
+    for part in parts:
+        for character in _characters(part):
+            # the high bits come down as those of a signed number do
+            high = value >> 55
+            signed = high if value < _SIGN else high | ~0x1FF
+            value = (((value << 8) ^ signed) + character) & _MASK
+    return value
+
+
+@cache
+def _characters(part: Field) -> tuple[int, ...]:
+    """What lcm-gen puts into the hash for a field."""
+    found = _string(part.name)
+    if part.message_class is None:
+        found += _string(_LCM_NAMES[part.type])
+    found += (len(part.dimensions),)
+    for size in part.dimensions:
+        found += (0 if isinstance(size, int) else 1, *_string(str(size)))
+    return found
+
+
+def _string(text: str) -> tuple[int, ...]:
+    data = text.encode()
+    return len(data), *(byte - 256 if byte > 127 else byte for byte in data)  # noqa: PLR2004 - char

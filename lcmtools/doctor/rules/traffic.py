@@ -1,0 +1,272 @@
+"""Rules about the messages that come: lost, silent, irregular, too many, from too many."""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from itertools import pairwise
+from statistics import median
+
+from lcmtools.doctor.model import Evidence, Finding, Severity, Stream, rule
+from lcmtools.doctor.rules.connections import are_near
+from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.rates import average_rate, counted_rate
+from lcmtools.names import is_hidden
+
+_SHARED = frozenset({"/rosout", "/tf", "/tf_static", "/diagnostics"})
+_SILENCE = 3.0  # [s]
+_PERIODS = 10  # without a message are silence
+_ENOUGH = 20  # messages to speak of a rate
+_FALLEN = 0.5
+_UNEVEN = 8  # times the usual interval
+_SHORTEST = 0.1  # [s] an interval that is worth a word
+_LONG_NAME = 60  # bytes; LCM takes 63
+_SHARE = 0.5  # of what an interface can carry
+_WIRELESS = 1e6  # [byte/s] of multicast
+
+
+@rule("loss", Severity.WARNING, "less data, a wired network, or recv_buf_size=N in the URL")
+def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
+    """Every message that is sent arrives at this computer.
+
+    Each sender numbers its messages, so a gap is a loss: of the network for other computers, of the
+    sender itself for this one's. What wtf was too slow for does not count.
+    """
+    lossy = [s for s in evidence.senders if s.lost > evidence.own_drops]
+    if not lossy:
+        return
+    rows = []
+    for s in sorted(lossy, key=lambda one: -one.lost):
+        where = "before they left it" if s.is_local else "on the network"
+        share = 100 * s.lost / (s.lost + s.messages)
+        rows.append(
+            f" * {s.name} ({s.sender}): {s.lost} of {s.lost + s.messages} ({share:.1f} %) {where}"
+        )
+    yield Finding(
+        "loss",
+        Severity.WARNING,
+        "Messages of the following senders were lost:",
+        tuple(rows),
+        ("send less or smaller messages; a large one is lost with any of its parts",),
+    )
+
+
+@rule("silent", Severity.NOTE, "look at the node's log, and whether what it waits for still comes")
+def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
+    """Publishers that published often still do.
+
+    By their own counters, and by what came while wtf listened. Many have a reason: nobody steers,
+    or nobody listens.
+    """
+    rows = []
+    for node, endpoint in _heard_publications(evidence):
+        rate = average_rate(node, endpoint)
+        age = (evidence.graph.time - endpoint.last_time) / 1e9
+        if endpoint.messages >= _ENOUGH and rate and age > max(_SILENCE, _PERIODS / rate):
+            rows.append(f" * {node.name}: {endpoint.topic}, {age:.0f} s ago, {rate:.3g} Hz before")
+    for stream in evidence.streams:
+        interval = _usual_interval(stream)
+        end = evidence.graph.time
+        if interval and (end - stream.times[-1]) / 1e9 > max(_PERIODS * interval, 0.5):
+            age = (end - stream.times[-1]) / 1e9
+            rows.append(
+                f" * {stream.name}: {stream.channel}, {age:.1f} s ago, {1 / interval:.3g} Hz before"
+            )
+    if rows:
+        text = "The following have stopped publishing:"
+        yield Finding("silent", Severity.NOTE, text, tuple(rows))
+
+
+@rule(
+    "slow-rate",
+    Severity.NOTE,
+    "see what the node or its computer is busy with: lcmtools node info, top",
+)
+def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
+    """Publishers are as fast as they were on average since they started."""
+    before = {
+        (node.id, endpoint.topic): endpoint
+        for node in evidence.before.nodes
+        for endpoint in node.having(Role.PUBLISHER)
+    }
+    rows = []
+    for node, endpoint in _heard_publications(evidence):
+        earlier = before.get((node.id, endpoint.topic))
+        usual = average_rate(node, earlier) if earlier else None
+        now = counted_rate(earlier, endpoint) if earlier else None
+        if earlier and usual and now and earlier.messages >= 5 * _ENOUGH:
+            expected = usual * evidence.listened
+            if expected >= _ENOUGH and now < _FALLEN * usual:
+                rows.append(
+                    f" * {node.name}: {endpoint.topic}, {now:.3g} Hz in place of {usual:.3g} Hz"
+                )
+    if rows:
+        yield Finding("slow-rate", Severity.NOTE, "The following have become slower:", tuple(rows))
+
+
+@rule(
+    "irregular",
+    Severity.NOTE,
+    "lcmtools hz TOPIC shows the intervals; look for what blocks the node",
+)
+def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
+    """What comes often comes evenly: a gap may be a callback that blocks, or a busy computer."""
+    rows = []
+    for stream in evidence.streams:
+        interval = _usual_interval(stream)
+        if interval and len(stream.times) >= _ENOUGH and not is_hidden(stream.channel):
+            longest = max(later - earlier for earlier, later in pairwise(stream.times)) / 1e9
+            if longest > max(_SHORTEST, _UNEVEN * interval):
+                rows.append(
+                    f" * {stream.name}: {stream.channel}, {longest:.2f} s without a message,"
+                    f" usually {interval:.3g} s"
+                )
+    if rows:
+        yield Finding("irregular", Severity.NOTE, "The following come unevenly:", tuple(rows))
+
+
+@rule("competing-publishers", Severity.WARNING, "end one of them, or remap it: OLD:=NEW")
+def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
+    """No two programs send on the same topic at the same time, or on alternatives of one input.
+
+    Two that steer the same robot fight over it. Topics meant for many, as /tf, are excepted.
+    """
+    groups = {
+        endpoint.topic: f"{node.id}{endpoint.group}"
+        for node in evidence.graph.nodes
+        for endpoint in node.having(Role.SUBSCRIBER)
+        if endpoint.group
+    }
+    senders: dict[str, dict[str, Stream]] = defaultdict(dict)
+    for stream in evidence.streams:
+        is_private = stream.channel not in _SHARED and not is_hidden(stream.channel)
+        if is_private and len(stream.times) > 1 and stream.sender:
+            key = groups.get(stream.channel, stream.channel)
+            # one node may send large messages from a port of its own: the name counts
+            senders[key].setdefault(stream.name, stream)
+    for streams in senders.values():
+        if len(streams) > 1:
+            topics = sorted({stream.channel for stream in streams.values()})
+            yield Finding(
+                "competing-publishers",
+                Severity.WARNING,
+                f"{len(streams)} programs publish on {' and '.join(topics)} at the same time:",
+                tuple(f" * {name}: {stream.channel}" for name, stream in streams.items()),
+                (f"end one of them, or start it with {topics[0]}:={topics[0]}_2",),
+            )
+
+
+@rule(
+    "names",
+    Severity.WARNING,
+    "use letters, digits, _ and /, at most 63 bytes, and the same everywhere",
+)
+def names_are_good(evidence: Evidence) -> Iterator[Finding]:
+    """Channels have names that every program can subscribe to, and no two that look the same.
+
+    liblcm matches names as UTF-8 text: others never arrive. It carries at most 63 bytes.
+    """
+    channels = sorted({s.channel for s in evidence.streams})
+    bad = [c for c in channels if not c or not c.isprintable() or c != c.strip()]
+    if bad:
+        text = "The following channels have names that few programs can subscribe to:"
+        yield Finding("names", Severity.WARNING, text, tuple(f" * {c!r}" for c in bad))
+    long = [c for c in channels if len(c.encode("utf-8", "surrogateescape")) >= _LONG_NAME]
+    if long:
+        text = "The following names are nearly as long as LCM can carry (63 bytes):"
+        yield Finding("names", Severity.NOTE, text, tuple(f" * {c}" for c in long))
+    pairs = [(a, b) for i, a in enumerate(channels) for b in channels[i + 1 :] if _look_alike(a, b)]
+    if pairs:
+        text = "The following channels look like the same, and are not:"
+        yield Finding("names", Severity.NOTE, text, tuple(f" * {a} and {b}" for a, b in pairs))
+
+
+def _look_alike(one: str, other: str) -> bool:
+    """Whether two names differ in case, slashes or spaces only."""
+    return (
+        len(one.strip(" /")) == len(other.strip(" /"))
+        and are_near(one, other)
+        and (one.casefold().strip(" /") == other.casefold().strip(" /"))
+    )
+
+
+@rule("bandwidth", Severity.WARNING, "send smaller messages, or less often: lcmtools bw TOPIC")
+def the_network_has_room(evidence: Evidence) -> Iterator[Finding]:
+    """The bus does not fill the network.
+
+    Wi-Fi sends multicast at its slowest rate, so that a few images a second can fill it.
+    """
+    host = evidence.host
+    if not evidence.listened or not evidence.ttl or host.interface in ("", "lo"):
+        return
+    rate = sum(stream.bytes for stream in evidence.streams) / evidence.listened
+    limit = _WIRELESS if host.is_wireless else _SHARE * host.speed_mbit * 1e6 / 8
+    if limit and rate > limit:
+        heaviest = sorted(evidence.streams, key=lambda stream: -stream.bytes)[:3]
+        yield Finding(
+            "bandwidth",
+            Severity.WARNING,
+            f"{host.interface} is too slow for the bus, which carries {rate / 1e6:.1f} MB/s:",
+            tuple(
+                f" * {s.channel} from {s.name}: {s.bytes / evidence.listened / 1e6:.2f} MB/s"
+                for s in heaviest
+            ),
+            ("keep what only this computer needs on a bus with ttl=0",),
+        )
+
+
+@rule(
+    "slow-simulator",
+    Severity.WARNING,
+    "let fewer sensors be listened to, or slow it: lcmtools sim set-rate",
+)
+def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
+    """A simulator keeps up with real time, or with the rate that it was started with.
+
+    One that computes all the time, and is slower nevertheless, has too much to do. One that rests
+    was told to be slow.
+    """
+    clock = evidence.clock
+    if (
+        clock is None
+        or clock.wanted is None
+        or clock.ratio <= 0
+        or clock.ratio > 0.9 * clock.wanted
+    ):
+        return
+    overloaded = clock.busy is not None and clock.busy > _BUSY
+    yield Finding(
+        "slow-simulator",
+        Severity.WARNING if overloaded else Severity.NOTE,
+        f"Simulated time passes at {clock.ratio:.2f} of real time"
+        f"{f', not {clock.wanted:g}' if clock.wanted != 1 else ''}"
+        + (": the simulator has too much to do" if overloaded else ""),
+        (f" * {clock.name}",),
+        ("end what listens to cameras, or give it fewer robots",) if overloaded else (),
+    )
+
+
+_BUSY = 0.85
+
+
+def _heard_publications(evidence: Evidence) -> Iterator[tuple[Node, Endpoint]]:
+    """What nodes publish that is listened to, but by simulators that rest."""
+    taken = {
+        endpoint.topic
+        for node in evidence.graph.nodes
+        if not node.stale and not node.tool
+        for endpoint in node.having(Role.SUBSCRIBER)
+    }
+    ticking = {s.name for s in evidence.streams if s.channel == "/clock"}
+    for node in evidence.graph.nodes:
+        publications = node.having(Role.PUBLISHER)
+        rests = any(e.topic == "/clock" for e in publications) and node.name not in ticking
+        for endpoint in publications:
+            usual = not is_hidden(endpoint.topic) and endpoint.topic not in _SHARED
+            if usual and endpoint.topic in taken and not (rests or node.stale or node.tool):
+                yield node, endpoint
+
+
+def _usual_interval(stream: Stream) -> float | None:
+    """The median interval between the messages of a stream [s]; None where there are few."""
+    if len(stream.times) < 5 or is_hidden(stream.channel):  # noqa: PLR2004 - too few to tell
+        return None
+    return median(later - earlier for earlier, later in pairwise(stream.times)) / 1e9 or None

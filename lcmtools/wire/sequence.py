@@ -1,0 +1,55 @@
+"""Loss as the senders' own numbers show it.
+
+Sans-I/O. Each LCM instance numbers its messages, so a gap is a message that did not come. One that
+comes late closes its gap again, and numbers that begin anew are another run of the program.
+"""
+
+_MODULUS = 1 << 32
+_MOST_LATE = 1000
+"""A number so far behind the newest is late; one further off begins anew."""
+_MOST_LOST = 1 << 20
+"""A leap over more messages than this is no loss but another beginning."""
+
+
+class Sequence:
+    """The numbers of one sender's messages, as they come."""
+
+    __slots__ = ("_missing", "_newest", "lost", "messages", "restarts")
+
+    def __init__(self) -> None:
+        self.messages = 0
+        """How many came."""
+        self.lost = 0
+        """How many between the first and the newest did not."""
+        self.restarts = 0
+        """How often the numbers began anew; often where several programs share the port."""
+        self._newest = -1
+        self._missing: set[int] = set()
+
+    def add(self, seqno: int) -> None:
+        """Take the number of a message that has come."""
+        self.messages += 1
+        step = (seqno - self._newest) % _MODULUS
+        if step == 1 or self._newest < 0:
+            self._newest = seqno
+        elif 0 < step <= _MOST_LOST:
+            self._leap(seqno, step)
+        else:
+            self._return(seqno, _MODULUS - step if step else 0)
+
+    def _leap(self, seqno: int, step: int) -> None:
+        self.lost += step - 1
+        recent = range(max(1, step - _MOST_LATE), step)
+        self._missing.update((self._newest + ahead) % _MODULUS for ahead in recent)
+        self._newest = seqno
+        if len(self._missing) > 2 * _MOST_LATE:
+            self._missing = {one for one in self._missing if (seqno - one) % _MODULUS <= _MOST_LATE}
+
+    def _return(self, seqno: int, behind: int) -> None:
+        if seqno in self._missing:
+            self._missing.discard(seqno)
+            self.lost -= 1
+        elif behind > _MOST_LATE or (seqno == 0 and behind > 1):
+            self.restarts += 1
+            self._newest = seqno
+            self._missing.clear()

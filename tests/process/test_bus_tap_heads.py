@@ -1,0 +1,172 @@
+"""The tap that takes heads only: the same with the kernel's filter and without."""
+
+import socket
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+from typing import Any
+
+import lcm
+import pytest
+
+from lcmtools.bus.tap import Tap, heads_only
+from lcmtools.bus.url import parse_url
+from lcmtools.graph.builder import GraphBuilder
+from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
+from lcmtools.wire.datagram import fragments, short_message
+from lcmtools.wire.packet import Packet, Sender
+
+_URL = parse_url("udpm://239.255.76.67:7667?ttl=0")
+_GROUP = (_URL.host, _URL.port)
+
+
+@pytest.fixture(params=[True, False], ids=["filter", "no filter"])
+def tap(bus_url: str, request: pytest.FixtureRequest) -> Iterator[Tap]:
+    with Tap(parse_url(bus_url), in_kernel=request.param) as tap:
+        yield tap
+
+
+def _until(tap: Tap, channel: str) -> list[Packet]:
+    """What comes up to the first message on a channel, without LCM's self tests."""
+    packets: list[Packet] = []
+    deadline = time.monotonic() + 10
+    while not any(packet.channel == channel for packet in packets):
+        assert time.monotonic() < deadline, packets
+        packets += [p for p in tap.receive(0.1) if p.channel != "LCM_SELF_TEST"]
+    return packets
+
+
+@pytest.mark.parametrize("size", [65_496, 131_000, 1_000_000])
+def test_of_a_large_message_the_head_and_the_size_come(tap: Tap, bus_url: str, size: int) -> None:
+    plain = lcm.LCM(bus_url)
+    payload = bytes(range(200)) + bytes(size - 200)
+    plain.publish("BIG", payload)
+    plain.publish("END", b"")
+    big, end = _until(tap, "END")
+    assert (big.channel, big.size, big.whole_bytes) == ("BIG", size, size)
+    assert payload.startswith(big.payload)
+    assert big.fingerprint == int.from_bytes(payload[:8], "big")
+    assert end.seqno == (big.seqno or 0) + 1
+
+
+@pytest.mark.parametrize("size", [0, 1, 65_000])
+def test_a_message_of_one_datagram_comes_whole(tap: Tap, bus_url: str, size: int) -> None:
+    lcm.LCM(bus_url).publish("SMALL", bytes(size))
+    (packet,) = _until(tap, "SMALL")
+    assert (packet.payload, packet.whole_bytes, packet.size) == (bytes(size), None, size)
+
+
+def test_the_graph_counts_the_bytes_of_whole_messages(tap: Tap, bus_url: str) -> None:
+    plain, builder = lcm.LCM(bus_url), GraphBuilder()
+    for _ in range(3):
+        plain.publish("BIG", bytes(200_000))
+    plain.publish("END", b"")
+    for packet in _until(tap, "END"):
+        builder.hear(packet)
+    (traffic,) = (seen for seen in builder.snapshot(0).traffic if seen.channel == "BIG")
+    assert (traffic.messages, traffic.bytes) == (3, 600_000)
+
+
+def test_an_announcement_comes_whole_however_large_it_is(tap: Tap) -> None:
+    endpoints = tuple(Endpoint(f"/a_long_topic_name/{n}", Role.PUBLISHER) for n in range(2000))
+    node = Node("/large", "1", "here", 1, endpoints=endpoints)
+    payload = encode_announcement(Announcement(node))
+    assert len(payload) > 100_000
+    found: list[Packet] = []
+    for _ in range(10):  # nodes announce themselves again and again
+        tap.send(NODE_CHANNEL, payload)
+        tap.send("END", b"")
+        found += [p for p in _until(tap, "END") if p.channel == NODE_CHANNEL]
+        if found:
+            break
+    assert found[0].payload == payload
+    assert found[0].whole_bytes is None
+
+
+def test_what_a_sender_lost_is_counted(tap: Tap, bus_url: str) -> None:
+    url = parse_url(bus_url)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+        for seqno in (5, 6, 9, 8):
+            sender.sendto(short_message(seqno, "A", b""), (url.host, url.port))
+        for part in fragments(12, "BIG", bytes(100_000)):
+            sender.sendto(part, (url.host, url.port))
+        sender.sendto(short_message(13, "END", b""), (url.host, url.port))
+        packets = _until(tap, "END")
+    assert packets[0].sender is not None
+    sequence = tap.sequences[packets[0].sender]
+    assert (sequence.messages, sequence.lost) == (6, 3)
+
+
+def test_the_time_to_live_of_a_sender_is_known(bus_url: str, tap: Tap) -> None:
+    lcm.LCM(bus_url).publish("A", b"")
+    (packet,) = _until(tap, "A")
+    assert packet.sender is not None
+    assert tap.ttls[packet.sender] == 0
+
+
+def _hostile() -> list[bytes]:
+    head = b"LC03\0\0\0\1"
+    short = [b"", b"L", b"LC0", b"LC02", b"LC02\0\0\0", b"LC03", b"LC03" + bytes(15)]
+    bad = [head + bytes(12), head + b"\0\0\0\5\0\0\0\0\0\2\0\1abc", b"\xff" * 60_000]
+    return [*short, *bad, head + b"\0\0\0\2\0\0\0\0\0\0\0\2A\0bcdef", b"LC02\0\0\0\0" + b"a" * 70]
+
+
+@pytest.mark.usefixtures("private_network")
+def test_both_ways_see_the_same_of_anything() -> None:
+    with ExitStack() as stack:
+        taps = [stack.enter_context(Tap(_URL, in_kernel=way)) for way in (True, False)]
+        seen: list[list[Any]] = []
+        senders = []
+        for datagram in _hostile():
+            stranger = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+            stranger.sendto(datagram, _GROUP)
+            senders.append(stranger.getsockname()[1])
+        stranger.sendto(short_message(0, "END", b""), _GROUP)
+        for tap in taps:
+            seen.append([packet[:2] for packet in _until(tap, "END")])
+            seen[-1].append(dict(tap.malformed))
+        assert seen[0] == seen[1]
+        later = senders.pop(8)  # a fragment that is not the first is not looked at
+        assert [sender.port for sender in taps[0].malformed] == senders
+        assert Sender("0.0.0.0", later) not in taps[0].malformed  # noqa: S104
+
+
+@pytest.mark.usefixtures("private_network")
+def test_a_tap_that_is_too_slow_knows_what_it_lost() -> None:
+    with Tap(_URL, whole=True) as tap, Tap(_URL) as heads:
+        assert tap.drops() == 0
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            for seqno in range(3000):
+                sender.sendto(short_message(seqno, "A", bytes(8000)), _GROUP)
+        received = []
+        while packets := tap.receive(0.1):
+            received += packets
+        dropped = tap.drops()
+        assert dropped is not None
+        assert dropped > 0
+        assert dropped + len(received) == 3000 + _self_tests(received)
+        assert heads.drops() is None
+
+
+def _self_tests(packets: list[Packet]) -> int:
+    return sum(packet.channel == "LCM_SELF_TEST" for packet in packets)
+
+
+@pytest.mark.usefixtures("private_network")
+def test_a_stream_is_read_to_its_last_message() -> None:
+    """Turns that follow each other at once begin with a nap, in which nothing may be lost."""
+    with Tap(_URL) as tap, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        count = 0
+        for seqno in range(500):
+            sender.sendto(short_message(seqno, "A", b"x"), _GROUP)
+            count += sum(packet.channel == "A" for packet in tap.receive(0.001))
+        deadline = time.monotonic() + 5
+        while count < 500 and time.monotonic() < deadline:
+            count += sum(packet.channel == "A" for packet in tap.receive(0.1))
+        assert count == 500
+
+
+def test_the_filter_is_short() -> None:
+    assert len(heads_only()) < 10

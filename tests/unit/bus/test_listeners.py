@@ -1,0 +1,136 @@
+"""Whether a program that announces nothing can be listening, from a socket table that is given."""
+
+from collections.abc import Collection
+
+import pytest
+
+from lcmtools.bus import listeners
+from lcmtools.bus.listeners import PlainListeners
+from lcmtools.bus.processes import Process, UdpSocket
+from lcmtools.bus.url import parse_url
+
+LOCAL = "udpm://239.255.76.67:7667?ttl=0"
+OWN, OTHER_NODE, PLAIN = 1, 2, 3
+
+
+class Computer:
+    """The sockets of a bus by whose process they are, its nodes, and a clock."""
+
+    def __init__(self) -> None:
+        self.sockets: dict[int, int | None] = {100: OWN}
+        self.nodes: Collection[int] = {OWN}
+        self.port = 7667
+        self.time = 0.0
+        self.looks = 0
+
+    def udp_sockets(self) -> list[UdpSocket]:
+        """The socket table."""
+        self.looks += 1
+        return [UdpSocket("239.255.76.67", self.port, inode, 0, 0) for inode in self.sockets]
+
+    def owners(self, inodes: Collection[int]) -> dict[int, Process]:
+        """Whose they are, but for the hidden ones."""
+        found = {inode: self.sockets[inode] for inode in inodes}
+        return {inode: Process(pid, "x") for inode, pid in found.items() if pid is not None}
+
+
+@pytest.fixture
+def computer(monkeypatch: pytest.MonkeyPatch) -> Computer:
+    made = Computer()
+    monkeypatch.setattr(listeners, "udp_sockets", made.udp_sockets)
+    monkeypatch.setattr(listeners, "owners", made.owners)
+    return made
+
+
+def watch(computer: Computer, url: str = LOCAL) -> PlainListeners:
+    return PlainListeners(parse_url(url), lambda: computer.nodes, lambda: computer.time)
+
+
+def after(computer: Computer, listeners: PlainListeners, seconds: float) -> bool:
+    """What is said after so long, when it was asked now and then."""
+    for _ in range(round(seconds * 10)):
+        computer.time += 0.1
+        answer = listeners.possible()
+    return answer
+
+
+def test_where_only_nodes_listen_no_plain_program_can(computer: Computer) -> None:
+    computer.sockets[200] = OTHER_NODE
+    computer.nodes = {OWN, OTHER_NODE}
+
+    assert watch(computer).possible() is False
+
+
+@pytest.mark.parametrize("holder", [PLAIN, None], ids=["of this user", "hidden"])
+def test_a_program_that_is_no_node_is_noticed_and_missed(
+    computer: Computer, holder: int | None
+) -> None:
+    plain = watch(computer)
+    assert after(computer, plain, 3.0) is False
+
+    computer.sockets[300] = holder
+    assert after(computer, plain, 2.0) is True
+    assert after(computer, plain, 5.0) is True
+    del computer.sockets[300]
+    assert after(computer, plain, 1.5) is False
+
+
+def test_a_command_that_comes_and_goes_is_taken_for_none(computer: Computer) -> None:
+    # Its socket is open a moment before it announces itself, and a moment after its goodbye.
+    plain = watch(computer)
+    for first in range(400, 420):
+        computer.sockets[first] = PLAIN
+        assert after(computer, plain, 0.4) is False
+        del computer.sockets[first]
+        assert after(computer, plain, 0.3) is False
+
+
+def test_a_node_that_announces_itself_late_is_taken_for_none(computer: Computer) -> None:
+    plain = watch(computer)
+    computer.sockets[200] = OTHER_NODE
+    plain.possible()
+    computer.nodes = {OWN, OTHER_NODE}
+
+    assert after(computer, plain, 3.0) is False
+
+
+def test_a_node_that_says_goodbye_and_listens_on_is_a_plain_program(computer: Computer) -> None:
+    computer.sockets[200] = OTHER_NODE
+    computer.nodes = {OWN, OTHER_NODE}
+    plain = watch(computer)
+    assert after(computer, plain, 2.0) is False
+
+    computer.nodes = {OWN}
+    assert after(computer, plain, 2.0) is True
+
+
+def test_sockets_of_other_buses_do_not_count(computer: Computer) -> None:
+    plain = watch(computer, "udpm://239.255.76.67:7668?ttl=0")
+    computer.port = 7668
+    assert plain.possible() is False
+    computer.port = 7667
+
+    assert after(computer, plain, 2.0) is True  # not even its own: this system does not tell
+
+
+@pytest.mark.parametrize(
+    ("url", "answer"),
+    [
+        ("udpm://239.255.76.67:7667?ttl=1", True),
+        ("tcpq://localhost:7700", True),
+        ("memq://", False),
+    ],
+)
+def test_a_bus_that_leaves_the_computer_may_always_be_heard_and_one_within_the_process_never(
+    computer: Computer, url: str, *, answer: bool
+) -> None:
+    assert after(computer, watch(computer, url), 2.0) is answer
+    assert computer.looks == 0
+
+
+def test_the_socket_table_is_read_once_a_second(computer: Computer) -> None:
+    plain = watch(computer)
+
+    after(computer, plain, 10.0)
+
+    assert computer.looks <= 11

@@ -1,0 +1,148 @@
+"""What is odd within messages, and what only looks odd."""
+
+import math
+
+import pytest
+
+from lcmtools.doctor.content import oddities
+from lcmtools.doctor.listening import Listening
+from lcmtools.doctor.near_types import kinship
+from lcmtools.messages.codec import encode
+from lcmtools.messages.registry import Message, fingerprint, message_class, type_names
+from lcmtools.types.geometry_msgs import PoseStamped, Twist
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.rosgraph_msgs import Clock
+from lcmtools.types.sensor_msgs import Imu, JointState, LaserScan
+from lcmtools.types.std_msgs import String
+from lcmtools.wire.packet import Packet, Sender
+
+ALICE = Sender("127.0.0.1", 4000)
+NOW = 1_700_000_000_000_000_000
+
+
+def odometry() -> Odometry:
+    message = Odometry()
+    message.pose.pose.orientation.w = 1.0
+    return message
+
+
+def test_good_messages_are_not_odd() -> None:
+    assert list(oddities(odometry())) == []
+    assert list(oddities(Twist())) == []
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_numbers_that_are_none_are_found_with_their_path(value: float) -> None:
+    message = Twist()
+    message.linear.x = value
+    assert list(oddities(message)) == [("not-finite", f"linear.x is {value}")]
+
+
+def test_numbers_in_arrays_are_found_too() -> None:
+    message = JointState()
+    message.velocity = [1.0, math.nan, math.inf]
+    assert list(oddities(message)) == [("not-finite", "velocity[1] is nan and 1 more")]
+
+
+def test_a_laser_may_see_nothing() -> None:
+    scan = LaserScan()
+    scan.ranges = [math.inf, math.nan]
+    assert list(oddities(scan)) == []
+
+
+def test_a_rotation_that_was_forgotten_or_has_a_wrong_length() -> None:
+    message = odometry()
+    message.pose.pose.orientation.w = 0.0
+    ((kind, text),) = oddities(message)
+    assert (kind, text.partition(" ")[0]) == ("quaternion", "pose.pose.orientation")
+    message.pose.pose.orientation.w = 0.5
+    ((kind, text),) = oddities(message)
+    assert text == "pose.pose.orientation has the length 0.5 in place of 1"
+
+
+def test_what_an_imu_does_not_measure_is_not_judged() -> None:
+    imu = Imu()
+    imu.orientation_covariance = [-1.0, *[0.0] * 8]
+    assert list(oddities(imu)) == []
+
+
+def test_covariances_are_symmetric_with_variances_that_are_not_negative() -> None:
+    message = odometry()
+    covariance = [0.0] * 36
+    covariance[1] = 0.5
+    message.pose.covariance = covariance
+    assert list(oddities(message)) == [
+        ("covariance", "pose.covariance is not symmetric: [6] and [1] are 0 and 0.5")
+    ]
+    message.pose.covariance = [0.0] * 7 + [-2.0] + [0.0] * 28
+    assert list(oddities(message)) == [("covariance", "pose.covariance[7], a variance, is -2")]
+
+
+@pytest.mark.parametrize("name", type_names())
+def test_every_type_can_be_looked_into(name: str) -> None:
+    assert len(list(oddities(message_class(name)()))) < 100
+
+
+def heard(*messages: tuple[str, Message], time: int = NOW) -> list[tuple[str, str, int]]:
+    listening = Listening(lambda _: ())
+    for channel, message in messages:
+        listening.hear(Packet(channel, encode(message), time, ALICE))
+    return [(odd.kind, odd.text, odd.count) for odd in listening.oddities(str)]
+
+
+def stamped(seconds: float) -> PoseStamped:
+    message = PoseStamped()
+    message.pose.orientation.w = 1.0
+    message.header.stamp.sec = int(seconds)
+    return message
+
+
+def test_stamps_of_now_are_not_odd_and_none_is_no_stamp() -> None:
+    assert heard(("/p", stamped(NOW / 1e9)), ("/q", stamped(0))) == []
+
+
+def test_stamps_in_the_future_and_of_long_ago() -> None:
+    later = heard(("/p", stamped(NOW / 1e9 + 60)))
+    assert later == [("future", "header.stamp is 60.0 s in the future", 1)]
+    old = stamped(NOW / 1e9 - 3600)
+    assert heard(("/p", old), ("/p", old)) == [("old", "header.stamp is 3600.0 s old", 2)]
+
+
+def test_simulated_stamps_are_judged_by_the_clock_and_only_by_it() -> None:
+    clock = Clock()
+    clock.clock.sec = 100
+    assert heard(("/p", stamped(5))) == []
+    assert heard(("/clock", clock), ("/p", stamped(100))) == []
+    assert heard(("/clock", clock), ("/p", stamped(5)))[0][:2] == (
+        "old",
+        "header.stamp is 95.0 s old",
+    )
+
+
+def test_what_cannot_be_decoded_is_odd_once() -> None:
+    listening = Listening(lambda _: ())
+    for _ in range(3):
+        listening.hear(Packet("/a", encode(String())[:-3], NOW, ALICE))
+    (odd,) = listening.oddities(str)
+    assert (odd.kind, odd.count) == ("undecodable", 3)
+
+
+def test_an_unknown_type_that_is_nearly_a_known_one_is_recognised() -> None:
+    from lcmtools.doctor.near_types import fingerprint_of
+    from lcmtools.messages.fields import fields
+
+    own = fields(Odometry)
+    assert fingerprint_of(own) == fingerprint(Odometry)
+    without = tuple(field for field in own if field.name != "child_frame_id")
+    text = kinship(fingerprint_of(without))
+    assert text == "like nav_msgs/Odometry, but without the field child_frame_id"
+    assert kinship(0x1234567812345678) == ""
+
+
+@pytest.mark.parametrize("name", type_names())
+def test_fingerprints_are_computed_as_lcm_gen_does(name: str) -> None:
+    from lcmtools.doctor.near_types import fingerprint_of
+    from lcmtools.messages.fields import fields
+
+    cls = message_class(name)
+    assert fingerprint_of(fields(cls)) == fingerprint(cls)

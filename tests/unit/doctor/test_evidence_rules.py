@@ -1,0 +1,355 @@
+"""The rules of wtf that judge traffic, listeners, contents and the computer: planted faults."""
+
+from dataclasses import replace
+
+import pytest
+
+from lcmtools.doctor.model import (
+    Evidence,
+    Finding,
+    Host,
+    LcmProcess,
+    Listener,
+    Oddity,
+    SenderFacts,
+    Severity,
+    SimClock,
+    Stream,
+)
+from lcmtools.doctor.rules import RULES, examine
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.wire.packet import Sender
+
+SECOND = 1_000_000_000
+NOW = 1_000_000 * SECOND
+ALICE = Sender("10.0.0.1", 4000)
+BOB = Sender("10.0.0.2", 5000)
+SOMEBODY = (Traffic("A", ALICE, (), 1, 8, NOW, NOW),)
+HEALTHY = Evidence(
+    url="udpm://239.255.76.67:7667?ttl=0",
+    graph=Graph(traffic=SOMEBODY, time=NOW),
+    listened=1.0,
+    host=Host(uid=1000, interface="lo", joined=("lo",)),
+)
+
+
+def stream(channel: str, rate: float, count: int = 100, **values: object) -> Stream:
+    """A stream that ends now."""
+    times = tuple(NOW - round((count - 1 - n) * SECOND / rate) for n in range(count))
+    known = {"sender": ALICE, "name": "alice", "times": times, **values}
+    return Stream(channel, **known)  # type: ignore[arg-type]
+
+
+def found(evidence: Evidence) -> dict[str, Finding]:
+    return {finding.rule: finding for finding in examine(evidence)}
+
+
+def only(evidence: Evidence) -> Finding:
+    (finding,) = examine(evidence)
+    return finding
+
+
+def test_a_healthy_bus_is_no_finding() -> None:
+    streams = (stream("A", 100), stream("B", 1, 5))
+    senders = (SenderFacts(ALICE, "alice", messages=100, ttl=0, uid=1000),)
+    listeners = (Listener("bob (pid 2)", 2, 1000, queued_bytes=800, buffer_bytes=212992),)
+    clock = SimClock("/morse", 0.99, busy=0.4)
+    evidence = replace(HEALTHY, streams=streams, senders=senders, listeners=listeners, clock=clock)
+    assert found(evidence) == {}
+
+
+def test_rules_have_ids_explanations_and_remedies() -> None:
+    assert len({rule.id for rule in RULES}) == len(RULES)
+    for rule in RULES:
+        assert rule.explanation.endswith((".", ")")), rule.id
+        assert rule.remedy, rule.id
+        assert rule.title, rule.id
+
+
+def test_loss_says_whose_how_much_and_where() -> None:
+    senders = (
+        SenderFacts(ALICE, "/talker", messages=90, lost=10),
+        SenderFacts(BOB, "/camera", is_local=False, messages=50, lost=50),
+        SenderFacts(BOB, "/fine", messages=50),
+    )
+    finding = only(replace(HEALTHY, senders=senders))
+    assert (finding.rule, finding.severity) == ("loss", Severity.WARNING)
+    assert finding.items == (
+        " * /camera (10.0.0.2:5000): 50 of 100 (50.0 %) on the network",
+        " * /talker (10.0.0.1:4000): 10 of 100 (10.0 %) before they left it",
+    )
+
+
+def test_what_wtf_itself_lost_is_not_blamed_on_senders() -> None:
+    senders = (SenderFacts(ALICE, "/talker", messages=90, lost=10),)
+    assert found(replace(HEALTHY, senders=senders, own_drops=10)) == {}
+
+
+def test_kernel_drops_name_the_slow_program_and_its_buffer() -> None:
+    slow = Listener("slow.py (pid 7)", 7, 1000, drops=5, buffer_bytes=212992)
+    tool = Listener("lcmtools list (pid 8)", 8, 1000, drops=500, is_tool=True)
+    host = replace(HEALTHY.host, most_receive_buffer=212992)
+    finding = only(replace(HEALTHY, listeners=(slow, tool), host=host))
+    assert finding.rule == "kernel-drops"
+    assert finding.items == (" * slow.py (pid 7): 5, its buffer holds 212992 bytes",)
+    assert finding.remedies == (
+        ("start it with LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304'"),
+        "sudo sysctl -w net.core.rmem_max=8388608",
+    )
+
+
+def test_a_stopped_listener_is_named_with_what_wakes_it() -> None:
+    stopped = Listener("sink (pid 7)", 7, 1000, drops=5, queued_bytes=200_000, state="T")
+    finding = only(replace(HEALTHY, listeners=(stopped,)))
+    assert finding.rule == "stuck-listeners"
+    assert finding.items == (" * sink (pid 7): it is stopped",)
+    assert finding.remedies == ("wake it (kill -CONT 7) or end it (kill 7)",)
+
+
+def test_a_listener_that_does_not_read_is_named() -> None:
+    full = Listener("s (pid 7)", 7, 0, drops=5, queued_bytes=9000, was_queued_bytes=9000)
+    assert found(replace(HEALTHY, listeners=(full,)))["stuck-listeners"].items == (
+        " * s (pid 7): 9000 bytes wait",
+    )
+
+
+def test_a_message_larger_than_a_buffer_is_told_before_it_is_lost() -> None:
+    streams = (stream("CAM", 10, name="cam (pid 3)", largest=300_000),)
+    listeners = (
+        Listener("small (pid 7)", 7, 1000, buffer_bytes=212_992),
+        Listener("large (pid 8)", 8, 1000, buffer_bytes=4_000_000),
+    )
+    evidence = replace(HEALTHY, streams=streams, listeners=listeners)
+    finding = only(evidence)
+    assert finding.rule == "small-buffer"
+    assert finding.text == "CAM from cam (pid 3) has 300000 bytes, too many for:"
+    assert finding.items == (" * small (pid 7): holds 212992 bytes",)
+    assert finding.remedies[0].endswith("&recv_buf_size=600000'")
+    paced = (SenderFacts(ALICE, "cam", paces=True),)
+    assert found(replace(evidence, senders=paced)) == {}
+
+
+@pytest.mark.parametrize(
+    ("kind", "rule"),
+    [
+        ("not-finite", "not-finite"),
+        ("quaternion", "quaternions"),
+        ("covariance", "covariances"),
+        ("future", "stamps"),
+        ("old", "stamps"),
+        ("undecodable", "undecodable"),
+    ],
+)
+def test_odd_contents_are_told_with_topic_sender_and_field(kind: str, rule: str) -> None:
+    finding = only(replace(HEALTHY, oddities=(Oddity(kind, "/odom", "/morse", "it is odd", 7),)))
+    assert (finding.rule, finding.severity) == (rule, Severity.WARNING)
+    assert finding.items == (" * /odom from /morse: it is odd (7 messages)",)
+    assert finding.remedies
+
+
+def test_one_old_message_may_be_a_latched_one() -> None:
+    odd = Oddity("old", "/map", "/server", "header.stamp is 60.0 s old")
+    assert found(replace(HEALTHY, oddities=(odd,))) == {}
+
+
+def test_two_programs_that_send_at_once_compete() -> None:
+    streams = (stream("/cmd", 10), stream("/cmd", 10, sender=BOB, name="bob"))
+    finding = only(replace(HEALTHY, streams=streams))
+    assert finding.rule == "competing-publishers"
+    assert finding.text == "2 programs publish on /cmd at the same time:"
+    assert finding.items == (" * alice: /cmd", " * bob: /cmd")
+
+
+def test_alternatives_of_one_input_are_one_topic() -> None:
+    ends = tuple(Endpoint(name, Role.SUBSCRIBER, group="g") for name in ("/a", "/b"))
+    robot = Node("/morse", "1", "h", 1, endpoints=ends)
+    streams = (stream("/a", 10), stream("/b", 10, sender=BOB, name="bob"))
+    graph = replace(
+        HEALTHY.graph, nodes=(robot,), traffic=(Traffic("/a", ALICE, (), 1, 8, NOW, NOW),)
+    )
+    assert "competing-publishers" in found(replace(HEALTHY, streams=streams, graph=graph))
+
+
+@pytest.mark.parametrize("name", ["/tf", "/rosout", "/_hidden"])
+def test_some_topics_are_for_many(name: str) -> None:
+    streams = (stream(name, 10), stream(name, 10, sender=BOB, name="bob"))
+    assert found(replace(HEALTHY, streams=streams)) == {}
+
+
+def test_one_node_with_two_ports_does_not_compete_with_itself() -> None:
+    streams = (stream("/image", 10), stream("/image", 10, sender=BOB))
+    assert found(replace(HEALTHY, streams=streams)) == {}
+
+
+def _graphs(before: Endpoint, after: Endpoint) -> Evidence:
+    hears = Node("/ear", "2", "h", 2, endpoints=(Endpoint("/a", Role.SUBSCRIBER),))
+    start = NOW - 100 * SECOND
+    nodes = [Node("/mouth", "1", "h", 1, start, endpoints=(e,)) for e in (before, after)]
+    graphs = [Graph((node, hears), time=NOW) for node in nodes]
+    return replace(HEALTHY, before=graphs[0], graph=graphs[1])
+
+
+def test_a_publisher_that_has_gone_silent_is_a_note() -> None:
+    silent = Endpoint("/a", Role.PUBLISHER, messages=500, last_time=NOW - 50 * SECOND)
+    finding = only(_graphs(silent, silent))
+    assert (finding.rule, finding.severity) == ("silent", Severity.NOTE)
+    assert finding.items == (" * /mouth: /a, 50 s ago, 10 Hz before",)
+
+
+def test_a_stream_that_ends_while_wtf_listens_is_a_note() -> None:
+    ended = stream("A", 20, 20)
+    later = replace(HEALTHY.graph, time=NOW + SECOND)
+    assert found(replace(HEALTHY, streams=(ended,), graph=later))["silent"].items == (
+        " * alice: A, 1.0 s ago, 20 Hz before",
+    )
+
+
+def test_a_rate_that_has_fallen_is_a_note() -> None:
+    before = Endpoint("/a", Role.PUBLISHER, messages=9900, last_time=NOW - SECOND)
+    after = replace(before, messages=9910, last_time=NOW)
+    finding = only(_graphs(before, after))
+    assert finding.rule == "slow-rate"
+    assert finding.items == (" * /mouth: /a, 10 Hz in place of 100 Hz",)
+
+
+def test_a_stream_with_a_gap_is_irregular() -> None:
+    even = stream("A", 50, 50)
+    uneven = replace(even, times=(*(t - SECOND for t in even.times[:25]), *even.times[25:]))
+    finding = only(replace(HEALTHY, streams=(uneven,)))
+    assert finding.rule == "irregular"
+    assert finding.items == (" * alice: A, 1.02 s without a message, usually 0.02 s",)
+
+
+def test_a_full_queue_names_node_topic_and_depth() -> None:
+    def graph(drops: int, depth: int) -> Graph:
+        slow = Endpoint("/a", Role.SUBSCRIBER, depth=depth, drops=drops)
+        mouth = Node("/mouth", "1", "h", 1, endpoints=(Endpoint("/a", Role.PUBLISHER),))
+        return Graph((mouth, Node("/ear", "2", "h", 2, endpoints=(slow,))), time=NOW)
+
+    evidence = replace(HEALTHY, before=graph(5, 10), graph=graph(25, 10))
+    finding = only(evidence)
+    assert finding.rule == "queue-drops"
+    assert finding.items == (" * /ear lost 20 messages of /a (depth 10)",)
+    assert found(replace(HEALTHY, before=graph(5, 1), graph=graph(25, 1))) == {}
+    assert found(replace(HEALTHY, before=graph(25, 10), graph=graph(25, 10))) == {}
+
+
+@pytest.mark.parametrize(
+    ("clock", "severity"),
+    [
+        (SimClock("/morse", 0.5, busy=0.99), Severity.WARNING),
+        (SimClock("/morse", 0.5, busy=0.3), Severity.NOTE),
+        (SimClock("/morse", 0.5, wanted=0.5), None),
+        (SimClock("/morse", 3.0, wanted=4.0, busy=1.0), Severity.WARNING),
+        (SimClock("/morse", 40.0, wanted=None, busy=1.0), None),
+        (SimClock("/morse", 0.0, busy=0.1), None),
+    ],
+)
+def test_a_simulator_that_is_too_slow(clock: SimClock, severity: Severity | None) -> None:
+    finding = found(replace(HEALTHY, clock=clock)).get("slow-simulator")
+    assert (finding.severity if finding else None) is severity
+
+
+def test_names_that_few_can_use_and_names_that_look_alike() -> None:
+    streams = (stream("\udcff", 1, 3), stream("POSE", 1, 3), stream("Pose", 1, 3))
+    findings = [f for f in examine(replace(HEALTHY, streams=streams)) if f.rule == "names"]
+    assert [finding.severity for finding in findings] == [Severity.WARNING, Severity.NOTE]
+    assert findings[1].items == (" * POSE and Pose",)
+    long = found(replace(HEALTHY, streams=(stream("a" * 61, 1, 3),)))["names"]
+    assert long.severity is Severity.NOTE
+
+
+def test_numbered_names_do_not_look_alike() -> None:
+    streams = (stream("/husky0/odom", 1, 3), stream("/husky1/odom", 1, 3))
+    assert found(replace(HEALTHY, streams=streams)) == {}
+
+
+def test_ttl_0_where_other_computers_take_part() -> None:
+    senders = (
+        SenderFacts(ALICE, "/talker", ttl=0),
+        SenderFacts(BOB, "10.0.0.2:5000", is_local=False, ttl=1),
+    )
+    finding = only(replace(HEALTHY, senders=senders))
+    assert finding.rule == "ttl"
+    assert finding.text == "Other computers (10.0.0.2) cannot hear the following (ttl=0):"
+    assert finding.items == (" * /talker",)
+
+
+def test_ttl_above_1_leaves_the_network() -> None:
+    senders = (SenderFacts(ALICE, "/talker", ttl=7),)
+    assert only(replace(HEALTHY, senders=senders)).items == (" * /talker sends with ttl=7",)
+
+
+def test_other_users_of_the_bus_are_named_but_root() -> None:
+    listeners = (Listener("?", None, 4711), Listener("r", None, 0))
+    finding = only(replace(HEALTHY, listeners=listeners, users={4711: "bob"}))
+    assert finding.rule == "other-users"
+    assert finding.items == (" * bob",)
+
+
+def test_mpudpm_beside_udpm_is_a_warning() -> None:
+    streams = (stream("#!mpudpm_CH2PRT_REQ", 1, 3, name="sub (pid 9)"),)
+    assert found(replace(HEALTHY, streams=streams))["mpudpm"].items == (" * sub (pid 9)",)
+
+
+def test_an_empty_bus_names_the_buses_where_ones_programs_are() -> None:
+    other = LcmProcess(9, "talker", "239.255.76.67:7670", "LCMTOOLS_DOMAIN=3")
+    evidence = replace(HEALTHY, graph=Graph(), processes=(other, LcmProcess(8, "here")))
+    finding = found(evidence)["other-buses"]
+    assert finding.items == (" * pid 9 on 239.255.76.67:7670 (LCMTOOLS_DOMAIN=3): talker",)
+    assert finding.remedies == ("export LCM_DEFAULT_URL='udpm://239.255.76.67:7670?ttl=0'",)
+    assert found(replace(HEALTHY, processes=(other,))) == {}
+
+
+def test_nearly_all_files_open_is_a_warning() -> None:
+    full = LcmProcess(9, "leak.py", open_files=950, most_files=1024)
+    assert only(replace(HEALTHY, processes=(full,))).rule == "open-files"
+
+
+def _host(**values: object) -> Evidence:
+    return replace(HEALTHY, host=replace(HEALTHY.host, **values))  # type: ignore[arg-type]
+
+
+def test_the_computer_itself() -> None:
+    listener = (Listener("x", 1, 1000),)
+    moved = replace(_host(interface="eth0", joined=("wlan0", "eth0")), listeners=listener)
+    assert only(moved).items == (" * on wlan0",)
+    assert only(_host(reassembly_failures=3)).rule == "reassembly"
+    assert only(replace(_host(rp_filter=1), ttl=1)).rule == "rp-filter"
+    assert only(replace(_host(firewall="ufw"), ttl=1)).rule == "firewall"
+    assert only(_host(environment=("PYTHONPATH has /x",))).items == (" * PYTHONPATH has /x",)
+    assert found(_host(rp_filter=1, firewall="ufw")) == {}
+
+
+def test_a_bus_that_fills_the_network() -> None:
+    streams = (stream("CAM", 30, 30, bytes=9_000_000),)
+    wired = replace(_host(interface="eth0", joined=(), speed_mbit=100), ttl=1, streams=streams)
+    assert only(wired).rule == "bandwidth"
+    assert only(wired).items == (" * CAM from alice: 9.00 MB/s",)
+    assert found(replace(wired, ttl=0)) == {}
+    gigabit = replace(wired, host=replace(wired.host, speed_mbit=1000))
+    assert found(gigabit) == {}
+    wireless = replace(gigabit, host=replace(gigabit.host, is_wireless=True))
+    assert "bandwidth" in found(wireless)
+
+
+def test_a_bus_that_does_not_work_says_what_stands_in_the_way() -> None:
+    host = Host(interface="lo", is_up=False, firewall="ufw", container="container")
+    evidence = Evidence("udpm://", bus_problem="no route", bus_remedy="type: x", host=host)
+    finding = only(evidence)
+    assert finding.rule == "bus"
+    assert finding.items[0] == " * the interface lo is down"
+    assert finding.remedies == ("type: x", "start the container with: --network host")
+
+
+def test_what_bears_on_multicast_is_not_said_of_a_server() -> None:
+    host = Host(firewall="ufw", container="container")
+    evidence = Evidence("tcpq://127.0.0.1:1", bus_problem="no server", host=host)
+    assert only(evidence).items == ()
+
+
+def test_what_a_nodes_filter_drops_is_no_slowness() -> None:
+    node = Listener("/listener (pid 7)", 7, 1000, drops=5, is_node=True)
+    evidence = replace(HEALTHY, listeners=(node,))
+    assert only(evidence).rule == "kernel-drops"
+    assert only(replace(evidence, malformed=(("x", "bad"),))).rule == "malformed"

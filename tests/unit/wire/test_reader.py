@@ -1,0 +1,83 @@
+"""From datagrams to messages and the graph, whatever the bytes are."""
+
+from collections.abc import Sequence
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lcmtools.graph.builder import GraphBuilder
+from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.protocol import (
+    NODE_CHANNEL,
+    PROBE_CHANNEL,
+    Announcement,
+    Probe,
+    encode_announcement,
+    encode_probe,
+)
+from lcmtools.wire.datagram import fragments, short_message
+from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.reader import Reader
+
+SENDER = Sender("10.0.0.1", 5000)
+NODE = Node("/talker", "1", "here", 7, endpoints=(Endpoint("/chatter", Role.PUBLISHER),))
+SEEDS = [
+    short_message(0, NODE_CHANNEL, encode_announcement(Announcement(NODE))),
+    short_message(1, PROBE_CHANNEL, encode_probe(Probe("/talker", 5))),
+    short_message(2, "EXAMPLE", b"12345678abc"),
+    *fragments(3, NODE_CHANNEL, bytes(70_000)),
+    *fragments(4, "/image", bytes(150_000)),
+]
+
+
+def read(reader: Reader, datagrams: Sequence[bytes]) -> list[Packet]:
+    packets = [reader.read(data, SENDER, time) for time, data in enumerate(datagrams)]
+    return [packet for packet in packets if packet is not None]
+
+
+@st.composite
+def datagrams(draw: st.DrawFn) -> bytes:
+    """Any bytes, or a good datagram with some of them changed, or cut short."""
+    if draw(st.booleans()):
+        return draw(st.binary(max_size=200))
+    data = bytearray(draw(st.sampled_from(SEEDS)))
+    for _ in range(draw(st.integers(0, 4))):
+        data[draw(st.integers(0, min(len(data), 300) - 1))] = draw(st.integers(0, 255))
+    return bytes(data[: draw(st.integers(0, len(data)))] if draw(st.booleans()) else data)
+
+
+@pytest.mark.parametrize("way", ["whole", "heads"])
+@given(received=st.lists(datagrams(), max_size=30))
+def test_no_bytes_harm_the_way_from_datagram_to_graph(way: str, received: list[bytes]) -> None:
+    reader, builder = Reader(whole=way == "whole"), GraphBuilder()
+    for packet in read(reader, received):
+        assert packet.size >= len(packet.payload)
+        builder.hear(packet)
+    graph = builder.snapshot(10)
+    assert sum(seen.messages for seen in graph.traffic) <= len(received)
+    assert graph.topic_names() == sorted(graph.topic_names())
+    assert graph.foreign() is not None
+    assert all(sequence.lost >= 0 for sequence in reader.sequences.values())
+
+
+def test_heads_are_of_first_fragments_alone() -> None:
+    (packet,) = read(Reader(whole=False), SEEDS[-3:])
+    assert (packet.channel, packet.size) == ("/image", 150_000)
+    assert len(packet.payload) < 2000
+
+
+def test_announcements_are_whole_where_heads_are_enough_for_others() -> None:
+    reader = Reader(whole=False)
+    assert not reader.needs_all
+    (packet,) = read(reader, SEEDS[3:5])
+    assert (packet.channel, packet.whole_bytes) == (NODE_CHANNEL, None)
+    assert reader.needs_all
+
+
+def test_senders_of_nonsense_are_bounded() -> None:
+    reader = Reader(whole=False)
+    for port in range(3000):
+        reader.read(b"nonsense", Sender("10.0.0.1", port), 0)
+        reader.read(short_message(0, "A", b""), Sender("10.0.0.2", port), 0, 1)
+    assert len(reader.malformed) == len(reader.sequences) == len(reader.ttls) == 1000
