@@ -47,7 +47,16 @@ _MSG_COMMANDS = {
     "package": Entry("lcmtools.cli.msg.package:command", "List the message types of a package."),
     "packages": Entry("lcmtools.cli.msg.packages:command", "List the packages."),
     "fingerprint": Entry("lcmtools.cli.msg.fingerprint:command", "Print a type's fingerprint."),
+    "build": Entry("lcmtools.cli.msg.build:command", "Check and compile your own .lcm files."),
+    "generate": Entry("lcmtools.cli.msg.generate:command", "Write C, C++, Java or Python code."),
     "md5": Entry("lcmtools.cli.msg.fingerprint:command", "fingerprint, as ROS.", is_alias=True),
+}
+_PKG_COMMANDS = {
+    "create": Entry("lcmtools.cli.pkg.create:command", "Make a package: a node, a test and more."),
+    "list": Entry("lcmtools.cli.pkg.list:command", "List the packages and their folders."),
+    "find": Entry("lcmtools.cli.pkg.find:command", "Print a package's folder."),
+    "build": Entry("lcmtools.cli.pkg.build:command", "Check and compile packages' messages."),
+    "prefix": Entry("lcmtools.cli.pkg.find:command", "find, as ROS 2 names it.", is_alias=True),
 }
 _SRV_COMMANDS = {
     "list": Entry("lcmtools.cli.srv.list:command", "List the service types."),
@@ -84,6 +93,13 @@ _SIM_COMMANDS = {
     "delete": Entry(f"{_SIM}.delete:command", "Take a robot away."),
     "snapshot": Entry(f"{_SIM}.snapshot:command", "Write a picture of the world into a file."),
 }
+_LAB = "lcmtools.cli.lab"
+_LAB_COMMANDS = {
+    "list": Entry(f"{_LAB}.list:command", "List the labs."),
+    "start": Entry(f"{_LAB}.start:command", "Run a lab's simulator, and say what to type."),
+    "check": Entry(f"{_LAB}.check:command", "Check programs against a lab."),
+    "skeleton": Entry(f"{_LAB}.skeleton:command", "Copy a lab's node to be filled in."),
+}
 _COMMANDS = {
     **_TOPIC_COMMANDS,
     "node": Entry("lcmtools.cli.main:node", "Look at nodes: list, info, ping and more."),
@@ -94,6 +110,9 @@ _COMMANDS = {
     "wtf": Entry("lcmtools.cli.wtf:command", "Find what is wrong and say how to mend it."),
     "sim": Entry("lcmtools.cli.main:sim", "Steer a simulator: pause, reset, set-pose and more."),
     "run": Entry("lcmtools.cli.run:command", "Run a node, or the simulator."),
+    "lab": Entry("lcmtools.cli.main:lab", "Do the labs: list, start, check and more."),
+    "launch": Entry("lcmtools.cli.launch.command:command", "Run the nodes of a launch file."),
+    "pkg": Entry("lcmtools.cli.main:pkg", "Make and find packages: create, list, build."),
     "config": Entry("lcmtools.cli.config:command", "Show the settings and where they are said."),
     "completion": Entry("lcmtools.cli.completion.command:command", "Complete words with TAB."),
     "help": Entry("lcmtools.cli.help:command", "Show the help of a command."),
@@ -114,7 +133,8 @@ Exit codes: 0 done, 1 failed, 2 wrong usage, 3 an extra is missing, 4 nothing ca
 
 \b
 Environment: LCM_DEFAULT_URL, LCMTOOLS_DOMAIN, LCMTOOLS_NAMESPACE, LCMTOOLS_TIMEOUT,
-LCMTOOLS_COLOR, NO_COLOR; the same can stand in a file: lcmtools config shows which counts.
+LCMTOOLS_TYPE_PATH, LCMTOOLS_COLOR, NO_COLOR; most can stand in a file: lcmtools config shows
+which counts.
 """
 
 
@@ -182,6 +202,17 @@ def msg() -> None:
     """  # noqa: D301 - \b is click's mark
 
 
+@click.group(cls=LazyGroup, entries=_PKG_COMMANDS, context_settings=CONTEXT)
+def pkg() -> None:
+    """Make packages of nodes and messages, and find them.
+
+    \b
+    Examples:
+      lcmtools pkg create air_lab0 --deps nav_msgs geometry_msgs
+      lcmtools pkg list
+    """  # noqa: D301 - \b is click's mark
+
+
 @click.group(cls=LazyGroup, entries=_SRV_COMMANDS, context_settings=CONTEXT)
 def srv() -> None:
     """Look at service types.
@@ -226,6 +257,18 @@ def sim() -> None:
     Examples:
       lcmtools sim pause
       lcmtools sim set-pose husky0 1 -2 90deg
+    """  # noqa: D301 - \b is click's mark
+
+
+@click.group(cls=LazyGroup, entries=_LAB_COMMANDS, context_settings=CONTEXT)
+@bus_options
+def lab() -> None:
+    """Do the labs: run what they need, and check your programs against them.
+
+    \b
+    Examples:
+      lcmtools lab start husky
+      lcmtools lab check husky --controller "python my_controller.py"
     """  # noqa: D301 - \b is click's mark
 
 

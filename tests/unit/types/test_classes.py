@@ -116,7 +116,7 @@ def test_values_survive_the_wire() -> None:
 
 def test_services_are_pairs_of_a_request_and_a_response() -> None:
     requests = (name for name in FINGERPRINTS if name.endswith("_Request"))
-    assert SERVICES == tuple(name.removesuffix("_Request") for name in requests)
+    assert tuple(name.removesuffix("_Request") for name in requests) == SERVICES
     assert {"std_srvs/Empty", "std_srvs/SetBool", "std_srvs/Trigger"} <= set(SERVICES)
 
 

@@ -1,0 +1,129 @@
+"""The labs there are: name, world, and what to type in which order."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from lcmtools.errors import UsageError
+from lcmtools.names import did_you_mean
+
+
+@dataclass(frozen=True, slots=True)
+class Role:
+    """A program that a lab asks a student to write.
+
+    Attributes:
+        option: How it is called on the command line of lab check.
+        own: The command line of the model answer.
+        node: The skeleton that a student starts from, "" where there is none.
+        arguments: Names that connect it; added unless the command line has a := of its own.
+    """
+
+    option: str
+    own: tuple[str, ...]
+    node: str
+    arguments: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Lab:
+    """A lab.
+
+    Attributes:
+        name: As it is typed.
+        title: What it is about, in one line.
+        world: The simulator's world.
+        simulator: The simulator's node in that world.
+        roles: The programs that a student writes.
+        steps: What to type next, in a second terminal.
+    """
+
+    name: str
+    title: str
+    world: str
+    simulator: str
+    roles: tuple[Role, ...]
+    steps: tuple[str, ...]
+
+
+_HUSKY = Lab(
+    "husky",
+    "A Husky by wheel effort: topics, names, a speed controller",
+    "husky",
+    "/morse",
+    (
+        Role(
+            "controller",
+            ("lcmtools", "run", "simple_controller"),
+            "simple_controller",
+            ("__ns:=/husky0", "controlled_velocity:=velocity_cmd"),
+        ),
+        Role(
+            "evaluator",
+            ("lcmtools", "run", "evaluate_controller"),
+            "evaluate_controller",
+            ("__ns:=/husky0",),
+        ),
+    ),
+    (
+        "lcmtools list",
+        "lcmtools echo /husky0/odometry",
+        'lcmtools pub /husky0/wheel_cmd sensor_msgs/JointState "effort: [1, 1]"',
+        "lcmtools lab skeleton simple_controller",
+        "lcmtools lab check husky",
+    ),
+)
+_PIONEER = Lab(
+    "pioneer",
+    "A Pioneer with a Kinect: publishers, subscribers, a picture, driving by keys",
+    "pioneer",
+    "/gazebo",
+    (
+        Role(
+            "teleop",
+            ("lcmtools", "run", "pioneer_manual_controller"),
+            "pioneer_manual_controller",
+        ),
+        Role("viewer", ("lcmtools", "run", "kinect_viewer"), "kinect_viewer"),
+    ),
+    (
+        "lcmtools node list",
+        "lcmtools list",
+        "lcmtools run image_view image:=/camera/depth/image_raw",
+        "lcmtools run pioneer_manual_controller",
+        "lcmtools lab skeleton pioneer_manual_controller",
+        "lcmtools lab check pioneer",
+    ),
+)
+_DOLLY = Lab(
+    "dolly",
+    "A Dolly in a circle: a node with a timer, and one that reads a laser",
+    "dolly",
+    "/gazebo",
+    (
+        Role("mover", ("lcmtools", "run", "moving_robot"), "moving_robot"),
+        Role("reader", ("lcmtools", "run", "reading_laser"), "reading_laser"),
+    ),
+    (
+        "lcmtools list",
+        "lcmtools run reading_laser",
+        "lcmtools run moving_robot",
+        "lcmtools hz /dolly/cmd_vel",
+        "lcmtools lab skeleton moving_robot",
+        "lcmtools lab check dolly",
+    ),
+)
+
+LABS: Mapping[str, Lab] = {lab.name: lab for lab in (_HUSKY, _PIONEER, _DOLLY)}
+"""By name, in the order they are listed."""
+
+
+def find_lab(name: str) -> Lab:
+    """The lab of a name.
+
+    Raises:
+        UsageError: There is none.
+    """
+    if name not in LABS:
+        hint = did_you_mean(name, LABS) or f"there are: {', '.join(LABS)}"
+        raise UsageError(f"there is no lab '{name}'", hint)
+    return LABS[name]

@@ -1,0 +1,265 @@
+"""Every command block of the README, docs/ and labs/ does what it shows.
+
+A block that begins with ```console has commands behind "$ " ("> " continues one) and, below each,
+what it prints: every line shown must come, in this order; … stands for anything within a line, and
+alone for any lines. A command that goes on is ended with Ctrl-C once what is shown has come; one
+that ends with & runs until the block is over. An exit code other than 0 is as it should be where
+output is shown. Comments before a block say more:
+
+    <!-- with: run sim --world husky; run talker -->   what runs beside it, without "lcmtools"
+    <!-- not run: it needs a second computer -->       why not
+    <!-- file: slow.py -->                             the block is this file, in the scratch folder
+"""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+
+from lcmtools.cli import main
+
+ROOT = Path(__file__).parents[2]
+DOCUMENTS = [
+    ROOT / "README.md",
+    *sorted(ROOT.glob("docs/*.md")),
+    *sorted(ROOT.glob("labs/*/README.md")),
+]
+_FENCE = re.compile(r"((?:^[ ]*<!--.*?-->\n+)*)^```(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+_NOTE = re.compile(r"<!-- (with|not run|file): (.*?) -->")
+_INLINE = re.compile(r"`lcmtools ([a-z][a-z-]*)(?: ([a-z][a-z-]*))?")
+LANGUAGES = {"console", "python", "yaml", "xml", "text", "c", "cpp"}
+GOING_ON = 2.5  # [s] after which a command that still runs is meant to go on
+LONGEST = 60.0
+
+
+@dataclass
+class Command:
+    """A command and what is shown below it."""
+
+    text: str
+    shown: list[str] = field(default_factory=list)
+
+
+@dataclass
+class Block:
+    """A fenced block and the comments before it."""
+
+    line: int
+    language: str
+    text: str
+    notes: dict[str, str]
+
+    def commands(self) -> list[Command]:
+        """What is typed in it."""
+        found: list[Command] = []
+        for line in self.text.splitlines():
+            if line.startswith("$ "):
+                found.append(Command(line[2:]))
+            elif line.startswith("> ") and not found[-1].shown:
+                found[-1].text += f"\n{line[2:]}"
+            elif line.strip():
+                found[-1].shown.append(line)
+        return found
+
+
+def blocks(document: Path) -> list[Block]:
+    """The fenced blocks of a document."""
+    text = document.read_text()
+    return [
+        Block(
+            text[: match.start()].count("\n") + 1, match[2], match[3], dict(_NOTE.findall(match[1]))
+        )
+        for match in _FENCE.finditer(text)
+    ]
+
+
+class Shell:
+    """Runs commands in a folder, on a bus."""
+
+    def __init__(self, folder: Path, bus_url: str, lcmtools_path: str) -> None:
+        self._folder = folder
+        self._environment = {
+            **os.environ,
+            "LCM_DEFAULT_URL": bus_url,
+            "PATH": os.pathsep.join(
+                (
+                    str(Path(lcmtools_path).parent),
+                    str(Path(sys.executable).parent),
+                    os.environ["PATH"],
+                )
+            ),
+            "XDG_STATE_HOME": str(folder / ".state"),
+            "PYTHONUNBUFFERED": "1",
+            "NO_COLOR": "1",
+            "COLUMNS": "100",
+        }
+        self._outputs = 0
+
+    @contextmanager
+    def going(self, command: str) -> "Iterator[Running]":
+        """A command in the background, ended with Ctrl-C and then by force."""
+        self._outputs += 1
+        running = Running(command, self._folder, self._environment, f".output_{self._outputs}")
+        try:
+            yield running
+        finally:
+            running.end()
+
+    def run(self, command: Command) -> str | None:
+        """Run a command as a reader would; what is wrong with it, or None."""
+        with self.going(command.text) as running:
+            began = time.monotonic()
+            while running.code() is None and time.monotonic() - began < LONGEST:
+                if time.monotonic() - began > GOING_ON and shows(running.output(), command.shown):
+                    break
+                time.sleep(0.05)
+            goes_on = running.code() is None
+            running.end()
+            output, code = running.output(), running.code()
+        if not shows(output, command.shown):
+            return f"$ {command.text}\nprinted:\n{output}\ninstead of:\n" + "\n".join(command.shown)
+        is_told = any(line.strip() != "…" for line in command.shown)
+        if code not in (0, *((130, -signal.SIGINT) if goes_on else ())) and not is_told:
+            return f"$ {command.text}\nended with {code}:\n{output}"
+        return None
+
+    def wait_for_nodes(self, count: int) -> None:
+        """Wait until so many nodes are on the bus."""
+        deadline = time.monotonic() + 40
+        while time.monotonic() < deadline:
+            listed = subprocess.run(
+                ["lcmtools", "node", "list", "-a"],  # noqa: S607 - as the documents have it
+                env=self._environment,
+                capture_output=True,
+                text=True,
+                check=False,
+                timeout=20,
+            )
+            if len(listed.stdout.split()) >= count:
+                return
+            time.sleep(0.1)
+        pytest.fail(f"less than {count} nodes run")
+
+
+class Running:
+    """A command that runs."""
+
+    def __init__(
+        self, command: str, folder: Path, environment: dict[str, str], output: str
+    ) -> None:
+        self._output = folder / output
+        with self._output.open("wb") as stream:
+            self._process = subprocess.Popen(
+                ["bash", "-c", f"trap - INT; {command}"],  # noqa: S607
+                cwd=folder,
+                env=environment,
+                stdin=subprocess.DEVNULL,
+                stdout=stream,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+
+    def code(self) -> int | None:
+        """Its exit code; None while it runs."""
+        return self._process.poll()
+
+    def output(self) -> str:
+        """What it has printed."""
+        return self._output.read_text(errors="replace")
+
+    def end(self) -> None:
+        """End it."""
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
+            if self.code() is not None:
+                return
+            os.killpg(self._process.pid, number)
+            deadline = time.monotonic() + 8
+            while self.code() is None and time.monotonic() < deadline:
+                time.sleep(0.02)
+
+
+def shows(output: str, shown: list[str]) -> bool:
+    """Whether the lines shown are in an output, in their order; … is anything."""
+    rest = [line.rstrip() for line in output.splitlines()]
+    for line in shown:
+        pattern = ".*".join(re.escape(part) for part in re.split(r"…", line.rstrip()))
+        places = [at for at, text in enumerate(rest) if re.fullmatch(pattern, text)]
+        if line.strip() == "…":
+            continue
+        if not places:
+            return False
+        rest = rest[places[0] + 1 :]
+    return True
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_every_block_does_what_it_shows(
+    document: Path, tmp_path: Path, free_port: Callable[[], int], lcmtools_path: str
+) -> None:
+    wrong = []
+    for block in blocks(document):
+        where = f"{document.relative_to(ROOT)}:{block.line}"
+        if "file" in block.notes:
+            (tmp_path / block.notes["file"]).write_text(block.text)
+        if block.language != "console" or "not run" in block.notes:
+            continue
+        bus_url = f"udpm://239.255.76.67:{free_port()}?ttl=0"
+        wrong += [
+            f"{where}\n{problem}"
+            for problem in play(block, Shell(tmp_path, bus_url, lcmtools_path))
+        ]
+    assert wrong == [], "\n\n".join(wrong)
+
+
+def play(block: Block, shell: Shell) -> list[str]:
+    """Run a block; what is wrong."""
+    wrong = []
+    beside = [part.strip() for part in block.notes.get("with", "").split(";") if part.strip()]
+    with ExitStack() as running:
+        for part in beside:
+            running.enter_context(shell.going(f"exec lcmtools {part}"))
+        if beside:
+            shell.wait_for_nodes(len(beside))
+        for command in block.commands():
+            if command.text.endswith("&"):
+                beside.append(command.text)
+                running.enter_context(shell.going(f"exec {command.text[:-1]}"))
+                shell.wait_for_nodes(len(beside))
+            elif problem := shell.run(command):
+                wrong.append(problem)
+    return wrong
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_every_block_says_what_it_is(document: Path) -> None:
+    unknown = [
+        f"{document.relative_to(ROOT)}:{block.line}: '{block.language}'"
+        for block in blocks(document)
+        if block.language not in LANGUAGES and "not run" not in block.notes
+    ]
+    assert unknown == []
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_every_command_that_is_named_exists(document: Path) -> None:
+    unknown = []
+    for name, verb in _INLINE.findall(document.read_text()):
+        command = main.root.get_command(None, name)  # type: ignore[arg-type] # it needs none
+        verbs = getattr(command, "list_commands", None)
+        if command is None or (verb and verbs and verb not in verbs(None)):
+            unknown.append(f"lcmtools {name} {verb}")
+    assert unknown == []
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_every_link_within_the_project_leads_somewhere(document: Path) -> None:
+    links = re.findall(r"\]\((?!https?:)([^)#]+)", document.read_text())
+    assert [link for link in links if not (document.parent / link).exists()] == []

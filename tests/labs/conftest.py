@@ -1,0 +1,27 @@
+"""What the labs' tests share: who is left of what a lab started."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture
+def left_over(tmp_path: Path) -> Callable[[], list[str]]:
+    """The command lines of processes that know the test's TMPDIR, which it gives to its labs."""
+
+    def find() -> list[str]:
+        mark = f"TMPDIR={tmp_path}".encode()
+        found = []
+        for folder in Path("/proc").iterdir():
+            try:
+                environment = (folder / "environ").read_bytes()
+                command = (folder / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+            except OSError:  # gone already, or somebody else's, or no process at all
+                continue
+            if mark in environment.split(b"\0") and int(folder.name) != os.getpid():
+                found.append(command)
+        return [command for command in found if command]
+
+    return find

@@ -1,0 +1,244 @@
+"""lcmtools lab: the list, the start, and the checks of a student's own programs."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+Lcmtools = Callable[..., "subprocess.CompletedProcess[str]"]
+LeftOver = Callable[[], list[str]]
+
+TOO_SLOW = """
+import lcmtools
+from lcmtools import Node
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.sensor_msgs import JointState
+
+
+class TooSlow(Node):
+    def __init__(self):
+        super().__init__("simple_controller")
+        self.commands = self.create_publisher(JointState, "controlled_velocity")
+        self.create_subscription(Twist, "desired_velocity", self.take, 1)
+
+    def take(self, twist):
+        message = JointState()
+        message.effort = [twist.linear.x * 0.8] * 2
+        self.commands.publish(message)
+
+
+lcmtools.init()
+lcmtools.spin(TooSlow())
+lcmtools.shutdown()
+"""
+WRONG_KEYS = """
+import sys, tty
+import lcmtools
+from lcmtools import Node
+from lcmtools.types.geometry_msgs import Twist
+
+lcmtools.init()
+node = Node("teleop")
+publisher = node.create_publisher(Twist, "/RosAria/cmd_vel")
+tty.setcbreak(0)
+ways = {"i": (1, 0), ",": (-1, 0), "j": (0, 1), "l": (0, -1), "u": (1, 1), "o": (1, -1),
+        "m": (-1, 1), ".": (-1, -1)}
+try:
+    while True:
+        twist = Twist()
+        twist.linear.x, twist.angular.z = map(float, ways.get(sys.stdin.read(1), (0, 0)))
+        publisher.publish(twist)
+except KeyboardInterrupt:
+    pass
+lcmtools.shutdown()
+"""
+UPSIDE_DOWN = """
+import sys
+from array import array
+import lcmtools
+from lcmtools import Node
+from lcmtools.nodes.picture.png import PngPixels, encode_png
+from lcmtools.types.sensor_msgs import Image
+
+
+def save(image):
+    values = array("H", image.data)
+    values.byteswap()
+    rows = [values[y * image.width : (y + 1) * image.width] for y in range(image.height)]
+    data = b"".join(row.tobytes() for row in reversed(rows))
+    with open(sys.argv[1], "wb") as file:
+        file.write(encode_png(PngPixels(image.width, image.height, 1, 16, data)))
+
+
+lcmtools.init([])
+node = Node("viewer")
+node.create_subscription(Image, "/camera/depth/image_raw", save, 1)
+lcmtools.spin(node)
+lcmtools.shutdown()
+"""
+ONE_HERTZ = """
+import lcmtools
+from lcmtools import Node
+from lcmtools.types.geometry_msgs import Twist
+
+lcmtools.init()
+node = Node("moving_robot")
+publisher = node.create_publisher(Twist, "/dolly/cmd_vel")
+twist = Twist()
+twist.linear.x, twist.angular.z = 0.5, 0.6
+node.create_timer(1.0, lambda: publisher.publish(twist))
+lcmtools.spin(node)
+lcmtools.shutdown()
+"""
+
+
+@pytest.fixture
+def check(
+    lcmtools: Lcmtools, tmp_path: Path, left_over: LeftOver
+) -> Iterator[Callable[..., dict[str, dict[str, object]]]]:
+    """``check("husky", "--controller", source)``: the rows by what they are about."""
+
+    def run(
+        lab: str, *options: str, source: str = "", tail: str = ""
+    ) -> dict[str, dict[str, object]]:
+        script = tmp_path / "program.py"
+        script.write_text(source)
+        own = [options[-1], f"{sys.executable} {script}{tail}"] if source else []
+        result = lcmtools(
+            "lab", "check", lab, *options[:-1], *own, "--json", timeout=200, TMPDIR=str(tmp_path)
+        )
+        answer = json.loads(result.stdout)
+        assert result.returncode == (0 if answer["ok"] else 1), result.stderr
+        return {row["what"]: row for row in answer["rows"]}
+
+    yield run
+    assert left_over() == []
+
+
+def not_ok(rows: dict[str, dict[str, object]]) -> list[str]:
+    return [what for what, row in rows.items() if not row["ok"]]
+
+
+@pytest.mark.parametrize("lab", ["husky", "pioneer", "dolly"])
+def test_our_own_programs_do_what_the_labs_ask_for(
+    lab: str, check: Callable[..., dict[str, dict[str, object]]]
+) -> None:
+    rows = check(lab, "")
+    assert not_ok(rows) == [], rows
+    assert all(row["hint"] == "" for row in rows.values())
+
+
+def test_a_controller_that_is_too_slow_is_measured_and_advised(
+    check: Callable[..., dict[str, dict[str, object]]],
+) -> None:
+    rows = check("husky", "--rate", "4", "--controller", source=TOO_SLOW)
+    row = rows["drive at 0.5 m/s"]
+    assert not row["ok"]
+    assert str(row["measured"]).startswith("0.400 m/s, never settled")
+    assert str(row["hint"]).startswith("too slow")
+    assert rows["stop from 1 m/s"]["ok"]
+    assert str(rows["turn at 0.3 rad/s"]["hint"]).startswith("it does not move")
+
+
+def test_keys_that_are_exchanged_and_missing_are_found(
+    check: Callable[..., dict[str, dict[str, object]]],
+) -> None:
+    rows = check("pioneer", "--teleop", source=WRONG_KEYS)
+    assert not_ok(rows)[:2] == ["m  backward, clockwise", ".  backward, counter-clockwise"]
+    assert "u  after q, both 10 % more" in not_ok(rows)
+    assert not rows["stands at the end"]["ok"]
+    assert rows["o  forward to the right"]["ok"]
+
+
+def test_a_picture_that_is_upside_down_is_found(
+    check: Callable[..., dict[str, dict[str, object]]],
+) -> None:
+    rows = check("pioneer", "--viewer", source=UPSIDE_DOWN, tail=" {picture}")
+    assert rows["saves a picture"]["measured"] == "640 x 480 pixels"
+    assert not_ok(rows) == ["shows the depth"]
+
+
+def test_a_mover_with_the_wrong_rate_and_circle_is_measured(
+    check: Callable[..., dict[str, dict[str, object]]],
+) -> None:
+    rows = check("dolly", "--mover", source=ONE_HERTZ)
+    assert not_ok(rows) == ["rate of commands", "velocity commanded", "circle that it drives"]
+    assert rows["rate of commands"]["measured"] == "1.00 Hz"
+    assert rows["circle that it drives"]["measured"] == "0.833 m"
+
+
+def test_a_program_that_crashes_gets_a_row_with_its_last_words(
+    check: Callable[..., dict[str, dict[str, object]]],
+) -> None:
+    rows = check("dolly", "--reader", source="raise ValueError('oops')")
+    row = rows["prints ranges"]
+    assert not_ok(rows) == ["prints ranges"]
+    assert "oops" in str(row["measured"]) + str(row["hint"])
+
+
+def test_a_program_that_prints_without_end_is_stopped_before_the_disk_is_full(
+    check: Callable[..., dict[str, dict[str, object]]],
+) -> None:
+    rows = check("dolly", "--reader", source="while True: print('no range' * 100)")
+    row = rows["prints ranges"]
+    assert not row["ok"]
+    assert len(str(row["measured"]) + str(row["hint"])) < 400
+
+
+def test_a_program_that_is_silent_and_ignores_signals_is_ended(
+    check: Callable[..., dict[str, dict[str, object]]],
+) -> None:
+    source = (
+        "import signal, subprocess, time\n"
+        "for number in (signal.SIGINT, signal.SIGTERM): signal.signal(number, signal.SIG_IGN)\n"
+        "subprocess.Popen(['sleep', '1000'])\ntime.sleep(1000)\n"
+    )
+    rows = check("husky", "--controller", source=source)
+    assert rows["commands the robot"]["measured"] == "none within 10 s"
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_a_check_that_is_broken_off_leaves_no_process(
+    number: signal.Signals,
+    start: Callable[..., object],
+    lcmtools_path: str,
+    tmp_path: Path,
+    left_over: LeftOver,
+    wait_until: Callable[..., None],
+) -> None:
+    program = start(lcmtools_path, "lab", "check", "husky", TMPDIR=str(tmp_path))
+    program.wait_for("drive at 0.1 m/s", 60.0)  # type: ignore[attr-defined] # conftest's Program
+    assert len(left_over()) >= 3
+    os.kill(program.pid, number)  # type: ignore[attr-defined]
+    code = program.wait()  # type: ignore[attr-defined]
+    assert code == (-number if number == signal.SIGKILL else 128 + number)
+    wait_until(lambda: left_over() == [], 20.0)
+
+
+def test_start_says_what_to_type_runs_the_simulator_and_refuses_a_second_one(
+    start: Callable[..., object], lcmtools: Lcmtools, lcmtools_path: str, bus_url: str
+) -> None:
+    bus = {"LCM_DEFAULT_URL": bus_url}
+    program = start(lcmtools_path, "lab", "start", "dolly", "--rate", "2", **bus)
+    program.wait_for("lcmtools run moving_robot")  # type: ignore[attr-defined]
+    program.wait_for("simulating dolly", 30.0)  # type: ignore[attr-defined]
+    second = lcmtools("lab", "start", "dolly", **bus)
+    assert second.returncode == 1
+    assert "/gazebo runs on this bus already" in second.stderr
+    program.send_signal(signal.SIGINT)  # type: ignore[attr-defined]
+    assert program.wait() == 0  # type: ignore[attr-defined]
+
+
+def test_list_shows_the_labs_and_their_programs(lcmtools: Lcmtools) -> None:
+    assert [row.split()[0] for row in lcmtools("lab", "list").stdout.splitlines()] == [
+        "husky",
+        "pioneer",
+        "dolly",
+    ]
+    labs = json.loads(lcmtools("lab", "list", "--json").stdout)
+    assert labs[2]["programs"]["mover"] == "lcmtools run moving_robot"

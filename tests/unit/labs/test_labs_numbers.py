@@ -1,0 +1,107 @@
+"""The numbers behind the labs' checks: step responses, circles, keys, likeness, ranges."""
+
+import math
+from random import Random
+
+import pytest
+
+from lcmtools.errors import UsageError
+from lcmtools.labs.catalogue import LABS, find_lab
+from lcmtools.labs.check import CHECKS, all_roles, choose
+from lcmtools.labs.circle import fit_radius
+from lcmtools.labs.dolly import ranges_in
+from lcmtools.labs.keys import DIRECTIONS, FACTORS, STOP, Command, after, changed
+from lcmtools.labs.likeness import GOOD, explained
+from lcmtools.labs.pioneer import viewer_command
+from lcmtools.labs.response import analyse
+
+
+def first_order(target: float, time_constant: float) -> list[tuple[float, float]]:
+    times = [step / 50 for step in range(400)]
+    return [(time, target * (1 - math.exp(-time / time_constant))) for time in times]
+
+
+@pytest.mark.parametrize("target", [0.5, -0.3])
+def test_a_first_order_response_settles_after_three_time_constants(target: float) -> None:
+    response = analyse(first_order(target, 0.5), target)
+    assert response.reached == pytest.approx(target, rel=1e-4)
+    assert response.settled_after == pytest.approx(0.5 * math.log(20), abs=0.02)
+    assert response.overshoot == pytest.approx(0.0)
+
+
+def test_a_response_that_leaves_the_band_at_the_end_has_not_settled() -> None:
+    samples = [*first_order(1.0, 0.1), (8.0, 1.2)]
+    response = analyse(samples, 1.0)
+    assert response.settled_after is None
+    assert response.overshoot == pytest.approx(0.2)
+
+
+def test_the_radius_of_a_piece_of_a_noisy_circle_is_found() -> None:
+    noise = Random(1)  # noqa: S311 - the same each time
+    angles = [noise.uniform(0, 4) for _ in range(300)]
+    points = [
+        (3 + 1.667 * math.cos(a) + noise.gauss(0, 0.003), -2 + 1.667 * math.sin(a)) for a in angles
+    ]
+    assert fit_radius(points) == pytest.approx(1.667, abs=0.003)
+
+
+@pytest.mark.parametrize("points", [[], [(1.0, 1.0)] * 5, [(float(x), 2.0 * x) for x in range(9)]])
+def test_points_on_no_circle_have_no_radius(points: list[tuple[float, float]]) -> None:
+    assert fit_radius(points) is None
+
+
+def test_keys_mean_what_teleop_twist_keyboard_means() -> None:
+    speeds = Command(0.5, 1.0)
+    assert after("m", speeds) == Command(-0.5, -1.0)
+    assert after(".", speeds) == Command(-0.5, 1.0)
+    assert after("o", speeds) == Command(0.5, -1.0)
+    assert after(STOP, speeds).is_like(Command(0.0, 0.0))
+    assert changed("w", speeds).is_like(Command(0.55, 1.0))
+    assert changed("z", speeds).is_like(Command(0.45, 0.9))
+    assert len(DIRECTIONS) + len(FACTORS) + len(STOP) == 15
+
+
+def test_a_rounded_command_is_like_and_a_wrong_one_is_not() -> None:
+    assert Command(0.605, 1.21).is_like(Command(0.6, 1.21))
+    assert not Command(0.55, 1.0).is_like(Command(0.5, 1.0))
+
+
+def picture_of(depth: int) -> tuple[float, float, float]:
+    """A colour map whose brightness is not monotonous."""
+    return 128 + 100 * math.sin(depth / 300), depth / 20, 255 - depth / 20
+
+
+def test_any_colour_map_shows_the_depth_and_a_shuffled_picture_does_not() -> None:
+    noise = Random(2)  # noqa: S311 - the same each time
+    depths = [500 + 40 * (pixel % 100) + noise.randrange(20) for pixel in range(5000)]
+    colors = [picture_of(depth) for depth in depths]
+    assert explained(depths, colors) > GOOD
+    assert explained(depths, [(255 - depth / 20,) for depth in depths]) > GOOD
+    assert explained(depths, noise.sample(colors, len(colors))) < GOOD
+    assert explained(depths, [(0.0,)] * len(depths)) == 0.0
+
+
+def test_ranges_are_found_among_other_numbers() -> None:
+    ranges = [math.inf, 3.2512, 7.049, math.nan]
+    line = "[INFO] [1795267339.406] [/reading]: 200 ranges: right nothing, ahead 3.25 m, 45 degrees"
+    assert ranges_in(line, ranges) == ["3.25"]
+    assert ranges_in("nothing but inf and 9.99", ranges) == []
+
+
+def test_a_viewer_gets_the_files_name_where_it_wants_it() -> None:
+    assert viewer_command(["v", "-o={picture}"], "a.png") == ["v", "-o=a.png"]
+    assert viewer_command(["v"], "a.png") == ["v", "--save", "a.png"]
+
+
+def test_every_role_has_a_check_and_belongs_to_one_lab() -> None:
+    assert sorted(all_roles()) == sorted(CHECKS)
+    assert all(find_lab(name) is lab for name, lab in LABS.items())
+
+
+def test_names_are_added_unless_the_command_line_has_its_own() -> None:
+    ((_, words, _),) = choose(LABS["husky"], {"controller": "python 'my node.py'"})
+    assert words == ["python", "my node.py", "__ns:=/husky0", "controlled_velocity:=velocity_cmd"]
+    ((_, words, _),) = choose(LABS["husky"], {"controller": "./node __ns:=/husky0"})
+    assert words == ["./node", "__ns:=/husky0"]
+    with pytest.raises(UsageError, match="no program of the lab dolly"):
+        choose(LABS["dolly"], {"viewer": "x"})
