@@ -1,0 +1,105 @@
+"""The tables of commands: name, home and help line of each; a command's module is not imported."""
+
+from lcmtools.cli.lazy import Entry
+
+_TOPIC = "lcmtools.cli.topic"
+TOPIC_COMMANDS = {
+    "list": Entry(f"{_TOPIC}.list:command", "List the topics on the bus."),
+    "info": Entry(f"{_TOPIC}.info:command", "Show a topic's type, publishers and subscribers."),
+    "echo": Entry(f"{_TOPIC}.echo:command", "Print the messages of a topic."),
+    "pub": Entry(f"{_TOPIC}.pub:command", "Publish messages written in YAML."),
+    "hz": Entry(f"{_TOPIC}.hz:command", "Measure the rate of topics."),
+    "bw": Entry(f"{_TOPIC}.bw:command", "Measure the bandwidth of topics."),
+    "delay": Entry(f"{_TOPIC}.delay:command", "Measure how late a topic's messages arrive."),
+    "type": Entry(f"{_TOPIC}.type:command", "Print a topic's type."),
+    "find": Entry(f"{_TOPIC}.find:command", "List the topics of a type."),
+}
+NODE_COMMANDS = {
+    "list": Entry("lcmtools.cli.node.list:command", "List the nodes on the bus."),
+    "info": Entry("lcmtools.cli.node.info:command", "Show a node's publications and more."),
+    "machine": Entry("lcmtools.cli.node.machine:command", "List the computers that nodes run on."),
+    "ping": Entry("lcmtools.cli.node.ping:command", "Measure how fast a node answers."),
+    "kill": Entry("lcmtools.cli.node.kill:command", "Ask nodes to shut down."),
+    "cleanup": Entry("lcmtools.cli.node.cleanup:command", "Forget nodes that were killed."),
+}
+MSG_COMMANDS = {
+    "list": Entry("lcmtools.cli.msg.list:command", "List the message types."),
+    "show": Entry("lcmtools.cli.msg.show:command", "Show the fields of a message type."),
+    "proto": Entry("lcmtools.cli.msg.proto:command", "Print a message to fill in, for pub."),
+    "find-field": Entry("lcmtools.cli.msg.find_field:command", "Find types by a field's name."),
+    "package": Entry("lcmtools.cli.msg.package:command", "List the message types of a package."),
+    "packages": Entry("lcmtools.cli.msg.packages:command", "List the packages."),
+    "fingerprint": Entry("lcmtools.cli.msg.fingerprint:command", "Print a type's fingerprint."),
+    "build": Entry("lcmtools.cli.msg.build:command", "Check and compile your own .lcm files."),
+    "generate": Entry("lcmtools.cli.msg.generate:command", "Write C, C++, Java or Python code."),
+    "md5": Entry("lcmtools.cli.msg.fingerprint:command", "fingerprint, as ROS.", is_alias=True),
+}
+PKG_COMMANDS = {
+    "create": Entry("lcmtools.cli.pkg.create:command", "Make a package: a node, a test and more."),
+    "list": Entry("lcmtools.cli.pkg.list:command", "List the packages and their folders."),
+    "find": Entry("lcmtools.cli.pkg.find:command", "Print a package's folder."),
+    "build": Entry("lcmtools.cli.pkg.build:command", "Check and compile packages' messages."),
+    "prefix": Entry("lcmtools.cli.pkg.find:command", "find, as ROS 2 names it.", is_alias=True),
+}
+SRV_COMMANDS = {
+    "list": Entry("lcmtools.cli.srv.list:command", "List the service types."),
+    "show": Entry("lcmtools.cli.srv.show:command", "Show the fields of a service type."),
+}
+_SERVICE = "lcmtools.cli.service"
+SERVICE_COMMANDS = {
+    "list": Entry(f"{_SERVICE}.list:command", "List the services that nodes offer."),
+    "info": Entry(f"{_SERVICE}.info:command", "Show a service's node, type and arguments."),
+    "call": Entry(f"{_SERVICE}.call:command", "Call a service and print its response."),
+    "type": Entry(f"{_SERVICE}.type:command", "Print a service's type."),
+    "find": Entry(f"{_SERVICE}.find:command", "List the services of a type."),
+    "args": Entry(f"{_SERVICE}.args:command", "Print a service's arguments."),
+}
+_PARAM = "lcmtools.cli.param"
+PARAM_COMMANDS = {
+    "list": Entry(f"{_PARAM}.list:command", "List the parameters of nodes that run."),
+    "get": Entry(f"{_PARAM}.get:command", "Print a parameter, or all of a node's."),
+    "set": Entry(f"{_PARAM}.set:command", "Change parameters of a node that runs."),
+    "describe": Entry(f"{_PARAM}.describe:command", "Say what a parameter is for, and its range."),
+    "dump": Entry(f"{_PARAM}.dump:command", "Write parameters into a YAML file."),
+    "load": Entry(f"{_PARAM}.load:command", "Set parameters from a YAML file."),
+}
+_SIM = "lcmtools.cli.sim"
+SIM_COMMANDS = {
+    "pause": Entry(f"{_SIM}.pause:command", "Let simulated time stand still."),
+    "resume": Entry(f"{_SIM}.resume:command", "Let simulated time go on."),
+    "step": Entry(f"{_SIM}.step:command", "Let a paused simulator do some steps."),
+    "reset": Entry(f"{_SIM}.reset:command", "Begin anew."),
+    "set-rate": Entry(f"{_SIM}.set_rate:command", "Let simulated time pass faster or slower."),
+    "state": Entry(f"{_SIM}.state:command", "Show where a robot truly is."),
+    "set-pose": Entry(f"{_SIM}.set_pose:command", "Put a robot elsewhere."),
+    "spawn": Entry(f"{_SIM}.spawn:command", "Put up one more robot."),
+    "delete": Entry(f"{_SIM}.delete:command", "Take a robot away."),
+    "snapshot": Entry(f"{_SIM}.snapshot:command", "Write a picture of the world into a file."),
+}
+_LAB = "lcmtools.cli.lab"
+LAB_COMMANDS = {
+    "list": Entry(f"{_LAB}.list:command", "List the labs."),
+    "start": Entry(f"{_LAB}.start:command", "Run a lab's simulator, and say what to type."),
+    "check": Entry(f"{_LAB}.check:command", "Check programs against a lab."),
+    "skeleton": Entry(f"{_LAB}.skeleton:command", "Copy a lab's node to be filled in."),
+}
+COMMANDS = {
+    **TOPIC_COMMANDS,
+    "node": Entry("lcmtools.cli.main:node", "Look at nodes: list, info, ping and more."),
+    "msg": Entry("lcmtools.cli.main:msg", "Look at message types: list, show, proto and more."),
+    "service": Entry("lcmtools.cli.main:service", "Look at services and call them."),
+    "param": Entry("lcmtools.cli.main:param", "Look at nodes' parameters and change them."),
+    "srv": Entry("lcmtools.cli.main:srv", "Look at service types: list, show."),
+    "wtf": Entry("lcmtools.cli.wtf:command", "Find what is wrong and say how to mend it."),
+    "sim": Entry("lcmtools.cli.main:sim", "Steer a simulator: pause, reset, set-pose and more."),
+    "run": Entry("lcmtools.cli.run:command", "Run a node, or the simulator."),
+    "lab": Entry("lcmtools.cli.main:lab", "Do the labs: list, start, check and more."),
+    "launch": Entry("lcmtools.cli.launch.command:command", "Run the nodes of a launch file."),
+    "pkg": Entry("lcmtools.cli.main:pkg", "Make and find packages: create, list, build."),
+    "config": Entry("lcmtools.cli.config:command", "Show the settings and where they are said."),
+    "completion": Entry("lcmtools.cli.completion.command:command", "Complete words with TAB."),
+    "help": Entry("lcmtools.cli.help:command", "Show the help of a command."),
+    "topic": Entry("lcmtools.cli.main:topic", "topic list is list, and so on.", is_alias=True),
+    "doctor": Entry("lcmtools.cli.wtf:command", "wtf, as ROS 2 names it.", is_alias=True),
+    "interface": Entry("lcmtools.cli.main:msg", "msg, as ROS 2 names it.", is_alias=True),
+}
