@@ -18,7 +18,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -176,14 +176,17 @@ class Running:
         return self._output.read_text(errors="replace")
 
     def end(self) -> None:
-        """End it."""
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
+        """End it, and whatever it has left in the background, which does not hear Ctrl-C."""
+        for number in (signal.SIGINT, signal.SIGTERM):
             if self.code() is not None:
-                return
+                break
             os.killpg(self._process.pid, number)
             deadline = time.monotonic() + 8
             while self.code() is None and time.monotonic() < deadline:
                 time.sleep(0.02)
+        with suppress(ProcessLookupError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.wait()
 
 
 def shows(output: str, shown: list[str]) -> bool:

@@ -55,7 +55,15 @@ _PATIENCE = 3.0  # [s] for a command that says nothing, before it is asked to en
 _BOXES = re.compile("[\u2500-\u259f\u2800-\u28ff]")
 _NO_DATA = {
     ("lcmtools", *words.split())
-    for words in ("help", "pub", "completion", "param load", "param set", "sim snapshot")
+    for words in (
+        "help",
+        "pub",
+        "completion",
+        "param load",
+        "param set",
+        "sim snapshot",
+        "lab start",
+    )
 }
 """Commands that do something, and so have nothing to give as JSON."""
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f]")

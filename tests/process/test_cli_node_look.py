@@ -163,6 +163,7 @@ def test_ping_all_goes_on_after_a_node_that_does_not_answer(
     lcmtools: Run, programs: dict[str, Any], tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     records = {"XDG_RUNTIME_DIR": str(tmp_path_factory.getbasetemp())}  # the module's programs'
+    lcmtools("node", "cleanup", **records)  # of what other tests have killed on this port
     programs["listener"].send_signal(signal.SIGSTOP)
     try:
         result = lcmtools("node", "ping", "-a", "--timeout", "300ms", **records)
