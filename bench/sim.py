@@ -1,6 +1,7 @@
 """How fast the simulator runs beside the bare engine with the same bodies.
 
-Every row is a scene. Columns: simulated seconds in a second of processor time
+Every row is a scene. Columns, whose sides take turns in slices: simulated seconds in a second of
+processor time
   bare        of Bullet's stepSimulation alone
   drive       of the simulation without its sensors: commands, motors, tyres and encoders too
   sensors     of the simulation with all its sensors
@@ -16,11 +17,12 @@ import resource
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import replace
-from math import nan, pi
+from functools import partial
+from math import isnan, nan, pi
 from multiprocessing.connection import Connection
-from statistics import median
 
 from common import bus, child, isolate, parser, show
 
@@ -44,7 +46,7 @@ from lcmtools_sim.world_file import read_scene
 from lcmtools_sim.worlds import find_world
 
 URL = bus(7791)
-ROUNDS = 3
+SLICES = 30
 LASER = SensorMount(
     "laser", "scan", 10.0, Pose(0.3, 0, 0.3), settings=LaserSettings(360, -0.75 * pi, 0.75 * pi)
 )
@@ -97,26 +99,33 @@ def processor_seconds(work: Callable[[], object]) -> float:
     return time.thread_time() - begun
 
 
-def bare(scene: Scene, steps: int) -> float:
-    """Seconds that the engine alone takes."""
+Advance = Callable[[int], object]
+"""Lets so many steps pass."""
+
+
+@contextmanager
+def bare(scene: Scene) -> Iterator[Advance]:
+    """The engine alone."""
     with World(scene) as world:
         for robot in scene.robots:
             body = world.add_robot(robot.namespace, robot.model.body, robot.pose)
             world.set_velocity(body, (0.5, 0.0, 0.0), (0.0, 0.0, 0.3))
-        return processor_seconds(lambda: [world.step() for _ in range(steps)])
+        yield lambda steps: [world.step() for _ in range(steps)]
 
 
-def simulation(scene: Scene, steps: int, wanted: Callable[[str], bool]) -> float:
-    """Seconds that the simulation without a bus takes."""
+@contextmanager
+def simulation(scene: Scene, wanted: Callable[[str], bool]) -> Iterator[Advance]:
+    """The simulation without a bus."""
     with Simulation(scene) as simulated:
         simulated.ask(lambda topic: Interest.SURE if wanted(topic) else Interest.NONE)
         for robot in simulated.robots:
             robot.command(circle())
-        return processor_seconds(lambda: [simulated.step() for _ in range(steps)])
+        yield lambda steps: [simulated.step() for _ in range(steps)]
 
 
-def whole(scene: Scene, steps: int) -> float:
-    """Seconds that the whole node takes on the thread that simulates."""
+@contextmanager
+def whole(scene: Scene) -> Iterator[Advance]:
+    """The whole node, on the thread that simulates."""
     lcmtools.init([], url=URL)
     try:
         with Simulation(scene) as simulated, lcmtools.Node("bench") as node:
@@ -126,8 +135,10 @@ def whole(scene: Scene, steps: int) -> float:
             settled = time.monotonic() + 1.5  # until it is known who listens
             while time.monotonic() < settled:
                 bridge.receive(0.1)
-            loop = Loop(simulated, bridge, Pacer(0.0), go_on=lcmtools.ok, last_step=steps)
-            return processor_seconds(loop.run)
+            pacer = Pacer(0.0)
+            yield lambda steps: Loop(
+                simulated, bridge, pacer, go_on=lcmtools.ok, last_step=simulated.steps + steps
+            ).run()
     finally:
         lcmtools.shutdown()
 
@@ -143,18 +154,38 @@ def listen(connection: Connection) -> None:
         listener.handle_timeout(1000)
 
 
+def race(steps: int, *sides: AbstractContextManager[Advance]) -> list[float]:
+    """Seconds that each side takes for so many steps.
+
+    They take turns, a slice each, so that what disturbs one disturbs all.
+    """
+    share = max(1, steps // SLICES)
+    with ExitStack() as stack:
+        advances = [stack.enter_context(side) for side in sides]
+        seconds = [0.0] * len(advances)
+        for _ in range(SLICES):
+            for number, advance in enumerate(advances):
+                seconds[number] += processor_seconds(partial(advance, share))
+    return [spent * steps / (share * SLICES) for spent in seconds]
+
+
 def measure(
     scene: Scene, wanted: Callable[[str], bool], steps: int
 ) -> tuple[float, float, float, float, float]:
-    """Seconds of each column: of one round, side by side."""
-    alone = bare(scene, steps)
-    driven = simulation(scene, steps, lambda _: False)
-    sensed = simulation(scene, steps, wanted)
-    unheard, heard = whole(scene, steps), nan
+    """Seconds of each column."""
+
+    def nothing(_: str) -> bool:
+        return False
+
+    alone, driven, sensed, unheard = race(
+        steps, bare(scene), simulation(scene, nothing), simulation(scene, wanted), whole(scene)
+    )
+    heard = nan
     if wanted("/r0/camera/depth/points"):  # eight pictures at once are another measurement
         with child(listen) as listener:
             listener.wait()
-            heard = whole(scene, steps)
+            again, heard = race(steps, simulation(scene, wanted), whole(scene))
+            heard *= sensed / again  # as if all had run at the same time
     return alone, driven, sensed, unheard, heard
 
 
@@ -164,10 +195,8 @@ def compare(seconds: float) -> None:
     for name, (scene, wanted) in scenes().items():
         simulated = seconds / max(1, len(scene.robots) / 2)
         steps = round(simulated / scene.dt)
-        rounds = [measure(scene, wanted, steps) for _ in range(ROUNDS)]
-        alone, driven, sensed, unheard, heard = (median(column) for column in zip(*rounds))  # noqa: B905
-        own = [f"{1 - part / all_of_it:.0%}" for part, all_of_it in ((driven, unheard),)]
-        own.append("-" if heard != heard else f"{1 - sensed / heard:.0%}")  # noqa: PLR0124 - nan
+        alone, driven, sensed, unheard, heard = measure(scene, wanted, steps)
+        own = [f"{1 - driven / unheard:.0%}", "-" if isnan(heard) else f"{1 - sensed / heard:.0%}"]
         speeds = [simulated / part for part in (alone, driven, sensed, unheard, heard)]
         rows.append((name, *speeds, *own))
     columns = ("bare", "drive", "sensors", "unheard", "heard", "loop unheard", "loop heard")

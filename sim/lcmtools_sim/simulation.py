@@ -6,6 +6,7 @@ that are due. bridge.py connects it to the bus, loop.py to the wall clock.
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from enum import Enum
 
 from lcmtools.clock import NANOSECONDS, split_stamp
 from lcmtools.errors import InvalidFile
@@ -22,6 +23,15 @@ from lcmtools_sim.world import World
 CLOCK_TOPIC = "/clock"
 CLOCK_RATE = 50.0
 """[Hz] Least rate of the clock; besides, it ticks with every step that publishes something."""
+UNHEARD_CLOCK_RATE = 10.0
+"""[Hz] The same where nobody is known to listen to it: who only looks finds it still."""
+
+
+class Tick(Enum):
+    """A turn of the clock: of those that it has always, or of those for who listens."""
+
+    ALWAYS = 0
+    HEARD = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +61,7 @@ class Simulation:
 
     def __init__(self, scene: Scene, *, window: bool = False) -> None:
         self.scene = scene
+        self._is_clock_heard = True
         self._world = World(scene, window=window)
         try:
             self._begin()
@@ -92,12 +103,13 @@ class Simulation:
 
         Until it is asked everything is measured, and so are the sensors of robots that come later.
         """
+        self._is_clock_heard = interest(CLOCK_TOPIC) is not Interest.NONE
         for readings in self._readings.values():
             for reading in readings:
                 reading.ask(interest)
 
     def step(self) -> list[Sample]:
-        """Let dt pass and return what is due then, all with the same time.
+        """Let dt pass and return what is due then and heard, all with the same time.
 
         The clock comes first, so that nobody sees a stamp that is ahead of it.
         """
@@ -107,7 +119,7 @@ class Simulation:
         for robot in self.robots:
             robot.observe()
         self.steps += 1
-        due = self._timetable.due(self.steps)
+        due = [item for item in self._timetable.due(self.steps) if self._is_wanted(item)]
         return self._samples(due) if due else []
 
     def reset(self, steps: int = 0) -> None:
@@ -149,17 +161,23 @@ class Simulation:
         self.steps = steps
         self.robots: list[Robot] = []
         self._readings: dict[str, list[Reading]] = {}
-        self._timetable: Timetable[Reading | None] = Timetable(self.scene.dt)
-        self._timetable.add(CLOCK_RATE, None, after=steps)
+        self._timetable: Timetable[Reading | Tick] = Timetable(self.scene.dt)
+        self._timetable.add(CLOCK_RATE, Tick.HEARD, after=steps)
+        self._timetable.add(UNHEARD_CLOCK_RATE, Tick.ALWAYS, after=steps)
         for placement in self.scene.robots:
             self.add(placement)
 
-    def _samples(self, due: Iterable[Reading | None]) -> list[Sample]:
+    def _is_wanted(self, item: Reading | Tick) -> bool:
+        if isinstance(item, Tick):
+            return self._is_clock_heard or item is Tick.ALWAYS
+        return not item.is_idle
+
+    def _samples(self, due: Iterable[Reading | Tick]) -> list[Sample]:
         time = self.time
         samples = [Sample(CLOCK_TOPIC, _clock(time))]
         states: dict[str, RobotState] = {}
         for reading in due:
-            if reading is None or reading.is_idle:  # the clock's turn, or nobody hears it
+            if isinstance(reading, Tick):
                 continue
             namespace = reading.robot.namespace
             if namespace not in states:

@@ -71,12 +71,12 @@ class World:
     def close(self) -> None:
         """Give the engine back; the window closes."""
         with silenced():
-            if self.is_open():
+            if self._is_connected():
                 self._bullet.disconnect(physicsClientId=self._client)
 
     def is_open(self) -> bool:
-        """Whether the engine is there; a window that the user closed takes it away."""
-        return bool(self._bullet.isConnected(physicsClientId=self._client))
+        """Whether the engine can go on: a window that the user closes takes it away."""
+        return not self._window or self._is_connected()
 
     def step(self) -> None:
         """Let one dt pass."""
@@ -168,6 +168,9 @@ class World:
             for point in points
             if point[2] != self._ground and point[9] > 0
         ]
+
+    def _is_connected(self) -> bool:
+        return bool(self._bullet.isConnected(physicsClientId=self._client))
 
     def _build(self, scene: Scene) -> None:
         bullet, client = self._bullet, self._client

@@ -108,6 +108,19 @@ def test_what_nobody_wants_is_not_measured_but_for_what_is_wanted_always(
     assert topics == {"/clock", "/h/imu", "/h/truth"}
 
 
+def test_where_nobody_listens_only_the_clock_is_sent_and_that_seldom(
+    simulate: Simulate,
+) -> None:
+    fast = SensorMount("wheel_states", "wheels", 240.0)
+    robot = RobotPlacement(replace(HUSKY, sensors=(fast,)), "/h")
+    simulation = simulate(scene=Scene("unheard", robots=(robot,)))
+    simulation.ask(lambda _: Interest.NONE)
+
+    topics = [sample.topic for samples in run(simulation, 1.0) for sample in samples]
+
+    assert topics == ["/clock"] * 10
+
+
 def test_topics_and_types_are_known_before_the_first_step(simulate: Simulate) -> None:
     assert simulate().topics() == {
         "/clock": Clock,
