@@ -17,6 +17,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -36,14 +37,24 @@ _INHERITED = (
 class Program:
     """A process of a test, whose lines are read as they come.
 
+    Args:
+        command: What runs.
+        directory: Where.
+        environment: Its environment, besides the tests' own.
+        popen: What starts it.
+
     Attributes:
         lines: Everything it has written so far, standard output and error together.
     """
 
     def __init__(
-        self, command: Sequence[str], directory: Path, environment: dict[str, str]
+        self,
+        command: Sequence[str],
+        directory: Path,
+        environment: dict[str, str],
+        popen: Callable[..., subprocess.Popen[str]] = subprocess.Popen,
     ) -> None:
-        self._process = subprocess.Popen(
+        self._process = popen(
             command,
             cwd=directory,
             env={**os.environ, "PYTHONUNBUFFERED": "1", **environment},
@@ -159,8 +170,8 @@ def start(tmp_path: Path) -> Iterator[Callable[..., Program]]:
     """``start(*command, **environment)``: a process that is ended with the test."""
     programs: list[Program] = []
 
-    def run(*command: str, **environment: str) -> Program:
-        programs.append(Program(command, tmp_path, environment))
+    def run(*command: str, popen: Any = subprocess.Popen, **environment: str) -> Program:
+        programs.append(Program(command, tmp_path, environment, popen))
         return programs[-1]
 
     yield run
@@ -249,7 +260,7 @@ def _reserve(port: int) -> socket.socket | None:
     return lock
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def lcmtools() -> Callable[..., subprocess.CompletedProcess[str]]:
     """``lcmtools("list", "-v", **environment)``: runs the installed command to its end."""
 
@@ -275,6 +286,21 @@ def lcmtools_path() -> str:
     return COMMAND
 
 
+@pytest.fixture(scope="session")
+def lcm_program() -> Callable[[str], str]:
+    """``lcm_program("lcm-sink")``: the path of a program that the lcm package brings.
+
+    The program itself, and not the wrapper on the PATH: a signal to that ends the wrapper only.
+    """
+
+    def find(name: str) -> str:
+        path = Path(sysconfig.get_paths()["purelib"]) / "bin" / name
+        assert path.exists(), path
+        return str(path)
+
+    return find
+
+
 @pytest.fixture(scope="module")
 def module_bus_url() -> Iterator[str]:
     """A bus that the tests of a module share."""
@@ -295,9 +321,9 @@ def module_start(
         "XDG_CONFIG_HOME": str(tmp_path_factory.getbasetemp()),
     }
 
-    def run(*command: str, **environment: str) -> Program:
+    def run(*command: str, popen: Any = subprocess.Popen, **environment: str) -> Program:
         directory = tmp_path_factory.mktemp("programs")
-        programs.append(Program(command, directory, {**shared, **environment}))
+        programs.append(Program(command, directory, {**shared, **environment}, popen))
         return programs[-1]
 
     yield run
@@ -309,3 +335,21 @@ def module_start(
 def use_module_bus(module_bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the commands of a test look at the module's bus."""
     monkeypatch.setenv("LCM_DEFAULT_URL", module_bus_url)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Sum the faults suite up (tests/faults), whichever workers ran it."""
+    told = [
+        value
+        for reports in terminalreporter.stats.values()
+        for report in reports
+        if getattr(report, "when", "") == "teardown"
+        for name, value in report.user_properties
+        if name == "faults"
+    ]
+    if told:
+        planted, found, looks, alarms = (sum(column) for column in zip(*told, strict=True))
+        terminalreporter.write_line(
+            f"faults: found {found} of {planted} planted, {alarms} false alarms in"
+            f" {looks} healthy looks"
+        )

@@ -55,26 +55,32 @@ class PlainListeners:
         self._sockets: frozenset[int] = frozenset()
         self._holders: dict[int, Process] = {}
 
-    def possible(self) -> bool:
+    def possible(self, *, at_once: bool = False) -> bool:
         """Whether there can be any, as of a second or two ago.
 
         Always, where datagrams leave this computer or nobody can know who listens; never within
         one process.
+
+        Args:
+            at_once: As of now: whoever is seen the first time counts too, though it may turn out
+                to be a node that has not announced itself yet.
         """
         if self._url.provider == "memq":
             return False
         if not self._url.is_multicast or self._url.ttl:
             return True
-        if self._now() >= self._next_look:
+        if at_once or self._now() >= self._next_look:
             self._look()
-        return self._possible
+        return self._possible or (at_once and bool(self._strangers))
 
     def _look(self) -> None:
         """Look at the socket table again; strangers count when they are seen the second time."""
         before, sockets = self._strangers, listening_sockets(self._url)
         self._strangers = self._without_nodes(sockets)
-        # Not even one's own socket is there: this system does not tell.
-        self._possible = not sockets or bool(self._strangers & before)
+        certain = bool(self._strangers & before)
+        # Not even one's own socket is there: this system does not tell. And who was here before
+        # the first look may listen from the first message on.
+        self._possible = not sockets or certain or (self._possible and bool(self._strangers))
         is_sure = self._strangers <= before
         self._next_look = self._now() + (_LOOK_PERIOD if is_sure else _SECOND_LOOK)
 

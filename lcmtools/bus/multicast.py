@@ -87,6 +87,20 @@ def check_route(url: BusUrl) -> None:
             raise _explain(url, error) from error
 
 
+def check_sending(url: BusUrl) -> None:
+    """Send LCM's self test with the bus's own ttl; whether it arrives does not matter.
+
+    Raises:
+        BusError: The system does not send it.
+    """
+    datagram = short_message(0, SELF_TEST_CHANNEL, b"lcm self test")
+    with sending_socket(url) as sender:
+        try:
+            sender.sendto(datagram, (url.host, url.port))
+        except OSError as error:
+            raise _explain(url, error) from error
+
+
 def check_loopback(url: BusUrl, sender: socket.socket, receiver: socket.socket) -> None:
     """Send LCM's self test and see that it comes back.
 
@@ -135,5 +149,10 @@ def _explain(url: BusUrl, error: OSError) -> BusError:
         return BusError(
             f"{where} is taken by a program that does not share it",
             f"find it with: ss -ulnp 'sport = :{url.port}'",
+        )
+    if error.errno == errno.ENOBUFS:
+        return BusError(
+            f"the queue of the network card to {where} is full",
+            "send less, or give it more room: sudo ip link set dev IFACE txqueuelen 10000",
         )
     return BusError(f"cannot use {where}: {error.strerror}", "lcmtools wtf looks closer")

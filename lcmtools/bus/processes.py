@@ -174,7 +174,7 @@ def unheard_senders(
         and row.port not in heard_ports
         and (process := holders.get(row.inode))
         and process.pid not in known
-        and _uses_lcm(process.pid)
+        and uses_lcm(process.pid)
     }
 
 
@@ -189,7 +189,7 @@ def _listening_elsewhere(
     return {pid for pid, heard in ports.items() if group_port not in heard}
 
 
-def _uses_lcm(pid: int) -> bool:
+def uses_lcm(pid: int) -> bool:
     """Whether the process has liblcm or its Python binding loaded, or is linked with it."""
     try:
         maps = (_PROC / str(pid) / "maps").read_bytes()

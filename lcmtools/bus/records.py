@@ -9,13 +9,13 @@ import contextlib
 import json
 import os
 import stat
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from lcmtools.bus.processes import process_of
 from lcmtools.bus.url import BusUrl
-from lcmtools.graph.model import Node, Staleness
+from lcmtools.graph.model import Node, Role, Staleness
 
 
 class NodeRecords:
@@ -47,6 +47,8 @@ class NodeRecords:
             "start_time": node.start_time,
             "command": node.command,
             "start_ticks": process.start_ticks if process else 0,
+            "network": _own_network(),
+            "publishes": [one.topic for one in node.having(Role.PUBLISHER)],
         }
         with contextlib.suppress(OSError):
             folder = self._folders[0]
@@ -65,13 +67,32 @@ class NodeRecords:
                 (folder / f"{identifier}.json").unlink(missing_ok=True)
 
     def read(self) -> Iterator[Node]:
-        """The nodes that left a record, each with what is the matter if it does not answer."""
+        """The nodes that left a record, each with what is the matter if it does not answer.
+
+        A node in another network of this computer, as containers have their own, is on another bus.
+        """
+        for record in self._records():
+            with contextlib.suppress(ValueError, KeyError, TypeError):
+                yield _node(record)
+
+    def publications(self, identifiers: Container[str]) -> set[str]:
+        """What nodes of these ids published, by their records."""
+        found: set[str] = set()
+        for record in self._records():
+            topics = record.get("publishes")
+            if record.get("id") in identifiers and isinstance(topics, list):
+                found.update(map(str, topics))
+        return found
+
+    def _records(self) -> Iterator[Mapping[str, object]]:
         for folder in self._folders:
             if not _is_private(folder):
                 continue
             for path in sorted(folder.glob("*.json")):
-                with contextlib.suppress(OSError, ValueError, KeyError, TypeError):
-                    yield _node(json.loads(path.read_text()))
+                with contextlib.suppress(OSError, ValueError, AttributeError):
+                    record = json.loads(path.read_text())
+                    if record.get("network", _own_network()) == _own_network():
+                        yield record
 
 
 def _node(record: Mapping[str, object]) -> Node:
@@ -87,6 +108,14 @@ def _node(record: Mapping[str, object]) -> Node:
         command=str(record["command"]),
     )
     return replace(node, stale=Staleness.HANGS if alive else Staleness.ENDED)
+
+
+def _own_network() -> int:
+    """The number of this thread's network namespace; 0 where the system has none."""
+    try:
+        return Path("/proc/thread-self/ns/net").stat().st_ino
+    except OSError:
+        return 0
 
 
 def _base_folders(environment: Mapping[str, str]) -> list[Path]:

@@ -5,7 +5,6 @@ returns how many bytes of it are kept, UDP header included, 0 for none. A load f
 drops the datagram. Belongs here: instructions, and how a socket gets a program.
 """
 
-import contextlib
 import socket
 import struct
 from array import array
@@ -21,7 +20,7 @@ LOAD_X, TO_X, ADD_X, SUB, SUB_X = 0x01, 0x07, 0x0C, 0x14, 0x1C
 JUMP, JUMP_EQUAL, JUMP_GREATER, JUMP_GREATER_EQUAL, JUMP_GREATER_EQUAL_X = 5, 0x15, 0x25, 0x35, 0x3D
 RETURN = 0x06
 
-_SO_ATTACH_FILTER, _SO_DETACH_FILTER = 26, 27  # asm-generic/socket.h
+_SO_ATTACH_FILTER = 26  # asm-generic/socket.h
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +51,3 @@ def attach(receiver: socket.socket, program: Sequence[Instruction]) -> bool:
     except OSError:
         return False
     return True
-
-
-def detach(receiver: socket.socket) -> None:
-    """Take the filter away again."""
-    with contextlib.suppress(OSError):
-        receiver.setsockopt(socket.SOL_SOCKET, _SO_DETACH_FILTER, 0)

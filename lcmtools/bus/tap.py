@@ -11,16 +11,21 @@ costs next to nothing to watch.
 import contextlib
 import select
 import socket
-import struct
-import sys
 import time
 from collections.abc import Mapping
 
-from lcmtools.bus.multicast import check_multicast, receiving_socket, sending_socket
+from lcmtools.bus.arrival import ANCILLARY_BYTES, ask_kernel, told
+from lcmtools.bus.multicast import (
+    SELF_TEST_CHANNEL,
+    check_multicast,
+    receiving_socket,
+    sending_socket,
+)
 from lcmtools.bus.socket_filter import (
     ACCEPT,
     DROP,
     JUMP_EQUAL,
+    JUMP_GREATER,
     JUMP_GREATER_EQUAL,
     LOAD_HALF,
     LOAD_LENGTH,
@@ -28,7 +33,6 @@ from lcmtools.bus.socket_filter import (
     UDP_HEADER,
     Instruction,
     attach,
-    detach,
 )
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
@@ -41,15 +45,11 @@ from lcmtools.wire.datagram import (
     short_message,
 )
 from lcmtools.wire.packet import Packet, Sender
-from lcmtools.wire.reader import Reader
+from lcmtools.wire.reader import TALK, Reader
 from lcmtools.wire.sequence import Sequence
 
-_SO_TIMESTAMPNS = 35  # asm-generic/socket.h; Python's socket module does not name these
-_SO_MEMINFO = 55
-_RECVTTL = 12  # linux/in.h
+_SO_MEMINFO = 55  # asm-generic/socket.h; Python's socket module does not name it
 _DROPS = 8  # the place of the dropped datagrams among its numbers (linux/sock_diag.h)
-_TIMESPEC = struct.Struct("@qq")
-_ANCILLARY_BYTES = 64
 _MAX_DATAGRAM = 65536
 _BATCH = 256  # datagrams taken at once before the caller is served
 _STREAM, _STREAM_GAP, _NAP = 8, 0.005, 0.01
@@ -64,24 +64,33 @@ class Tap:
         whole: Put large messages together; else their heads come (``Packet.whole_bytes``).
         in_kernel: Let the kernel drop what only whole messages need, where it can; the results
             are the same without.
+        always_whole: Channels that begin so come whole nevertheless.
 
     Raises:
         BusError: Multicast does not work here, with what to type.
     """
 
-    def __init__(self, url: BusUrl, *, whole: bool = False, in_kernel: bool = True) -> None:
+    def __init__(
+        self,
+        url: BusUrl,
+        *,
+        whole: bool = False,
+        in_kernel: bool = True,
+        always_whole: tuple[str, ...] = (),
+    ) -> None:
         check_multicast(url)
         self._address = (url.host, url.port)
         self._receiver = receiving_socket(url)
         self._receiver.settimeout(0.0)
         self._sender = sending_socket(url)
         self._seqno = 0
-        self._whole = whole
+        self._whole, self._wants_whole = whole, bool(always_whole)
+        self._passing = 0  # bytes of the messages of which the filter lets all fragments pass
         self._filtered = not whole and in_kernel and attach(self._receiver, heads_only())
-        self._reader = Reader(whole=whole)
+        self._reader = Reader(whole=whole, always_whole=(TALK, *always_whole))
         self._buffer = memoryview(bytearray(_MAX_DATAGRAM))
         self._turns, self._last_turn = 0, 0.0
-        _ask_kernel(self._receiver)
+        ask_kernel(self._receiver)
 
     def __enter__(self) -> "Tap":
         """Use the tap as a context manager."""
@@ -158,14 +167,17 @@ class Tap:
         receive, read, buffer = self._receiver.recvmsg_into, self._reader.read, self._buffer
         with contextlib.suppress(BlockingIOError):
             for _ in range(_BATCH):
-                size, ancillary, _, address = receive([buffer], _ANCILLARY_BYTES)
-                arrival, ttl = _told(ancillary)
+                size, ancillary, _, address = receive([buffer], ANCILLARY_BYTES)
+                arrival, ttl = told(ancillary)
                 packet = read(bytes(buffer[:size]), Sender(*address), arrival, ttl)
                 if packet is not None:
                     packets.append(packet)
-        if self._filtered and self._reader.needs_all:  # of messages that come again
-            detach(self._receiver)
-            self._filtered = False
+                    if packet.channel == SELF_TEST_CHANNEL:  # it may stay here whatever the URL
+                        self._reader.ttls.pop(Sender(*address), None)
+        wanted = self._reader.largest_wanted
+        if self._filtered and wanted > self._passing:  # by messages that come again
+            self._passing = wanted
+            self._filtered = attach(self._receiver, heads_only(but_up_to=wanted))
         return packets
 
     def _is_streaming(self) -> bool:
@@ -176,44 +188,29 @@ class Tap:
         now = time.monotonic()
         self._turns = self._turns + 1 if now - self._last_turn < _STREAM_GAP else 0
         self._last_turn = now
-        if self._turns < _STREAM or self._whole:
+        has_whole = self._whole or (self._wants_whole and self._reader.needs_all)
+        if self._turns < _STREAM or has_whole:
             return False
         self._last_turn += _NAP
         return True
 
 
-def heads_only() -> list[Instruction]:
-    """The filter that drops all fragments but the first; what is malformed comes through."""
-    number = UDP_HEADER + 16
+def heads_only(but_up_to: int = 0) -> list[Instruction]:
+    """The filter that drops all fragments but the first; what is malformed comes through.
+
+    Args:
+        but_up_to: Of messages of so many bytes at most, all fragments come through.
+    """
+    message_size, number = UDP_HEADER + 8, UDP_HEADER + 16
     return [
         Instruction(LOAD_LENGTH),
-        Instruction(JUMP_GREATER_EQUAL, UDP_HEADER + FRAGMENT_HEADER_BYTES, 0, 5),
+        Instruction(JUMP_GREATER_EQUAL, UDP_HEADER + FRAGMENT_HEADER_BYTES, 0, 7),
         Instruction(LOAD_WORD, UDP_HEADER),
-        Instruction(JUMP_EQUAL, int.from_bytes(MAGIC_FRAGMENT, "big"), 0, 3),
+        Instruction(JUMP_EQUAL, int.from_bytes(MAGIC_FRAGMENT, "big"), 0, 5),
         Instruction(LOAD_HALF, number),
-        Instruction(JUMP_EQUAL, 0, 1, 0),
+        Instruction(JUMP_EQUAL, 0, 3, 0),
+        Instruction(LOAD_WORD, message_size),
+        Instruction(JUMP_GREATER, but_up_to, 0, 1),
         DROP,
         ACCEPT,
     ]
-
-
-def _ask_kernel(receiver: socket.socket) -> None:
-    """Ask it to tell when each datagram came, and with what time to live."""
-    for level, option in ((socket.SOL_SOCKET, _SO_TIMESTAMPNS), (socket.IPPROTO_IP, _RECVTTL)):
-        with contextlib.suppress(OSError):  # not Linux: the time of reading serves instead
-            receiver.setsockopt(level, option, 1)
-
-
-def _told(ancillary: list[tuple[int, int, bytes]]) -> tuple[int, int | None]:
-    """The kernel's receive time, nanoseconds since 1970, and the time to live.
-
-    The present where the kernel tells no time, None where it does not tell the other.
-    """
-    arrival, ttl = 0, None
-    for level, kind, data in ancillary:
-        if level == socket.SOL_SOCKET and kind == _SO_TIMESTAMPNS and len(data) >= _TIMESPEC.size:
-            seconds, nanoseconds = _TIMESPEC.unpack_from(data)
-            arrival = seconds * 1_000_000_000 + nanoseconds
-        elif level == socket.IPPROTO_IP and kind == socket.IP_TTL:
-            ttl = int.from_bytes(data[:4], sys.byteorder)
-    return arrival or time.time_ns(), ttl

@@ -5,6 +5,7 @@ topics, announces that as a node's subscription would be.
 """
 
 import contextlib
+import math
 import os
 import signal
 import socket
@@ -15,6 +16,7 @@ from dataclasses import replace
 from typing import Protocol
 
 from lcmtools.bus.processes import is_local, unheard_senders
+from lcmtools.bus.programs import is_here
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
@@ -41,6 +43,7 @@ from lcmtools.wire.packet import Packet
 QUIET = 0.03
 """The graph counts as complete when no node has appeared for so long [s]."""
 _AT_LEAST = 0.05  # [s] that nodes have to answer, several times what they need
+_AGAIN = 0.02  # [s] after which they are asked a second time, where datagrams may be lost
 _AT_MOST = 0.3  # [s] on a bus where nodes keep appearing
 _FOREIGN = 1.2  # [s] for programs that do not answer: a little more than one period at 1 Hz
 
@@ -177,11 +180,16 @@ class Watch:
         self._builder.recall(node for node in self._records.read() if _is_here(node))
         self.probe()
         start = changed = time.monotonic()
+        # between computers the question, or an answer, may be lost: two are seldom lost
+        ask_again = start + _AGAIN if self.url.is_multicast and self.url.ttl else math.inf
         with contextlib.suppress(EOFError):  # a log that has ended is complete
             # where this process itself was held up, what has come meanwhile still counts
             while not _complete(time.monotonic(), start, changed) or self._hears_talk(0.0):
                 if time.monotonic() - start > _FOREIGN:
                     break
+                if time.monotonic() >= ask_again:
+                    self.probe()
+                    ask_again = math.inf
                 if self._hears_talk(QUIET / 2):
                     changed = time.monotonic()
         if foreign and self.url.is_multicast:
@@ -218,7 +226,7 @@ class Watch:
                 for _ in self.packets(left):
                     pass
                 return
-            known = {node.pid for node in graph.nodes}
+            known = {node.pid for node in graph.nodes if is_here(node)}
             if not unheard_senders(self.url.host, self.url.port, heard, known):
                 return
             self.receive(min(left, 0.1))

@@ -115,7 +115,11 @@ class GraphBuilder:
             self._left.add(node.id)
         if node.id in self._left:
             return  # an announcement that the goodbye has overtaken brings nobody back
-        self._nodes[node.id] = replace(node, sender=packet.sender, last_heard=packet.time)
+        lag = packet.time - node.sent if node.sent else None
+        known = self._nodes.get(node.id)
+        if lag is not None and known is not None and known.lag is not None:
+            lag = min(lag, known.lag)  # the quickest one tells most of the clocks
+        self._nodes[node.id] = replace(node, sender=packet.sender, last_heard=packet.time, lag=lag)
 
     def _traffic_seen(self) -> Iterable[Traffic]:
         for (channel, sender), count in sorted(self._traffic.items(), key=_order):

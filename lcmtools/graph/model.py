@@ -10,6 +10,8 @@ from lcmtools.wire.packet import Sender
 STALE_AFTER = 3_000_000_000
 """A node that has not announced itself for so long is stale [ns]."""
 
+_SELF_TEST = "LCM_SELF_TEST"
+
 
 class Role(IntEnum):
     """What a node does with a topic or service (the constants of lcmtools_msgs/Endpoint)."""
@@ -53,6 +55,9 @@ class Endpoint:
         bytes: Bytes of their payloads.
         drops: Messages that a full queue pushed out.
         last_time: When the last one was sent or received, nanoseconds since 1970; 0 for never.
+        calls: How often the callback was called; 0 where there is none.
+        busy: Time spent in the callback, also in a call that still runs [ns].
+        longest: What the longest call took, or has taken so far [ns].
     """
 
     topic: str
@@ -65,6 +70,9 @@ class Endpoint:
     bytes: int = 0
     drops: int = 0
     last_time: int = 0
+    calls: int = 0
+    busy: int = 0
+    longest: int = 0
 
     @property
     def type(self) -> str:
@@ -89,6 +97,11 @@ class Node:
         sender: Where its announcements come from; None where the bus does not say.
         last_heard: When it last announced itself, nanoseconds since 1970; 0 for never.
         stale: Why it counts as stale; false for a node that is alive.
+        busy: Time spent in its callbacks, those of timers too [ns].
+        sent: When it announced itself last, by its own computer's clock, nanoseconds since 1970;
+            0 where it does not say.
+        lag: How long after they were sent its announcements came, at least, by the two computers'
+            clocks [ns]: negative where its clock is ahead; None where that is not known.
     """
 
     name: str
@@ -103,6 +116,9 @@ class Node:
     sender: Sender | None = None
     last_heard: int = 0
     stale: Staleness = Staleness.NOT
+    busy: int = 0
+    sent: int = 0
+    lag: int | None = None
 
     def having(self, role: Role) -> tuple[Endpoint, ...]:
         """The endpoints of one role, sorted by topic."""
@@ -114,6 +130,13 @@ class Node:
             return frozenset()
         own = {Sender(self.sender.address, port) for port in self.ports}
         return frozenset(own | {self.sender})
+
+    def time_there(self, now: int) -> int:
+        """What its computer's clock shows when this one's shows ``now`` [ns since 1970].
+
+        Its counters' times are by that clock. Where it is not known, both show the same.
+        """
+        return now - (self.lag or 0)
 
     @property
     def is_hidden(self) -> bool:
@@ -223,8 +246,11 @@ class Graph:
         )
 
     def foreign(self) -> list[Traffic]:
-        """What was seen that no announced node has sent; see ``Topic.foreign``."""
-        names = dict.fromkeys(seen.channel for seen in self.traffic)
+        """What was seen that no announced node has sent; see ``Topic.foreign``.
+
+        Without what LCM's programs, and all commands of lcmtools, send to themselves at first.
+        """
+        names = dict.fromkeys(seen.channel for seen in self.traffic if seen.channel != _SELF_TEST)
         return [seen for name in names for seen in self.topic(name).foreign]
 
     def named(self, name: str) -> list[Node]:

@@ -50,6 +50,10 @@ class Announcement:
     leaving: bool = False
     answers: int = 0
 
+    def sent_at(self, time: int) -> "Announcement":
+        """The same, as it is sent at a time [ns since 1970]."""
+        return replace(self, node=replace(self.node, sent=time))
+
 
 @dataclass(frozen=True, slots=True)
 class Probe:
@@ -84,7 +88,7 @@ class Head(NamedTuple):
 
     Attributes:
         identity: Equal in all announcements of a node but its goodbye, and no other node's.
-        revision: Equal while nothing of the node has changed but its counters.
+        revision: Equal while nothing of the node has changed but its counters and its clock.
     """
 
     identity: bytes
@@ -136,6 +140,7 @@ def encode_announcement(announcement: Announcement) -> bytes:
     message.answers = announcement.answers
     message.ports = list(node.ports)
     message.endpoints = [_endpoint_message(endpoint) for endpoint in node.endpoints]
+    message.sent, message.busy = node.sent, node.busy
     return encode(message)
 
 
@@ -157,6 +162,8 @@ def decode_announcement(payload: bytes) -> Announcement | None:
         tool=bool(message.tool),
         ports=tuple(message.ports),
         endpoints=endpoints,
+        busy=message.busy,
+        sent=message.sent,
     )
     return Announcement(node, message.state == msgs.Announcement.LEAVING, message.answers)
 
@@ -173,10 +180,14 @@ def head_of(payload: bytes) -> Head:
 
 def _revision(node: Node) -> int:
     """A number that differs when anything of a node has changed but its endpoints' counters."""
-    plain = [replace(e, messages=0, bytes=0, drops=0, last_time=0) for e in node.endpoints]
+    plain = [_uncounted(endpoint) for endpoint in node.endpoints]
     structure = repr((node.command, node.tool, node.ports, plain)).encode("utf-8", "replace")
     digest = blake2b(structure, digest_size=_REVISION_BYTES).digest()
     return int.from_bytes(digest, "big", signed=True)
+
+
+def _uncounted(endpoint: Endpoint) -> Endpoint:
+    return replace(endpoint, messages=0, bytes=0, drops=0, last_time=0, calls=0, busy=0, longest=0)
 
 
 def _endpoint_message(endpoint: Endpoint) -> msgs.Endpoint:
@@ -187,6 +198,7 @@ def _endpoint_message(endpoint: Endpoint) -> msgs.Endpoint:
     message.depth, message.drops = endpoint.depth, endpoint.drops
     message.messages, message.bytes = endpoint.messages, endpoint.bytes
     message.last_time = endpoint.last_time
+    message.calls, message.busy, message.longest = endpoint.calls, endpoint.busy, endpoint.longest
     return message
 
 
@@ -202,6 +214,9 @@ def _endpoint(message: msgs.Endpoint) -> Endpoint:
         bytes=message.bytes,
         drops=message.drops,
         last_time=message.last_time,
+        calls=message.calls,
+        busy=message.busy,
+        longest=message.longest,
     )
 
 

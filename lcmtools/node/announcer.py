@@ -94,5 +94,6 @@ class Announcer:
 
     def _send(self, announcement: Announcement) -> None:
         # what cannot be announced now is announced a second later; a closing bus takes none
+        payload = encode_announcement(announcement.sent_at(time.time_ns()))
         with contextlib.suppress(BusError):
-            self._bus.publish(NODE_CHANNEL, encode_announcement(announcement))
+            self._bus.publish(NODE_CHANNEL, payload)

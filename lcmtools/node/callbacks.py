@@ -13,6 +13,7 @@ from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.messages.registry import Message
 from lcmtools.node.logger import Logger
 from lcmtools.node.service import Service
+from lcmtools.node.stopwatch import Stopwatch
 from lcmtools.node.subscription import Subscription
 from lcmtools.node.timer import Timer
 
@@ -31,9 +32,15 @@ class Callbacks:
         self.timers: list[Timer] = []
         self.clock: Clock = SystemClock()
         """The node's clock; timers follow it where it is simulated time."""
+        self._timed = Stopwatch()
         self._logger = logger
         self._go_on = go_on
         self._cleared = False
+        self._has_news = False
+
+    def note_news(self) -> None:
+        """Note that a message or a request waits. Called on the receiving thread."""
+        self._has_news = True
 
     def clear(self) -> None:
         """Run nothing any more."""
@@ -44,13 +51,21 @@ class Callbacks:
 
     def run_ready(self) -> int:
         """Run every callback that is ready; return how many ran."""
-        return self._run_subscriptions() + self._run_services() + self._run_timers()
+        ran = self._run_news() if self._has_news else 0
+        return ran + self._run_timers() if self.timers else ran
 
     def time(self) -> int:
         """The timers' time [ns]: simulated, or else of a clock that nobody sets back."""
         if isinstance(self.clock, ManualClock):
             return self.clock.now()
         return time.monotonic_ns()
+
+    def busy(self) -> int:
+        """How long the node was in its callbacks so far [ns]; any thread may ask."""
+        stopwatches = [self._timed]
+        stopwatches += [subscription.stopwatch for subscription in tuple(self.subscriptions)]
+        stopwatches += [service.stopwatch for service in tuple(self.services)]
+        return sum(stopwatch.busy() for stopwatch in stopwatches)
 
     def time_to_timer(self) -> float | None:
         """Seconds until the next timer; None when only a message can bring work."""
@@ -60,6 +75,15 @@ class Callbacks:
         waits = [wait for t in self.timers if (wait := t.remaining(now)) is not None]
         return min(waits, default=None)
 
+    def _run_news(self) -> int:
+        """Run what has come. A program that spins without waiting asks for it all the time."""
+        self._has_news = False  # before looking: what comes from now on notes itself anew
+        try:
+            return self._run_subscriptions() + self._run_services()
+        except BaseException:  # Ctrl-C in a callback: others may wait still
+            self._has_news = True
+            raise
+
     def _run_subscriptions(self) -> int:
         ran = 0
         for subscription in tuple(self.subscriptions):
@@ -67,7 +91,8 @@ class Callbacks:
                 payload = subscription.take()
                 if payload is None or not self._is_running():
                     break
-                self._deliver(subscription, payload)
+                with subscription.stopwatch:
+                    self._deliver(subscription, payload)
                 ran += 1
         return ran
 
@@ -85,7 +110,8 @@ class Callbacks:
         for service in tuple(self.services):
             while self._is_running() and (request := service.take()) is not None:
                 ran += 1
-                failure = service.answer(request)
+                with service.stopwatch:
+                    failure = service.answer(request)
                 if failure is not None:
                     self._log_failure(f"service {service.name}", failure)
         return ran
@@ -96,7 +122,8 @@ class Callbacks:
             now = self.time()
             if self._is_running() and timer.is_due(now):
                 timer.advance(now)
-                self._guard("timer", timer.callback)
+                with self._timed:
+                    self._guard("timer", timer.callback)
                 ran += 1
         return ran
 

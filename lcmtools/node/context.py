@@ -4,11 +4,9 @@ Which of a process's contexts is the one that ``init`` made is process.py's busi
 signals.
 """
 
-import contextlib
+import os
 import socket
-import threading
-import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Protocol
 
 from lcmtools.arguments import NodeArguments
@@ -16,28 +14,14 @@ from lcmtools.bus.base import Bus
 from lcmtools.bus.listeners import PlainListeners
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl
-from lcmtools.errors import BusError
-from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import Graph, Node, Role
-from lcmtools.graph.protocol import (
-    NODE_CHANNEL,
-    PROBE_CHANNEL,
-    SHUTDOWN_CHANNEL,
-    Head,
-    Probe,
-    decode_shutdown,
-    encode_probe,
-    head_of,
-)
+from lcmtools.graph.protocol import SHUTDOWN_CHANNEL, decode_shutdown
 from lcmtools.names import resolve_namespace
 from lcmtools.node.announcer import Announcer
+from lcmtools.node.following import Following
 from lcmtools.node.logger import Logger
 from lcmtools.node.wakeup import Wakeup
 from lcmtools.settings import usual_namespace
-from lcmtools.wire.packet import Packet
-
-_MOST_ANNOUNCED = 10_000
-"""Announcements that are kept until somebody asks for the graph."""
 
 
 class Participant(Protocol):
@@ -86,6 +70,7 @@ class Context:
         """What another program's request to end does."""
         self.host = socket.gethostname()
         self._records = records
+        self._recorded: dict[str, frozenset[str]] = {}
         self._plain_listeners = PlainListeners(url, self._pids_here) if url else None
         self._participants: list[Participant] = []
         self._stopping = False
@@ -93,10 +78,7 @@ class Context:
         self._is_asked = False
         self.is_told = False
         """Whether the program has been told to end: what it does from then on is its ending."""
-        self._graph_lock = threading.Lock()
-        self._graph_builder: GraphBuilder | None = None
-        self._announced_lock = threading.Lock()  # held for a moment only, on the receiving thread
-        self._announced: dict[bytes, tuple[Head, bytes, int]] = {}
+        self._following = Following(bus, url)
         self.announcer = Announcer(bus, self._describe)
         bus.subscribe(SHUTDOWN_CHANNEL, self._asked_to_end)
 
@@ -116,8 +98,7 @@ class Context:
     def add(self, participant: Participant) -> None:
         """Take a node in: announce it, and record that it runs."""
         self._participants.append(participant)
-        if self._records:
-            self._records.write(participant.describe())
+        self._record(participant.describe())
         self.announcer.announce_soon()
 
     def remove(self, participant: Participant) -> None:
@@ -138,15 +119,7 @@ class Context:
 
         A node's counters are those of when it last changed otherwise.
         """
-        if self._graph_builder is None:
-            self._graph_builder = GraphBuilder()
-            self.bus.subscribe(NODE_CHANNEL, self._hear)
-            with contextlib.suppress(BusError):  # without it, they announce within a second
-                self.bus.publish(PROBE_CHANNEL, encode_probe(Probe()))
-        with self._graph_lock:
-            for head, payload, now in self._take_announced():
-                self._graph_builder.hear_head(head, Packet(NODE_CHANNEL, payload, now))
-            return self._graph_builder.snapshot(time.time_ns())
+        return self._following.graph()
 
     def heard_topics(self) -> frozenset[str]:
         """The topics that nodes announce to listen to."""
@@ -157,13 +130,14 @@ class Context:
             for endpoint in node.having(Role.SUBSCRIBER)
         )
 
-    def has_plain_listeners(self) -> bool:
+    def has_plain_listeners(self, *, at_once: bool = False) -> bool:
         """Whether there can be programs that listen and never announce it: to any topic."""
-        return bool(self._plain_listeners and self._plain_listeners.possible())
+        return bool(self._plain_listeners and self._plain_listeners.possible(at_once=at_once))
 
     def _pids_here(self) -> frozenset[int]:
-        """The processes of this computer that are nodes."""
-        return frozenset(node.pid for node in self.graph().nodes if node.host == self.host)
+        """The processes of this computer that are nodes; this one, before it hears so itself."""
+        others = (node.pid for node in self.graph().nodes if node.host == self.host)
+        return frozenset((os.getpid(), *others))
 
     def close(self) -> None:
         """End all nodes and leave the bus."""
@@ -174,18 +148,22 @@ class Context:
         for participant in tuple(self._participants):
             participant.destroy_node()
         self.announcer.close()
+        self._following.close()
         self.bus.close()
         self.wakeup.close()
 
     def _describe(self) -> list[Node]:
-        return [participant.describe() for participant in tuple(self._participants)]
+        nodes = [participant.describe() for participant in tuple(self._participants)]
+        for node in nodes:
+            self._record(node)
+        return nodes
 
-    def _hear(self, payload: bytes, now: int) -> None:
-        """Keep each node's latest announcement; decoding all would be most of the work."""
-        head = head_of(payload)
-        with self._announced_lock:
-            if len(self._announced) < _MOST_ANNOUNCED or head.identity in self._announced:
-                self._announced[head.identity] = head, payload, now
+    def _record(self, node: Node) -> None:
+        """Leave a node's record, and renew it when it publishes something else."""
+        topics = frozenset(endpoint.topic for endpoint in node.having(Role.PUBLISHER))
+        if self._records and self._recorded.get(node.id) != topics:
+            self._recorded[node.id] = topics
+            self._records.write(node)
 
     def _asked_to_end(self, payload: bytes, _time: int) -> None:
         """End this program if one of its nodes is meant; on the receiving thread.
@@ -205,8 +183,3 @@ class Context:
                     participant.get_logger().warning(f"asked to end {who}")
                     self.on_asked_to_end()
                 return
-
-    def _take_announced(self) -> Iterable[tuple[Head, bytes, int]]:
-        with self._announced_lock:
-            announced, self._announced = self._announced, {}
-        return announced.values()

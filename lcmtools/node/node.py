@@ -16,6 +16,7 @@ from lcmtools.node.identity import identity
 from lcmtools.node.logger import LogEntry, Logger, log_message
 from lcmtools.node.parameters import service_name
 from lcmtools.node.parametric import Parametric
+from lcmtools.node.placed import Placed
 from lcmtools.node.process import current_context
 from lcmtools.node.publisher import Publisher
 from lcmtools.node.service import (
@@ -39,7 +40,7 @@ MessageT = TypeVar("MessageT", bound=Message)
 _LOST_MESSAGE_PERIOD = 5.0  # [s] between two complaints about a bus that takes no messages
 
 
-class Node(Parametric):
+class Node(Placed, Parametric):
     """A named participant of the bus.
 
     Names are resolved by the ROS rules: "/a" is global, "a" stands in the node's namespace, "~a"
@@ -69,12 +70,8 @@ class Node(Parametric):
     ) -> None:
         self.__context = context or current_context()
         said = self.__context.arguments
-        own_name = said.name if said.name and self.__context.is_first() else name
-        names.check_base_name(own_name)
-        self.namespace = self.__namespace(said.namespace or namespace)
-        self.name = names.check_length(names.resolve(f"{self.namespace}/{own_name}"))
-        self.__names = names.Resolver(self.namespace, self.name, tuple(said.remaps))
-        super().__init__(self.name, said.parameters, self.__context.declared_parameters)
+        Placed.__init__(self, name, namespace, self.__context)
+        Parametric.__init__(self, self.name, said.parameters, self.__context.declared_parameters)
         self.__publishers: list[Publisher[Message]] = []
         self.__clients: list[Client[Message, Message]] = []
         self.__identity = identity(self.name, self.__context.host, tool=tool)
@@ -149,9 +146,10 @@ class Node(Parametric):
         types = message_type if isinstance(message_type, tuple) else (message_type,)
         resolved = names.check_channel(topic) if literal else self.resolve_name(topic)
         subscription = Subscription(types, resolved, callback, depth, group)  # type: ignore[arg-type]
-        subscription.on_ready = self.__context.wakeup.set
+        subscription.on_ready = self.__wake
         self.__context.bus.subscribe(resolved, subscription.receive)
         self.__callbacks.subscriptions.append(subscription)
+        self.__wake()  # what came before it stood there
         self.__context.announcer.announce_soon()
         return subscription
 
@@ -179,9 +177,10 @@ class Node(Parametric):
         resolved = self.resolve_name(name)
         names.check_length(request_channel(resolved), name)
         service = Service(self.__context.bus, service_type, resolved, callback)
-        service.on_ready = self.__context.wakeup.set
+        service.on_ready = self.__wake
         self.__context.bus.subscribe(request_channel(resolved), service.receive)
         self.__callbacks.services.append(service)  # type: ignore[arg-type] # run by what they have in common
+        self.__wake()  # what came before it stood there
         self.__context.announcer.announce_soon()
         return service
 
@@ -216,34 +215,6 @@ class Node(Parametric):
     def get_clock(self) -> Clock:
         """The node's time: the computer's, or ``/clock`` with ``_use_sim_time:=true``."""
         return self.__callbacks.clock
-
-    @property
-    def context(self) -> Context:
-        """What this node shares with the others of its process."""
-        return self.__context
-
-    def graph(self) -> model.Graph:
-        """The announced nodes of the bus; the first call starts listening to them."""
-        return self.__context.graph()
-
-    def heard_topics(self) -> frozenset[str]:
-        """The topics that nodes announce to listen to, so that others need not be computed."""
-        return self.__context.heard_topics()
-
-    def has_plain_listeners(self) -> bool:
-        """Whether programs that are no nodes can be listening, to any topic.
-
-        On a bus that leaves this computer there can always be one.
-        """
-        return self.__context.has_plain_listeners()
-
-    def resolve_name(self, name: str) -> str:
-        """The topic or service that a name means for this node, remapped.
-
-        Raises:
-            InvalidName: The name breaks the naming rules.
-        """
-        return self.__names.resolve(name)
 
     def destroy_publisher(self, publisher: Publisher[MessageT]) -> None:
         """Announce a publisher no more. Does nothing the second time."""
@@ -280,12 +251,18 @@ class Node(Parametric):
             *(client.endpoint() for client in tuple(self.__clients)),
         )
         ports = tuple(self.__context.bus.ports)
-        return replace(self.__identity, ports=ports, endpoints=endpoints)
+        busy = self.__callbacks.busy()
+        return replace(self.__identity, ports=ports, endpoints=endpoints, busy=busy)
 
     @property
     def callbacks(self) -> Callbacks:
         """What the spin functions run."""
         return self.__callbacks
+
+    def __wake(self) -> None:
+        """Let the spinning thread run what has come; called on the receiving thread."""
+        self.__callbacks.note_news()  # before the thread wakes, which looks for nothing else
+        self.__context.wakeup.set()
 
     def __log_lost_message(self, error: BusError) -> None:
         self.__logger.error(f"{error}", throttle=_LOST_MESSAGE_PERIOD)
@@ -315,6 +292,3 @@ class Node(Parametric):
             clock.set(join_stamp(message.clock.sec, message.clock.nsec))
 
         self.create_subscription(ClockMessage, "/clock", set_clock, 1)
-
-    def __namespace(self, given: str) -> str:
-        return names.resolve_namespace(given) if given else self.__context.default_namespace

@@ -8,6 +8,7 @@ import threading
 import time
 import uuid
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Generic, TypeVar
 
 from lcmtools.bus.base import Bus
@@ -16,6 +17,7 @@ from lcmtools.graph.model import Endpoint, Role
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.node.replies import Key, Replies
+from lcmtools.node.stopwatch import Stopwatch
 from lcmtools.types.lcmtools_msgs import ServiceReply, ServiceRequest
 from lcmtools.types.service import Service as Pair
 from lcmtools.wire.datagram import MESSAGE_MAX
@@ -50,6 +52,7 @@ class Service(Generic[RequestT, ResponseT]):
     Attributes:
         name: The service's full name.
         service_type: Its pair of messages.
+        stopwatch: Measures how long its answers take.
     """
 
     def __init__(
@@ -62,6 +65,7 @@ class Service(Generic[RequestT, ResponseT]):
         self.name = name
         self.service_type = service_type
         self.callback = callback
+        self.stopwatch = Stopwatch()
         self.on_ready: Callable[[], None] = lambda: None
         self._bus = bus
         self._lock = threading.Lock()
@@ -109,7 +113,12 @@ class Service(Generic[RequestT, ResponseT]):
 
     def endpoint(self) -> Endpoint:
         """What is announced."""
-        return _endpoint(self.name, Role.SERVICE, self.service_type, self._calls)
+        return replace(
+            _endpoint(self.name, Role.SERVICE, self.service_type, self._calls),
+            calls=self.stopwatch.calls,
+            busy=self.stopwatch.busy(),
+            longest=self.stopwatch.longest(),
+        )
 
     def _reply(self, request: ServiceRequest) -> tuple[bytes, BaseException | None]:
         self._calls += 1

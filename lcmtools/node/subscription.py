@@ -8,6 +8,7 @@ from lcmtools.errors import DecodeError
 from lcmtools.graph.model import Endpoint, Role
 from lcmtools.messages.codec import decode, describe_payload
 from lcmtools.messages.registry import Message, fingerprint, type_name
+from lcmtools.node.stopwatch import Stopwatch
 
 FINGERPRINT_BYTES = 8
 _WARNING_PERIOD = 5.0  # [s] between two warnings about messages that cannot be read
@@ -25,6 +26,7 @@ class Subscription:
         depth: How many messages wait at most.
         group: Subscriptions of a node with the same group are alternatives of each other.
         drops: Messages that newer ones pushed out.
+        stopwatch: Measures how long its messages take: to be decoded, and in the callback.
     """
 
     def __init__(
@@ -40,6 +42,7 @@ class Subscription:
         self.depth = max(1, depth)
         self.group = group
         self.drops = 0
+        self.stopwatch = Stopwatch()
         self.callback = callback
         self.on_ready: Callable[[], None] = lambda: None
         self._by_fingerprint = {
@@ -104,6 +107,9 @@ class Subscription:
             bytes=self._bytes,
             drops=self.drops,
             last_time=self._last_time,
+            calls=self.stopwatch.calls,
+            busy=self.stopwatch.busy(),
+            longest=self.stopwatch.longest(),
         )
 
     def _expected(self) -> str:

@@ -18,6 +18,9 @@ from lcmtools.wire.sequence import Sequence
 HEAD_BYTES = 1024
 """So much is kept of a large message's payload where its head is enough."""
 
+TALK = "/_lcmtools/"
+"""What the channels on which nodes speak of themselves begin with; they are read whole."""
+
 _MOST_SENDERS = 1000  # that are remembered
 
 
@@ -29,13 +32,15 @@ class Reader:
         always_whole: Channels that begin so come whole nevertheless.
     """
 
-    def __init__(self, *, whole: bool, always_whole: str = "/_lcmtools/") -> None:
+    def __init__(self, *, whole: bool, always_whole: tuple[str, ...] = (TALK,)) -> None:
         self._whole = whole
         self._always_whole = always_whole
         self._reassembler = Reassembler()
         self._wanted: dict[tuple[Sender, int], None] = {}
         self.needs_all = whole
         """Whether it has use for fragments that are not the first of their message."""
+        self.largest_wanted = 0
+        """Bytes of the largest message so far that is wanted whole where heads do otherwise."""
         self.malformed: dict[Sender, str] = {}
         """The last reason for each sender whose datagrams could not be read."""
         self.sequences: dict[Sender, Sequence] = {}
@@ -88,6 +93,7 @@ class Reader:
         if fragment.channel is None or not fragment.channel.startswith(self._always_whole):
             return fragment.channel is None and key in self._wanted
         self.needs_all = True
+        self.largest_wanted = max(self.largest_wanted, fragment.message_size)
         if len(self._wanted) >= _MOST_SENDERS:
             self._wanted.pop(next(iter(self._wanted)))
         self._wanted[key] = None

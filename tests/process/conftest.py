@@ -1,13 +1,11 @@
-"""What the tests with real buses share: a server for tcpq, and the lcm package's own programs."""
+"""What the tests with real buses share: a server for tcpq."""
 
 import re
 import socket
 import struct
-import sysconfig
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from pathlib import Path
 
 import pytest
 
@@ -88,18 +86,3 @@ def tcpq_server() -> Iterator[TcpqServer]:
         server.close()
     except OSError:
         return  # the test has done it
-
-
-@pytest.fixture
-def lcm_program() -> Callable[[str], str]:
-    """``lcm_program("lcm-sink")``: the path of a program that the lcm package brings.
-
-    The program itself, and not the wrapper on the PATH: a signal to that ends the wrapper only.
-    """
-
-    def find(name: str) -> str:
-        path = Path(sysconfig.get_paths()["purelib"]) / "bin" / name
-        assert path.exists(), path
-        return str(path)
-
-    return find

@@ -15,11 +15,11 @@ class Announcement(object):
     it leaves.
     """
 
-    __slots__ = ["ports_length", "endpoints_length", "name", "host", "pid", "start_time", "id", "state", "revision", "tool", "command", "answers", "ports", "endpoints"]
+    __slots__ = ["ports_length", "endpoints_length", "name", "host", "pid", "start_time", "id", "state", "revision", "tool", "command", "answers", "ports", "endpoints", "sent", "busy"]
 
-    __typenames__ = ["int32_t", "int32_t", "string", "string", "int32_t", "int64_t", "string", "int8_t", "int64_t", "boolean", "string", "int64_t", "int32_t", "lcmtools.types.lcmtools_msgs.Endpoint"]
+    __typenames__ = ["int32_t", "int32_t", "string", "string", "int32_t", "int64_t", "string", "int8_t", "int64_t", "boolean", "string", "int64_t", "int32_t", "lcmtools.types.lcmtools_msgs.Endpoint", "int64_t", "int64_t"]
 
-    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, ["ports_length"], ["endpoints_length"]]
+    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, ["ports_length"], ["endpoints_length"], None, None]
 
     ALIVE = 0
     """ a state: the node runs """
@@ -78,9 +78,10 @@ class Announcement(object):
 
         self.revision = 0
         """
-        differs when anything of the node has changed but answers and the counters of its
-        endpoints (messages, bytes, drops, last_time), so that who knows it need not decode more;
-        a hash of all that, at the same place behind id in every announcement
+        differs when anything of the node has changed but answers, sent, busy and the counters of
+        its endpoints (messages, bytes, drops, last_time, calls, busy, longest), so that who knows
+        it need not decode more; a hash of all that, at the same place behind id in every
+        announcement
         LCM Type: int64_t
         """
 
@@ -115,6 +116,19 @@ class Announcement(object):
         LCM Type: lcmtools.types.lcmtools_msgs.Endpoint[endpoints_length]
         """
 
+        self.sent = 0
+        """
+        [ns since 1970-01-01 UTC] when this was sent, by the clock of the node's computer; 0 if the
+        node does not say
+        LCM Type: int64_t
+        """
+
+        self.busy = 0
+        """
+        [ns] spent in the node's callbacks since the start: of subscriptions, services and timers
+        LCM Type: int64_t
+        """
+
 
     def encode(self):
         buf = BytesIO()
@@ -147,6 +161,7 @@ class Announcement(object):
         for i0 in range(self.endpoints_length):
             assert self.endpoints[i0]._get_packed_fingerprint() == lcmtools.types.lcmtools_msgs.Endpoint._get_packed_fingerprint()
             self.endpoints[i0]._encode_one(buf)
+        buf.write(struct.pack(">qq", self.sent, self.busy))
 
     @staticmethod
     def decode(data: bytes):
@@ -178,13 +193,14 @@ class Announcement(object):
         self.endpoints = []
         for i0 in range(self.endpoints_length):
             self.endpoints.append(lcmtools.types.lcmtools_msgs.Endpoint._decode_one(buf))
+        self.sent, self.busy = struct.unpack(">qq", buf.read(16))
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if Announcement in parents: return 0
         newparents = parents + [Announcement]
-        tmphash = (0x6bcd917ed050ffbc+ lcmtools.types.lcmtools_msgs.Endpoint._get_hash_recursive(newparents)) & 0xffffffffffffffff
+        tmphash = (0x2cffef9ddbf0b1f7+ lcmtools.types.lcmtools_msgs.Endpoint._get_hash_recursive(newparents)) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

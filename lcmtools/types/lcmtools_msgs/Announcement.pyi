@@ -25,6 +25,8 @@ class Announcement:
     answers: int
     ports: Sequence[int]
     endpoints: list[Endpoint]
+    sent: int
+    busy: int
     def __init__(self) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod

@@ -10,11 +10,11 @@ import struct
 class Endpoint(object):
     """ One publisher, subscription, service or client of a node, as its node announces it. """
 
-    __slots__ = ["types_length", "fingerprints_length", "topic", "role", "types", "fingerprints", "group", "depth", "messages", "bytes", "drops", "last_time"]
+    __slots__ = ["types_length", "fingerprints_length", "topic", "role", "types", "fingerprints", "group", "depth", "messages", "bytes", "drops", "last_time", "calls", "busy", "longest"]
 
-    __typenames__ = ["int32_t", "int32_t", "string", "int8_t", "string", "int64_t", "string", "int32_t", "int64_t", "int64_t", "int64_t", "int64_t"]
+    __typenames__ = ["int32_t", "int32_t", "string", "int8_t", "string", "int64_t", "string", "int32_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t"]
 
-    __dimensions__ = [None, None, None, None, ["types_length"], ["fingerprints_length"], None, None, None, None, None, None]
+    __dimensions__ = [None, None, None, None, ["types_length"], ["fingerprints_length"], None, None, None, None, None, None, None, None, None]
 
     PUBLISHER = 0
     """ a role: publishes messages on the topic """
@@ -101,6 +101,25 @@ class Endpoint(object):
         LCM Type: int64_t
         """
 
+        self.calls = 0
+        """
+        [calls] of the callback since the start, one that is running among them; 0 for a publisher
+        or client
+        LCM Type: int64_t
+        """
+
+        self.busy = 0
+        """
+        [ns] spent in the callback since the start, in one that is running too
+        LCM Type: int64_t
+        """
+
+        self.longest = 0
+        """
+        [ns] that the longest call has taken, one that is running counts
+        LCM Type: int64_t
+        """
+
 
     def encode(self):
         buf = BytesIO()
@@ -125,7 +144,7 @@ class Endpoint(object):
         buf.write(struct.pack('>I', len(__group_encoded)+1))
         buf.write(__group_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">iqqqq", self.depth, self.messages, self.bytes, self.drops, self.last_time))
+        buf.write(struct.pack(">iqqqqqqq", self.depth, self.messages, self.bytes, self.drops, self.last_time, self.calls, self.busy, self.longest))
 
     @staticmethod
     def decode(data: bytes):
@@ -151,13 +170,13 @@ class Endpoint(object):
         self.fingerprints = struct.unpack('>%dq' % self.fingerprints_length, buf.read(self.fingerprints_length * 8))
         __group_len = struct.unpack('>I', buf.read(4))[0]
         self.group = buf.read(__group_len)[:-1].decode('utf-8', 'replace')
-        self.depth, self.messages, self.bytes, self.drops, self.last_time = struct.unpack(">iqqqq", buf.read(36))
+        self.depth, self.messages, self.bytes, self.drops, self.last_time, self.calls, self.busy, self.longest = struct.unpack(">iqqqqqqq", buf.read(60))
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if Endpoint in parents: return 0
-        tmphash = (0x7cb40287239656f7) & 0xffffffffffffffff
+        tmphash = (0xb703a761fc19687a) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

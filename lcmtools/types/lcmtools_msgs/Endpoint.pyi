@@ -24,6 +24,9 @@ class Endpoint:
     bytes: int
     drops: int
     last_time: int
+    calls: int
+    busy: int
+    longest: int
     def __init__(self) -> None: ...
     def encode(self) -> builtins.bytes: ...
     @staticmethod

@@ -75,9 +75,28 @@ def test_a_program_that_is_no_node_is_noticed_and_missed(
     assert after(computer, plain, 1.5) is False
 
 
+def test_who_was_there_first_is_heard_from_the_start(computer: Computer) -> None:
+    computer.sockets[300] = PLAIN
+    plain = watch(computer)
+
+    assert all(after(computer, plain, 0.1) for _ in range(30))
+
+
+def test_a_look_at_once_counts_who_has_only_just_come(computer: Computer) -> None:
+    plain = watch(computer)
+    assert after(computer, plain, 3.0) is False
+    assert plain.possible(at_once=True) is False
+
+    computer.sockets[300] = PLAIN
+
+    assert plain.possible() is False
+    assert plain.possible(at_once=True) is True
+
+
 def test_a_command_that_comes_and_goes_is_taken_for_none(computer: Computer) -> None:
     # Its socket is open a moment before it announces itself, and a moment after its goodbye.
     plain = watch(computer)
+    assert plain.possible() is False
     for first in range(400, 420):
         computer.sockets[first] = PLAIN
         assert after(computer, plain, 0.4) is False

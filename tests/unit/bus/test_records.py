@@ -13,7 +13,7 @@ import pytest
 from lcmtools.bus.processes import process_of
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import parse_url
-from lcmtools.graph.model import Node
+from lcmtools.graph.model import Endpoint, Node, Role
 
 _URL = parse_url("udpm://239.255.76.67:19999?ttl=0")
 
@@ -178,3 +178,16 @@ def test_a_computer_that_takes_no_records_goes_without(tmp_path: Path) -> None:
 def test_names_that_are_not_utf8_are_recorded(records: NodeRecords) -> None:
     records.write(_node(command="run \udcff"))
     assert [node.command for node in records.read()] == ["run \udcff"]
+
+
+def test_a_record_says_what_the_node_published(records: NodeRecords) -> None:
+    records.write(_node(endpoints=(Endpoint("/chatter", Role.PUBLISHER),)))
+    assert records.publications({"abc"}) == {"/chatter"}
+    assert records.publications({"def"}) == set()
+
+
+def test_a_node_in_another_network_is_on_another_bus(records: NodeRecords, tmp_path: Path) -> None:
+    records.write(_node())
+    (file,) = _files(tmp_path)
+    file.write_text(json.dumps({**json.loads(file.read_text()), "network": 1}))
+    assert list(records.read()) == []

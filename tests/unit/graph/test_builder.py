@@ -49,6 +49,17 @@ def test_an_announced_node_is_known_with_its_sender_and_time() -> None:
     assert (node.name, node.sender, node.last_heard, node.stale) == ("/a", _ALICE, 5, "")
 
 
+@pytest.mark.parametrize(("sent", "lags"), [((0, 0), None), ((90, 107), 3), ((95, 90), 5)])
+def test_the_quickest_announcement_tells_of_the_clock(
+    sent: tuple[int, int], lags: int | None
+) -> None:
+    builder = GraphBuilder()
+    for time, announced in zip((100, 110), sent, strict=True):
+        _announce(builder, _node(sent=announced), time=time)
+    (node,) = builder.snapshot(110).nodes
+    assert (node.sent, node.lag) == (sent[1], lags)
+
+
 def test_nodes_come_sorted_by_name_and_start() -> None:
     builder = GraphBuilder()
     for name, identity, start in (("/b", "1", 0), ("/a", "2", 9), ("/a", "3", 4)):

@@ -1,5 +1,7 @@
 """Questions to a graph."""
 
+from dataclasses import replace
+
 import pytest
 
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
@@ -87,3 +89,13 @@ def test_a_hidden_node_is_known_as_such() -> None:
 def test_an_endpoint_without_types_has_no_type() -> None:
     assert Endpoint("/a", Role.PUBLISHER).type == ""
     assert Endpoint("/a", Role.PUBLISHER, ("t/A", "t/B")).type == "t/A"
+
+
+def test_what_programs_send_to_themselves_at_first_is_nobodys_publication() -> None:
+    graph = Graph(traffic=(_seen("LCM_SELF_TEST"), _seen("SEEN")))
+    assert [seen.channel for seen in graph.foreign()] == ["SEEN"]
+
+
+@pytest.mark.parametrize(("lag", "there"), [(None, 1000), (300, 700), (-300, 1300)])
+def test_a_computer_whose_clock_is_behind_shows_less(lag: int | None, there: int) -> None:
+    assert replace(_node("/a"), lag=lag).time_there(1000) == there

@@ -46,10 +46,12 @@ _NODE = Node(
             3,
             1_700_000_000_000_000_002,
         ),
-        Endpoint("/a", Role.SUBSCRIBER),
-        Endpoint("/b", Role.SERVICE),
+        Endpoint("/a", Role.SUBSCRIBER, calls=7, busy=1 << 42, longest=1 << 41),
+        Endpoint("/b", Role.SERVICE, calls=1, busy=2, longest=3),
         Endpoint("/c", Role.CLIENT),
     ),
+    busy=1 << 43,
+    sent=1_700_000_000_000_000_003,
 )
 
 
@@ -145,6 +147,25 @@ def test_the_identity_in_an_announcement_is_the_nodes_own() -> None:
     assert identity(_NODE, leaving=True) != identity(_NODE)
     for other in (replace(_NODE, name="/b"), replace(_NODE, id="x"), replace(_NODE, host="h2")):
         assert identity(other) != identity(_NODE)
+
+
+def _revision(node: Node) -> bytes:
+    return head_of(encode_announcement(Announcement(node))).revision
+
+
+def test_counters_and_clocks_change_no_revision() -> None:
+    counted = replace(
+        _NODE.endpoints[1], messages=9, bytes=9, drops=9, last_time=9, calls=9, busy=9, longest=9
+    )
+    endpoints = (_NODE.endpoints[0], counted, *_NODE.endpoints[2:])
+    assert _revision(replace(_NODE, endpoints=endpoints, sent=9, busy=9)) == _revision(_NODE)
+    changed = (_NODE.endpoints[0], replace(counted, depth=9), *_NODE.endpoints[2:])
+    assert _revision(replace(_NODE, endpoints=changed)) != _revision(_NODE)
+
+
+def test_an_announcement_is_sent_at_a_time() -> None:
+    announcement = Announcement(_NODE, leaving=True, answers=3)
+    assert announcement.sent_at(5) == Announcement(replace(_NODE, sent=5), leaving=True, answers=3)
 
 
 @given(st.binary(max_size=120))

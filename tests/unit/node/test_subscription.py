@@ -6,7 +6,7 @@ import pytest
 
 import lcmtools
 from lcmtools import Node
-from lcmtools.bus.base import FakeBus
+from lcmtools.bus.base import FakeBus, Handler
 from lcmtools.errors import DecodeError, InvalidName
 from lcmtools.messages.codec import encode
 from lcmtools.node.context import Context
@@ -64,6 +64,59 @@ def test_messages_that_come_during_a_slow_callback_are_kept_the_same_way(
     lcmtools.spin_once(node)
     assert heard == [0, *range(91, 101)]
     assert subscription.drops == 90
+
+
+def test_what_waits_when_ctrl_c_comes_in_a_callback_is_delivered_later(
+    begin: Begin, bus: FakeBus
+) -> None:
+    begin()
+    node, heard = Node("a"), []
+
+    def interrupted(message: Int32) -> None:
+        heard.append(message.data)
+        if message.data == 0:
+            raise KeyboardInterrupt
+
+    node.create_subscription(Int32, "n", interrupted)
+    bus.publish("/n", _number(0))
+    bus.publish("/n", _number(1))
+    with pytest.raises(KeyboardInterrupt):
+        lcmtools.spin_once(node)
+    lcmtools.spin_once(node)
+    assert heard == [0, 1]
+
+
+def test_a_message_that_comes_while_its_subscription_is_made_is_not_left_behind(
+    begin: Begin,
+) -> None:
+    """Another thread may make it, and the spinning one looks in vain between the two steps."""
+
+    class EagerBus(FakeBus):
+        def subscribe(self, channel: str, handler: Handler) -> None:
+            super().subscribe(channel, handler)
+            if channel == "/n":
+                self.publish("/n", _number(1))
+                lcmtools.spin_once(node)
+
+    begin(bus=EagerBus())
+    node, heard = Node("a"), []
+    node.create_subscription(Int32, "n", lambda m: heard.append(m.data))
+    lcmtools.spin_once(node)
+    assert heard == [1]
+
+
+def test_two_nodes_of_a_process_each_get_theirs_whoever_spins_first(
+    begin: Begin, bus: FakeBus
+) -> None:
+    begin()
+    first, second = Node("a"), Node("b")
+    heard: list[str] = []
+    first.create_subscription(Int32, "n", lambda _: heard.append("a"))
+    second.create_subscription(Int32, "n", lambda _: heard.append("b"))
+    bus.publish("/n", _number(0))
+    lcmtools.spin_once(second)
+    lcmtools.spin_once(first)
+    assert heard == ["b", "a"]
 
 
 @pytest.mark.parametrize(("depth", "kept"), [(1, 1), (3, 3), (0, 1), (-5, 1), (1000, 20)])

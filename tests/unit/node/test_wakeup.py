@@ -1,10 +1,20 @@
 """Waking a thread that waits."""
 
+import os
 import threading
 import time
 from pathlib import Path
 
+import pytest
+
 from lcmtools.node.wakeup import Wakeup
+
+
+@pytest.fixture(autouse=True, params=["as it is", "without eventfd"])
+def system(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Other systems than Linux have no eventfd."""
+    if request.param == "without eventfd":
+        monkeypatch.delattr(os, "eventfd", raising=False)
 
 
 def test_a_set_flag_makes_the_next_wait_return_at_once_and_only_that() -> None:

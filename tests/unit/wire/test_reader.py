@@ -81,3 +81,14 @@ def test_senders_of_nonsense_are_bounded() -> None:
         reader.read(b"nonsense", Sender("10.0.0.1", port), 0)
         reader.read(short_message(0, "A", b""), Sender("10.0.0.2", port), 0, 1)
     assert len(reader.malformed) == len(reader.sequences) == len(reader.ttls) == 1000
+
+
+def test_only_the_channels_that_are_wanted_whole_come_whole() -> None:
+    reader = Reader(whole=False, always_whole=("/image",))
+    large = bytes(range(250)) * 600
+    found = read(reader, [*fragments(1, "/cloud", large), *fragments(2, "/image", large)])
+    assert [(packet.channel, len(packet.payload), packet.size) for packet in found] == [
+        ("/cloud", 1024, 150_000),
+        ("/image", 150_000, 150_000),
+    ]
+    assert found[1].payload == large

@@ -1,0 +1,69 @@
+"""A node's place: its name, what other names mean from there, and who else is on the bus.
+
+What it sends, receives and runs is not known here.
+"""
+
+from lcmtools import names
+from lcmtools.graph import model
+from lcmtools.node.context import Context
+
+
+class Placed:
+    """What has a name in a process's context.
+
+    Args:
+        name: Its own name; ``__name:=`` on the command line wins, for the first of a process.
+        namespace: Where it stands; ``__ns:=`` on the command line wins.
+        context: What it shares with others.
+
+    Attributes:
+        name: Its full name.
+        namespace: Where it stands.
+
+    Raises:
+        InvalidName: The name or the namespace breaks the naming rules.
+    """
+
+    # Private names begin with two underscores, as in Node.
+
+    def __init__(self, name: str, namespace: str, context: Context) -> None:
+        self.__context = context
+        said = context.arguments
+        own_name = said.name if said.name and context.is_first() else name
+        names.check_base_name(own_name)
+        given = said.namespace or namespace
+        self.namespace = names.resolve_namespace(given) if given else context.default_namespace
+        self.name = names.check_length(names.resolve(f"{self.namespace}/{own_name}"))
+        self.__names = names.Resolver(self.namespace, self.name, tuple(said.remaps))
+
+    @property
+    def context(self) -> Context:
+        """What this node shares with the others of its process."""
+        return self.__context
+
+    def resolve_name(self, name: str) -> str:
+        """The topic or service that a name means for this node, remapped.
+
+        Raises:
+            InvalidName: The name breaks the naming rules.
+        """
+        return self.__names.resolve(name)
+
+    def graph(self) -> model.Graph:
+        """The announced nodes of the bus; the first call starts listening to them."""
+        return self.__context.graph()
+
+    def heard_topics(self) -> frozenset[str]:
+        """The topics that nodes announce to listen to, so that others need not be computed."""
+        return self.__context.heard_topics()
+
+    def has_plain_listeners(self, *, at_once: bool = False) -> bool:
+        """Whether programs that are no nodes can be listening, to any topic.
+
+        On a bus that leaves this computer there can always be one.
+
+        Args:
+            at_once: Look now, and count whoever might be one, instead of waiting a second or two
+                to be sure.
+        """
+        return self.__context.has_plain_listeners(at_once=at_once)

@@ -1,0 +1,213 @@
+"""Nodes that follow the graph of a real bus: what they know of the others, and how soon."""
+
+import json
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from lcmtools import Node
+from lcmtools.arguments import split_arguments
+from lcmtools.bus.liblcm import LcmBus
+from lcmtools.bus.listeners import listening_sockets
+from lcmtools.bus.mailbox import Mailbox
+from lcmtools.bus.processes import udp_sockets
+from lcmtools.bus.socket_memory import selective_sockets
+from lcmtools.bus.url import parse_url
+from lcmtools.graph.model import Endpoint, Role
+from lcmtools.graph.protocol import (
+    NODE_CHANNEL,
+    PROBE_CHANNEL,
+    Announcement,
+    encode_announcement,
+)
+from lcmtools.node.context import Context
+from lcmtools.types.std_msgs import String
+
+WaitUntil = Callable[..., None]
+Join = Callable[[], Context]
+
+
+@pytest.fixture
+def join(bus_url: str) -> Iterator[Join]:
+    """``join()``: a program with nodes, on a connection of its own."""
+    url, contexts = parse_url(bus_url), []
+    said, _ = split_arguments([])
+
+    def run() -> Context:
+        contexts.append(Context(LcmBus(url), said, {}, url=url))
+        return contexts[-1]
+
+    yield run
+    for context in contexts:
+        context.close()
+
+
+@pytest.fixture
+def mailbox(bus_url: str) -> Callable[[], int]:
+    """``mailbox()``: the inode of this process's only mailbox."""
+
+    def find() -> int:
+        (inode,) = selective_sockets() & listening_sockets(parse_url(bus_url))
+        return inode
+
+    return find
+
+
+def _names(node: Node) -> list[str]:
+    return [found.name for found in node.graph().nodes]
+
+
+def _waiting_bytes(inode: int) -> int:
+    (row,) = (row for row in udp_sockets() if row.inode == inode)
+    return row.queued_bytes
+
+
+def test_a_follower_knows_who_comes_changes_and_goes(join: Join, wait_until: WaitUntil) -> None:
+    follower = Node("follower", context=join())
+    other = Node("other", context=join())
+    wait_until(lambda: _names(follower) == ["/follower", "/other"])
+    subscription = other.create_subscription(String, "chatter", print)
+    wait_until(lambda: "/chatter" in follower.heard_topics())
+    other.destroy_subscription(subscription)
+    wait_until(lambda: "/chatter" not in follower.heard_topics())
+    other.destroy_node()
+    wait_until(lambda: _names(follower) == ["/follower"])
+
+
+def test_a_new_follower_asks_those_who_are_there(join: Join, wait_until: WaitUntil) -> None:
+    probes: list[bytes] = []
+    other = join()
+    other.bus.subscribe(PROBE_CHANNEL, lambda payload, _: probes.append(payload))
+    follower = Node("follower", context=join())
+    assert probes == []
+    follower.graph()
+    wait_until(lambda: probes)
+
+
+@pytest.mark.usefixtures("private_network")
+def test_announcements_do_not_pile_up_while_nobody_asks(
+    join: Join, mailbox: Callable[[], int], wait_until: WaitUntil
+) -> None:
+    follower = Node("follower", context=join())
+    other = Node("other", context=join())
+    follower.graph()
+    other.context.announcer.close()
+    follower.context.announcer.close()
+    wait_until(lambda: _waiting_bytes(mailbox()) == 0)
+    payload = encode_announcement(Announcement(other.describe()))
+
+    def wait_in_the_mailbox() -> bool:
+        other.context.bus.publish(NODE_CHANNEL, payload)
+        return _waiting_bytes(mailbox()) > 0
+
+    wait_until(wait_in_the_mailbox)
+    wait_until(lambda: _waiting_bytes(mailbox()) == 0)
+
+
+@pytest.mark.usefixtures("private_network")
+def test_a_node_with_very_many_endpoints_is_known(
+    join: Join, mailbox: Callable[[], int], wait_until: WaitUntil
+) -> None:
+    follower, sender = Node("follower", context=join()), join()
+    follower.graph()
+    assert mailbox()
+    endpoints = tuple(Endpoint(f"/topic{n}", Role.SUBSCRIBER, ("a/B",)) for n in range(2000))
+    large = replace(follower.describe(), name="/large", id="1" * 32, endpoints=endpoints)
+    payload = encode_announcement(Announcement(large))
+    assert len(payload) > 66_000  # more than a datagram takes
+
+    def is_known() -> bool:
+        sender.bus.publish(NODE_CHANNEL, payload)  # as nodes do again and again
+        return "/large" in _names(follower)
+
+    wait_until(is_known)
+    Node("small", context=join())
+    wait_until(lambda: "/small" in _names(follower))
+
+
+@pytest.mark.usefixtures("private_network")
+def test_a_followers_own_mailbox_is_no_stranger_that_listens(
+    join: Join, mailbox: Callable[[], int], wait_until: WaitUntil
+) -> None:
+    follower = Node("follower", context=join())
+    follower.graph()
+    assert mailbox()
+    wait_until(lambda: not follower.has_plain_listeners())
+
+
+def test_a_mailbox_is_left_with_the_bus(join: Join, bus_url: str) -> None:
+    context = join()
+    Node("follower", context=context).graph()
+    assert listening_sockets(parse_url(bus_url))
+    context.close()
+    assert not listening_sockets(parse_url(bus_url))
+
+
+def test_a_mailbox_takes_one_channel_whatever_else_comes(
+    bus_url: str, wait_until: WaitUntil
+) -> None:
+    url = parse_url(bus_url)
+    mailbox, bus = Mailbox(url, "/a"), LcmBus(url)
+    for channel, payload in (("/b", b"no"), ("/a", b"1"), ("/ab", b"no"), ("/", b""), ("/a", b"2")):
+        bus.publish(channel, payload)
+    taken: list[bytes] = []
+
+    def has_all() -> bool:
+        taken.extend(payload for payload, _ in mailbox.take())
+        return taken[-1:] == [b"2"]
+
+    wait_until(has_all)
+    bus.close()
+    mailbox.close()
+    assert taken == [b"1", b"2"]
+    assert mailbox.take() == []
+
+
+def test_what_waited_in_a_mailbox_came_before_it_was_taken(
+    bus_url: str, mailbox: Callable[[], int], wait_until: WaitUntil
+) -> None:
+    taker, bus = Mailbox(parse_url(bus_url), "/a"), LcmBus(parse_url(bus_url))
+    bus.publish("/a", b"1")
+    wait_until(lambda: _waiting_bytes(mailbox()) > 0)
+    before = time.time_ns()
+    ((_, arrival),) = taker.take()
+    assert before - 10_000_000_000 < arrival <= before
+    bus.close()
+    taker.close()
+
+
+_FOLLOWER = """
+import lcmtools
+lcmtools.init()
+node = lcmtools.Node("follower")
+node.graph()
+print("ready", flush=True)
+lcmtools.spin(node)
+"""
+_TALKER = """
+import time, lcm
+bus = lcm.LCM()
+for number in range(100_000):
+    bus.publish("A", bytes(8) + bytes(100))
+    if number == 3:
+        print("ready", flush=True)
+    time.sleep(0.002)
+"""
+
+
+@pytest.mark.usefixtures("private_network")
+def test_wtf_does_not_blame_a_mailbox_for_what_its_filter_drops(
+    start_python: Callable[..., Any],
+    lcmtools: Callable[..., Any],
+    mailbox: Callable[[], int],
+    bus_url: str,
+) -> None:
+    for source in (_FOLLOWER, _TALKER):
+        start_python(source, LCM_DEFAULT_URL=bus_url).wait_for("ready")
+    (row,) = (row for row in udp_sockets() if row.inode == mailbox())
+    assert row.drops > 0  # the kernel counts them
+    found = json.loads(lcmtools("wtf", "--json", "--wait", "0.5s", LCM_DEFAULT_URL=bus_url).stdout)
+    assert "kernel-drops" not in [finding["rule"] for finding in found]

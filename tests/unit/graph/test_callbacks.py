@@ -1,0 +1,60 @@
+"""How long callbacks take, from two looks at the counters."""
+
+from dataclasses import replace
+
+import pytest
+
+from lcmtools.graph.callbacks import busy_share, callback_time, duration_text
+from lcmtools.graph.model import Endpoint, Node, Role
+
+SECOND = 1_000_000_000
+EAR = Endpoint("/a", Role.SUBSCRIBER, calls=10, busy=500)
+NODE = Node("/n", "n", "h", 1, sent=5 * SECOND, busy=SECOND)
+
+
+@pytest.mark.parametrize(
+    ("calls", "busy", "mean"),
+    [(14, 540, 10), (15, 720, 48), (10, 540, 40), (10, 500, None), (14, 500, None), (3, 600, None)],
+)
+def test_a_callback_takes_what_it_took_between_two_looks(
+    calls: int, busy: int, mean: float | None
+) -> None:
+    assert callback_time(EAR, replace(EAR, calls=calls, busy=busy)) == mean
+
+
+@pytest.mark.parametrize(
+    ("span", "busy", "share"),
+    [(1.0, 0.25, 0.25), (1.0, 0.0, 0.0), (1.0, 1.5, 1.0), (0.1, 0.05, None), (1.0, -0.5, None)],
+)
+def test_a_node_is_busy_for_a_part_of_the_time_between_its_announcements(
+    span: float, busy: float, share: float | None
+) -> None:
+    later = replace(
+        NODE, sent=NODE.sent + round(span * SECOND), busy=NODE.busy + round(busy * SECOND)
+    )
+    assert busy_share(NODE, later) == share
+
+
+def test_only_some_callbacks_may_count() -> None:
+    assert busy_share(NODE, replace(NODE, sent=7 * SECOND), SECOND) == 0.5
+
+
+def test_a_node_that_does_not_say_when_it_sent_is_not_judged() -> None:
+    assert busy_share(replace(NODE, sent=0), NODE) is None
+
+
+@pytest.mark.parametrize(
+    ("nanoseconds", "text"),
+    [
+        (0, "0 ms"),
+        (12_345, "0.012 ms"),
+        (1_240_000, "1.2 ms"),
+        (9_960_000, "10 ms"),
+        (250_000_000, "250 ms"),
+        (999_600_000, "1 s"),
+        (2_500_000_000, "2.5 s"),
+        (5_000 * SECOND, "5000 s"),
+    ],
+)
+def test_times_are_short_for_people(nanoseconds: float, text: str) -> None:
+    assert duration_text(nanoseconds) == text
