@@ -1,9 +1,7 @@
 """Words for what is known of topics, types and senders; shared by the commands that show them."""
 
-from collections.abc import Iterable
-from dataclasses import replace
-
-from lcmtools.graph.model import Node, Topic, Traffic
+from lcmtools.graph.callbacks import duration_text
+from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
 from lcmtools.messages.registry import candidates
 
 UNKNOWN = "unknown type"
@@ -42,6 +40,7 @@ def node_record(node: Node) -> dict[str, object]:
     return {
         "node": node.name,
         "host": node.host,
+        "address": node.sender.address if node.sender else None,
         "pid": node.pid,
         "command": node.command,
         "start_time": node.start_time,
@@ -52,12 +51,37 @@ def node_record(node: Node) -> dict[str, object]:
 def node_text(node: Node) -> str:
     """A node with where it runs."""
     stale = f", stale: {node.stale}" if node.stale else ""
-    return f"{node.name} ({node.host}, pid {node.pid}{stale})"
+    return f"{node.name} ({host_text(node)}, pid {node.pid}{stale})"
+
+
+def host_text(node: Node) -> str:
+    """The computer that a node runs on; of another one also the address: "ada at 10.0.0.1"."""
+    from lcmtools.cli.computers import address_of
+
+    address = address_of(node)
+    return f"{node.host} at {address}" if address else node.host
 
 
 def listed_node(node: Node) -> str:
     """A node as lists show it: its name, and what is the matter with it."""
     return f"{node.name} (stale: {node.stale})" if node.stale else node.name
+
+
+def callback_times(endpoint: Endpoint) -> str:
+    """How long a callback takes: "callbacks: 1.2 ms mean, 30 ms longest"; "" before the first."""
+    if not endpoint.calls:
+        return ""
+    mean = duration_text(endpoint.busy / endpoint.calls)
+    return f"callbacks: {mean} mean, {duration_text(endpoint.longest)} longest"
+
+
+def callback_record(endpoint: Endpoint) -> dict[str, object]:
+    """The same for JSON, in nanoseconds."""
+    return {
+        "callbacks": endpoint.calls,
+        "callback_time": endpoint.busy,
+        "longest_callback": endpoint.longest,
+    }
 
 
 def program_text(traffic: Traffic) -> str:
@@ -72,37 +96,3 @@ def program_text(traffic: Traffic) -> str:
     if process is None:
         return f"a program of this computer, port {traffic.sender.port}"
     return f"{process.command} (pid {process.pid}, port {traffic.sender.port})"
-
-
-def by_host(topics: Iterable[Topic]) -> dict[str, list[Topic]]:
-    """The part of each topic that is on each computer, by the computer's name, sorted."""
-    found: dict[str, list[Topic]] = {}
-    for topic in topics:
-        nodes = [node.host for node, _ in topic.publishers + topic.subscribers]
-        for host in dict.fromkeys([*nodes, *map(host_of, topic.foreign)]):
-            found.setdefault(host, []).append(_part_on(host, topic))
-    return dict(sorted(found.items()))
-
-
-def host_of(traffic: Traffic) -> str:
-    """The computer that a sender is on: its name where it is this one, else its address."""
-    import socket
-
-    from lcmtools.bus.processes import is_local
-
-    if traffic.sender is None:
-        return "unknown"
-    address = traffic.sender.address
-    return socket.gethostname() if is_local(address) else address
-
-
-def _part_on(host: str, topic: Topic) -> Topic:
-    foreign = tuple(seen for seen in topic.foreign if host_of(seen) == host)
-    publishers = tuple(pair for pair in topic.publishers if pair[0].host == host)
-    return replace(
-        topic,
-        publishers=publishers,
-        subscribers=tuple(pair for pair in topic.subscribers if pair[0].host == host),
-        traffic=topic.traffic if publishers else foreign,
-        foreign=foreign,
-    )

@@ -33,9 +33,10 @@ def find_topic(graph: Graph, name: str) -> Topic:
 
 
 def find_node(graph: Graph, name: str) -> Node:
-    """The node that a name means: its full name, the last part where that is unique, or its pid.
+    """The node that a name means: its full name, or the last part where that is unique.
 
-    Where a node was killed and started again, the one that is alive.
+    Or its pid, alone or as HOST:PID. Where a node was killed and started again, the one that is
+    alive.
 
     Raises:
         UsageError: The name is empty.
@@ -53,7 +54,7 @@ def find_nodes(graph: Graph, name: str) -> list[Node]:
     """
     if not name:
         raise UsageError("the node's name is empty", "lcmtools node list shows them")
-    by_pid = [node for node in graph.nodes if name.isdecimal() and str(node.pid) == name]
+    by_pid = [node for node in graph.nodes if name in _numbers(node)]
     named = graph.named(name) or by_pid
     found = [node for node in named if not node.stale] or named
     names = sorted({node.name for node in found})
@@ -62,6 +63,12 @@ def find_nodes(graph: Graph, name: str) -> list[Node]:
     if len(names) > 1 and not by_pid:
         raise LcmtoolsError(f"several nodes are named {name}", f"write one of {', '.join(names)}")
     return found
+
+
+def _numbers(node: Node) -> list[str]:
+    """How a node's process may be written: its pid, alone or behind its computer: "ada:1234"."""
+    computers = [node.host, *([node.sender.address] if node.sender else [])]
+    return [str(node.pid), *(f"{computer}:{node.pid}" for computer in computers)]
 
 
 def near_node(graph: Graph, name: str) -> str:
@@ -87,6 +94,17 @@ def below_or_like(name: str, wanted: str) -> bool:
         return alone or fnmatchcase(name, f"/{wanted.lstrip('/')}")
     prefix = wanted.strip("/")
     return not prefix or name == f"/{prefix}" or name.startswith(f"/{prefix}/")
+
+
+def topic_is_in(name: str, namespace: str) -> bool:
+    """Whether a topic is a namespace or pattern, is below it or matches it; "" is for all."""
+    if not namespace.strip("/"):
+        return True
+    if any(mark in namespace for mark in "*?["):
+        patterns = [namespace] if namespace.startswith("/") else [namespace, f"/{namespace}"]
+        return any(fnmatchcase(name, p) or fnmatchcase(name, f"{p}/*") for p in patterns)
+    spellings = topic_spellings(namespace)
+    return any(name == spelling or name.startswith(f"{spelling}/") for spelling in spellings)
 
 
 def near_topic(graph: Graph, name: str) -> str:

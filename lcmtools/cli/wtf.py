@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterator, Sequence
 
 import click
 
-from lcmtools.bus.url import BusUrl
 from lcmtools.cli.options import CONTEXT, bus_options, chosen_url, duration, json_option
 from lcmtools.cli.output import data, document, lines
 from lcmtools.color import BOLD, RED, YELLOW, paint, stream_wants_color
 from lcmtools.doctor.collect import collect
-from lcmtools.doctor.model import Finding, Rule, Severity
+from lcmtools.doctor.model import Evidence, Finding, Rule, Severity
 from lcmtools.doctor.rules import RULES, examine
+from lcmtools.doctor.unchecked import unchecked
 from lcmtools.errors import UsageError
 from lcmtools.names import did_you_mean
 
@@ -76,7 +76,8 @@ def command(  # noqa: PLR0913 - one parameter an option
 ) -> int:
     """Look for what is wrong on the bus, and say how to mend it.
 
-    Exits with 0 when all is well (notes count as well), 1 with warnings, 2 with errors.
+    Exits with 0 when all is well (notes count as well), 1 with warnings, 2 with errors. What could
+    not be looked at is said below, with the reason.
 
     \b
     Examples:
@@ -93,21 +94,15 @@ def command(  # noqa: PLR0913 - one parameter an option
         raise UsageError("no rule is left", "lcmtools wtf --list shows them")
     url = chosen_url()
 
-    def look() -> list[Finding]:
-        return _look(url, wait, rules)
-
     if forever:
-        _watch(look, as_json=as_json)
-    findings = look()
+        _watch(lambda: list(examine(collect(url, os.environ, wait), rules)), as_json=as_json)
+    evidence = collect(url, os.environ, wait)
+    findings = list(examine(evidence, rules))
     if as_json:
         document([_record(finding) for finding in findings])
     else:
-        lines(_text(findings), _decoration())
+        lines([*_text(findings), *_not_checked(evidence, rules)], _decoration())
     return max((finding.severity for finding in findings), default=Severity.NOTE).value
-
-
-def _look(url: BusUrl, wait: float, rules: Sequence[Rule]) -> list[Finding]:
-    return list(examine(collect(url, os.environ, wait), rules))
 
 
 def _watch(look: Callable[[], list[Finding]], *, as_json: bool) -> None:
@@ -161,6 +156,13 @@ def _text(findings: Sequence[Finding]) -> list[str]:
         for finding in group:
             rows += [*_finding_text(finding), ""]
     return rows[:-1]
+
+
+def _not_checked(evidence: Evidence, rules: Sequence[Rule]) -> list[str]:
+    """What could not be looked at, a line each, and an empty one before."""
+    asked = {rule.id for rule in rules}
+    rows = [f"Not checked: {u.rule} ({u.why})" for u in unchecked(evidence) if u.rule in asked]
+    return ["", *rows] if rows else []
 
 
 def _finding_text(finding: Finding) -> Iterator[str]:

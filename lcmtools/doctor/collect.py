@@ -12,17 +12,22 @@ from pathlib import Path
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import Process, UdpSocket, is_local, owners, udp_sockets
 from lcmtools.bus.programs import is_here, user_name
-from lcmtools.bus.socket_memory import receive_buffers
+from lcmtools.bus.records import NodeRecords
+from lcmtools.bus.socket_memory import receive_buffers, selective_sockets
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.watch import Watch
+from lcmtools.doctor.computers import HostClock
+from lcmtools.doctor.elsewhere import with_topics
 from lcmtools.doctor.listening import Listening
 from lcmtools.doctor.model import Evidence, Listener, SenderFacts, SimClock
 from lcmtools.doctor.surroundings import (
     busy_time,
     host,
     lcm_processes,
+    never_reads,
     reassembly_failures,
     state_of,
+    waited_time,
 )
 from lcmtools.errors import BusError
 from lcmtools.graph.model import Graph, Node, Role
@@ -44,6 +49,8 @@ def collect(url: BusUrl, environment: Mapping[str, str], listen: float) -> Evide
             evidence = _look(watch, evidence, listen)
     except BusError as error:
         return replace(evidence, bus_problem=error.what, bus_remedy=error.hint)
+    stale = {node.id for node in evidence.graph.nodes if node.stale}
+    evidence = replace(evidence, hushed=NodeRecords(url, environment).publications(stale))
     failed = reassembly_failures() - failures
     return replace(evidence, host=replace(here, reassembly_failures=failed))
 
@@ -51,6 +58,7 @@ def collect(url: BusUrl, environment: Mapping[str, str], listen: float) -> Evide
 def _look(watch: Watch, evidence: Evidence, listen: float) -> Evidence:
     before = watch.settle(foreign=False)
     table, busy_before, start = _Table.read(watch.url), _busy_nodes(before), time.monotonic()
+    waited_before = {one.pid: waited_time(one.pid) for one in table.holders.values()}
     listening = Listening(lambda topic: watch.graph().topic(topic).types)
     with contextlib.suppress(EOFError):  # a log has ended
         for packet in watch.packets(listen):
@@ -74,8 +82,13 @@ def _look(watch: Watch, evidence: Evidence, listen: float) -> Evidence:
         listeners=_listeners(table, later, names),
         oddities=listening.oddities(names.of),
         clock=_clock(listening, after, names, busy),
-        processes=lcm_processes(watch.url, later.rows.values(), later.holders),
+        processes=with_topics(
+            lcm_processes(watch.url, later.rows.values(), later.holders, _heard_ports(watch)), after
+        ),
+        waited=_longest_wait(waited_before),
         users={uid: user_name(uid) for uid in {row.uid for row in later.rows.values()}},
+        clocks=_clocks(after),
+        remote=frozenset(node.id for node in after.nodes if not is_here(node)),
     )
 
 
@@ -87,6 +100,18 @@ def _counted_again(watch: Watch, listening: Listening, listen: float) -> Graph:
             for packet in watch.packets(0.05):
                 listening.hear(packet)
     return watch.graph()
+
+
+def _heard_ports(watch: Watch) -> set[int]:
+    """The ports that messages have come from."""
+    return {sender.port for sender in watch.tap.sequences} if watch.tap else set()
+
+
+def _longest_wait(before: Mapping[int, int]) -> float:
+    """How long any of the processes has waited for a processor since [s]."""
+    own = os.getpid()
+    waits = [waited_time(pid) - spent for pid, spent in before.items() if pid != own]
+    return max(0, *waits, 0) / 1e9
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,13 +220,28 @@ def _senders(watch: Watch, names: _Names) -> tuple[SenderFacts, ...]:
     return tuple(facts)
 
 
+def _clocks(graph: Graph) -> tuple[HostClock, ...]:
+    """The other computers' clocks; a computer's quickest announcement tells most."""
+    lags: dict[tuple[str, str], dict[str, float]] = {}
+    for node in graph.nodes:
+        if node.lag is not None and node.sender and not is_here(node):
+            place = node.host, node.sender.address
+            lags.setdefault(place, {})[node.name] = node.lag / 1e9
+    return tuple(
+        HostClock(*place, min(nodes.values()), tuple(nodes)) for place, nodes in lags.items()
+    )
+
+
 def _listeners(before: _Table, after: _Table, names: _Names) -> tuple[Listener, ...]:
     buffers = receive_buffers()
     found = []
-    for inode in before.on_bus & after.on_bus:
+    # of a mailbox the kernel's numbers tell nothing: its filter drops nearly all that comes
+    for inode in (before.on_bus & after.on_bus) - selective_sockets():
         row, earlier = after.rows.get(inode), before.rows.get(inode)
         process = after.holders.get(inode)
         if row is None or earlier is None or (process and process.pid == os.getpid()):
+            continue
+        if process and never_reads(process.pid):
             continue
         found.append(
             Listener(

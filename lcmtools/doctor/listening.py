@@ -70,6 +70,7 @@ class Listening:
             stream.times.append(packet.time)
         stream.largest = max(stream.largest, packet.size)
         stream.bytes += packet.size
+        self._class(packet.channel, packet.fingerprint)  # to load it is not to look into it
         now = time.monotonic()
         if packet.channel == _CLOCK or self._spent <= _SHARE * (now - self._start) + 0.05:
             self._look_into(packet, key)
@@ -78,13 +79,25 @@ class Listening:
     def streams(self, name: Callable[[Sender | None], str]) -> tuple[Stream, ...]:
         """What came by channel and sender."""
         return tuple(
-            Stream(channel, sender, name(sender), tuple(s.times), s.largest, s.bytes)
+            Stream(
+                channel,
+                sender,
+                name(sender),
+                tuple(s.times),
+                s.largest,
+                s.bytes,
+                is_cut=len(s.times) >= _MOST_TIMES,
+            )
             for (channel, sender), s in sorted(self._streams.items(), key=str)
         )
 
     def oddities(self, name: Callable[[Sender | None], str]) -> tuple[Oddity, ...]:
         """What was odd in the messages, each oddity once."""
-        return tuple(replace(odd, name=name(key[1])) for (_, key, _), odd in self._odd.items())
+        return tuple(
+            replace(odd, name=name(key[1]))
+            for (kind, key, _), odd in self._odd.items()
+            if kind != "boot" or not self.clock_ticks  # the clock came after it
+        )
 
     def _look_into(self, packet: Packet, key: _Key) -> None:
         number = packet.fingerprint
@@ -108,7 +121,10 @@ class Listening:
 
     def _check_stamp(self, message: Message, arrival: int, key: _Key) -> None:
         stamped = stamp(message)
-        if not stamped or (stamped < _SIMULATED and not self.clock_ticks):
+        if not stamped:
+            return
+        if stamped < _SIMULATED and not self.clock_ticks:
+            self._note("boot", key, f"header.stamp is {stamped / 1e9:.1f} s since a start")
             return
         late = (arrival - stamped) / 1e9
         if stamped < _SIMULATED:
@@ -127,7 +143,9 @@ class Listening:
         elif len(self._odd) < _MOST_ODDITIES:
             self._odd[place] = Oddity(kind, key[0], "", text)
 
-    def _class(self, channel: str, number: int) -> type[Message] | None:
+    def _class(self, channel: str, number: int | None) -> type[Message] | None:
+        if number is None:
+            return None
         key = (channel, number)
         if key not in self._classes:
             names = candidates(number)

@@ -1,10 +1,12 @@
 """Evidence, findings and rules: plain values."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-from lcmtools.graph.model import Graph
+from lcmtools.doctor.computers import Host, HostClock
+from lcmtools.graph.model import Graph, Node
 from lcmtools.wire.packet import Sender
 
 
@@ -79,6 +81,7 @@ class Stream:
         sender: Who; None where the bus does not say.
         name: The sender for people.
         times: Arrivals, nanoseconds since 1970; the first thousands.
+        is_cut: There were more arrivals, of which the times are not known.
         largest: Bytes of the largest payload.
         bytes: Of all payloads.
     """
@@ -89,6 +92,7 @@ class Stream:
     times: tuple[int, ...]
     largest: int = 0
     bytes: int = 0
+    is_cut: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +100,7 @@ class Oddity:
     """Something odd within the messages of a topic.
 
     Attributes:
-        kind: "not-finite", "quaternion", "covariance", "future", "old" or "undecodable".
+        kind: "not-finite", "quaternion", "covariance", "future", "old", "boot" or "undecodable".
         topic: The channel.
         name: The sender for people.
         text: What and where: the field's path.
@@ -139,6 +143,9 @@ class LcmProcess:
         variable: Its LCM_DEFAULT_URL or LCMTOOLS_DOMAIN, as NAME=VALUE; "" without.
         open_files: How many it has open.
         most_files: How many it may.
+        state: As ps shows it ("T" is stopped).
+        listens: Whether it receives from a multicast group; one that does not only sends.
+        topics: What is published on its bus, where that is another one and something is missed.
     """
 
     pid: int
@@ -147,43 +154,9 @@ class LcmProcess:
     variable: str = ""
     open_files: int = 0
     most_files: int = 0
-
-
-@dataclass(frozen=True, slots=True)
-class Host:
-    """What of this computer bears on the bus; empty where the system does not tell.
-
-    Attributes:
-        uid: The user who looks.
-        interface: Where the route to the group leads ("lo", "eth0").
-        is_up: Whether that is up.
-        can_multicast: Whether it has its multicast flag.
-        joined: The interfaces on which somebody has joined the group.
-        rp_filter: Of the interface: 1 is strict.
-        speed_mbit: Of the interface, megabit per second.
-        is_wireless: Whether it is.
-        receive_buffer: What a socket gets that asks for nothing (rmem_default) [byte].
-        most_receive_buffer: What one may ask for (rmem_max) [byte].
-        firewall: The name of a firewall that is enabled.
-        container: "container" or "WSL", where this is one.
-        reassembly_failures: IP datagrams whose pieces did not all come, while wtf listened.
-        environment: What is wrong with variables and Python packages, one line each.
-    """
-
-    uid: int = 0
-    interface: str = ""
-    is_up: bool = True
-    can_multicast: bool = True
-    joined: tuple[str, ...] = ()
-    rp_filter: int = 0
-    speed_mbit: int = 0
-    is_wireless: bool = False
-    receive_buffer: int = 0
-    most_receive_buffer: int = 0
-    firewall: str = ""
-    container: str = ""
-    reassembly_failures: int = 0
-    environment: tuple[str, ...] = ()
+    state: str = ""
+    listens: bool = True
+    topics: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,7 +180,11 @@ class Evidence:
         clock: How simulated time goes on; None without a simulator.
         processes: This user's processes that use LCM.
         host: This computer.
+        hushed: What stale nodes of this computer published.
+        waited: How long programs of the bus had to wait for a processor meanwhile, at most [s].
         users: What the users of this computer are called, those who appear here, by number.
+        clocks: The other computers' clocks, as far as their nodes tell.
+        remote: The ids of the nodes on other computers.
     """
 
     url: str
@@ -226,7 +203,15 @@ class Evidence:
     clock: SimClock | None = None
     processes: Sequence[LcmProcess] = ()
     host: Host = field(default_factory=Host)
+    hushed: AbstractSet[str] = frozenset()
+    waited: float = 0.0
     users: Mapping[int, str] = field(default_factory=dict)
+    clocks: Sequence[HostClock] = ()
+    remote: AbstractSet[str] = frozenset()
+
+    def own_nodes(self) -> list[Node]:
+        """The nodes of this computer: only their process numbers mean anything here."""
+        return [node for node in self.graph.nodes if node.id not in self.remote]
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,6 +231,19 @@ class Finding:
     text: str
     items: tuple[str, ...] = ()
     remedies: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Unchecked:
+    """Something that could not be looked at.
+
+    Attributes:
+        rule: The rule that would need it.
+        why: Why not, and what would help.
+    """
+
+    rule: str
+    why: str
 
 
 Check = Callable[[Evidence], Iterator[Finding]]

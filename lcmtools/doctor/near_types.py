@@ -5,6 +5,7 @@ can be computed for known types with one field changed, and compared. Pure.
 """
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from functools import cache
 
 from lcmtools.messages.fields import PRIMITIVES, Field, fields
@@ -15,6 +16,75 @@ _SIGN = 1 << 63
 _START = 0x12345678
 _LCM_NAMES = {ours: lcm for lcm, ours in PRIMITIVES.items()}
 _USUAL_FIRST = (("seq", "int32"), ("utime", "int64"), ("timestamp", "int64"), ("id", "int32"))
+_USUAL_NAMES = frozenset(
+    [
+        "value",
+        "values",
+        "text",
+        "msg",
+        "message",
+        "content",
+        "contents",
+        "payload",
+        "string",
+        "str",
+        "number",
+        "num",
+        "count",
+        "result",
+        "speed",
+        "vel",
+        "velocity",
+        "pos",
+        "position",
+        "rot",
+        "rotation",
+        "orientation",
+        "angle",
+        "angles",
+        "yaw",
+        "pitch",
+        "roll",
+        "heading",
+        "theta",
+        "phi",
+        "psi",
+        "lin",
+        "ang",
+        "linear_velocity",
+        "angular_velocity",
+        "time",
+        "utime",
+        "timestamp",
+        "secs",
+        "nsecs",
+        "nanosec",
+        "nanosecs",
+        "seconds",
+        "nanoseconds",
+        "frame",
+        "frame_name",
+        "child_frame",
+        "title",
+        "label",
+        "key",
+        "id",
+        "index",
+        "status",
+        "state",
+        "mode",
+        "flag",
+        "flags",
+        "cov",
+        "covariances",
+        "pixels",
+        "image",
+        "buffer",
+        "bytes",
+        "ranges",
+        "points",
+    ]
+)
 _USUAL_LAST = tuple(
     (name, primitive)
     for name in ("id", "name", "status", "timestamp", "utime")
@@ -22,11 +92,21 @@ _USUAL_LAST = tuple(
 )
 
 
-def kinship(number: int) -> str:
+def kinship(number: int, expected: Iterable[str] = ()) -> str:
     """How a type of this fingerprint differs from a known one; "" where that is not found.
 
     "like nav_msgs/Odometry, but without the field child_frame_id"
+
+    Args:
+        number: The fingerprint.
+        expected: Names of types that it should be: these are compared first, and more closely.
     """
+    names = list(dict.fromkeys(expected))
+    for changes in (_changed, _renamed):
+        for name in names:
+            for other, text in changes(message_class(name)):
+                if other == number:
+                    return f"like {name}, but {text}"
     return _table().get(number, "")
 
 
@@ -60,6 +140,33 @@ def _changed(cls: type[Message]) -> Iterator[tuple[int, str]]:
     for name, primitive in _USUAL_LAST:
         hashed = _hashed(before, (_new(name, primitive),))
         yield _finished(hashed, own), f"with {name} ({primitive}) at the end"
+
+
+def _renamed(cls: type[Message]) -> Iterator[tuple[int, str]]:
+    """The type with one of its fields under another name that fields have."""
+    own, before = fields(cls), _START
+    for index, part in enumerate(own):
+        for name in _field_names() | _variants(part.name):
+            other = replace(part, name=name)
+            hashed = _hashed(before, (other, *own[index + 1 :]))
+            yield _finished(hashed, own), f"{part.name} is called {name}"
+        before = _hashed(before, (part,))
+
+
+@cache
+def _field_names() -> frozenset[str]:
+    """What fields are called, in all known types and elsewhere."""
+    known = {part.name for name in type_names() for part in fields(message_class(name))}
+    return frozenset(known | _USUAL_NAMES)
+
+
+def _variants(name: str) -> set[str]:
+    """A name as others would write it."""
+    head, *tail = name.split("_")
+    camel = head + "".join(word.capitalize() for word in tail)
+    short = {name[:length] for length in range(1, len(name))}
+    ends = {f"{name}{end}" for end in ("s", "_", "_m", "_rad", "_x", "1", "2", "_new", "_old")}
+    return {camel, name.upper(), name.capitalize(), f"_{name}", f"m_{name}"} | short | ends
 
 
 def _alternatives(

@@ -7,19 +7,26 @@ import contextlib
 import os
 import socket
 import struct
+import sys
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from importlib.util import find_spec
 from ipaddress import IPv4Address
 from pathlib import Path
+from typing import Any
 
-from lcmtools.bus.processes import Process, UdpSocket, process_of
+from lcmtools.bus.processes import Process, UdpSocket, process_of, uses_lcm
 from lcmtools.bus.url import BusUrl, choose_url
-from lcmtools.doctor.model import Host, LcmProcess
+from lcmtools.doctor.computers import Host
+from lcmtools.doctor.firewall import firewall
+from lcmtools.doctor.model import LcmProcess
+from lcmtools.doctor.self_test import LARGE_BYTES, large_problem, send_problem
 from lcmtools.errors import LcmtoolsError
 
 _PROC, _NET = Path("/proc"), Path("/sys/class/net")
 _UP, _MULTICAST = 0x1, 0x1000  # linux/if.h
 _KNOWN_GROUPS = frozenset({"224.0.0.251", "239.255.255.250", "224.0.0.252"})  # mDNS, SSDP, LLMNR
+_TYPE_PACKAGES = ("geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs")
 _VARIABLES = ("LCM_DEFAULT_URL", "LCMTOOLS_DOMAIN")
 
 
@@ -42,10 +49,35 @@ def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
         is_wireless=(folder / "wireless").exists(),
         receive_buffer=_number(_PROC / "sys/net/core/rmem_default"),
         most_receive_buffer=_number(_PROC / "sys/net/core/rmem_max"),
-        firewall="ufw" if "ENABLED=yes" in _text(Path("/etc/ufw/ufw.conf")) else "",
         container=_container(),
         environment=tuple(_environment(environment)),
+        has_sockets=(_PROC / "net/udp").exists(),
+        **(_network(url, interface) if url.is_multicast else {}),
     )
+
+
+def _network(url: BusUrl, interface: str) -> dict[str, Any]:
+    """What bears on messages that leave this computer, and what wtf's own do."""
+    known: dict[str, Any] = {"large_bytes": LARGE_BYTES, "large_problem": large_problem(url)}
+    if url.ttl:
+        folder = _NET / interface
+        known["firewall"], known["firewall_unknown"] = firewall()
+        known["send_problem"], known["send_remedy"] = send_problem(url)
+        known["others"] = tuple(sorted(_routed_interfaces() - {interface, "lo"}))
+        known["is_virtual"] = _number(folder / "iflink") != _number(folder / "ifindex")
+        known["bridge"] = silent_bridge(interface)
+    return known
+
+
+def silent_bridge(interface: str) -> str:
+    """The bridge that an interface is, or is a port of, if it snoops but asks nobody; else ""."""
+    folder = _NET / interface
+    if not interface or not folder.exists():
+        return ""
+    bridge = folder if (folder / "bridge").exists() else (folder / "master").resolve()
+    settings = bridge / "bridge"
+    snoops = _number(settings / "multicast_snooping") == 1
+    return bridge.name if snoops and not _number(settings / "multicast_querier") else ""
 
 
 def route_interface(group: str) -> str:
@@ -59,6 +91,12 @@ def route_interface(group: str) -> str:
             if own & mask == network and mask.bit_count() > best:
                 best, found = mask.bit_count(), columns[0]
     return found
+
+
+def _routed_interfaces() -> set[str]:
+    """The interfaces to which any route leads."""
+    rows = _text(_PROC / "net/route").splitlines()[1:]
+    return {columns[0] for row in rows if (columns := row.split())}
 
 
 def reassembly_failures() -> int:
@@ -80,23 +118,67 @@ def busy_time(pid: int) -> int:
     return int(numbers[0]) + int(numbers[1]) if len(numbers) > 1 else 0
 
 
+def waited_time(pid: int) -> int:
+    """How long a process's threads have waited for a processor, all together [ns]."""
+    files = (_PROC / str(pid) / "task").glob("*/schedstat")
+    numbers = [_text(file).split() for file in files]
+    return sum(int(row[1]) for row in numbers if len(row) > 1)
+
+
+def never_reads(pid: int) -> bool:
+    """Whether a process only sends, although it has a socket that receives.
+
+    lcm.jar makes one for sending too, and starts a thread that reads with the first subscription.
+    """
+    if Path(_text(_PROC / str(pid) / "cmdline").partition("\0")[0]).name != "java":
+        return False
+    names = [_text(file) for file in (_PROC / str(pid) / "task").glob("*/comm")]
+    return not any(name.startswith("Thread-") for name in names)
+
+
 def lcm_processes(
-    url: BusUrl, sockets: Iterable[UdpSocket], holders: Mapping[int, Process]
+    url: BusUrl, sockets: Iterable[UdpSocket], holders: Mapping[int, Process], heard: set[int]
 ) -> tuple[LcmProcess, ...]:
-    """The processes of this user that listen to a multicast group, with where they are."""
+    """The processes of this user that have to do with LCM, with where they are.
+
+    Those that listen to a multicast group are there. One that only sends is where it was heard
+    (its port is one of ``heard``), or else where its variables say.
+    """
     buses: dict[int, str] = {}
+    sending: dict[int, set[int]] = {}
     own = os.getuid()
     for row in sockets:
         process = holders.get(row.inode)
         multicast = IPv4Address(row.address).is_multicast and row.address not in _KNOWN_GROUPS
         if not process or row.uid != own or process.pid == os.getpid():
             continue
-        here = row.port == url.port and (row.address == url.host or not multicast)
-        if here:
+        if row.port == url.port and (row.address == url.host or not multicast):
             buses[process.pid] = ""
         elif multicast:
             buses.setdefault(process.pid, f"{row.address}:{row.port}")
-    return tuple(_lcm_process(pid, bus) for pid, bus in sorted(buses.items()))
+        else:
+            sending.setdefault(process.pid, set()).add(row.port)
+    found = [_lcm_process(pid, bus) for pid, bus in sorted(buses.items())]
+    for pid, ports in sorted(sending.items()):
+        if pid not in buses and uses_lcm(pid):
+            bus = "" if ports & heard else _said_bus(pid, url)
+            found.append(replace(_lcm_process(pid, bus), listens=False))
+    return tuple(found)
+
+
+def _said_bus(pid: int, url: BusUrl) -> str:
+    """The bus that a process's variables name, where that is another multicast one."""
+    with contextlib.suppress(LcmtoolsError):
+        said, _ = choose_url("", "", _variables(pid))
+        if said.is_multicast and (said.host, said.port) != (url.host, url.port):
+            return f"{said.host}:{said.port}"
+    return ""
+
+
+def _variables(pid: int) -> dict[str, str]:
+    entries = _text(_PROC / str(pid) / "environ").split("\0")
+    pairs = dict(entry.partition("=")[::2] for entry in entries if entry)
+    return {name: pairs[name] for name in _VARIABLES if pairs.get(name)}
 
 
 def _lcm_process(pid: int, bus: str) -> LcmProcess:
@@ -107,13 +189,14 @@ def _lcm_process(pid: int, bus: str) -> LcmProcess:
     open_files = 0
     with contextlib.suppress(OSError):
         open_files = sum(1 for _ in (folder / "fd").iterdir())
-    variables = dict(
-        entry.partition("=")[::2] for entry in _text(folder / "environ").split("\0") if entry
-    )
-    set_ones = [f"{name}={variables[name]}" for name in _VARIABLES if variables.get(name)]
-    command = process.command if process else ""
     return LcmProcess(
-        pid, command, bus, next(iter(set_ones), ""), open_files, int(most) if most.isdigit() else 0
+        pid,
+        process.command if process else "",
+        bus,
+        next((f"{name}={value}" for name, value in _variables(pid).items()), ""),
+        open_files,
+        int(most) if most.isdigit() else 0,
+        state_of(pid),
     )
 
 
@@ -142,6 +225,7 @@ def _environment(environment: Mapping[str, str]) -> Iterable[str]:
         for part in environment.get(name, "").split(os.pathsep):
             if part and not Path(part).exists():
                 yield f"{name} has {part}, which does not exist"
+    yield from _found_twice(environment)
     spec = find_spec("lcm")
     if spec is None:
         yield "the Python package lcm is missing: nodes cannot run"
@@ -151,6 +235,15 @@ def _environment(environment: Mapping[str, str]) -> Iterable[str]:
         choose_url("", "", environment)
     except LcmtoolsError as error:
         yield str(error)
+
+
+def _found_twice(environment: Mapping[str, str]) -> Iterable[str]:
+    """Packages of types that lie in several places, as ROS's and ones made by lcm-gen do."""
+    folders = [*environment.get("PYTHONPATH", "").split(os.pathsep), *sys.path]
+    for name in _TYPE_PACKAGES:
+        places = {Path(f, name).resolve(): None for f in folders if f and Path(f, name).is_dir()}
+        if len(places) > 1:
+            yield f"Python finds {name} in {' and in '.join(map(str, places))}; the first counts"
 
 
 def _text(file: Path) -> str:

@@ -135,18 +135,18 @@ def test_info_names_type_nodes_hosts_and_processes(lcmtools: Run, nodes: dict[st
     assert (result.returncode, result.stderr) == (0, "")
     counters = (
         r"     messages: \d+, bytes: \d+, drops: 0, depth: \d+, rate: (\d+\.\d\d) Hz,"
-        r" last: \d\.\d s ago\n"
+        r" last: \d\.\d s ago"
     )
     text = re.fullmatch(
         r"Type: std_msgs/String\n"
         r"\n"
         r"Publishers: \n"
         rf" \* /talker \({re.escape(HOST)}, pid {nodes['talker']}\)\n"
-        rf"{counters}"
+        rf"{counters}\n"
         r"\n"
         r"Subscribers: \n"
         rf" \* /listener \({re.escape(HOST)}, pid {nodes['listener']}\)\n"
-        rf"{counters}"
+        rf"{counters}, callbacks: [\d.]+ ms mean, [\d.]+ m?s longest\n"
         r"\n"
         r"\n",
         result.stdout,

@@ -222,3 +222,35 @@ def test_doctor_is_wtf(lcmtools: Run) -> None:
     ask = ("--wait", "0.1s", "--ignore", "other-buses")
     assert lcmtools("doctor", *ask).stdout == lcmtools("wtf", *ask).stdout
     assert os.environ["LCM_DEFAULT_URL"] in lcmtools("doctor", *ask).stdout
+
+
+_NAN = """
+import time, lcm
+from lcmtools.types.geometry_msgs import Twist
+bus, message = lcm.LCM(), Twist()
+message.linear.x = float("inf")
+while True:
+    bus.publish("/cmd", message.encode())
+    print("sends", flush=True)
+    time.sleep(0.02)
+"""
+
+
+def test_only_one_rule_or_not_another(start_python: Callable[..., Any], lcmtools: Run) -> None:
+    start_python(_NAN).wait_for("sends")
+    result = lcmtools("wtf", "--wait", "0.3s", "--rule", "not-finite", "--rule", "loss")
+    assert result.returncode == 1
+    assert "WARNING Numbers that are published are none:\n * /cmd from " in result.stdout
+    result = lcmtools("wtf", "--json", "--wait", "0.3s", "--ignore", "not-finite")
+    assert "not-finite" not in result.stdout
+
+
+def test_rules_are_listed_and_explained(lcmtools: Run) -> None:
+    listed = lcmtools("wtf", "--list").stdout.splitlines()
+    rules = json.loads(lcmtools("wtf", "--list", "--json").stdout)
+    assert [line.split()[0] for line in listed] == [rule["rule"] for rule in rules]
+    for rule in ("loss", "kernel-drops"):
+        result = lcmtools("wtf", "--explain", rule)
+        assert result.returncode == 0
+        assert result.stdout.startswith(f"{rule} (warning)\n\n")
+        assert "\n\n   -> " in result.stdout

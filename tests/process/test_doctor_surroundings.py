@@ -3,6 +3,7 @@
 import os
 import socket
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -11,7 +12,10 @@ from lcmtools.bus.multicast import receiving_socket
 from lcmtools.bus.processes import owners, udp_sockets
 from lcmtools.bus.socket_memory import receive_buffers
 from lcmtools.bus.url import parse_url
-from lcmtools.doctor.surroundings import busy_time, host, lcm_processes, state_of
+from lcmtools.doctor import self_test
+from lcmtools.doctor.firewall import firewall
+from lcmtools.doctor.self_test import large_problem, send_problem
+from lcmtools.doctor.surroundings import busy_time, host, lcm_processes, silent_bridge, state_of
 
 
 def test_the_size_of_a_receive_buffer_is_known_by_inode() -> None:
@@ -57,6 +61,18 @@ def test_variables_that_are_wrong_are_told(variables: dict[str, str], complaint:
     assert line.startswith(complaint)
 
 
+def test_a_package_of_types_in_two_places_is_told(tmp_path: Path) -> None:
+    for place in ("ros", "mine"):
+        (tmp_path / place / "geometry_msgs").mkdir(parents=True)
+    one, other = str(tmp_path / "ros"), str(tmp_path / "mine")
+    assert host(parse_url("udpm://"), {"PYTHONPATH": f"{one}:{one}"}).environment == ()
+    (line,) = host(parse_url("udpm://"), {"PYTHONPATH": f"{one}:{other}"}).environment
+    assert line == (
+        f"Python finds geometry_msgs in {one}/geometry_msgs and in {other}/geometry_msgs;"
+        " the first counts"
+    )
+
+
 _LISTENER = """
 import lcm
 bus = lcm.LCM()
@@ -75,12 +91,16 @@ def test_a_program_on_another_bus_is_known_with_its_variable(
     listener.wait_for("ready")
     rows = udp_sockets()
     holders = owners(row.inode for row in rows)
-    found = {process.pid: process for process in lcm_processes(parse_url(bus_url), rows, holders)}
+    found = {
+        process.pid: process for process in lcm_processes(parse_url(bus_url), rows, holders, set())
+    }
     there = found[listener.pid]
     assert there.bus == other.removeprefix("udpm://").removesuffix("?ttl=0")
     assert there.variable == f"LCM_DEFAULT_URL={other}"
     assert 0 < there.open_files < there.most_files
-    here = {process.pid: process for process in lcm_processes(parse_url(other), rows, holders)}
+    here = {
+        process.pid: process for process in lcm_processes(parse_url(other), rows, holders, set())
+    }
     assert here[listener.pid].bus == ""
 
 
@@ -89,3 +109,135 @@ def test_a_process_has_a_state_and_a_time_that_it_was_busy() -> None:
     assert busy_time(os.getpid()) > 0
     assert state_of(2**22 + 1) == ""
     assert busy_time(2**22 + 1) == 0
+
+
+def test_a_large_message_comes_back_and_reaches_nobody_else(bus_url: str) -> None:
+    url = parse_url(bus_url)
+    with receiving_socket(url) as somebody:
+        somebody.settimeout(0)
+        assert large_problem(url) == ""
+        heard = somebody.recv(65_535)
+        assert b"LCM_SELF_TEST\0" in heard  # liblcm's own, as each program sends it
+        with pytest.raises(BlockingIOError):
+            somebody.recv(65_535)
+
+
+class _Lossy(socket.socket):
+    """Sends no datagram that is large, as where a firewall drops them."""
+
+    def sendto(self, data: bytes, address: tuple[str, int]) -> int:  # type: ignore[override]
+        return len(data) if len(data) > 60_000 else super().sendto(data, address)
+
+
+def test_a_large_message_that_is_lost_is_told(
+    bus_url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        self_test, "sending_socket", lambda _: _Lossy(socket.AF_INET, socket.SOCK_DGRAM)
+    )
+    assert large_problem(parse_url(bus_url)) == "part 1 of 5, 65507 bytes, is lost"
+
+
+def test_datagrams_that_the_system_refuses_to_send_are_told(
+    bus_url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(self_test, "fragments", lambda *_: iter([bytes(70_000)]))
+    problem = large_problem(parse_url(bus_url))
+    assert problem == "the system does not send datagrams as large as LCM's"
+
+
+@pytest.mark.usefixtures("private_network")
+def test_what_forbids_sending_is_told_with_what_helps(ip: Callable[..., None]) -> None:
+    url = parse_url("udpm://239.255.76.67:7667?ttl=1")
+    assert send_problem(url) == ("", "")
+    ip("route", "add", "prohibit", "239.255.76.67/32")
+    what, remedy = send_problem(url)
+    assert what == "sending to 239.255.76.67:7667 is forbidden (Permission denied)"
+    assert remedy.startswith("a firewall does that; type: ")
+    ip("route", "del", "prohibit", "239.255.76.67/32")
+    ip("route", "del", "224.0.0.0/4")
+    assert send_problem(url)[0] == "no multicast route to 239.255.76.67:7667"
+    assert large_problem(url) == ""  # not even a small one leaves: another rule says so
+
+
+@pytest.fixture
+def interfaces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Two bridges, br0 with the port eth0, and wlan0, in place of /sys/class/net."""
+    monkeypatch.setattr("lcmtools.doctor.surroundings._NET", tmp_path)
+    for name, querier in (("br0", 0), ("br1", 1)):
+        settings = tmp_path / name / "bridge"
+        settings.mkdir(parents=True)
+        (settings / "multicast_snooping").write_text("1\n")
+        (settings / "multicast_querier").write_text(f"{querier}\n")
+    for name in ("eth0", "wlan0"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "eth0" / "master").symlink_to("../br0")
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("interface", "bridge"),
+    [("br0", "br0"), ("eth0", "br0"), ("br1", ""), ("wlan0", ""), ("gone", ""), ("", "")],
+)
+@pytest.mark.usefixtures("interfaces")
+def test_a_bridge_that_does_not_ask_who_listens_is_found(interface: str, bridge: str) -> None:
+    assert silent_bridge(interface) == bridge
+
+
+def test_a_bridge_that_passes_everything_on_need_not_ask(interfaces: Path) -> None:
+    (interfaces / "br0/bridge/multicast_snooping").write_text("0\n")
+    assert silent_bridge("eth0") == ""
+
+
+@pytest.fixture
+def rules(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+    """``rules("...")``: what nft prints; no other firewall is there, and the user is root."""
+    monkeypatch.setattr("lcmtools.doctor.firewall._UFW", tmp_path / "ufw.conf")
+    monkeypatch.setattr("lcmtools.doctor.firewall._FIREWALLD", tmp_path / "firewalld.pid")
+    monkeypatch.setattr("os.getuid", lambda: 0)
+    monkeypatch.setenv("PATH", str(tmp_path))
+
+    def write(text: str) -> None:
+        program = tmp_path / "nft"
+        program.write_text(f"#!/bin/sh\n/bin/cat <<'END'\n{text}\nEND\n")
+        program.chmod(0o755)
+
+    return write
+
+
+_DROPS = "table inet t {\n chain c {\n  type filter hook input priority 0; policy drop;\n }\n}"
+
+
+def test_rules_that_drop_are_a_firewall_and_others_are_none(rules: Callable[[str], None]) -> None:
+    rules(_DROPS)
+    assert firewall() == ("nftables", "")
+    rules(_DROPS.replace("drop", "accept"))
+    assert firewall() == ("", "")
+
+
+def test_who_is_not_root_is_told_that_rules_are_unknown(
+    rules: Callable[[str], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rules(_DROPS)
+    monkeypatch.setattr("os.getuid", lambda: 1000)
+    name, unknown = firewall()
+    assert name == ""
+    assert unknown.startswith("only root can read its rules")
+
+
+@pytest.mark.usefixtures("rules")
+def test_where_no_program_shows_the_rules_they_are_unknown() -> None:
+    name, unknown = firewall()
+    assert name == ""
+    assert unknown.startswith("neither nft nor iptables-save is installed")
+
+
+@pytest.mark.usefixtures("rules")
+def test_a_firewall_that_says_so_itself_needs_no_root(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("os.getuid", lambda: 1000)
+    (tmp_path / "firewalld.pid").touch()
+    assert firewall() == ("firewalld", "")
+    (tmp_path / "ufw.conf").write_text("ENABLED=yes\n")
+    assert firewall() == ("ufw", "")

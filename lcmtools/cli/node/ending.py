@@ -52,6 +52,11 @@ class Ending:
         return what, f"{where}to end it whatever it does, type: kill -9 {self.node.pid}"
 
 
+def place_of(node: Node) -> tuple[str, str, int]:
+    """Which process a node is; computers may have the same name, and often have the same pids."""
+    return node.host, node.sender.address if node.sender else "", node.pid
+
+
 def end_nodes(watch: Watch, nodes: list[Node], timeout: float) -> list[Ending]:
     """Ask nodes to end and wait until they have, for ``timeout`` seconds at most."""
     known = watch.graph().nodes
@@ -82,9 +87,8 @@ def _listen(watch: Watch, endings: list[Ending], seconds: float) -> None:
 
 def _with(node: Node, known: tuple[Node, ...]) -> tuple[str, ...]:
     """The names of the other nodes of a node's process."""
-    where = node.host, node.pid
     return tuple(
         other.name
         for other in known
-        if (other.host, other.pid) == where and other.id != node.id and not other.stale
+        if place_of(other) == place_of(node) and other.id != node.id and not other.stale
     )

@@ -6,8 +6,9 @@ import click
 
 from lcmtools.bus.programs import programs
 from lcmtools.bus.watch import Watch
+from lcmtools.cli.describe import host_text
 from lcmtools.cli.find import find_nodes
-from lcmtools.cli.node.ending import Ending, end_nodes
+from lcmtools.cli.node.ending import Ending, end_nodes, place_of
 from lcmtools.cli.node.programs import command as command_of
 from lcmtools.cli.node.programs import is_meant
 from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_watch
@@ -28,8 +29,9 @@ def command(
 ) -> int:
     """Ask nodes to shut down, and say whether they did. Exits with 1 if one did not.
 
-    NODES are names, or pids where two nodes have one name. A node's whole process ends, as by
-    SIGTERM: with a goodbye, and exit code 0. Programs that are no nodes cannot be asked.
+    NODES are names, or where two nodes have one name pids, or HOST:PID. A node's whole process
+    ends, as by SIGTERM: with a goodbye, and exit code 0. Programs that are no nodes cannot be
+    asked.
 
     \b
     Examples:
@@ -79,9 +81,9 @@ def _one(watch: Watch, graph: Graph, word: str) -> Node:
     except LcmtoolsError:
         _explain_program(watch, word)
         raise
-    if len({(node.host, node.pid) for node in found}) > 1:
-        places = ", ".join(f"{node.pid} on {node.host}" for node in found)
-        raise LcmtoolsError(f"{len(found)} nodes have the name {word}", f"write a pid: {places}")
+    if len({place_of(node) for node in found}) > 1:
+        what = "pid" if word.isdecimal() else "name"
+        raise LcmtoolsError(f"{len(found)} nodes have the {what} {word}", _distinction(found))
     if found[0].stale is Staleness.ENDED:
         raise LcmtoolsError(
             f"{found[0].name} has ended already, without saying goodbye",
@@ -90,10 +92,25 @@ def _one(watch: Watch, graph: Graph, word: str) -> Node:
     return found[0]
 
 
+def _distinction(nodes: list[Node]) -> str:
+    """What to write for one of several nodes: its pid, its computer too where pids are the same."""
+    if len({node.pid for node in nodes}) == len(nodes):
+        return f"write a pid: {', '.join(f'{node.pid} on {host_text(node)}' for node in nodes)}"
+    has_names = len({node.host for node in nodes}) > 1
+    places = [place_of(node) for node in nodes]
+    return "write HOST:PID: " + ", ".join(
+        f"{host if has_names else address}:{pid}" for host, address, pid in places
+    )
+
+
 def _explain_program(watch: Watch, word: str) -> None:
     """Raise what to type where a word means a program that is no node."""
     others = programs(watch.settle(), watch.url)
-    meant = next((p for p in others if p.process and is_meant(p, word)), None)
+    meant = next((p for p in others if is_meant(p, word)), None)
+    if meant and meant.process is None:
+        raise LcmtoolsError(
+            f"what sends from {word} is no node and cannot be asked", "end it on its computer"
+        )
     if meant and meant.process:
         raise LcmtoolsError(
             f"{command_of(meant)} (pid {meant.process.pid}) is no node and cannot be asked",

@@ -74,8 +74,8 @@ def _nodes(graph: Graph, wanted: str, *, show_all: bool) -> list[Node]:
 
 def _row(node: Node, now: int) -> str:
     """As rosnode list -a has it, the address first, and what else is known behind the name."""
-    up = node.stale.value and f"stale: {node.stale}"
-    return f"{node.host}:{node.pid} \t{node.name}\t{up or f'up {_span(now - node.start_time)}'}"
+    up = f"up {_span(node.time_there(now) - node.start_time)}"
+    return f"{node.host}:{node.pid} \t{node.name}\t{f'stale: {node.stale}' if node.stale else up}"
 
 
 def _address(node: Node) -> str:

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 
 from lcmtools.bus.processes import usage_of
 from lcmtools.bus.programs import is_here, user_name
+from lcmtools.cli.describe import callback_record, callback_times, host_text
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.names import is_hidden
 
@@ -28,11 +29,13 @@ def roles(node: Node, *, show_hidden: bool) -> list[str]:
 
 def process(node: Node, now: int) -> list[str]:
     """Where it runs, since when, and what it takes where that is this computer."""
-    rows = [f"Host: {node.host}", f"Pid: {node.pid}", f"Command: {node.command}"]
+    rows = [f"Host: {host_text(node)}", f"Pid: {node.pid}", f"Command: {node.command}"]
     if node.stale:
         return [*rows, f"Stale: {node.stale}"]
     rows += usage(node.pid, now) if is_here(node) else []
-    return [*rows, f"Up for: {(now - node.start_time) / 1e9:.0f} s"]
+    seconds = _up_time(node, now)
+    share = _share(node.busy / 1e9, seconds)
+    return [*rows, f"Up for: {seconds:.0f} s", f"In callbacks: {share:.1f} % of that time"]
 
 
 def usage(pid: int, now: int) -> list[str]:
@@ -41,7 +44,7 @@ def usage(pid: int, now: int) -> list[str]:
     if taken is None:
         return []
     started = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(taken.start_time / 1e9))
-    share = _share(taken.processor_time, taken.start_time, now)
+    share = _share(taken.processor_time, (now - taken.start_time) / 1e9)
     return [
         f"User: {user_name(taken.uid)}",
         f"Started: {started}",
@@ -78,11 +81,17 @@ def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
             for endpoint, direction, peers in _peers(node, graph)
             for peer in peers
         ],
-        "up_time": None if node.stale else (now - node.start_time) / 1e9,
+        "up_time": None if node.stale else _up_time(node, now),
+        "callback_time": node.busy,
         "user": user_name(taken.uid) if taken else None,
         "memory_bytes": taken.memory_bytes if taken else None,
         "processor_time": taken.processor_time if taken else None,
     }
+
+
+def _up_time(node: Node, now: int) -> float:
+    """How long ago it started [s]; by its own computer's clock, which started it."""
+    return max(0.0, (node.time_there(now) - node.start_time) / 1e9)
 
 
 def _section(title: str, endpoints: Sequence[Endpoint]) -> list[str]:
@@ -105,6 +114,8 @@ def _counter(node: Node, endpoint: Endpoint) -> str:
         parts.append(f"{endpoint.messages / seconds:.3g} Hz on average")
     if endpoint.drops:
         parts.append(f"{endpoint.drops} dropped")
+    if took := callback_times(endpoint):
+        parts.append(took)
     return f" * {endpoint.topic}: {', '.join(parts)}"
 
 
@@ -122,9 +133,9 @@ def _peers(node: Node, graph: Graph) -> Iterator[tuple[Endpoint, str, list[str]]
         yield endpoint, "to" if outbound else "from", names
 
 
-def _share(processor_time: float, start_time: int, now: int) -> float:
-    """Processor time in percent of one core since the start."""
-    return 100 * processor_time / max(1e-9, (now - start_time) / 1e9)
+def _share(spent: float, seconds: float) -> float:
+    """A time in percent of a longer one, both in seconds."""
+    return 100 * spent / max(1e-9, seconds)
 
 
 def _endpoint_record(endpoint: Endpoint) -> dict[str, object]:
@@ -135,4 +146,5 @@ def _endpoint_record(endpoint: Endpoint) -> dict[str, object]:
         "messages": endpoint.messages,
         "bytes": endpoint.bytes,
         "drops": endpoint.drops,
+        **callback_record(endpoint),
     }

@@ -2,7 +2,7 @@
 
 import click
 
-from lcmtools.cli.describe import listed_node, node_record
+from lcmtools.cli.describe import callback_record, callback_times, listed_node, node_record
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.service.offered import Offered, arguments, find_service
@@ -43,11 +43,12 @@ def _text(service: Offered) -> list[str]:
 
 
 def _server(node: Node, endpoint: Endpoint) -> list[str]:
+    took = callback_times(endpoint)
     return [
         f"Node: {listed_node(node)}",
         f"Host: {node.host}",
         f"Pid: {node.pid}",
-        f"Calls: {endpoint.messages}",
+        f"Calls: {endpoint.messages}{f', {took}' if took else ''}",
     ]
 
 
@@ -56,6 +57,9 @@ def _record(service: Offered) -> dict[str, object]:
         "service": service.name,
         "types": list(service.types),
         "args": arguments(service),
-        "servers": [{**node_record(n), "calls": e.messages} for n, e in service.servers],
+        "servers": [
+            {**node_record(n), "calls": e.messages, **callback_record(e)}
+            for n, e in service.servers
+        ],
         "clients": [node.name for node in service.clients],
     }

@@ -5,15 +5,18 @@ between, and when, gives the rate, however short the moment is.
 """
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 
 from lcmtools.bus.watch import Watch
+from lcmtools.cli.describe import callback_record, callback_times
 from lcmtools.cli.find import find_topic
 from lcmtools.cli.options import topic_spellings
+from lcmtools.cli.topic.losses import Loss, losses, total
 from lcmtools.cli.topic.settled import settled
 from lcmtools.graph.model import Endpoint, Graph, Node, Topic, Traffic
 from lcmtools.graph.rates import average_rate, counted_rate
+from lcmtools.wire.packet import Sender
 
 _LONGEST = 0.5  # [s] that rates are measured
 _ENOUGH = 4  # messages on each topic, to end sooner
@@ -26,10 +29,14 @@ class Counters:
     Args:
         before: The first look.
         after: The second one.
+        lost: What of each sender's messages did not come.
     """
 
-    def __init__(self, before: Graph, after: Graph) -> None:
+    def __init__(
+        self, before: Graph, after: Graph, lost: Mapping[Sender, Loss] | None = None
+    ) -> None:
         self._now = after.time
+        self._lost = lost or {}
         self._before = {_key(n, e): e for n in before.nodes for e in n.endpoints}
 
     def of_endpoint(self, node: Node, endpoint: Endpoint) -> str:
@@ -42,20 +49,28 @@ class Counters:
             parts.append(f"rate: {measured:.2f} Hz")
         elif average is not None:
             parts.append(f"rate: {average:.2g} Hz on average since its start")
-        return ", ".join([*parts, self._last(endpoint.last_time)])
+        took = callback_times(endpoint)
+        return ", ".join(
+            [
+                *parts,
+                self._last(endpoint.last_time, node.time_there(self._now)),
+                *([took] if took else []),
+            ]
+        )
 
     def of_program(self, seen: Traffic) -> str:
         """What was seen of a program that is no node, in a line."""
         parts = [f"seen messages: {seen.messages}", f"bytes: {seen.bytes}"]
         rate = seen.rate()
         parts += [f"rate: {rate:.2f} Hz"] if rate is not None else []
-        return ", ".join([*parts, self._last(seen.last_time)])
+        return ", ".join([*parts, self._last(seen.last_time, self._now)])
 
     def record(self, node: Node, endpoint: Endpoint) -> dict[str, object]:
         """An endpoint and its counters, for JSON."""
         return {
             "node": node.name,
             "host": node.host,
+            "address": node.sender.address if node.sender else None,
             "pid": node.pid,
             "stale": bool(node.stale),
             "types": list(endpoint.types),
@@ -66,14 +81,24 @@ class Counters:
             "rate": self._measured(node, endpoint),
             "average_rate": average_rate(node, endpoint),
             "last_time": endpoint.last_time or None,
+            **callback_record(endpoint),
         }
 
     def _measured(self, node: Node, endpoint: Endpoint) -> float | None:
         before = self._before.get(_key(node, endpoint))
         return counted_rate(before, endpoint) if before else None
 
-    def _last(self, last: int) -> str:
-        return f"last: {max(0.0, (self._now - last) / 1e9):.1f} s ago" if last else "last: never"
+    def lost_of(self, node: Node) -> Loss:
+        """What of a node's messages did not come, of all its topics."""
+        return total(node.senders(), self._lost)
+
+    def lost_of_program(self, seen: Traffic) -> Loss:
+        """The same of a program that is no node."""
+        return total([seen.sender] if seen.sender else [], self._lost)
+
+    @staticmethod
+    def _last(last: int, now: int) -> str:
+        return f"last: {max(0.0, (now - last) / 1e9):.1f} s ago" if last else "last: never"
 
 
 def counted(watch: Watch, names: Sequence[str], wait: float | None) -> tuple[Graph, Counters]:
@@ -100,7 +125,7 @@ def counted(watch: Watch, names: Sequence[str], wait: float | None) -> tuple[Gra
         if came or wait is not None:
             _listen(watch, channels, _LONGEST if wait is None else wait, _enough(wait))
         after = watch.settle(foreign=False)
-        return after, Counters(before, after)
+        return after, Counters(before, after, losses(watch))
     return graph, Counters(graph, graph)
 
 

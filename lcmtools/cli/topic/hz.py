@@ -1,13 +1,15 @@
 """``lcmtools hz``."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import click
 
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
+from lcmtools.bus.watch import Watch
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch, topic_spellings
 from lcmtools.cli.output import data, lines, talk
 from lcmtools.cli.topic.arrival import Arrival
+from lcmtools.cli.topic.losses import losses, total
 from lcmtools.cli.topic.measuring import measure, measuring_options, window_option
 from lcmtools.cli.topic.table import table
 from lcmtools.cli.topic.turns import How, turns
@@ -54,10 +56,25 @@ def command(  # noqa: PLR0913 - one parameter an option
         _report(found, as_json=as_json)
 
     with open_watch("hz", whole=condition is not None) as watch:
-        measure(turns(watch, tuple(meters), how), meters, report, count)
+        try:
+            measure(turns(watch, tuple(meters), how), meters, report, count)
+        finally:
+            _tell_loss(watch, tuple(meters))
         for topic, meter in meters.items():
             if meter.arrivals.total == 1:
                 talk(f"lcmtools hz: only one message came on {topic}: a rate takes two")
+
+
+def _tell_loss(watch: Watch, topics: Sequence[str]) -> None:
+    """Say whose messages did not all come: the rates are those of what came."""
+    graph, known = watch.graph(), losses(watch)
+    for topic in topics:
+        for spelling in topic_spellings(topic):
+            for seen in graph.topic(spelling).traffic:
+                loss = total([seen.sender] if seen.sender else [], known)
+                if loss.lost:
+                    what = f"of {seen.sender}, which sends {spelling}, {loss} messages did not"
+                    talk(f"lcmtools hz: {what} arrive here; lcmtools wtf looks closer")
 
 
 class _Meter:

@@ -9,6 +9,7 @@ from lcmtools.cli.find import find_topic
 from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_watch
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.topic.counters import Counters, counted
+from lcmtools.cli.topic.losses import Loss
 from lcmtools.graph.model import Endpoint, Node, Topic
 
 
@@ -24,7 +25,8 @@ def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_js
     """Show a topic's type, who publishes it and who subscribes to it: node, host and process.
 
     Below each are its counters: messages, bytes, messages that a full queue pushed out, the queue's
-    depth, the rate, and when the last message was. Of a program that is no node, what was seen.
+    depth, the rate, and when the last message was. Of a program that is no node, what was seen. Of
+    publishers also how many messages did not arrive here, by their own numbers.
 
     \b
     Examples:
@@ -51,7 +53,12 @@ def _text(topic: Topic, counters: Counters, *, verbose: bool) -> list[str]:
     if accepted:
         rows.append(f"Also accepted: {', '.join(sorted(accepted))}")
     published = _nodes(topic.publishers, counters, verbose=verbose)
-    published += [[program_text(seen), counters.of_program(seen)] for seen in topic.foreign]
+    for rows_of_node, (node, _) in zip(published, topic.publishers, strict=True):
+        rows_of_node.extend(_lost(counters.lost_of(node)))
+    published += [
+        [program_text(seen), counters.of_program(seen), *_lost(counters.lost_of_program(seen))]
+        for seen in topic.foreign
+    ]
     subscribed = _nodes(topic.subscribers, counters, verbose=verbose)
     rows += ["", *_section("Publishers", published), ""]
     rows += [*_section("Subscribers", subscribed), "", ""]
@@ -72,6 +79,10 @@ def _nodes(
     ]
 
 
+def _lost(loss: Loss) -> list[str]:
+    return [f"did not arrive here: {loss}, all its topics together"] if loss.lost else []
+
+
 def _section(title: str, members: Sequence[Sequence[str]]) -> list[str]:
     if not members:
         return [f"{title}: None"]
@@ -87,7 +98,10 @@ def _record(topic: Topic, counters: Counters) -> dict[str, object]:
         "type": type_text(topic),
         "types": list(topic.types),
         "fingerprints": [f"{value:#018x}" for value in topic.fingerprints],
-        "publishers": [counters.record(node, e) for node, e in topic.publishers],
+        "publishers": [
+            {**counters.record(node, e), **_lost_record(counters.lost_of(node))}
+            for node, e in topic.publishers
+        ],
         "subscribers": [counters.record(node, e) for node, e in topic.subscribers],
         "other_publishers": [
             {
@@ -97,7 +111,14 @@ def _record(topic: Topic, counters: Counters) -> dict[str, object]:
                 "bytes": seen.bytes,
                 "rate": seen.rate(),
                 "last_time": seen.last_time,
+                **_lost_record(counters.lost_of_program(seen)),
             }
             for seen in topic.foreign
         ],
     }
+
+
+def _lost_record(loss: Loss) -> dict[str, object]:
+    """What did not arrive, of all that the sender sent meanwhile; null where that is not known."""
+    known = loss if loss.sent else None
+    return {"lost": known and known.lost, "lost_of": known and known.sent}

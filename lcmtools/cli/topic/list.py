@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 
 import click
 
-from lcmtools.cli.describe import by_host, type_text
+from lcmtools.cli.computers import by_computer
+from lcmtools.cli.describe import type_text
+from lcmtools.cli.find import topic_is_in
 from lcmtools.cli.options import (
     CONTEXT,
     all_option,
@@ -14,7 +15,6 @@ from lcmtools.cli.options import (
     duration,
     json_option,
     open_watch,
-    topic_spellings,
 )
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.cli.topic.settled import Rates, settled
@@ -114,19 +114,8 @@ def _topics(graph: Graph, namespace: str, *, show_all: bool) -> list[Topic]:
     return [
         graph.topic(name)
         for name in graph.topic_names()
-        if (show_all or not is_hidden(name)) and _is_in(name, namespace)
+        if (show_all or not is_hidden(name)) and topic_is_in(name, namespace)
     ]
-
-
-def _is_in(name: str, namespace: str) -> bool:
-    """Whether a topic is a namespace or pattern, is below it or matches it."""
-    if not namespace.strip("/"):
-        return True
-    if any(mark in namespace for mark in "*?["):
-        patterns = [namespace] if namespace.startswith("/") else [namespace, f"/{namespace}"]
-        return any(fnmatchcase(name, p) or fnmatchcase(name, f"{p}/*") for p in patterns)
-    spellings = topic_spellings(namespace)
-    return any(name == spelling or name.startswith(f"{spelling}/") for spelling in spellings)
 
 
 def _rows(topics: list[Topic], look: _Look) -> list[str]:
@@ -141,7 +130,7 @@ def _rows(topics: list[Topic], look: _Look) -> list[str]:
 def _hosts(topics: list[Topic], look: _Look) -> list[str]:
     """As rostopic list --host: the same for each computer, indented."""
     rows = []
-    for host, there in by_host(topics).items():
+    for host, there in by_computer(topics).items():
         shown = [topic for topic in there if look.has(topic)]
         if shown:
             rows += [f"Host [{host}]:", *(f"  {row}".rstrip() for row in _rows(shown, look))]

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from lcmtools.bus.log_file import read_log
 from lcmtools.bus.watch import Watch
@@ -12,6 +13,14 @@ from lcmtools.graph.rates import RateWindow
 from lcmtools.wire.packet import Packet
 
 _WINDOW = 50_000
+
+
+class Hearer(Protocol):
+    """What takes messages into account as they come."""
+
+    def hear(self, packet: Packet) -> None:
+        """Take a message into account."""
+        ...
 
 
 @dataclass(slots=True)
@@ -30,7 +39,7 @@ class Rates:
         return {channel: rate.mean for channel, rate in rates.items() if rate}
 
 
-def settled(watch: Watch, wait: float | None = None, rates: Rates | None = None) -> Graph:
+def settled(watch: Watch, wait: float | None = None, rates: Hearer | None = None) -> Graph:
     """The graph of a bus once it is complete; a log is read to its end at once.
 
     Args:
@@ -54,7 +63,7 @@ def settled(watch: Watch, wait: float | None = None, rates: Rates | None = None)
     return watch.graph()
 
 
-def _read(watch: Watch, rates: Rates) -> Graph:
+def _read(watch: Watch, rates: Hearer) -> Graph:
     builder = GraphBuilder()
     last = 0
     for packet in read_log(watch.url):

@@ -3,10 +3,24 @@
 from collections.abc import Iterable, Iterator
 
 from lcmtools.doctor.model import Evidence, Finding, Rule
-from lcmtools.doctor.rules import bus, connections, content, listeners, nodes, traffic, types
+from lcmtools.doctor.rules import (
+    bus,
+    callbacks,
+    channels,
+    clocks,
+    connections,
+    content,
+    listeners,
+    network,
+    nodes,
+    traffic,
+    types,
+)
 
 RULES: tuple[Rule, ...] = (
     bus.bus_works,
+    network.datagrams_can_leave,
+    network.large_messages_pass,
     bus.something_is_there,
     bus.everybody_is_here,
     bus.one_provider_is_used,
@@ -15,7 +29,8 @@ RULES: tuple[Rule, ...] = (
     bus.datagrams_are_lcm,
     nodes.nodes_answer,
     nodes.nodes_have_names_of_their_own,
-    nodes.queues_have_room,
+    callbacks.queues_have_room,
+    callbacks.callbacks_are_quick,
     nodes.files_are_few,
     types.topics_have_one_type,
     types.types_are_known,
@@ -26,7 +41,7 @@ RULES: tuple[Rule, ...] = (
     traffic.publishers_publish,
     traffic.rates_do_not_fall,
     traffic.rates_are_even,
-    traffic.names_are_good,
+    channels.names_are_good,
     traffic.the_network_has_room,
     traffic.simulated_time_passes,
     listeners.buffers_have_room,
@@ -35,17 +50,26 @@ RULES: tuple[Rule, ...] = (
     content.numbers_are_numbers,
     content.rotations_are_rotations,
     content.covariances_are_covariances,
+    clocks.clocks_agree,
     content.stamps_are_of_now,
     content.messages_can_be_read,
     listeners.the_group_is_joined_where_the_route_leads,
     listeners.datagrams_arrive_complete,
     listeners.strict_filters_are_off,
     listeners.no_firewall_is_in_the_way,
+    network.the_route_leaves_the_computer,
+    network.nothing_is_walled_in,
+    network.somebody_asks_who_listens,
     listeners.the_environment_is_in_order,
 )
 
 
+_EXPLAINED_BY = {"no-traffic": "other-buses"}
+
+
 def examine(evidence: Evidence, rules: Iterable[Rule] = RULES) -> Iterator[Finding]:
-    """Everything that the rules find, gravest first."""
+    """Everything that the rules find, gravest first; not what another finding explains."""
     findings = [finding for rule in rules for finding in rule.check(evidence)]
+    found = {finding.rule for finding in findings}
+    findings = [finding for finding in findings if _EXPLAINED_BY.get(finding.rule) not in found]
     yield from sorted(findings, key=lambda finding: -finding.severity)

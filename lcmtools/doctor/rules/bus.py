@@ -2,8 +2,9 @@
 
 from collections.abc import Iterator
 
-from lcmtools.doctor.model import Evidence, Finding, Host, LcmProcess, Severity, rule
-from lcmtools.doctor.rules.connections import subscriptions_are_fed
+from lcmtools.doctor.computers import Host
+from lcmtools.doctor.model import Evidence, Finding, LcmProcess, Severity, rule
+from lcmtools.doctor.rules.connections import missed_topics
 from lcmtools.graph.model import Role
 from lcmtools.names import is_hidden
 
@@ -46,9 +47,7 @@ def something_is_there(evidence: Evidence) -> Iterator[Finding]:
     """There is any node or any message on the bus. Where there is none, it may be the wrong bus."""
     if evidence.bus_problem:
         return
-    seen = any(not is_hidden(traffic.channel) for traffic in evidence.graph.traffic)
-    nodes = any(not node.tool or node.having(Role.PUBLISHER) for node in evidence.graph.nodes)
-    if not seen and not nodes:
+    if _is_empty(evidence):
         yield Finding(
             "no-traffic",
             Severity.WARNING,
@@ -79,28 +78,40 @@ def datagrams_are_lcm(evidence: Evidence) -> Iterator[Finding]:
         )
 
 
-@rule("other-buses", Severity.NOTE, "export LCM_DEFAULT_URL with the same value in every shell")
+@rule("other-buses", Severity.WARNING, "export LCM_DEFAULT_URL with the same value in every shell")
 def everybody_is_here(evidence: Evidence) -> Iterator[Finding]:
     """Programs of this user are on the bus that is looked at.
 
-    Said where the bus is empty, or a subscription has no publisher: it may be elsewhere.
+    Said where the bus is empty, or what a subscription waits for is published on another bus.
     """
     if evidence.bus_problem:
         return
-    others = [process for process in evidence.processes if process.bus]
-    is_missed = any(
-        True for part in (something_is_there, subscriptions_are_fed) for _ in part.check(evidence)
-    )
-    if others and is_missed:
+    is_empty = _is_empty(evidence)
+    wanted = missed_topics(evidence)
+    others = [
+        p
+        for p in evidence.processes
+        if p.bus and not _has_mpudpm(p) and (is_empty or wanted & set(p.topics))
+    ]
+    if others:
         more = (f" * and {len(others) - _MOST} more",) if len(others) > _MOST else ()
         remedies = {f"export LCM_DEFAULT_URL='udpm://{p.bus}?ttl=0'": None for p in others}
+        topics = sorted(wanted & {topic for p in others for topic in p.topics})
+        heard = f", with {' and '.join(topics)}" if topics else ""
         yield Finding(
             "other-buses",
-            Severity.NOTE,
-            "The following programs of yours are on other buses:",
+            Severity.WARNING,
+            f"The following programs of yours are on other buses{heard}:",
             (*map(_whereabouts, others[:_MOST]), *more),
             tuple(remedies) if len(remedies) <= _MOST_REMEDIES else (),
         )
+
+
+def _is_empty(evidence: Evidence) -> bool:
+    """Whether there is neither a node nor a message on the bus."""
+    seen = any(not is_hidden(traffic.channel) for traffic in evidence.graph.traffic)
+    nodes = any(not node.tool or node.having(Role.PUBLISHER) for node in evidence.graph.nodes)
+    return not seen and not nodes
 
 
 def _whereabouts(process: LcmProcess) -> str:
@@ -114,15 +125,25 @@ def one_provider_is_used(evidence: Evidence) -> Iterator[Finding]:
 
     mpudpm spreads channels over many ports; who listens with udpm hears only those on its own.
     """
-    foreign = sorted({s.name for s in evidence.streams if s.channel.startswith("#!mpudpm")})
-    if foreign and evidence.url.startswith("udpm"):
+    if not evidence.url.startswith("udpm"):
+        return
+    names = {s.sender: s.name for s in evidence.senders}
+    internal = [t.sender for t in evidence.graph.traffic if t.channel.startswith("#!mpudpm")]
+    foreign = {names.get(sender, str(sender)): None for sender in internal if sender}
+    # one that only sends is not heard at all: its variables tell
+    foreign |= {f"{p.command} (pid {p.pid})": None for p in evidence.processes if _has_mpudpm(p)}
+    if foreign:
         yield Finding(
             "mpudpm",
             Severity.WARNING,
             "The following programs use mpudpm, which is not the udpm of this bus:",
-            tuple(f" * {name}" for name in foreign),
-            ("start them with LCM_DEFAULT_URL=" + evidence.url,),
+            tuple(f" * {name}" for name in sorted(foreign)),
+            (f"start them with LCM_DEFAULT_URL='{evidence.url}'",),
         )
+
+
+def _has_mpudpm(process: LcmProcess) -> bool:
+    return "=mpudpm:" in process.variable
 
 
 @rule(

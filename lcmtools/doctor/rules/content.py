@@ -1,8 +1,10 @@
 """Rules about what is in messages."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from lcmtools.doctor.model import Evidence, Finding, Severity, rule
+from lcmtools.doctor.rules.clocks import is_of_wrong_clock
 
 
 @rule("not-finite", Severity.WARNING, "find where it divides by zero, and do not publish it")
@@ -55,8 +57,10 @@ def stamps_are_of_now(evidence: Evidence) -> Iterator[Finding]:
     """Messages are stamped with the time at which they are sent.
 
     Stamps in the future or long ago come from a clock that is wrong, or from a node that goes by
-    another time than the simulator's.
+    another time than the simulator's. A computer whose clock differs is another rule's.
     """
+    mine = [odd for odd in evidence.oddities if not is_of_wrong_clock(evidence, odd.name)]
+    evidence = replace(evidence, oddities=mine)
     remedies = (
         "let both computers keep the time: sudo timedatectl set-ntp true",
         "where a simulator runs, start the node with _use_sim_time:=true",
@@ -64,6 +68,10 @@ def stamps_are_of_now(evidence: Evidence) -> Iterator[Finding]:
     yield from _odd(
         evidence, "future", "Messages are stamped with a time to come:", remedies, "stamps"
     )
+    if not evidence.graph.topic("/clock").publishers:
+        text = "Messages are stamped with the time since a start, and nobody publishes /clock:"
+        remedies_then = ("stamp with the time since 1970: time.time(), node.get_clock().now()",)
+        yield from _odd(evidence, "boot", text, remedies_then, "stamps")
     old = [odd for odd in evidence.oddities if odd.kind == "old" and odd.count > 1]
     if old:
         yield from _odd(

@@ -41,7 +41,7 @@ def buffers_have_room(evidence: Evidence) -> Iterator[Finding]:
 @rule("stuck-listeners", Severity.WARNING, "wake it: kill -CONT PID; or end it: kill PID")
 def listeners_read(evidence: Evidence) -> Iterator[Finding]:
     """Who has subscribed reads what comes. A stopped program does not, and its buffer fills."""
-    stale = {node.pid for node in evidence.graph.nodes if node.stale}  # said by another rule
+    stale = {node.pid for node in evidence.own_nodes() if node.stale}  # said by another rule
     stuck = [x for x in _others(evidence) if x.pid not in stale and _is_stuck(x)]
     if stuck:
         yield Finding(
@@ -130,7 +130,7 @@ def strict_filters_are_off(evidence: Evidence) -> Iterator[Finding]:
 
     It does where rp_filter is strict, which matters on computers with several interfaces.
     """
-    if evidence.ttl and evidence.host.rp_filter == 1:
+    if evidence.ttl and evidence.host.rp_filter == 1 and evidence.host.others:
         where = evidence.host.interface or "all interfaces"
         text = f"rp_filter is strict on {where}: it may drop other computers' messages"
         yield Finding(

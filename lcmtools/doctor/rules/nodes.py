@@ -4,7 +4,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 
 from lcmtools.doctor.model import Evidence, Finding, Severity, rule
-from lcmtools.graph.model import Node, Role, Staleness
+from lcmtools.graph.model import Node, Staleness
 
 
 @rule("stale-nodes", Severity.ERROR, "wake it: kill -CONT PID; or forget it: lcmtools node cleanup")
@@ -27,8 +27,8 @@ def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
             "stale-nodes",
             Severity.ERROR,
             "The following nodes do not answer any more:",
-            tuple(f" * {node.name} (pid {node.pid}): {node.stale}" for node in stale),
-            tuple(_remedy(node) for node in stale),
+            tuple(f" * {node.name} ({_place(evidence, node)}): {node.stale}" for node in stale),
+            tuple(_remedy(evidence, node) for node in stale),
         )
 
 
@@ -51,36 +51,6 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
                 tuple(f" * pid {node.pid} on {node.host}: {node.command}" for node in nodes),
                 (f"end one of them, or start it with __name:={name.rpartition('/')[2]}2",),
             )
-
-
-@rule("queue-drops", Severity.WARNING, "make the callback faster, or the queue's depth greater")
-def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
-    """Callbacks keep up with their messages.
-
-    A subscription keeps the newest messages, as many as its depth; what a slow callback leaves in
-    there too long is lost. Depth 1 asks for that.
-    """
-    before = {
-        (node.id, endpoint.topic): endpoint.drops
-        for node in evidence.before.nodes
-        for endpoint in node.having(Role.SUBSCRIBER)
-    }
-    rows = [
-        f" * {node.name} lost {lost} messages of {endpoint.topic} (depth {endpoint.depth})"
-        for node in evidence.graph.nodes
-        if not node.tool and not node.stale
-        for endpoint in node.having(Role.SUBSCRIBER)
-        if endpoint.depth > 1
-        and (lost := endpoint.drops - before.get((node.id, endpoint.topic), endpoint.drops)) > 0
-    ]
-    if rows:
-        yield Finding(
-            "queue-drops",
-            Severity.WARNING,
-            "The following nodes are too slow for what they hear:",
-            tuple(rows),
-            ("let the callback do less, the publisher send less, or give a greater queue depth",),
-        )
 
 
 @rule("open-files", Severity.WARNING, "close what is not needed; ulimit -n raises the limit")
@@ -107,7 +77,17 @@ def _runs(node: Node) -> bool:
     return node.stale is not Staleness.ENDED
 
 
-def _remedy(node: Node) -> str:
+def _place(evidence: Evidence, node: Node) -> str:
+    """A node's process, and its computer where that is not this one."""
+    if node.id not in evidence.remote:
+        return f"pid {node.pid}"
+    address = f" at {node.sender.address}" if node.sender else ""
+    return f"pid {node.pid} on {node.host}{address}"
+
+
+def _remedy(evidence: Evidence, node: Node) -> str:
+    if node.id in evidence.remote:
+        return f"see whether {node.host} is reached and the node runs: lcmtools wtf, typed there"
     if _runs(node):
         return f"wake it (kill -CONT {node.pid}) or end it (kill {node.pid})"
     return f"start {node.name} again, or forget it: lcmtools node cleanup"

@@ -5,8 +5,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 from statistics import median
 
-from lcmtools.doctor.model import Evidence, Finding, Severity, Stream, rule
-from lcmtools.doctor.rules.connections import are_near
+from lcmtools.doctor.model import Evidence, Finding, SenderFacts, Severity, Stream, rule
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.graph.rates import average_rate, counted_rate
 from lcmtools.names import is_hidden
@@ -17,8 +16,8 @@ _PERIODS = 10  # without a message are silence
 _ENOUGH = 20  # messages to speak of a rate
 _FALLEN = 0.5
 _UNEVEN = 8  # times the usual interval
+_BLAME = 0.6  # of a gap: who waited so long for a processor is not to blame for it
 _SHORTEST = 0.1  # [s] an interval that is worth a word
-_LONG_NAME = 60  # bytes; LCM takes 63
 _SHARE = 0.5  # of what an interface can carry
 _WIRELESS = 1e6  # [byte/s] of multicast
 
@@ -37,9 +36,7 @@ def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
     for s in sorted(lossy, key=lambda one: -one.lost):
         where = "before they left it" if s.is_local else "on the network"
         share = 100 * s.lost / (s.lost + s.messages)
-        rows.append(
-            f" * {s.name} ({s.sender}): {s.lost} of {s.lost + s.messages} ({share:.1f} %) {where}"
-        )
+        rows.append(f" * {_called(s)}: {s.lost} of {s.lost + s.messages} ({share:.1f} %) {where}")
     yield Finding(
         "loss",
         Severity.WARNING,
@@ -49,7 +46,15 @@ def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
     )
 
 
-@rule("silent", Severity.NOTE, "look at the node's log, and whether what it waits for still comes")
+def _called(sender: SenderFacts) -> str:
+    """A sender with its address, once where nothing else is known of it."""
+    address = str(sender.sender)
+    return address if sender.name == address else f"{sender.name} ({address})"
+
+
+@rule(
+    "silent", Severity.WARNING, "look at the node's log, and whether what it waits for still comes"
+)
 def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
     """Publishers that published often still do.
 
@@ -62,17 +67,35 @@ def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
         age = (evidence.graph.time - endpoint.last_time) / 1e9
         if endpoint.messages >= _ENOUGH and rate and age > max(_SILENCE, _PERIODS / rate):
             rows.append(f" * {node.name}: {endpoint.topic}, {age:.0f} s ago, {rate:.3g} Hz before")
-    for stream in evidence.streams:
+    for stream in _wanted_streams(evidence):
         interval = _usual_interval(stream)
         end = evidence.graph.time
-        if interval and (end - stream.times[-1]) / 1e9 > max(_PERIODS * interval, 0.5):
-            age = (end - stream.times[-1]) / 1e9
+        age = (end - stream.times[-1]) / 1e9
+        # of what wtf itself was too slow for, or had to leave out, the last time is not known
+        is_known = not stream.is_cut and not evidence.own_drops
+        is_late = is_known and age * _BLAME > evidence.waited
+        if interval and is_late and age > max(_PERIODS * interval, 0.5):
             rows.append(
                 f" * {stream.name}: {stream.channel}, {age:.1f} s ago, {1 / interval:.3g} Hz before"
             )
     if rows:
         text = "The following have stopped publishing:"
         yield Finding("silent", Severity.NOTE, text, tuple(rows))
+    nodes = {node.pid for node in evidence.own_nodes()}  # of these another rule says it
+    stopped = [
+        process
+        for process in evidence.processes
+        if process.state in ("T", "t")
+        and not (process.bus or process.listens or process.pid in nodes)
+    ]
+    if stopped:
+        yield Finding(
+            "silent",
+            Severity.WARNING,
+            "The following programs are stopped, and send nothing:",
+            tuple(f" * {process.command} (pid {process.pid})" for process in stopped),
+            tuple(f"wake it (kill -CONT {p.pid}) or end it (kill {p.pid})" for p in stopped),
+        )
 
 
 @rule(
@@ -110,11 +133,13 @@ def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
 def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
     """What comes often comes evenly: a gap may be a callback that blocks, or a busy computer."""
     rows = []
-    for stream in evidence.streams:
+    for stream in _wanted_streams(evidence):
         interval = _usual_interval(stream)
         if interval and len(stream.times) >= _ENOUGH and not is_hidden(stream.channel):
             longest = max(later - earlier for earlier, later in pairwise(stream.times)) / 1e9
-            if longest > max(_SHORTEST, _UNEVEN * interval):
+            # who had to wait for a processor is not to blame
+            is_late = longest * _BLAME > evidence.waited
+            if is_late and longest > max(_SHORTEST, _UNEVEN * interval):
                 rows.append(
                     f" * {stream.name}: {stream.channel}, {longest:.2f} s without a message,"
                     f" usually {interval:.3g} s"
@@ -152,40 +177,6 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
                 tuple(f" * {name}: {stream.channel}" for name, stream in streams.items()),
                 (f"end one of them, or start it with {topics[0]}:={topics[0]}_2",),
             )
-
-
-@rule(
-    "names",
-    Severity.WARNING,
-    "use letters, digits, _ and /, at most 63 bytes, and the same everywhere",
-)
-def names_are_good(evidence: Evidence) -> Iterator[Finding]:
-    """Channels have names that every program can subscribe to, and no two that look the same.
-
-    liblcm matches names as UTF-8 text: others never arrive. It carries at most 63 bytes.
-    """
-    channels = sorted({s.channel for s in evidence.streams})
-    bad = [c for c in channels if not c or not c.isprintable() or c != c.strip()]
-    if bad:
-        text = "The following channels have names that few programs can subscribe to:"
-        yield Finding("names", Severity.WARNING, text, tuple(f" * {c!r}" for c in bad))
-    long = [c for c in channels if len(c.encode("utf-8", "surrogateescape")) >= _LONG_NAME]
-    if long:
-        text = "The following names are nearly as long as LCM can carry (63 bytes):"
-        yield Finding("names", Severity.NOTE, text, tuple(f" * {c}" for c in long))
-    pairs = [(a, b) for i, a in enumerate(channels) for b in channels[i + 1 :] if _look_alike(a, b)]
-    if pairs:
-        text = "The following channels look like the same, and are not:"
-        yield Finding("names", Severity.NOTE, text, tuple(f" * {a} and {b}" for a, b in pairs))
-
-
-def _look_alike(one: str, other: str) -> bool:
-    """Whether two names differ in case, slashes or spaces only."""
-    return (
-        len(one.strip(" /")) == len(other.strip(" /"))
-        and are_near(one, other)
-        and (one.casefold().strip(" /") == other.casefold().strip(" /"))
-    )
 
 
 @rule("bandwidth", Severity.WARNING, "send smaller messages, or less often: lcmtools bw TOPIC")
@@ -240,7 +231,9 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
         f"{f', not {clock.wanted:g}' if clock.wanted != 1 else ''}"
         + (": the simulator has too much to do" if overloaded else ""),
         (f" * {clock.name}",),
-        ("end what listens to cameras, or give it fewer robots",) if overloaded else (),
+        ("end what listens to cameras, or give it fewer robots",)
+        if overloaded
+        else (f"if nobody wanted that: lcmtools sim set-rate {clock.wanted:g}",),
     )
 
 
@@ -252,7 +245,7 @@ def _heard_publications(evidence: Evidence) -> Iterator[tuple[Node, Endpoint]]:
     taken = {
         endpoint.topic
         for node in evidence.graph.nodes
-        if not node.stale and not node.tool
+        if not node.stale
         for endpoint in node.having(Role.SUBSCRIBER)
     }
     ticking = {s.name for s in evidence.streams if s.channel == "/clock"}
@@ -263,6 +256,17 @@ def _heard_publications(evidence: Evidence) -> Iterator[tuple[Node, Endpoint]]:
             usual = not is_hidden(endpoint.topic) and endpoint.topic not in _SHARED
             if usual and endpoint.topic in taken and not (rests or node.stale or node.tool):
                 yield node, endpoint
+
+
+def _wanted_streams(evidence: Evidence) -> list[Stream]:
+    """The streams but those of nodes that nobody has subscribed to: these may rest as they like.
+
+    A simulator measures them while somebody listens to everything, as wtf does.
+    """
+    ends = [(e, node) for node in evidence.graph.nodes if not node.stale for e in node.endpoints]
+    published = {e.topic for e, _ in ends if e.role is Role.PUBLISHER}
+    heard = {e.topic for e, node in ends if e.role is Role.SUBSCRIBER and not node.tool}
+    return [s for s in evidence.streams if s.channel in heard or s.channel not in published]
 
 
 def _usual_interval(stream: Stream) -> float | None:

@@ -1,12 +1,13 @@
 """Rules about message types."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from lcmtools.doctor.model import Evidence, Finding, Severity, rule
 from lcmtools.doctor.near_types import kinship
 from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
 from lcmtools.messages.registry import candidates
 from lcmtools.names import is_hidden
+from lcmtools.wire.packet import Sender
 
 _NO_TYPE = -1  # in place of a fingerprint, where there is none or it changes with each message
 
@@ -15,12 +16,21 @@ _NO_TYPE = -1  # in place of a fingerprint, where there is none or it changes wi
 def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
     """Everybody means the same type by a topic, and what is sent is of that type.
 
-    A subscriber cannot read messages of another type, and drops them.
+    A subscriber cannot read messages of another type, and drops them. Types of equal fields are the
+    same on the wire: those are a note.
     """
-    graph = evidence.graph
+    graph, names = evidence.graph, _names(evidence)
     for name in graph.topic_names():
         topic = graph.topic(name)
-        rows = [*_announced(topic), *_seen(topic)]
+        rows = [*_announced(topic), *_seen(topic, names)]
+        if not _disagree(topic) and not is_hidden(name) and _differ_in_name(topic):
+            yield Finding(
+                "type-mismatch",
+                Severity.NOTE,
+                f"The types on {name} have the same fields, but different names:",
+                tuple(rows),
+                ("it works; say the same type on both sides, so that everybody shows the same",),
+            )
         if _disagree(topic):
             yield Finding(
                 "type-mismatch",
@@ -38,14 +48,15 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
     It is often an older or newer version of it. Which field differs is found by the fingerprint;
     other unknown types are nobody's fault.
     """
-    rows = []
+    rows, names = [], _names(evidence)
     for name in evidence.graph.topic_names():
         topic = evidence.graph.topic(name)
         unknown = {f for seen in topic.foreign for f in seen.fingerprints if not candidates(f)}
         # several fingerprints are those of data that is no LCM message
         if is_hidden(name) or _disagree(topic) or len(unknown) != 1:
             continue
-        rows += [f" * {name}: {_describe(number)}" for number in unknown if kinship(number)]
+        who = " and ".join(names.get(seen.sender, str(seen.sender)) for seen in topic.foreign)
+        rows += [f" * {name} from {who}: {_describe(n, ())}" for n in unknown if kinship(n)]
     if rows:
         yield Finding(
             "unknown-type",
@@ -79,10 +90,23 @@ def _row(node: Node, verb: str, endpoint: Endpoint) -> str:
     return f" * {node.name} {verb} {' or '.join(endpoint.types)}"
 
 
-def _seen(topic: Topic) -> Iterator[str]:
+def _seen(topic: Topic, names: Mapping[Sender | None, str]) -> Iterator[str]:
     for traffic in topic.foreign:
         for fingerprint in _sent_by(traffic):
-            yield f" * {traffic.sender} sends {_describe(fingerprint)}"
+            who = names.get(traffic.sender, str(traffic.sender))
+            yield f" * {who} sends {_describe(fingerprint, topic.types)}"
+
+
+def _names(evidence: Evidence) -> dict[Sender | None, str]:
+    """The senders for people."""
+    return {one.sender: one.name for one in evidence.senders}
+
+
+def _differ_in_name(topic: Topic) -> bool:
+    """Whether what is published is called otherwise by every subscriber."""
+    taken = [set(endpoint.types) for _, endpoint in topic.subscribers if endpoint.fingerprints]
+    sent = {endpoint.type for _, endpoint in topic.publishers if endpoint.fingerprints}
+    return any(not sent & types for types in taken) if sent else False
 
 
 def _sent_by(traffic: Traffic) -> list[int]:
@@ -91,11 +115,11 @@ def _sent_by(traffic: Traffic) -> list[int]:
     return known or (list(traffic.fingerprints) if len(traffic.fingerprints) == 1 else [_NO_TYPE])
 
 
-def _describe(fingerprint: int) -> str:
+def _describe(fingerprint: int, expected: tuple[str, ...]) -> str:
     if fingerprint == _NO_TYPE:
         return "data that is no LCM message"
     known = " or ".join(candidates(fingerprint))
     if known:
         return known
-    near = kinship(fingerprint)
+    near = kinship(fingerprint, expected)
     return f"an unknown type ({fingerprint:#018x}{f': {near}' if near else ''})"

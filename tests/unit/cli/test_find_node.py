@@ -5,6 +5,7 @@ import pytest
 from lcmtools.cli.find import below_or_like, find_node, find_nodes
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node, Staleness
+from lcmtools.wire.packet import Sender
 
 _GRAPH = Graph(
     (
@@ -15,6 +16,7 @@ _GRAPH = Graph(
         Node("/talker", "5", "h", 14),
         Node("/twin", "6", "h", 15),
         Node("/twin", "7", "h", 16),
+        Node("/twin", "8", "ada", 13, sender=Sender("10.0.0.1", 40_000)),
     )
 )
 
@@ -26,9 +28,12 @@ _GRAPH = Graph(
         ("husky0/driver", ["1"]),
         ("simple_controller", ["3"]),
         ("talker", ["5"]),
-        ("twin", ["6", "7"]),
+        ("twin", ["6", "7", "8"]),
         ("15", ["6"]),
         ("12", ["2", "3"]),
+        ("h:15", ["6"]),
+        ("ada:13", ["8"]),
+        ("10.0.0.1:13", ["8"]),
     ],
 )
 def test_a_full_name_a_last_part_and_a_pid_mean_nodes(word: str, ids: list[str]) -> None:

@@ -111,7 +111,8 @@ def test_stamps_in_the_future_and_of_long_ago() -> None:
 def test_simulated_stamps_are_judged_by_the_clock_and_only_by_it() -> None:
     clock = Clock()
     clock.clock.sec = 100
-    assert heard(("/p", stamped(5))) == []
+    assert heard(("/p", stamped(5))) == [("boot", "header.stamp is 5.0 s since a start", 1)]
+    assert heard(("/p", stamped(100)), ("/clock", clock)) == []
     assert heard(("/clock", clock), ("/p", stamped(100))) == []
     assert heard(("/clock", clock), ("/p", stamped(5)))[0][:2] == (
         "old",

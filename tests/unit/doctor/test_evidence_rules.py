@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
+from lcmtools.doctor.computers import Host
 from lcmtools.doctor.model import (
     Evidence,
     Finding,
-    Host,
     LcmProcess,
     Listener,
     Oddity,
@@ -254,7 +254,7 @@ def test_names_that_few_can_use_and_names_that_look_alike() -> None:
     streams = (stream("\udcff", 1, 3), stream("POSE", 1, 3), stream("Pose", 1, 3))
     findings = [f for f in examine(replace(HEALTHY, streams=streams)) if f.rule == "names"]
     assert [finding.severity for finding in findings] == [Severity.WARNING, Severity.NOTE]
-    assert findings[1].items == (" * POSE and Pose",)
+    assert findings[1].items == (" * POSE from alice, and Pose from alice",)
     long = found(replace(HEALTHY, streams=(stream("a" * 61, 1, 3),)))["names"]
     assert long.severity is Severity.NOTE
 
@@ -288,8 +288,13 @@ def test_other_users_of_the_bus_are_named_but_root() -> None:
 
 
 def test_mpudpm_beside_udpm_is_a_warning() -> None:
-    streams = (stream("#!mpudpm_CH2PRT_REQ", 1, 3, name="sub (pid 9)"),)
-    assert found(replace(HEALTHY, streams=streams))["mpudpm"].items == (" * sub (pid 9)",)
+    asks = Traffic("#!mpudpm_CH2PRT_REQ", BOB, (), 1, 20, 1, 1)
+    facts = (SenderFacts(BOB, "sub (pid 9)"),)
+    graph = replace(HEALTHY.graph, traffic=(*HEALTHY.graph.traffic, asks))
+    findings = found(replace(HEALTHY, graph=graph, senders=facts))
+    assert findings["mpudpm"].items == (" * sub (pid 9)",)
+    silent = LcmProcess(8, "pub", "", "LCM_DEFAULT_URL=mpudpm://239.255.76.67:7667")
+    assert found(replace(HEALTHY, processes=(silent,)))["mpudpm"].items == (" * pub (pid 8)",)
 
 
 def test_an_empty_bus_names_the_buses_where_ones_programs_are() -> None:
@@ -315,8 +320,10 @@ def test_the_computer_itself() -> None:
     moved = replace(_host(interface="eth0", joined=("wlan0", "eth0")), listeners=listener)
     assert only(moved).items == (" * on wlan0",)
     assert only(_host(reassembly_failures=3)).rule == "reassembly"
-    assert only(replace(_host(rp_filter=1), ttl=1)).rule == "rp-filter"
-    assert only(replace(_host(firewall="ufw"), ttl=1)).rule == "firewall"
+    assert only(replace(_host(rp_filter=1, interface="eth0", others=("b",)), ttl=1)).rule == (
+        "rp-filter"
+    )
+    assert only(replace(_host(firewall="ufw", interface="eth0"), ttl=1)).rule == "firewall"
     assert only(_host(environment=("PYTHONPATH has /x",))).items == (" * PYTHONPATH has /x",)
     assert found(_host(rp_filter=1, firewall="ufw")) == {}
 
@@ -353,3 +360,17 @@ def test_what_a_nodes_filter_drops_is_no_slowness() -> None:
     evidence = replace(HEALTHY, listeners=(node,))
     assert only(evidence).rule == "kernel-drops"
     assert only(replace(evidence, malformed=(("x", "bad"),))).rule == "malformed"
+
+
+def test_a_stream_that_nobody_has_subscribed_to_may_rest() -> None:
+    def rules(*nodes: Node) -> dict[str, Finding]:
+        times = tuple(NOW - (5 if n < 50 else 1) * SECOND + n for n in range(100))
+        resting = stream("/imu", 1, times=times)
+        return found(replace(HEALTHY, streams=(resting,), graph=Graph(nodes, time=NOW)))
+
+    simulator = Node("/sim", "1", "h", 1, endpoints=(Endpoint("/imu", Role.PUBLISHER),))
+    ear = Node("/ear", "2", "h", 2, endpoints=(Endpoint("/imu", Role.SUBSCRIBER),))
+    assert {"silent", "irregular"} <= rules(simulator, ear).keys()
+    assert {"silent", "irregular"} <= rules().keys()  # a plain program's
+    assert not {"silent", "irregular"} & rules(simulator).keys()
+    assert not {"silent", "irregular"} & rules(simulator, replace(ear, tool=True)).keys()

@@ -1,6 +1,7 @@
 """The rules of wtf, on evidence made by hand."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import pytest
 
@@ -162,11 +163,11 @@ def test_different_types_on_one_topic_are_an_error_that_names_both() -> None:
     )
 
 
-def test_types_of_equal_fields_do_match() -> None:
+def test_types_of_equal_fields_do_match_but_for_a_note() -> None:
     found = findings(
         node("/a", pub("/p", "geometry_msgs/Point")), node("/b", sub("/p", "geometry_msgs/Vector3"))
     )
-    assert "type-mismatch" not in found
+    assert found["type-mismatch"].severity is Severity.NOTE
 
 
 def test_two_publishers_of_types_that_a_subscriber_takes_both_do_match() -> None:
@@ -238,6 +239,15 @@ def test_stale_nodes_are_an_error(stale: Staleness, remedy: str) -> None:
     assert finding.severity is Severity.ERROR
     assert finding.items == (f" * /talker (pid 7): {stale.value}",)
     assert finding.remedies == (remedy,)
+
+
+def test_of_a_stale_node_elsewhere_no_process_of_this_computer_is_meant() -> None:
+    far = replace(node("/talker", pid=7, stale=Staleness.SILENT), sender=Sender("10.0.0.2", 40000))
+    evidence = Evidence(url="udpm://x", graph=Graph((far,)), remote=frozenset({far.id}))
+    (finding,) = [found for found in examine(evidence) if found.rule == "stale-nodes"]
+    assert finding.items == (f" * /talker (pid 7 on husky at 10.0.0.2): {far.stale.value}",)
+    assert "kill" not in "".join(finding.remedies)
+    assert evidence.own_nodes() == []
 
 
 def test_a_node_that_ended_and_was_started_again_is_no_stale_one() -> None:

@@ -1,0 +1,47 @@
+"""This user's programs on other buses, and what is published there.
+
+Belongs here: reading other buses for a moment. Must not judge.
+"""
+
+import contextlib
+import time
+from collections.abc import Iterable
+from dataclasses import replace
+
+from lcmtools.bus.glance import Glance
+from lcmtools.bus.url import parse_url
+from lcmtools.doctor.connecting import loose_ends
+from lcmtools.doctor.model import LcmProcess
+from lcmtools.errors import LcmtoolsError
+from lcmtools.graph.model import Graph, Role
+from lcmtools.names import is_hidden
+
+_MOST = 3  # buses that are looked at
+_LISTEN = 0.2  # [s]
+
+
+def with_topics(processes: Iterable[LcmProcess], graph: Graph) -> tuple[LcmProcess, ...]:
+    """The processes, those on other buses with what is published there.
+
+    Other buses are looked at only where something is missed on this one.
+    """
+    every = tuple(processes)
+    buses = sorted({process.bus for process in every if process.bus})
+    is_missed = any(loose_ends(graph, Role.SUBSCRIBER)) or not any(
+        not node.tool for node in graph.nodes
+    )
+    if not is_missed:
+        return every
+    topics = {bus: _topics(bus) for bus in buses[:_MOST]}
+    return tuple(replace(p, topics=topics.get(p.bus, ())) for p in every)
+
+
+def _topics(bus: str) -> tuple[str, ...]:
+    """What is published on another bus."""
+    with contextlib.suppress(LcmtoolsError), Glance(parse_url(f"udpm://{bus}?ttl=0")) as glance:
+        time.sleep(_LISTEN)
+        graph = glance.graph()
+        announced = {e.topic for node in graph.nodes for e in node.having(Role.PUBLISHER)}
+        seen = {traffic.channel for traffic in graph.traffic}
+        return tuple(sorted(name for name in announced | seen if not is_hidden(name)))
+    return ()

@@ -1,0 +1,81 @@
+"""What wtf sends to itself, to see whether it can be sent and comes back.
+
+Belongs here: the tests' own sockets. Nothing of it reaches a program on the bus but LCM's usual
+self test: the large message goes to a port of its own, with ttl 0.
+"""
+
+import errno
+import select
+import socket
+import struct
+
+from lcmtools.bus.multicast import (
+    check_multicast,
+    check_sending,
+    receive_buffer_bytes,
+    sending_socket,
+)
+from lcmtools.bus.url import BusUrl
+from lcmtools.errors import BusError
+from lcmtools.wire.datagram import fragments
+
+LARGE_BYTES = 300_000
+"""How large the large message is: five datagrams, as an image."""
+_CHANNEL = "/_lcmtools/self_test"
+_TIMEOUT = 0.5  # [s] for one datagram, which takes well under a millisecond
+_LARGEST_DATAGRAM = 65_535  # bytes
+
+
+def large_problem(url: BusUrl) -> str:
+    """Why a large message does not come back to this computer; "" when it does.
+
+    Each datagram is read before the next is sent, so that it is not the buffer that is tested.
+    """
+    try:
+        check_multicast(url)
+    except BusError:
+        return ""  # not even a small one does, which is another fault
+    try:
+        with _receiver(url) as receiver, sending_socket(url) as sender:
+            sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+            address = (url.host, receiver.getsockname()[1])
+            parts = list(fragments(0, _CHANNEL, bytes(LARGE_BYTES)))
+            for number, part in enumerate(parts, start=1):
+                sender.sendto(part, address)
+                if not _comes(receiver, part):
+                    return f"part {number} of {len(parts)}, {len(part)} bytes, is lost"
+    except OSError as error:
+        if error.errno == errno.EMSGSIZE:
+            return "the system does not send datagrams as large as LCM's"
+        return f"{error.strerror}"
+    return ""
+
+
+def send_problem(url: BusUrl) -> tuple[str, str]:
+    """Why nothing can be sent with the bus's own ttl, and what helps; empty where it can."""
+    try:
+        check_sending(url)
+    except BusError as error:
+        return error.what, error.hint
+    return "", ""
+
+
+def _receiver(url: BusUrl) -> socket.socket:
+    """A socket that hears the group on a free port that nobody else can share."""
+    receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    try:
+        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer_bytes())
+        receiver.bind((url.host, 0))
+        membership = struct.pack("=4sl", socket.inet_aton(url.host), socket.INADDR_ANY)
+        receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
+    except OSError:
+        receiver.close()
+        raise
+    return receiver
+
+
+def _comes(receiver: socket.socket, datagram: bytes) -> bool:
+    """Whether a datagram arrives."""
+    if not select.select([receiver], [], [], _TIMEOUT)[0]:
+        return False
+    return receiver.recv(_LARGEST_DATAGRAM) == datagram

@@ -1,0 +1,141 @@
+"""How long callbacks take: what info and wtf say of nodes that do not keep up."""
+
+import json
+import re
+import subprocess
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+_NODE = """
+import sys, time
+import lcmtools
+from lcmtools.types.std_msgs import String
+from lcmtools.types.std_srvs import Empty
+
+lcmtools.init()
+node = lcmtools.Node("ear")
+depth, callback, timer = int(sys.argv[1]), float(sys.argv[2]), float(sys.argv[3])
+calls = 0
+
+def hear(message):
+    global calls
+    calls += 1
+    if calls == 10:
+        print("hears", flush=True)
+    time.sleep(callback)
+
+def work():
+    print("works", flush=True)
+    time.sleep(timer)
+
+node.create_subscription(String, "/chatter", hear, depth)
+node.create_service(Empty, "/rest", lambda request, response: (time.sleep(0.05), response)[1])
+if timer:
+    node.create_timer(0.01, work)
+if len(sys.argv) > 4:
+    print("sleeps", flush=True)
+    time.sleep(1000)
+lcmtools.spin(node)
+"""
+
+
+@pytest.fixture(autouse=True)
+def _bus(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+
+
+@pytest.fixture(autouse=True)
+def _talker(start: Callable[..., Any], lcmtools_path: str) -> None:
+    start(lcmtools_path, "pub", "-r", "20", "/chatter", "std_msgs/String", "hi")
+
+
+@pytest.fixture
+def findings(lcmtools: Run) -> Callable[[], dict[str, dict[str, Any]]]:
+    """What wtf finds that is more than a note, by the rule."""
+
+    def look() -> dict[str, dict[str, Any]]:
+        found = json.loads(lcmtools("wtf", "--json").stdout)
+        return {one["rule"]: one for one in found if one["severity"] != "note"}
+
+    return look
+
+
+Findings = Callable[[], dict[str, dict[str, Any]]]
+Start = Callable[..., Any]
+
+
+def test_a_callback_that_loses_messages_is_told_with_its_time(
+    start_python: Start, findings: Findings
+) -> None:
+    start_python(_NODE, "4", "0.2", "0").wait_for("hears")
+    (row,) = findings()["queue-drops"]["items"]
+    assert re.fullmatch(
+        r"/ear lost \d+ messages of /chatter \(depth 4\): its callback takes \d{3} ms,"
+        r" messages come every \d+ ms",
+        row,
+    )
+
+
+def test_a_callback_that_takes_too_long_is_told_before_it_loses_any(
+    start_python: Start, findings: Findings
+) -> None:
+    start_python(_NODE, "100000", "0.2", "0").wait_for("hears")
+    found = findings()
+    assert list(found) == ["slow-callbacks"]
+    (row,) = found["slow-callbacks"]["items"]
+    assert re.fullmatch(
+        r"/ear, /chatter: its callback takes \d{3} ms, messages come every \d+ ms", row
+    )
+
+
+def test_a_timer_that_never_ends_is_told(start_python: Start, findings: Findings) -> None:
+    start_python(_NODE, "100000", "0", "1000").wait_for("works")
+    (row,) = findings()["slow-callbacks"]["items"]
+    assert row == "/ear is in its callbacks 100 % of the time, most in the timers"
+
+
+def test_a_node_that_does_not_spin_is_told(
+    start_python: Start, findings: Findings, wait_until: Callable[..., None]
+) -> None:
+    start_python(_NODE, "3", "0", "0", "never").wait_for("sleeps")
+    wait_until(lambda: "queue-drops" in findings())
+    found = findings()
+    assert list(found) == ["queue-drops"]
+    assert found["queue-drops"]["items"][0].endswith("(depth 3): no callback has run")
+    assert "spin" in found["queue-drops"]["remedies"][0]
+
+
+@pytest.mark.parametrize(("depth", "callback"), [("10", "0.002"), ("1", "0.2")])
+def test_who_keeps_up_and_who_wants_the_newest_only_is_no_finding(
+    start_python: Start, findings: Findings, depth: str, callback: str
+) -> None:
+    start_python(_NODE, depth, callback, "0").wait_for("hears")
+    assert findings() == {}
+
+
+def test_info_shows_how_long_callbacks_take(start_python: Start, lcmtools: Run) -> None:
+    start_python(_NODE, "10", "0.02", "0").wait_for("hears")
+    assert " ms mean, 2" in lcmtools("info", "/chatter").stdout
+    assert " ms mean, 2" in lcmtools("node", "info", "/ear").stdout
+    assert re.search(
+        r"\nIn callbacks: \d\d?\.\d % of that time\n", lcmtools("node", "info", "/ear").stdout
+    )
+    for command in (("info", "/chatter"), ("node", "info", "/ear")):
+        (document,) = json.loads(lcmtools(*command, "--json").stdout)
+        (ear,) = document.get("subscribers") or document["subscriptions"]
+        assert ear["callbacks"] >= 10
+        assert ear["longest_callback"] >= 20_000_000
+        assert ear["callback_time"] >= 200_000_000
+
+
+def test_service_info_shows_how_long_answers_take(start_python: Start, lcmtools: Run) -> None:
+    start_python(_NODE, "10", "0", "0").wait_for("hears")
+    assert "Calls: 0\n" in lcmtools("service", "info", "/rest").stdout
+    assert lcmtools("service", "call", "/rest").returncode == 0
+    assert "Calls: 1, callbacks: " in lcmtools("service", "info", "/rest").stdout
+    (document,) = json.loads(lcmtools("service", "info", "/rest", "--json").stdout)
+    assert document["servers"][0]["longest_callback"] >= 50_000_000

@@ -1,0 +1,216 @@
+"""Callbacks that are too slow, and why messages are lost in a node's queue."""
+
+from dataclasses import replace
+
+import pytest
+
+from lcmtools.doctor.model import Evidence, Finding, Severity
+from lcmtools.doctor.rules import callbacks
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
+
+MS = 1_000_000
+SECOND = 1000 * MS
+START = 1_000_000 * SECOND
+OF_PARAMETERS = Endpoint("/n/_parameters", Role.SERVICE)
+
+
+def ear(topic: str = "/scan", depth: int = 10, **values: int) -> Endpoint:
+    """A subscription that has heard 100 messages, the last one at the start."""
+    known = {"messages": 100, "calls": 100, "busy": SECOND, "longest": 90 * MS, "last_time": START}
+    return Endpoint(topic, Role.SUBSCRIBER, depth=depth, **{**known, **values})
+
+
+def later(before: Endpoint, *, rate: int, calls: int, busy: int, drops: int = 0) -> Endpoint:
+    """The same after a second, with so many messages and calls more."""
+    return replace(
+        before,
+        messages=before.messages + rate,
+        last_time=before.last_time + SECOND,
+        calls=before.calls + calls,
+        busy=before.busy + busy,
+        drops=before.drops + drops,
+    )
+
+
+def look(*pairs: tuple[Endpoint, Endpoint], timers: int = 0, **values: object) -> Evidence:
+    """Two looks at a node with these subscriptions, a second apart."""
+    before, after = ((*endpoints, OF_PARAMETERS) for endpoints in zip(*pairs, strict=True))
+    node = Node("/n", "n", "h", 1, endpoints=before, sent=START, **values)  # type: ignore[arg-type]
+    node = replace(node, busy=sum(e.busy for e in before))
+    busy = sum(e.busy for e in after) + timers
+    now = replace(node, endpoints=after, sent=START + SECOND, busy=busy)
+    return Evidence("udpm://x", before=Graph((node,)), graph=Graph((now,)), listened=1.0)
+
+
+def dropped(evidence: Evidence) -> Finding:
+    (finding,) = callbacks.queues_have_room.check(evidence)
+    assert not list(callbacks.callbacks_are_quick.check(evidence))  # it is said once
+    return finding
+
+
+def slow(evidence: Evidence) -> Finding:
+    (finding,) = callbacks.callbacks_are_quick.check(evidence)
+    assert not list(callbacks.queues_have_room.check(evidence))
+    assert finding.severity is Severity.WARNING
+    return finding
+
+
+def silent(evidence: Evidence) -> bool:
+    rules = (callbacks.queues_have_room, callbacks.callbacks_are_quick)
+    return not any(list(rule.check(evidence)) for rule in rules)
+
+
+def test_a_quick_callback_is_no_finding() -> None:
+    scan = ear()
+    assert silent(look((scan, later(scan, rate=10, calls=10, busy=800 * MS))))
+
+
+def test_a_callback_that_takes_all_the_time_between_two_messages_is_named() -> None:
+    scan = ear()
+    finding = slow(look((scan, later(scan, rate=10, calls=10, busy=980 * MS))))
+    assert finding.items == (" * /n, /scan: its callback takes 98 ms, messages come every 100 ms",)
+    assert finding.remedies == (
+        "let the callback of /scan do less",
+        "where only the newest message counts, subscribe with depth=1",
+    )
+
+
+def test_a_callback_that_never_ends_is_named() -> None:
+    scan = ear(longest=30 * SECOND)
+    finding = slow(look((scan, later(scan, rate=10, calls=0, busy=SECOND))))
+    assert finding.items == (" * /n, /scan: its callback takes 1 s, messages come every 100 ms",)
+
+
+def test_the_first_calls_may_be_slow() -> None:
+    scan = ear(messages=1, calls=1, busy=0, longest=SECOND)
+    assert silent(
+        look((scan, later(scan, rate=10, calls=1, busy=930 * MS)))
+    )  # what it needs is loaded
+
+
+def test_who_wants_the_newest_only_may_take_its_time() -> None:
+    image = ear("/image", depth=1)
+    assert silent(look((image, later(image, rate=30, calls=10, busy=SECOND, drops=20))))
+    other = ear("/scan")
+    assert silent(
+        look(
+            (image, later(image, rate=30, calls=10, busy=970 * MS, drops=20)),
+            (other, later(other, rate=10, calls=10, busy=20 * MS)),
+        )
+    )
+
+
+def test_timers_that_let_everything_wait_are_named() -> None:
+    scan = ear()
+    evidence = look((scan, later(scan, rate=1, calls=1, busy=MS)), timers=970 * MS)
+    finding = slow(evidence)
+    assert finding.items == (" * /n is in its callbacks 97 % of the time, most in the timers",)
+    assert finding.remedies == ("let the timers of /n do less, and never wait",)
+
+
+def test_timers_of_a_node_that_hears_nothing_may_take_all_the_time() -> None:
+    image = ear("/image", depth=1)
+    assert silent(look((image, later(image, rate=1, calls=1, busy=MS)), timers=990 * MS))
+
+
+@pytest.mark.parametrize(
+    ("calls", "busy", "timers", "longest", "why", "remedy"),
+    [
+        (
+            10,
+            990 * MS,
+            0,
+            99 * MS,
+            "its callback takes 99 ms, messages come every 50 ms",
+            "let the callback of /scan do less, or publish it every 99 ms only",
+        ),
+        (
+            10,
+            10 * MS,
+            950 * MS,
+            90 * MS,
+            "its node is in the timers most of the time",
+            "let the timers of /n do less, and never wait",
+        ),
+        (
+            0,
+            0,
+            0,
+            90 * MS,
+            "no callback has run",
+            "let /n spin: lcmtools.spin(node), or often spin_once",
+        ),
+        (
+            15,
+            600 * MS,
+            0,
+            550 * MS,
+            "a call of its callback took 550 ms",
+            "let the callback of /scan never wait, or give a greater queue depth",
+        ),
+        (
+            15,
+            15 * MS,
+            0,
+            2 * MS,
+            "they come in bursts",
+            "give the subscription of /scan a greater queue depth",
+        ),
+    ],
+)
+def test_lost_messages_have_a_reason(
+    calls: int, busy: int, timers: int, longest: int, why: str, remedy: str
+) -> None:
+    scan = ear(longest=longest)
+    after = later(scan, rate=20, calls=calls, busy=busy, drops=5)
+    finding = dropped(look((scan, after), timers=timers))
+    assert finding.items == (f" * /n lost 5 messages of /scan (depth 10): {why}",)
+    assert finding.remedies == (remedy,)
+
+
+def test_another_topic_that_holds_the_node_up_is_named() -> None:
+    scan, image = ear(depth=3), ear("/image")
+    finding = dropped(
+        look(
+            (scan, later(scan, rate=20, calls=10, busy=20 * MS, drops=5)),
+            (image, later(image, rate=2, calls=2, busy=960 * MS)),
+        )
+    )
+    assert finding.items == (
+        (
+            " * /n lost 5 messages of /scan (depth 3):"
+            " its node is in the callback of /image most of the time"
+        ),
+    )
+    assert finding.remedies == ("let the callback of /image of /n do less, and never wait",)
+
+
+def test_two_subscriptions_to_one_topic_are_told_apart() -> None:
+    quick, lossy = ear(), ear(drops=70)
+    evidence = look(
+        (quick, later(quick, rate=10, calls=10, busy=MS)),
+        (lossy, later(lossy, rate=10, calls=10, busy=MS)),
+    )
+    assert silent(evidence)
+
+
+@pytest.mark.parametrize("values", [{"tool": True}, {"stale": Staleness.HANGS}])
+def test_commands_and_stale_nodes_are_others_business(values: dict[str, object]) -> None:
+    scan = ear()
+    assert silent(look((scan, later(scan, rate=10, calls=1, busy=SECOND, drops=5)), **values))
+
+
+def test_who_had_to_wait_for_a_processor_is_not_to_blame() -> None:
+    scan = ear()
+    evidence = look((scan, later(scan, rate=10, calls=10, busy=980 * MS)))
+    assert not silent(replace(evidence, waited=0.2))
+    assert silent(replace(evidence, waited=0.4))
+    hard = look((scan, later(scan, rate=20, calls=5, busy=900 * MS)))
+    assert not silent(replace(hard, waited=0.4))  # it would be too slow anyway
+
+
+def test_timers_are_blamed_on_a_busy_computer_only_where_they_never_pause() -> None:
+    scan = ear()
+    pair = (scan, later(scan, rate=1, calls=1, busy=MS))
+    assert silent(replace(look(pair, timers=970 * MS), waited=0.4))
+    assert not silent(replace(look(pair, timers=SECOND), waited=0.4))

@@ -1,0 +1,206 @@
+"""Clocks, containers, bridges, firewalls and what could not be looked at."""
+
+from dataclasses import replace
+
+import pytest
+
+from lcmtools.doctor.computers import Host, HostClock
+from lcmtools.doctor.firewall import refuses
+from lcmtools.doctor.model import Evidence, Finding, Listener, Oddity, SenderFacts, Severity
+from lcmtools.doctor.rules import examine
+from lcmtools.doctor.unchecked import unchecked
+from lcmtools.graph.model import Graph, Traffic
+from lcmtools.wire.packet import Sender
+
+REMOTE = SenderFacts(Sender("10.0.0.2", 5000), "/far", is_local=False, messages=3)
+SEEN = Graph(traffic=(Traffic("A", None, (), 1, 8, 1, 1),), time=1)
+OUTGOING = Evidence(
+    url="udpm://239.255.76.67:7667?ttl=1",
+    ttl=1,
+    graph=SEEN,
+    listened=1.0,
+    host=Host(uid=1000, interface="eth0", speed_mbit=1000, joined=("eth0",)),
+)
+LOCAL = replace(OUTGOING, url="udpm://239.255.76.67:7667?ttl=0", ttl=0)
+
+
+def found(evidence: Evidence) -> dict[str, Finding]:
+    return {finding.rule: finding for finding in examine(evidence)}
+
+
+def on(evidence: Evidence, **values: object) -> Evidence:
+    return replace(evidence, host=replace(evidence.host, **values))  # type: ignore[arg-type]
+
+
+def clock(lag: float) -> HostClock:
+    return HostClock("robot", "10.0.0.2", lag, ("/far",))
+
+
+@pytest.mark.parametrize(
+    ("lag", "text"),
+    [
+        (-3.25, "The clock of robot (10.0.0.2) is 3.2 s ahead of this computer's:"),
+        (-0.12, "The clock of robot (10.0.0.2) is 120 ms ahead of this computer's:"),
+        (40.0, "The clock of robot (10.0.0.2) is 40 s behind this computer's:"),
+    ],
+)
+def test_a_clock_that_differs_is_told_with_its_nodes(lag: float, text: str) -> None:
+    finding = found(replace(LOCAL, clocks=(clock(lag),)))["clocks"]
+    assert (finding.severity, finding.text) == (Severity.WARNING, text)
+    assert finding.items == (" * /far",)
+    assert "set-ntp true" in finding.remedies[0]
+
+
+@pytest.mark.parametrize("lag", [-0.09, 0.0, 0.0003, 0.25])
+def test_a_slow_network_is_no_wrong_clock(lag: float) -> None:
+    assert found(replace(LOCAL, clocks=(clock(lag),))) == {}
+
+
+def test_many_nodes_of_a_wrong_clock_are_counted() -> None:
+    nodes = tuple(f"/n{n}" for n in range(9))
+    finding = found(replace(LOCAL, clocks=(replace(clock(9), nodes=nodes),)))["clocks"]
+    assert finding.items[-2:] == (" * /n5", " * and 3 more")
+
+
+def test_stamps_of_a_wrong_clock_are_not_told_again_for_each_topic() -> None:
+    names = ("/far", "10.0.0.2:40001", "/near")
+    odd = tuple(Oddity("future", f"/{n}", name, "x") for n, name in enumerate(names))
+    rules = found(replace(LOCAL, clocks=(clock(-5),), oddities=odd))
+    assert rules["stamps"].items == (" * /2 from /near: x",)
+    rules = found(replace(LOCAL, clocks=(clock(0),), oddities=odd))
+    assert len(rules["stamps"].items) == 3
+
+
+@pytest.mark.parametrize(
+    ("values", "rule"),
+    [
+        ({"interface": "lo"}, "loopback-route"),
+        ({"container": "WSL"}, "container"),
+        ({"container": "container", "is_virtual": True}, "container"),
+        ({"bridge": "br0"}, "igmp-querier"),
+    ],
+)
+def test_what_may_keep_others_away_is_a_note_while_nobody_is_heard(
+    values: dict[str, object], rule: str
+) -> None:
+    assert found(on(LOCAL, **values)) == {}
+    (finding,) = examine(on(OUTGOING, **values))
+    assert (finding.rule, finding.severity) == (rule, Severity.NOTE)
+    assert finding.remedies
+    heard = on(replace(OUTGOING, senders=(REMOTE,)), **values)
+    assert found(heard) == {}
+
+
+def test_a_container_in_the_computers_own_network_is_none() -> None:
+    assert found(on(OUTGOING, container="container")) == {}
+
+
+def test_a_bridge_is_given_its_querier() -> None:
+    (finding,) = examine(on(OUTGOING, bridge="br0"))
+    assert finding.remedies == ("echo 1 | sudo tee /sys/class/net/br0/bridge/multicast_querier",)
+
+
+def test_a_strict_filter_matters_where_another_interface_leads_somewhere() -> None:
+    assert found(on(OUTGOING, rp_filter=1)) == {}
+    assert list(found(on(OUTGOING, rp_filter=1, others=("wlan0",)))) == ["rp-filter"]
+
+
+def test_a_large_message_that_does_not_come_back_is_a_warning() -> None:
+    lost = on(LOCAL, large_bytes=300_000, large_problem="part 1 of 5, 65507 bytes, is lost")
+    finding = found(lost)["large-messages"]
+    assert finding.text == (
+        "A message of 300000 bytes does not come back: part 1 of 5, 65507 bytes, is lost"
+    )
+
+
+def test_what_cannot_be_sent_is_an_error_with_the_remedy() -> None:
+    forbidden = on(OUTGOING, send_problem="sending is forbidden", send_remedy="sudo ufw allow out")
+    finding = found(forbidden)["sending"]
+    assert (finding.severity, finding.remedies) == (Severity.ERROR, ("sudo ufw allow out",))
+
+
+_NFT = """table inet filter {
+	chain input {
+		type filter hook input priority filter; policy %s;
+		jump wanted
+	}
+	chain forward {
+		type filter hook forward priority filter; policy drop;
+	}
+	chain wanted {
+		%s
+	}
+	chain unused {
+		drop
+	}
+}"""
+_IPTABLES = """*filter
+:INPUT %s [0:0]
+:FORWARD DROP [0:0]
+:OUTPUT ACCEPT [0:0]
+:DOCKER - [0:0]
+-A FORWARD -j DOCKER
+-A OUTPUT -p udp %s
+-A DOCKER -j DROP
+COMMIT"""
+
+
+@pytest.mark.parametrize(
+    ("rules", "does"),
+    [
+        ("", False),
+        (_NFT % ("accept", "udp dport 53 accept"), False),
+        (_NFT % ("drop", "udp dport 53 accept"), True),
+        (_NFT % ("accept", "ip protocol udp drop"), True),
+        (_NFT % ("accept", "reject with icmpx admin-prohibited"), True),
+        (_IPTABLES % ("ACCEPT", "-j ACCEPT"), False),
+        (_IPTABLES % ("DROP", "-j ACCEPT"), True),
+        (_IPTABLES % ("ACCEPT", "-j REJECT --reject-with icmp-port-unreachable"), True),
+        (_IPTABLES % ("ACCEPT", "-j DOCKER"), True),
+    ],
+)
+def test_rules_of_a_firewall_are_read(rules: str, *, does: bool) -> None:
+    assert refuses(rules) is does
+
+
+def _reasons(evidence: Evidence) -> dict[str, str]:
+    return {one.rule: one.why for one in unchecked(evidence)}
+
+
+def test_on_a_usual_bus_everything_is_checked() -> None:
+    listener = Listener("a (pid 7)", 7, 1000, buffer_bytes=212_992)
+    assert _reasons(replace(LOCAL, listeners=(listener,))) == {}
+    assert _reasons(OUTGOING) == {}
+
+
+def test_what_only_root_can_know_is_unknown() -> None:
+    hidden = Listener("a program of user 1001", None, 1001, buffer_bytes=212_992)
+    evidence = replace(LOCAL, listeners=(hidden,), users={1001: "bob"})
+    assert "(bob)" in _reasons(evidence)["stuck-listeners"]
+    assert _reasons(on(evidence, uid=0)) == {}
+    assert _reasons(on(OUTGOING, firewall_unknown="only root")) == {"firewall": "only root"}
+    assert _reasons(on(LOCAL, firewall_unknown="only root")) == {}
+
+
+def test_what_the_system_does_not_tell_is_unknown() -> None:
+    sizeless = replace(LOCAL, listeners=(Listener("a (pid 7)", 7, 1000),))
+    assert list(_reasons(sizeless)) == ["small-buffer"]
+    assert list(_reasons(on(LOCAL, has_sockets=False))) == ["kernel-drops"]
+    assert list(_reasons(on(OUTGOING, speed_mbit=0))) == ["bandwidth"]
+    assert _reasons(on(OUTGOING, speed_mbit=0, is_wireless=True)) == {}
+
+
+@pytest.mark.parametrize(
+    ("url", "rules"),
+    [
+        ("tcpq://localhost:7700", ["loss"]),
+        ("mpudpm://239.255.76.67:7667?ttl=0", ["loss"]),
+        ("file:///tmp/log", []),
+    ],
+)
+def test_other_kinds_of_buses_do_not_tell_senders(url: str, rules: list[str]) -> None:
+    assert list(_reasons(replace(LOCAL, url=url))) == rules
+
+
+def test_a_bus_that_does_not_work_comes_first() -> None:
+    assert _reasons(replace(on(LOCAL, has_sockets=False), bus_problem="no route")) == {}
