@@ -85,11 +85,13 @@ LAB_COMMANDS = {
 }
 COMMANDS = {
     **TOPIC_COMMANDS,
+    "spy": Entry("lcmtools.cli.spy.command:command", "Watch all that goes on on the bus, live."),
     "node": Entry("lcmtools.cli.main:node", "Look at nodes: list, info, ping and more."),
     "msg": Entry("lcmtools.cli.main:msg", "Look at message types: list, show, proto and more."),
     "service": Entry("lcmtools.cli.main:service", "Look at services and call them."),
     "param": Entry("lcmtools.cli.main:param", "Look at nodes' parameters and change them."),
     "srv": Entry("lcmtools.cli.main:srv", "Look at service types: list, show."),
+    "graph": Entry("lcmtools.cli.graph.command:command", "Draw who publishes what to whom."),
     "wtf": Entry("lcmtools.cli.wtf:command", "Find what is wrong and say how to mend it."),
     "sim": Entry("lcmtools.cli.main:sim", "Steer a simulator: pause, reset, set-pose and more."),
     "run": Entry("lcmtools.cli.run:command", "Run a node, or the simulator."),

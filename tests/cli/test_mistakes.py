@@ -34,6 +34,7 @@ COMMANDS_WITH_BUS = [
     ("node info", "a"),
     ("node ping", "a"),
     ("node machine", ""),
+    ("spy", "--once"),
     ("wtf", ""),
     ("run", "talker"),
 ]

@@ -21,7 +21,7 @@ def test_imports_go_down_only() -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-HEAVY = {"lcm", "yaml", "numpy", "pybullet"}
+HEAVY = {"lcm", "yaml", "numpy", "pybullet", "textual", "rich"}
 """What takes longest to import, or may not even be installed."""
 
 LOOKS = [
@@ -35,6 +35,7 @@ LOOKS = [
     "hz /nothing --timeout 1ms",
     "bw /nothing --timeout 1ms",
     "delay /nothing --timeout 1ms",
+    "spy --once --wait 1ms",
     "node list -a",
     "node info /nothing",
     "node ping /nothing",

@@ -1,0 +1,123 @@
+"""``lcmtools graph``."""
+
+from dataclasses import replace
+
+import click
+
+from lcmtools.bus.programs import programs
+from lcmtools.cli.graph.seen import diagram_of
+from lcmtools.cli.graph.written import FORMS, STDOUT, chosen
+from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_watch
+from lcmtools.cli.output import talk
+from lcmtools.cli.topic.settled import Rates, settled
+from lcmtools.errors import UsageError
+from lcmtools.graph.drawing.diagram import Diagram
+from lcmtools.graph.drawing.selection import Selection, members_only, select
+
+_MEASURED = 1.0  # [s]
+
+
+@click.command("graph", context_settings=CONTEXT)
+@click.argument("namespace", nargs=-1)
+@click.option("--format", "form", type=click.Choice(FORMS), help="The form (else text, or by -o).")
+@click.option(
+    "-o",
+    "--output",
+    "file",
+    metavar="FILE",
+    help="Write into this file: .svg, .dot, .gv, .mmd, .md, .json or .txt.",
+)
+@click.option("--force", is_flag=True, help="Overwrite a file that is there.")
+@click.option("--nodes-only", is_flag=True, help="Connect nodes directly, without topics.")
+@click.option("--leaf-topics", is_flag=True, help="Show topics that only one side uses, too.")
+@click.option("--services", "with_services", is_flag=True, help="Show services, too.")
+@click.option("--tools", is_flag=True, help="Show commands that look on, too, as echo.")
+@click.option(
+    "-a",
+    "--all",
+    "show_all",
+    is_flag=True,
+    help="Show hidden names, tools, leaf topics, /clock and the like.",
+)
+@click.option(
+    "--topics",
+    metavar="TOPIC",
+    multiple=True,
+    help="Only topics and services that are or match this, and who uses them.",
+)
+@click.option(
+    "--exclude",
+    "excluded",
+    metavar="NAME",
+    multiple=True,
+    help="Leave out what is this, stands below it or matches it.",
+)
+@click.option("--group", "is_grouped", is_flag=True, help="Draw a frame around each namespace.")
+@click.option("--hz", is_flag=True, help="Measure for a second how often messages come.")
+@click.option(
+    "--wait", type=duration, help="Listen so long for programs that are no lcmtools nodes."
+)
+@json_option
+@bus_options
+def command(  # noqa: PLR0913 - one parameter an option
+    namespace: tuple[str, ...],
+    *,
+    form: str | None,
+    file: str | None,
+    force: bool,
+    nodes_only: bool,
+    leaf_topics: bool,
+    with_services: bool,
+    tools: bool,
+    show_all: bool,
+    topics: tuple[str, ...],
+    excluded: tuple[str, ...],
+    is_grouped: bool,
+    hz: bool,
+    wait: float | None,
+    as_json: bool,
+) -> None:
+    """Draw who publishes what to whom: nodes, topics, and programs that are no nodes.
+
+    NAMESPACE keeps the nodes and topics that are it, stand below it or match it ('/husky*'), and
+    what they are directly connected to. Left out are topics that only one side uses and that carry
+    nothing, hidden names, and topics of nearly every node (/clock, /rosout).
+
+    \b
+    Examples:
+      lcmtools graph
+      lcmtools graph --group -o graph.svg
+      lcmtools graph --format dot /husky0 | dot -Tpng -o graph.png
+    """  # noqa: D301 - \b is click's mark
+    output = chosen(form, file, as_json=as_json, force=force)
+    if "" in (*namespace, *topics, *excluded):
+        raise UsageError("a name is empty", "lcmtools list and node list show the names")
+    wanted = Selection(namespace, topics, excluded, show_all, leaf_topics, tools, with_services)
+    heard = Rates()
+    with open_watch("graph") as watch:
+        graph = settled(watch, _MEASURED if hz and wait is None else wait, heard)
+        url = watch.url
+    whole = diagram_of(graph, programs(graph, url), heard.by_channel() if hz else None)
+    diagram, left = select(whole, wanted)
+    diagram = replace(members_only(diagram) if nodes_only else diagram, is_grouped=is_grouped)
+    output.write(diagram)
+    if not diagram.members:
+        meant = " ".join((*namespace, *topics))
+        talk(f"nothing{f' of {meant}' if meant else ''} to draw on {url}")
+    if output.file != STDOUT:
+        talk(f"wrote {output.file}: {_counted(diagram)}")
+    if left.text() and (output.form == "text" or output.file != STDOUT):
+        talk(left.text())
+
+
+def _counted(diagram: Diagram) -> str:
+    """What there is in a picture."""
+    services = sum(channel.is_service for channel in diagram.channels)
+    counts = {
+        "node": sum(member.is_node for member in diagram.members),
+        "other program": sum(not member.is_node for member in diagram.members),
+        "topic": len(diagram.channels) - services,
+        "service": services,
+    }
+    said = [f"{n} {noun}{'' if n == 1 else 's'}" for noun, n in counts.items() if n]
+    return ", ".join(said) or "nothing"

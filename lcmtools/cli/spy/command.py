@@ -1,0 +1,134 @@
+"""``lcmtools spy``."""
+
+import os
+import shutil
+import sys
+
+import click
+
+from lcmtools.cli.options import (
+    CONTEXT,
+    all_option,
+    bus_options,
+    duration,
+    json_option,
+    open_watch,
+)
+from lcmtools.cli.output import document, lines, talk
+from lcmtools.cli.spy.columns import COLUMNS
+from lcmtools.cli.spy.once import look, notes, record, table
+from lcmtools.cli.spy.rows import Wanted
+from lcmtools.cli.spy.view import View
+from lcmtools.color import stream_wants_color
+from lcmtools.errors import MissingExtra, UsageError
+
+_WAIT = 1.2  # [s] a little more than one period at 1 Hz
+
+
+@click.command("spy", context_settings=CONTEXT)
+@click.argument("topics", metavar="[TOPIC]...", nargs=-1)
+@click.option("--once", is_flag=True, help="Listen for a moment, print the table, and end.")
+@click.option("--wait", type=duration, help="With --once: listen so long (else 1.2 s).")
+@click.option(
+    "--sort",
+    "column",
+    type=click.Choice(list(COLUMNS)),
+    metavar="COLUMN",
+    default="channel",
+    help=f"Sort by this column: {', '.join(COLUMNS)}.",
+)
+@click.option("-r", "--reverse", is_flag=True, help="Sort the other way round.")
+@click.option(
+    "--filter",
+    "text",
+    default="",
+    metavar="TEXT",
+    help="Only rows that have this in channel, type, sender or listener.",
+)
+@all_option
+@json_option
+@bus_options
+def command(  # noqa: PLR0913 - one parameter an option
+    topics: tuple[str, ...],
+    *,
+    once: bool,
+    wait: float | None,
+    column: str,
+    reverse: bool,
+    text: str,
+    show_all: bool,
+    as_json: bool,
+) -> int:
+    """Watch what goes on on the bus, live: channels, types, rates, loss, senders, listeners.
+
+    TOPIC keeps the channels that are it or stand below it, or match it: '/husky*'. Enter shows the
+    chosen channel's messages, decoded, their numbers as curves; F1 shows the keys. --once prints
+    the table; it and --json need no textual.
+
+    Jitter is the longest interval of late less the shortest. Loss is that of a channel's senders,
+    whose messages LCM numbers whatever the channel; what this computer is too busy to take counts
+    too. A type with "+2" may be two others, which have the same fingerprint. Nodes that publish
+    only what is heard begin to.
+
+    \b
+    Examples:
+      lcmtools spy
+      lcmtools spy --once
+      lcmtools spy --once /husky0 --sort bandwidth
+      lcmtools spy --once --wait 3s --json
+    """  # noqa: D301 - \b is click's mark
+    once = once or as_json
+    if wait is not None and not once:
+        raise UsageError("--wait goes with --once", "leave it out for the live view")
+    wanted, view = Wanted(topics, show_all), View(column, reverse, text)
+    if not once:
+        return _live(wanted, view)
+    with open_watch("spy") as watch:
+        graph, found = look(watch, wanted, _WAIT if wait is None else wait)
+        url = watch.url
+    rows = view.rows(found)
+    if as_json:
+        document([record(row) for row in rows])
+        return 0
+    if rows:
+        lines(table(rows, _room()))
+    else:
+        where = f" in {', '.join(topics)}" if topics else ""
+        talk(f"no topics{where}{f' with {text!r}' if text else ''} on {url}")
+    for note in notes(rows, graph, url):
+        talk(f"lcmtools spy: {note}")
+    return 0
+
+
+def _room() -> int | None:
+    """Characters of a line of the terminal; None where the table goes elsewhere."""
+    if not sys.stdout.isatty():
+        return None
+    return shutil.get_terminal_size().columns
+
+
+def _live(wanted: Wanted, view: View) -> int:
+    """Show the live view until the person has had enough.
+
+    Raises:
+        UsageError: There is no terminal.
+        MissingExtra: textual is not installed.
+        BusError: The bus cannot be reached.
+    """
+    if not all(stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):
+        raise UsageError("spy needs a terminal", "--once prints the table")
+    try:
+        from lcmtools.cli.spy.live.app import show
+    except ModuleNotFoundError as error:
+        if (error.name or "").startswith("lcmtools"):
+            raise
+        raise MissingExtra(
+            f"spy needs the Python package '{error.name}', which is not installed",
+            "type: pip install textual (--once does without)",
+        ) from error
+    if not stream_wants_color(sys.stderr, os.environ):
+        os.environ["NO_COLOR"] = "1"
+    for name in ("COLUMNS", "LINES"):  # textual would take them for the terminal's size for good
+        os.environ.pop(name, None)
+    with open_watch("spy") as watch:
+        return show(watch, wanted, view)

@@ -1,0 +1,1 @@
+"""The live view of ``lcmtools spy``: the only place that knows textual."""

@@ -1,0 +1,140 @@
+"""A message as lines: its fields, indented, each number with the path that its history goes by.
+
+Must not know how a line is shown, nor what came before.
+"""
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import cast
+
+from lcmtools.clock import join_stamp
+from lcmtools.messages.fields import Field, is_time, visible_fields
+from lcmtools.messages.registry import Message
+from lcmtools.messages.text import quoted
+
+MOST_LINES = 3000
+"""Of a message; what comes behind is not shown."""
+MOST_ELEMENTS = 100
+"""Of an array that is opened."""
+
+_OPEN_NUMBERS, _OPEN_OTHERS = 6, 3  # so long an array is open without having been opened
+_SHOWN = 8  # elements of one that is closed
+_SHOWN_BYTES = 16
+_LONGEST_TEXT = 200
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line of a message.
+
+    Attributes:
+        path: Where it is in the message: "pose.position.x", "ranges[3]".
+        label: What stands before the value, the last part of the path.
+        depth: How far it is indented.
+        text: The value, or what there is to say of an array.
+        number: The value as a number; None for what is none.
+        opens: Whether there are lines below that can be shown or hidden.
+        is_open: Whether they are shown.
+    """
+
+    path: str
+    label: str
+    depth: int
+    text: str = ""
+    number: float | None = None
+    opens: bool = False
+    is_open: bool = False
+
+
+def lines_of(message: Message, toggled: Collection[str] = ()) -> list[Line]:
+    """The lines of a message.
+
+    Args:
+        message: It.
+        toggled: The paths of parts that are opened where they are closed by themselves, or closed.
+    """
+    return list(islice(_Lines(toggled).of_message(message, "", 0), MOST_LINES))
+
+
+class _Lines:
+    def __init__(self, toggled: Collection[str]) -> None:
+        self._toggled = toggled
+
+    def of_message(self, message: Message, path: str, depth: int) -> Iterator[Line]:
+        for field in visible_fields(type(message)):
+            where = f"{path}.{field.name}" if path else field.name
+            value = getattr(message, field.name)
+            if field.dimensions:
+                yield from self._of_array(value, field, (where, field.name), depth, 1)
+            else:
+                yield from self._of_one(value, field, (where, field.name), depth)
+
+    def _of_one(
+        self, value: object, field: Field, name: tuple[str, str], depth: int
+    ) -> Iterator[Line]:
+        path, label = name
+        if field.message_class is None:
+            number = float(cast("float", value)) if field.type != "string" else None
+            yield Line(path, label, depth, _scalar_text(value), number)
+        elif is_time(field.message_class):
+            seconds, nanoseconds = (getattr(value, part) for part in field.message_class.__slots__)
+            total = join_stamp(seconds, nanoseconds)
+            yield Line(path, label, depth, f"{seconds}.{nanoseconds:09d}", total / 1e9)
+        else:
+            is_open = path not in self._toggled
+            yield Line(path, label, depth, "", opens=True, is_open=is_open)
+            if is_open:
+                yield from self.of_message(cast("Message", value), path, depth + 1)
+
+    def _of_array(
+        self, value: object, field: Field, name: tuple[str, str], depth: int, level: int
+    ) -> Iterator[Line]:
+        path, label = name
+        elements = cast("Sequence[object]", value)
+        is_inner = level < len(field.dimensions)
+        is_number = not is_inner and field.message_class is None and field.type != "string"
+        longest = _OPEN_NUMBERS if is_number else _OPEN_OTHERS
+        is_short = len(elements) <= longest and not isinstance(elements, bytes)
+        is_open = bool(elements) and (is_short is not (path in self._toggled))
+        text = f"{field.type}[{len(elements)}]"
+        if not is_open and not is_inner and elements:
+            text += f" {_some(elements, field)}"
+        yield Line(path, label, depth, text, opens=bool(elements), is_open=is_open)
+        if not is_open:
+            return
+        for index, element in enumerate(elements[:MOST_ELEMENTS]):
+            inner = (f"{path}[{index}]", f"[{index}]")
+            if is_inner:
+                yield from self._of_array(element, field, inner, depth + 1, level + 1)
+            else:
+                yield from self._of_one(element, field, inner, depth + 1)
+        if len(elements) > MOST_ELEMENTS:
+            yield Line(f"{path}[]", DOTS, depth + 1, f"{len(elements) - MOST_ELEMENTS} more")
+
+
+DOTS = "…"
+
+
+def _some(elements: Sequence[object], field: Field) -> str:
+    """The first few elements of an array that is closed."""
+    if field.message_class is not None:
+        return ""
+    if isinstance(elements, bytes):
+        shown = elements[:_SHOWN_BYTES].hex(" ")
+        return f"{shown} {DOTS}" if len(elements) > _SHOWN_BYTES else shown
+    shown = ", ".join(_short_text(element) for element in elements[:_SHOWN])
+    return f"{shown}, {DOTS}" if len(elements) > _SHOWN else shown
+
+
+def _scalar_text(value: object) -> str:
+    if isinstance(value, str):
+        long = len(value) > _LONGEST_TEXT
+        return quoted(value[:_LONGEST_TEXT]) + (f" {DOTS} {len(value)} characters" if long else "")
+    if isinstance(value, bool):
+        return str(value).lower()
+    return repr(value)
+
+
+def _short_text(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else _scalar_text(value)

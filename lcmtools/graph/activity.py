@@ -1,0 +1,189 @@
+"""What goes on on the channels of a bus: how much and how evenly, of late and in all.
+
+Plain accumulation of packets; times come in as arguments. Arrivals are summed up in slots of a
+quarter of a second, so that a busy channel costs no more to look at than a slow one.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Topic, Traffic
+from lcmtools.graph.protocol import TALK_CHANNELS
+from lcmtools.wire.packet import Packet, Sender
+
+SILENT_AFTER = 3_000_000_000
+"""A channel on which nothing has come for so long is silent [ns]; a slow one for longer."""
+
+_SLOT = 250_000_000  # [ns]
+_FEWEST = 3  # intervals that are kept however old they are, for channels that are slow
+_SILENT_PERIODS = 3  # without a message are silence, where they are longer than SILENT_AFTER
+
+
+@dataclass(frozen=True, slots=True)
+class Flow:
+    """What goes on on one channel.
+
+    Attributes:
+        messages: How many messages, in all.
+        bytes: Bytes of their payloads, in all.
+        last_time: When the last one came, nanoseconds since 1970.
+        rate: Messages per second of late: 1 / the mean interval [Hz]; 0 where it has fallen
+            silent, None before two messages.
+        jitter: The longest interval of late less the shortest, as lcm-spy has it [s]; None where
+            there are not two intervals, or it has fallen silent.
+        bandwidth: Bytes per second of late; as the rate.
+    """
+
+    messages: int
+    bytes: int
+    last_time: int
+    rate: float | None = None
+    jitter: float | None = None
+    bandwidth: float | None = None
+
+
+@dataclass(slots=True)
+class _Slot:
+    """The intervals that ended in a quarter of a second."""
+
+    number: int
+    intervals: int = 0
+    bytes: int = 0
+    waited: int = 0
+    shortest: int = 0
+    longest: int = 0
+
+    def add(self, interval: int, size: int) -> None:
+        self.shortest = min(self.shortest, interval) if self.intervals else interval
+        self.longest = max(self.longest, interval)
+        self.intervals += 1
+        self.bytes += size
+        self.waited += interval
+
+
+class _Channel:
+    """One channel while it is being counted."""
+
+    __slots__ = ("bytes", "last_time", "messages", "slots")
+
+    def __init__(self) -> None:
+        self.messages = self.bytes = self.last_time = 0
+        self.slots: deque[_Slot] = deque()
+
+    def add(self, time: int, size: int, number: int) -> None:
+        """Count a message; the interval before it is summed up in the slot of this number."""
+        before, self.last_time = self.last_time, time
+        self.bytes += size
+        self.messages += 1
+        if self.messages == 1:
+            return
+        if not self.slots or self.slots[-1].number != number:
+            self.slots.append(_Slot(number))
+        self.slots[-1].add(max(0, time - before), size)
+
+    def forget(self, before: int) -> None:
+        """Drop the slots before a time, but for the latest few intervals."""
+        slots, kept = self.slots, sum(slot.intervals for slot in self.slots)
+        while slots and slots[0].number < before // _SLOT:
+            kept -= slots[0].intervals
+            if kept < _FEWEST:
+                return
+            slots.popleft()
+
+
+class Activity:
+    """What goes on on all channels, from the packets that come.
+
+    Args:
+        window: How far back "of late" reaches [s]; None for all the time.
+    """
+
+    def __init__(self, window: float | None = None) -> None:
+        self._window = None if window is None else round(window * 1e9)
+        self._channels: dict[str, _Channel] = {}
+        self.last_time = 0
+        """When the last packet came, nanoseconds since 1970; 0 before the first."""
+
+    def hear(self, packet: Packet) -> None:
+        """Take a packet into account; what lcmtools says to itself is none."""
+        self.last_time = packet.time
+        channel = self._channels.get(packet.channel)
+        if channel is None:
+            if packet.channel in TALK_CHANNELS:
+                return
+            channel = self._channels[packet.channel] = _Channel()
+        number = packet.time // _SLOT if self._window else 0
+        channel.add(packet.time, packet.size, number)
+
+    def clear(self) -> None:
+        """Begin anew."""
+        self._channels.clear()
+
+    def flow(self, name: str, now: int) -> Flow | None:
+        """What goes on on a channel at a time; None where no message came."""
+        channel = self._channels.get(name)
+        if channel is None:
+            return None
+        if self._window is not None:
+            channel.forget(now - self._window)
+        return _flow(channel, now, is_live=self._window is not None)
+
+
+def _flow(channel: _Channel, now: int, *, is_live: bool) -> Flow:
+    totals = (channel.messages, channel.bytes, channel.last_time)
+    slots = channel.slots
+    intervals = sum(slot.intervals for slot in slots)
+    waited = sum(slot.waited for slot in slots)
+    silence = now - channel.last_time
+    patience = max(SILENT_AFTER, _SILENT_PERIODS * waited // max(1, intervals))
+    if is_live and silence > patience:
+        return Flow(*totals, rate=0.0, bandwidth=0.0)
+    if not waited:
+        return Flow(*totals)
+    jitter = max(slot.longest for slot in slots) - min(slot.shortest for slot in slots)
+    return Flow(
+        *totals,
+        rate=intervals * 1e9 / waited,
+        jitter=jitter / 1e9 if intervals > 1 else None,
+        bandwidth=sum(slot.bytes for slot in slots) * 1e9 / waited,
+    )
+
+
+_Ends = tuple[tuple[Node, Endpoint], ...]
+
+
+def all_topics(graph: Graph) -> list[Topic]:
+    """Every topic of a graph, sorted, as ``Graph.topic`` has each; all of them at once."""
+    ends: dict[tuple[str, Role], list[tuple[Node, Endpoint]]] = {}
+    for node in graph.nodes:
+        for endpoint in node.endpoints:
+            ends.setdefault((endpoint.topic, endpoint.role), []).append((node, endpoint))
+    traffic: dict[str, list[Traffic]] = {}
+    for seen in graph.traffic:
+        traffic.setdefault(seen.channel, []).append(seen)
+    known = {sender for node in graph.nodes for sender in node.senders()}
+    return [
+        _topic(
+            name,
+            tuple(ends.get((name, Role.PUBLISHER), ())),
+            tuple(ends.get((name, Role.SUBSCRIBER), ())),
+            tuple(traffic.get(name, ())),
+            known,
+        )
+        for name in graph.topic_names()
+    ]
+
+
+def _topic(
+    name: str,
+    publishers: _Ends,
+    subscribers: _Ends,
+    traffic: tuple[Traffic, ...],
+    known: set[Sender],
+) -> Topic:
+    foreign = tuple(
+        seen
+        for seen in traffic
+        if seen.sender not in known and not (seen.sender is None and publishers)
+    )
+    return Topic(name, publishers, subscribers, traffic, foreign)

@@ -1,0 +1,70 @@
+"""A diagram in Mermaid's language (https://mermaid.js.org/syntax/flowchart.html).
+
+Ids are ours; names stand in quotes, with everything that the language, HTML or Markdown could take
+for its own written as an entity: "#" and the character's number and ";".
+"""
+
+import re
+from collections.abc import Iterable
+
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member, printable
+from lcmtools.graph.drawing.labels import edge_label, vertex_labels
+
+_STYLES = """\
+  classDef node fill:#e3f2fd,stroke:#1565c0,color:#111
+  classDef topic fill:#fafafa,stroke:#455a64,color:#111
+  classDef service fill:#f1f8e9,stroke:#558b2f,color:#111
+  classDef program fill:#fff,stroke:#616161,color:#111,stroke-dasharray:4 3
+  classDef stale fill:#fff,stroke:#c62828,color:#c62828,stroke-dasharray:4 3"""
+_OWN = re.compile(r"[^\w /.,:()=-]|(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])|^[-=]|^\d(?=\d*[.)]\s)")
+"""What would not be taken as it is: signs, and what starts emphasis or a list in Markdown."""
+
+
+def write(diagram: Diagram) -> str:
+    """The document of a diagram, ended by a newline."""
+    labels = vertex_labels(diagram)
+    rows = {m.id: f"{m.id}([{_text(labels[m.id])}]):::{_kind(m)}" for m in diagram.members}
+    rows.update({c.id: _channel(c, _text(labels[c.id])) for c in diagram.channels})
+    lines = ["flowchart LR"]
+    framed: set[str] = set()
+    for number, (group, ids) in enumerate(diagram.groups().items(), 1):
+        lines.append(f"  subgraph g{number}[{_text([printable(group)])}]")
+        lines += [f"    {rows[id_]}" for id_ in ids]
+        lines.append("  end")
+        framed |= set(ids)
+    lines += [f"  {row}" for id_, row in rows.items() if id_ not in framed]
+    lines += [f"  {_edge(edge)}" for edge in diagram.edges]
+    return "\n".join([*lines, _STYLES, ""])
+
+
+def fenced(document: str) -> str:
+    """A document as a block in Markdown, which GitHub and others draw."""
+    return f"```mermaid\n{document}```\n"
+
+
+def _kind(member: Member) -> str:
+    if member.stale:
+        return "stale"
+    return "node" if member.is_node else "program"
+
+
+def _channel(channel: Channel, text: str) -> str:
+    is_service = channel.is_service
+    return (
+        f"{channel.id}{{{{{text}}}}}:::service" if is_service else f"{channel.id}[{text}]:::topic"
+    )
+
+
+def _edge(edge: Edge) -> str:
+    arrow = "-.->" if edge.flow in (Flow.CALLS, Flow.SERVES) else "-->"
+    label = edge_label(edge)
+    return f"{edge.source} {arrow}{f'|{_text(label)}|' if label else ''} {edge.target}"
+
+
+def _text(lines: Iterable[str]) -> str:
+    """Lines as a quoted string."""
+    return f'"{"<br/>".join(_OWN.sub(_entity, line) for line in lines)}"'
+
+
+def _entity(match: re.Match[str]) -> str:
+    return "".join(f"#{ord(character)};" for character in match[0])

@@ -1,0 +1,220 @@
+"""Which part of all that is known is drawn, and what is left out by that.
+
+Functions from diagrams to diagrams. Must not know how a picture is written.
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member, title
+
+_MARKS = "*?["
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """What is wanted.
+
+    Attributes:
+        parts: Namespaces, names or patterns: what is drawn is these and what they are directly
+            connected to; () for all.
+        topics: Names or patterns of the topics and services that are drawn, with who uses them; ()
+            for all.
+        excluded: Namespaces, names or patterns of what is not drawn.
+        everything: Nothing is left out for being hidden, quiet, a tool or connected to nothing.
+        leaf_topics: Topics are drawn that only one side is known of, and no message.
+        tools: Commands that look on are drawn.
+        services: Services are drawn.
+    """
+
+    parts: tuple[str, ...] = ()
+    topics: tuple[str, ...] = ()
+    excluded: tuple[str, ...] = ()
+    everything: bool = False
+    leaf_topics: bool = False
+    tools: bool = False
+    services: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """What is usually not drawn, and so may be missed.
+
+    Attributes:
+        leaf_topics: How many topics, for being connected to one side only.
+        quiet: The names of the topics that nearly every node has.
+        tools: How many commands that look on.
+        hidden: How many nodes and topics whose names are hidden.
+    """
+
+    leaf_topics: int = 0
+    quiet: tuple[str, ...] = ()
+    tools: int = 0
+    hidden: int = 0
+
+    def text(self) -> str:
+        """All of it in one line, with the options that show it; "" where nothing is left out."""
+        parts = []
+        if self.leaf_topics:
+            plural = "topics" if self.leaf_topics > 1 else "topic"
+            parts.append(f"{self.leaf_topics} {plural} with one side only (--leaf-topics)")
+        if self.quiet:
+            parts.append(f"{', '.join(self.quiet)} (--all)")
+        if self.tools:
+            plural = "commands that look on" if self.tools > 1 else "command that looks on"
+            parts.append(f"{self.tools} {plural} (--tools)")
+        if self.hidden:
+            parts.append(f"{self.hidden} hidden {'names' if self.hidden > 1 else 'name'} (--all)")
+        return f"left out: {', '.join(parts)}" if parts else ""
+
+
+def select(diagram: Diagram, wanted: Selection) -> tuple[Diagram, LeftOut]:
+    """The part of a diagram that is wanted, and what is left out of it that may be missed."""
+    asked = _asked(diagram, wanted)
+    members = [m for m in asked.members if _is_drawn(m, wanted)]
+    channels = [c for c in asked.channels if _is_shown(c, wanted)]
+    used = drawn = _with(asked, members, channels)
+    if not (wanted.everything or wanted.leaf_topics):
+        drawn = _with(used, members, _active(used, wanted))
+    there = {m.id for m in members} | {c.id for c in channels}
+    gone = [vertex for vertex in asked.vertices() if vertex.id not in there]
+    left = LeftOut(
+        leaf_topics=len(used.channels) - len(drawn.channels),
+        quiet=tuple(v.name for v in gone if isinstance(v, Channel) and v.is_quiet),
+        tools=sum(isinstance(v, Member) and v.is_tool for v in gone),
+        hidden=sum(v.is_hidden and not (isinstance(v, Member) and v.is_tool) for v in gone),
+    )
+    return drawn, left
+
+
+def members_only(diagram: Diagram) -> Diagram:
+    """The same without channels: who publishes is connected to who subscribes."""
+    names = {channel.id: channel.name for channel in diagram.channels}
+    into: dict[str, list[Edge]] = {}
+    out: dict[str, list[Edge]] = {}
+    for edge in diagram.edges:
+        if edge.target in names:
+            into.setdefault(edge.target, []).append(edge)
+        else:
+            out.setdefault(edge.source, []).append(edge)
+    found: dict[tuple[str, str, bool], list[str]] = {}
+    for channel in diagram.channels:
+        for source in into.get(channel.id, []):
+            for target in out.get(channel.id, []):
+                key = (source.source, target.target, channel.is_service)
+                found.setdefault(key, []).append(channel.name)
+    edges = [
+        Edge(source, target, Flow.CALLS if is_service else Flow.FEEDS, topics=tuple(topics))
+        for (source, target, is_service), topics in found.items()
+    ]
+    return replace(diagram, channels=(), edges=tuple(edges))
+
+
+def is_meant(name: str, wanted: str) -> bool:
+    """Whether a word means a name: it is it, its last part, a namespace of it, or a pattern.
+
+    A pattern has one of * ? [ in it; one without a leading "/" may match the last part alone.
+    """
+    last = name.rpartition("/")[2]
+    if any(mark in wanted for mark in _MARKS):
+        alone = "/" not in wanted and fnmatchcase(last, wanted)
+        return alone or any(fnmatchcase(name, w) for w in (wanted, f"/{wanted.lstrip('/')}"))
+    bare = wanted.strip("/")
+    if not bare:
+        return True
+    is_last = "/" not in wanted and last == bare
+    return is_last or name in (wanted, f"/{bare}") or name.startswith(f"/{bare}/")
+
+
+def _asked(diagram: Diagram, wanted: Selection) -> Diagram:
+    """What is asked for by name and kind."""
+    members = [m for m in diagram.members if not _is_any(m, wanted.excluded)]
+    channels = [
+        channel
+        for channel in diagram.channels
+        if (wanted.services or not channel.is_service)
+        and not any(is_meant(channel.name, word) for word in wanted.excluded)
+        and (not wanted.topics or any(is_meant(channel.name, word) for word in wanted.topics))
+    ]
+    there = _with(diagram, members, channels)
+    if wanted.topics:
+        using = {end for edge in there.edges for end in (edge.source, edge.target)}
+        there = replace(there, members=tuple(m for m in members if m.id in using))
+    return _around(there, wanted.parts) if wanted.parts else there
+
+
+def _around(diagram: Diagram, parts: Sequence[str]) -> Diagram:
+    """What is meant, and what that is directly connected to: over a channel, the other side."""
+    near = {m.id for m in diagram.members if _is_any(m, parts)}
+    near |= {c.id for c in diagram.channels if any(is_meant(c.name, word) for word in parts)}
+    channels = {channel.id for channel in diagram.channels}
+    kept = {edge for edge in diagram.edges if edge.source in near or edge.target in near}
+    fed = {edge.target for edge in kept} & channels  # something near publishes it
+    feeding = {edge.source for edge in kept} & channels
+    edges = [
+        edge
+        for edge in diagram.edges
+        if edge in kept or edge.source in fed or edge.target in feeding
+    ]
+    there = near | {edge.source for edge in edges} | {edge.target for edge in edges}
+    return replace(
+        diagram,
+        members=tuple(m for m in diagram.members if m.id in there),
+        channels=tuple(c for c in diagram.channels if c.id in there),
+        edges=tuple(edges),
+    )
+
+
+def _is_any(member: Member, words: Iterable[str]) -> bool:
+    """Whether a member is meant; a program by its pid, its command or a word of that."""
+    if member.is_node:
+        return any(is_meant(member.name, word) for word in words)
+    names = [title(member), str(member.pid), *(w.rpartition("/")[2] for w in member.name.split())]
+    return any(fnmatchcase(name, word) for name in names for word in words)
+
+
+def _is_drawn(member: Member, wanted: Selection) -> bool:
+    if member.is_tool:
+        return wanted.tools or wanted.everything
+    return wanted.everything or not member.is_hidden or member.name in wanted.parts
+
+
+def _is_shown(channel: Channel, wanted: Selection) -> bool:
+    is_usual = not channel.is_quiet and not channel.is_hidden
+    return is_usual or wanted.everything or _is_named(channel, wanted)
+
+
+def _is_named(channel: Channel, wanted: Selection) -> bool:
+    return channel.name in wanted.topics or channel.name in wanted.parts
+
+
+def _active(diagram: Diagram, wanted: Selection) -> list[Channel]:
+    """The channels over which messages go, or would, having both sides; and all services."""
+    fed = {edge.target for edge in diagram.edges}
+    feeding = {edge.source for edge in diagram.edges}
+    return [
+        channel
+        for channel in diagram.channels
+        if channel.is_service
+        or channel.messages
+        or channel.id in fed & feeding
+        or _is_named(channel, wanted)
+    ]
+
+
+def _with(diagram: Diagram, members: Sequence[Member], channels: Sequence[Channel]) -> Diagram:
+    """The same with these members and channels alone, and the edges between them.
+
+    A channel that was used, and is by none of these members, is not drawn.
+    """
+    there = {member.id for member in members} | {channel.id for channel in channels}
+    edges = tuple(e for e in diagram.edges if e.source in there and e.target in there)
+    used = Counter(end for edge in edges for end in (edge.source, edge.target))
+    return replace(
+        diagram,
+        members=tuple(members),
+        channels=tuple(channel for channel in channels if used[channel.id]),
+        edges=edges,
+    )

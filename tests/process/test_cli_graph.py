@@ -1,0 +1,270 @@
+"""lcmtools graph on a bus with nodes and with plain LCM programs."""
+
+import json
+import re
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from lcmtools.wire.datagram import short_message
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+_LISTENER = """
+import lcm
+bus = lcm.LCM()
+bus.subscribe("POSE", lambda *_: None)
+print("ready", flush=True)
+while True:
+    bus.handle()
+"""
+_SERVER = """
+import lcmtools
+from lcmtools.types.std_srvs import Trigger
+from lcmtools.types.std_msgs import String
+lcmtools.init()
+node = lcmtools.Node("server")
+node.create_service(Trigger, "reset", lambda request, response: response)
+node.create_subscription(String, "orders", lambda message: None, 10)
+print("ready", flush=True)
+lcmtools.spin(node)
+"""
+
+
+@pytest.fixture(scope="module")
+def programs(
+    module_start: Callable[..., Any], lcmtools_path: str, tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, Any]:
+    """A talker, a listener in a namespace, a server, lcm-source, and a script that only listens."""
+    import sysconfig
+
+    source = str(Path(sysconfig.get_path("purelib")) / "bin" / "lcm-source")
+    server = tmp_path_factory.mktemp("server") / "server.py"
+    server.write_text(_SERVER)
+    started = {
+        "plain": module_start(sys.executable, "-c", _LISTENER),
+        "server": module_start(sys.executable, str(server)),
+        "source": module_start(source, "-m", "EXAMPLE"),
+        "listener": module_start(lcmtools_path, "run", "listener", "__ns:=/r", "chatter:=/chatter"),
+        "talker": module_start(lcmtools_path, "run", "talker"),
+    }
+    started["plain"].wait_for("ready")
+    started["server"].wait_for("ready")
+    started["listener"].wait_for("I heard: [hello world")
+    return started
+
+
+@pytest.fixture
+def on_bus(use_module_bus: None, programs: dict[str, Any]) -> dict[str, Any]:
+    """The programs, with the commands looking at their bus."""
+    del use_module_bus
+    return programs
+
+
+def names_of(document: dict[str, Any]) -> dict[str, str]:
+    """What is behind each id in JSON."""
+    vertices = [*document["nodes"], *document["topics"], *document["services"]]
+    return {
+        one["id"]: one.get("node") or one.get("topic") or one.get("service") or str(one["pid"])
+        for one in vertices
+    }
+
+
+def edges_of(document: dict[str, Any]) -> set[tuple[str, str, str]]:
+    """The edges in JSON, by names."""
+    names = names_of(document)
+    return {(names[edge["from"]], edge["kind"], names[edge["to"]]) for edge in document["edges"]}
+
+
+def test_text_shows_who_feeds_whom(lcmtools: Run, on_bus: dict[str, Any]) -> None:
+    result = lcmtools("graph", LC_ALL="C.UTF-8")
+    source, plain = on_bus["source"].pid, on_bus["plain"].pid
+    assert result.returncode == 0
+    assert "/talker\n└─ /chatter [std_msgs/String]\n   └→ /r/listener\n" in result.stdout
+    assert f"lcm-source -m EXAMPLE (no node, pid {source})\n└─ EXAMPLE [" in result.stdout
+    assert re.search(
+        rf"^python.* \(no node, pid {plain}, listens to channels unknown\)$",
+        result.stdout,
+        re.MULTILINE,
+    )
+    assert (
+        result.stderr == "left out: 1 topic with one side only (--leaf-topics), /rosout (--all)\n"
+    )
+
+
+def test_in_the_c_locale_text_is_ascii(lcmtools: Run, on_bus: dict[str, Any]) -> None:
+    del on_bus
+    text = lcmtools("graph", "/talker", LC_ALL="C").stdout
+    assert text == "/talker\n`- /chatter [std_msgs/String]\n   `> /r/listener\n"
+
+
+def test_json_has_nodes_programs_and_edges(lcmtools: Run, on_bus: dict[str, Any]) -> None:
+    document = json.loads(lcmtools("graph", "--json").stdout)
+    source, plain = str(on_bus["source"].pid), str(on_bus["plain"].pid)
+    assert edges_of(document) == {
+        ("/talker", "publishes", "/chatter"),
+        ("/chatter", "subscribes", "/r/listener"),
+        (source, "publishes", "EXAMPLE"),
+    }
+    nodes = {node["pid"]: node for node in document["nodes"]}
+    assert nodes[on_bus["talker"].pid]["host"] == socket.gethostname()
+    assert (nodes[int(plain)]["observed"], nodes[int(plain)]["listens"]) == (True, True)
+
+
+def test_leaf_topics_and_services_are_shown_where_asked_for(
+    lcmtools: Run, on_bus: dict[str, Any]
+) -> None:
+    del on_bus
+    document = json.loads(
+        lcmtools("graph", "--json", "--leaf-topics", "--services", "/server").stdout
+    )
+    assert edges_of(document) == {
+        ("/orders", "subscribes", "/server"),
+        ("/reset", "serves", "/server"),
+    }
+
+
+def test_all_leaves_nothing_out(lcmtools: Run, on_bus: dict[str, Any]) -> None:
+    del on_bus
+    result = lcmtools("graph", "-a")
+    assert "/rosout" in result.stdout
+    assert "/orders" in result.stdout
+    assert result.stderr == ""
+
+
+def test_a_looking_command_is_shown_by_tools(
+    lcmtools: Run, on_bus: dict[str, Any], module_start: Callable[..., Any], lcmtools_path: str
+) -> None:
+    del on_bus
+    echo = module_start(lcmtools_path, "echo", "/chatter")
+    echo.wait_for("data:")
+    try:
+        assert "_lcmtools_echo" not in lcmtools("graph").stdout
+        assert "1 command that looks on (--tools)" in lcmtools("graph").stderr
+        assert f"/_lcmtools_echo_{echo.pid} (looks on)" in lcmtools("graph", "--tools").stdout
+    finally:
+        echo.end()
+
+
+def test_nodes_only_connects_nodes(lcmtools: Run, on_bus: dict[str, Any]) -> None:
+    del on_bus
+    document = json.loads(lcmtools("graph", "--nodes-only", "--json", "/r").stdout)
+    assert edges_of(document) == {("/talker", "feeds", "/r/listener")}
+    assert document["edges"][0]["topics"] == ["/chatter"]
+
+
+def test_rates_are_measured(lcmtools: Run, on_bus: dict[str, Any]) -> None:
+    del on_bus
+    document = json.loads(lcmtools("graph", "--hz", "--json", "EXAMPLE").stdout)
+    assert document["topics"][0]["rate"] > 0
+    assert document["edges"][0]["rate"] == document["topics"][0]["rate"]
+
+
+def test_a_file_has_the_form_that_its_name_tells(
+    lcmtools: Run, on_bus: dict[str, Any], tmp_path: Path
+) -> None:
+    del on_bus
+    file = tmp_path / "graph.svg"
+    result = lcmtools("graph", "--group", "-o", str(file))
+    said = f"wrote {file}: 3 nodes, 2 other programs, 2 topics\n"
+    assert (result.returncode, result.stdout) == (0, "")
+    assert result.stderr.startswith(said)
+    texts = [one.text for one in ET.parse(file).iter("{http://www.w3.org/2000/svg}text")]  # noqa: S314
+    assert {"/talker", "/chatter", "/r/listener", "EXAMPLE", "/r"} <= set(texts)
+    again = lcmtools("graph", "-o", str(file))
+    assert again.returncode == 2
+    assert "--force overwrites it" in again.stderr
+
+
+def test_dot_and_mermaid_go_to_standard_output(lcmtools: Run, on_bus: dict[str, Any]) -> None:
+    del on_bus
+    dot = lcmtools("graph", "--format", "dot", "/talker")
+    assert dot.stdout.startswith("digraph lcmtools {\n")
+    assert re.search(r"n\d+ -> t\d+ \[", dot.stdout)
+    mermaid = lcmtools("graph", "--format", "mermaid", "/talker").stdout
+    assert re.search(r"n\d+ --> t\d+\n", mermaid)
+
+
+def test_what_is_nowhere_is_said(lcmtools: Run, on_bus: dict[str, Any], bus_url: str) -> None:
+    del on_bus
+    result = lcmtools("graph", "/nowhere")
+    assert (result.returncode, result.stdout) == (0, "")
+    assert result.stderr.startswith("nothing of /nowhere to draw on udpm://")
+    empty = lcmtools("graph", "--format", "svg", LCM_DEFAULT_URL=bus_url)
+    assert ET.fromstring(empty.stdout.encode()).tag.endswith("svg")  # noqa: S314 - our own
+    assert empty.stderr == f"nothing to draw on {bus_url}\n"
+
+
+def test_two_of_the_same_name_and_a_stale_one(
+    lcmtools: Run, start: Callable[..., Any], lcmtools_path: str, bus_url: str
+) -> None:
+    one, other = (start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=bus_url) for _ in range(2))
+    for talker in (one, other):
+        talker.wait_for("hello world")
+    other.send_signal(signal.SIGKILL)
+    other.wait()
+    text = lcmtools("graph", LCM_DEFAULT_URL=bus_url, LC_ALL="C").stdout
+    assert f"/talker (pid {one.pid})\n" in text
+    assert f"/talker (pid {other.pid}) (stale: " in text
+
+
+@pytest.mark.usefixtures("private_network")
+def test_channels_of_any_bytes_are_drawn(
+    lcmtools: Run, start: Callable[..., Any], tmp_path: Path
+) -> None:
+    """In a network of its own: such channels may end what hears them."""
+    names = ['a"b\\', "<&>#35;\n", "\udcff\x1b[2J", "日本|`x`"]
+    url = "udpm://239.255.76.67:7667?ttl=0"
+    datagrams = [short_message(number, name, b"x" * 8) for number, name in enumerate(names)]
+    script = tmp_path / "shout.py"
+    script.write_text(
+        "import socket, time\n"
+        "out = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)\n"
+        f"while True:\n    for datagram in {datagrams!r}:\n"
+        "        out.sendto(datagram, ('239.255.76.67', 7667))\n"
+        "    print('sent', flush=True)\n    time.sleep(0.05)\n"
+    )
+    start(sys.executable, str(script)).wait_for("sent")
+    document = json.loads(lcmtools("graph", "--json", LCM_DEFAULT_URL=url).stdout)
+    assert sorted(topic["topic"] for topic in document["topics"]) == sorted(names)
+    for form in ("text", "dot", "mermaid", "svg"):
+        result = lcmtools("graph", "--format", form, LCM_DEFAULT_URL=url, LC_ALL="C.UTF-8")
+        assert result.returncode == 0
+        assert "日本" in result.stdout
+        assert not re.search(r"[\x00-\x09\x0b-\x1f]", result.stdout)
+
+
+def test_a_log_is_drawn_too(lcmtools: Run, tmp_path: Path) -> None:
+    import struct
+
+    def event(number: int, channel: bytes, data: bytes) -> bytes:
+        head = struct.pack(">IQQII", 0xEDA1DA01, number, number * 100_000, len(channel), len(data))
+        return head + channel + data
+
+    log = tmp_path / "a.log"
+    log.write_bytes(b"".join(event(number, b"POSE", bytes(8)) for number in range(3)))
+    result = lcmtools("graph", "--hz", f"--lcm-url=file://{log}", LC_ALL="C")
+    assert result.stdout == "a program (no node)\n`- POSE [unknown type] 10.0 Hz\n"
+
+
+def test_where_the_bus_tells_no_senders_programs_are_one(
+    lcmtools: Run, start: Callable[..., Any], lcmtools_path: str, tcpq_server: Any
+) -> None:
+    url = tcpq_server.url
+    start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=url).wait_for("hello world")
+    plain = (
+        "import lcm, time\nbus = lcm.LCM()\n"
+        "while True:\n    bus.publish('POSE', bytes(8))\n    print('sent', flush=True)\n"
+        "    time.sleep(0.05)\n"
+    )
+    start(sys.executable, "-c", plain, LCM_DEFAULT_URL=url).wait_for("sent")
+    text = lcmtools("graph", "--wait", "1", LCM_DEFAULT_URL=url, LC_ALL="C").stdout
+    assert "/talker\n`- /chatter [std_msgs/String]\n" in text
+    assert "a program (no node)\n`- POSE [unknown type]\n" in text

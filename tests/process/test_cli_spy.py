@@ -1,0 +1,257 @@
+"""spy --once: the table of a bus with nodes, with plain programs, with loss, of a log, of tcpq."""
+
+import json
+import re
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import lcm
+import pytest
+
+from lcmtools.types.std_msgs import String
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+# Prints a line when a message has been sent, so that tests wait for it and not for time.
+PLAIN = """
+import time
+import lcm
+from lcmtools.types.geometry_msgs import Point
+
+bus = lcm.LCM()
+point = Point().encode()
+while True:
+    bus.publish("POSE", point)
+    bus.publish("NOISE", bytes(range(200)))
+    print("sent", flush=True)
+    time.sleep(0.05)
+"""
+
+# Every fourth message is numbered and never sent.
+LOSSY = """
+import socket
+import time
+import sys
+from lcmtools.wire.datagram import short_message
+
+port = int(sys.argv[1])
+out = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+out.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+number = 0
+while True:
+    number += 1
+    if number % 4:
+        out.sendto(short_message(number, "LOSSY", bytes(8)), ("239.255.76.67", port))
+    print("sent", flush=True)
+    time.sleep(0.01)
+"""
+
+# A node that publishes only what somebody listens to, or never.
+SHY = """
+import sys
+import lcmtools
+from lcmtools import Node
+from lcmtools.types.std_msgs import String
+
+lcmtools.init()
+node = Node("shy")
+publisher = node.create_publisher(String, "/shy", 10)
+
+def tick():
+    if sys.argv[1] == "heard" and publisher.subscriber_count():
+        publisher.publish(String())
+
+node.create_timer(0.02, tick)
+print("ready", flush=True)
+lcmtools.spin(node)
+"""
+
+
+@pytest.fixture
+def rows(lcmtools: Run, bus_url: str) -> Callable[..., dict[str, dict[str, Any]]]:
+    """``rows("/a", wait="2s")``: the records of spy --json, by channel."""
+
+    def run(*arguments: str, url: str = bus_url) -> dict[str, dict[str, Any]]:
+        done = lcmtools("spy", "--json", *arguments, LCM_DEFAULT_URL=url)
+        assert done.returncode == 0, done.stderr
+        return {record["channel"]: record for record in json.loads(done.stdout)}
+
+    return run
+
+
+def test_nodes_are_named_with_their_types_and_listeners(
+    start: Callable[..., Any],
+    start_python: Callable[..., Any],
+    lcmtools_path: str,
+    bus_url: str,
+    rows: Callable[..., dict[str, dict[str, Any]]],
+) -> None:
+    bus = {"LCM_DEFAULT_URL": bus_url}
+    start(lcmtools_path, "run", "talker", **bus)
+    start(lcmtools_path, "run", "listener", **bus).wait_for("heard")
+    start_python(SHY, "never", **bus).wait_for("ready")
+    found = rows("--wait", "2500ms")
+    chatter = found["/chatter"]
+    assert (chatter["types"], chatter["announced"]) == (["std_msgs/String"], True)
+    assert (chatter["senders"], chatter["listeners"]) == (["/talker"], ["/listener"])
+    assert chatter["messages"] >= 2
+    assert (chatter["senders_lost"], chatter["senders_loss"]) == (0, 0.0)
+    silent = found["/shy"]
+    assert (silent["messages"], silent["rate"], silent["senders"]) == (0, None, ["/shy"])
+
+
+def test_plain_programs_are_named_by_process_and_types_by_fingerprint(
+    start: Callable[..., Any],
+    start_python: Callable[..., Any],
+    lcm_program: Callable[[str], str],
+    lcmtools: Run,
+    bus_url: str,
+    rows: Callable[..., dict[str, dict[str, Any]]],
+) -> None:
+    plain = start_python(PLAIN, LCM_DEFAULT_URL=bus_url)
+    plain.wait_for("sent")
+    found = rows("--wait", "2500ms")
+    pose = found["POSE"]
+    script = re.escape(Path(plain_script(plain.pid)).name)
+    assert re.fullmatch(rf"{script} \(pid {plain.pid}\)", pose["senders"][0])
+    assert 0 < pose["rate"] < 21
+    assert pose["jitter"] >= 0
+    assert pose["bandwidth"] == pytest.approx(pose["rate"] * 32)
+    assert pose["announced"] is False
+    assert "geometry_msgs/Point" in pose["types"]
+    assert found["NOISE"]["types"] == []
+
+    sink = start(lcm_program("lcm-sink"), LCM_DEFAULT_URL=bus_url)
+    sink.wait_for("received")
+    done = lcmtools("spy", "--once", "POSE", "NOISE", LCM_DEFAULT_URL=bus_url)
+    heading, noise, pose_line = done.stdout.splitlines()
+    assert heading.split()[:4] == ["CHANNEL", "TYPE", "MESSAGES", "HZ"]
+    assert noise.split()[:2] == ["NOISE", "?"]
+    assert "geometry_msgs/Vector3 +1" in pose_line
+    assert f"lcm-sink (pid {sink.pid}): listens too, as no node" in done.stderr
+
+
+def plain_script(pid: int) -> str:
+    """The script that a Python process runs."""
+    return Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")[1].decode()
+
+
+def test_rows_are_sorted_filtered_and_chosen(
+    start_python: Callable[..., Any], lcmtools: Run, bus_url: str
+) -> None:
+    start_python(PLAIN, LCM_DEFAULT_URL=bus_url).wait_for("sent")
+
+    def channels(*arguments: str) -> list[str]:
+        done = lcmtools("spy", "--once", "--wait", "300ms", *arguments, LCM_DEFAULT_URL=bus_url)
+        assert done.returncode == 0, done.stderr
+        return [line.split()[0] for line in done.stdout.splitlines()[1:]]
+
+    assert channels() == ["NOISE", "POSE"]
+    assert channels("-r") == ["POSE", "NOISE"]
+    assert channels("--sort", "bandwidth") == ["NOISE", "POSE"]
+    assert channels("--sort", "bandwidth", "-r") == ["POSE", "NOISE"]
+    assert channels("--filter", "vector3") == ["POSE"]
+    assert channels("NO*") == ["NOISE"]
+
+
+def test_lost_messages_are_the_senders(
+    start_python: Callable[..., Any],
+    lcmtools: Run,
+    rows: Callable[..., dict[str, dict[str, Any]]],
+    bus_url: str,
+    private_network: None,
+) -> None:
+    del private_network
+    port = bus_url.rpartition(":")[2].partition("?")[0]
+    start_python(LOSSY, port).wait_for("sent")
+    lossy = rows()["LOSSY"]
+    assert lossy["senders_loss"] == pytest.approx(0.25, abs=0.05)
+    assert lossy["senders_lost"] > 0
+    done = lcmtools("spy", "--once", LCM_DEFAULT_URL=bus_url)
+    assert re.search(r"LOSSY .* 2\d% ", done.stdout)
+    assert "LCM numbers a sender's messages" in done.stderr
+
+
+def test_a_large_message_counts_with_all_its_bytes(
+    start_python: Callable[..., Any], rows: Callable[..., dict[str, dict[str, Any]]], bus_url: str
+) -> None:
+    large = PLAIN.replace("bytes(range(200))", "bytes(500_000)")
+    start_python(large, LCM_DEFAULT_URL=bus_url).wait_for("sent")
+    noise = rows()["NOISE"]
+    assert noise["bytes"] == 500_000 * noise["messages"] > 0
+
+
+def test_a_log_is_read_at_once(
+    tmp_path: Path, rows: Callable[..., dict[str, dict[str, Any]]]
+) -> None:
+    path = tmp_path / "log"
+    log = lcm.EventLog(str(path), "w")
+    message = String()
+    message.data = "x"
+    for number in range(11):
+        log.write_event(1_700_000_000_000_000 + number * 5_000_000, "SLOW", message.encode())
+    log.close()
+    slow = rows(url=f"file://{path}")["SLOW"]
+    assert (slow["messages"], slow["rate"], slow["jitter"]) == (11, pytest.approx(0.2), 0)
+    assert slow["types"] == ["std_msgs/String"]
+    assert (slow["senders"], slow["senders_lost"]) == (["unknown sender"], None)
+
+
+def test_tcpq_tells_neither_sender_nor_loss(
+    tcpq_server: Any,
+    start_python: Callable[..., Any],
+    rows: Callable[..., dict[str, dict[str, Any]]],
+) -> None:
+    start_python(PLAIN, LCM_DEFAULT_URL=tcpq_server.url).wait_for("sent")
+    pose = rows(url=tcpq_server.url)["POSE"]
+    assert pose["messages"] > 1
+    assert pose["rate"] > 0
+    assert (pose["senders"], pose["senders_lost"]) == (["unknown sender"], None)
+
+
+def test_an_empty_bus_is_said_to_be_one(lcmtools: Run, bus_url: str) -> None:
+    done = lcmtools("spy", "--once", "--wait", "1ms", "/a", LCM_DEFAULT_URL=bus_url)
+    assert (done.returncode, done.stdout) == (0, "")
+    assert done.stderr == f"no topics in /a on {bus_url}\n"
+    done = lcmtools("spy", "--json", "--wait", "1ms", LCM_DEFAULT_URL=bus_url)
+    assert done.stdout == "[]\n"
+
+
+def test_a_topic_that_is_published_only_when_heard_begins_to_come(
+    start_python: Callable[..., Any], rows: Callable[..., dict[str, dict[str, Any]]], bus_url: str
+) -> None:
+    start_python(SHY, "heard", LCM_DEFAULT_URL=bus_url).wait_for("ready")
+    assert rows()["/shy"]["messages"] > 2
+
+
+@pytest.fixture(scope="module")
+def silent_socket() -> Iterator[socket.socket]:
+    """A port that nobody answers on."""
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        yield taken
+
+
+def test_a_bus_that_cannot_be_reached_is_one_line(
+    lcmtools: Run, silent_socket: socket.socket
+) -> None:
+    url = f"tcpq://127.0.0.1:{silent_socket.getsockname()[1]}"
+    done = lcmtools("spy", "--once", LCM_DEFAULT_URL=url)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+
+
+def test_the_table_needs_no_textual(bus_url: str) -> None:
+    script = (
+        "import sys\n"
+        "sys.modules['textual'] = sys.modules['rich'] = None\n"
+        "from lcmtools.cli.main import main\n"
+        "sys.exit(main(['spy', '--once', '--wait', '1ms']))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], env={"LCM_DEFAULT_URL": bus_url}, check=False
+    )
+    assert done.returncode == 0

@@ -1,0 +1,155 @@
+"""How the cells of the table are written, and what is cut where there is no room."""
+
+import pytest
+
+from lcmtools.cli.spy.columns import (
+    COLUMNS,
+    age_text,
+    cut,
+    jitter_text,
+    loss_text,
+    printable,
+    rate_text,
+    size_text,
+    type_text,
+    width_of,
+)
+from lcmtools.cli.spy.once import table
+from lcmtools.cli.spy.rows import Row
+
+ROWS = (
+    Row(
+        "/robot0/front_camera/depth/image_raw",
+        ("sensor_msgs/Image",),
+        is_announced=True,
+        messages=30,
+        bytes=30 * 614_400,
+        rate=29.97,
+        jitter=0.0031,
+        bandwidth=18_413_568.0,
+        lost=3,
+        loss=0.02,
+        senders=("/robot0/camera_driver", "viewer.py (pid 4711)"),
+        listeners=("/robot0/obstacle_detector",),
+        age=0.02,
+    ),
+    Row("POSE", messages=2, rate=1.0, bandwidth=24.0, lost=0, loss=0.0, age=0.5),
+    Row("/quiet", ("std_msgs/String",), is_announced=True, listeners=("/ears",)),
+)
+
+
+def test_the_whole_table_where_there_is_room() -> None:
+    heading, camera, pose, quiet = table(ROWS, None)
+    assert heading.split() == [name.upper() for name in ("channel", "type", "messages", "Hz")] + [
+        "JITTER",
+        "BANDWIDTH",
+        "LOSS",
+        "SENDERS",
+        "LISTENERS",
+    ]
+    assert camera == (
+        "/robot0/front_camera/depth/image_raw  sensor_msgs/Image        30  29.97  3.1 ms"
+        "  18.4 MB/s  2.0%  /robot0/camera_driver, viewer.py (pid 4711)  /robot0/obstacle_detector"
+    )
+    assert pose == (
+        "POSE                                  ?                         2   1.00       -"
+        "     24 B/s     0  -                                            -"
+    )
+    assert quiet == (
+        "/quiet                                std_msgs/String           0      -       -"
+        "          -     -  -                                            /ears"
+    )
+
+
+def test_on_eighty_columns_texts_are_cut_and_what_matters_least_is_left_out() -> None:
+    assert table(ROWS, 80) == [
+        "CHANNEL                    TYPE            HZ JITTER BANDWIDTH LOSS SENDERS",
+        "/robot0/f…/depth/image_raw …/Image      29.97 3.1 ms 18.4 MB/s 2.0% /robot0/cam…",
+        "POSE                       ?             1.00      -    24 B/s    0 -",
+        "/quiet                     …/String         -      -         -    - -",
+    ]
+
+
+@pytest.mark.parametrize("room", range(20, 200, 7))
+def test_no_line_is_wider_than_the_terminal_down_to_what_cannot_be_cut(room: int) -> None:
+    assert max(map(width_of, table(ROWS, room))) <= max(room, 42)
+
+
+def test_an_empty_table_is_its_heading() -> None:
+    assert len(table((), 80)) == 1
+
+
+def test_wide_characters_take_two_places() -> None:
+    wide = (Row("温度センサー", senders=("x",)), Row("plain", senders=("y",)))
+    lines = table(wide, None)
+    assert width_of("温度") == 4
+    assert width_of("e\u0301") == 1
+    assert {width_of(line.rpartition("x")[0]) for line in lines[1:2]} == {
+        width_of(line.rpartition("y")[0]) for line in lines[2:]
+    }
+
+
+@pytest.mark.parametrize(
+    ("text", "width", "where", "expected"),
+    [
+        ("short", 5, "end", "short"),
+        ("/a/long/name", 6, "end", "/a/lo…"),
+        ("/a/long/name", 6, "middle", "/a…ame"),
+        ("nav_msgs/Odometry", 12, "start", "…/Odometry"),
+        ("nav_msgs/Odometry", 6, "start", "…metry"),
+        ("anything", 0, "end", ""),
+        ("温度センサー", 6, "end", "温度…"),
+    ],
+)
+def test_texts_are_cut_where_they_say_least(
+    text: str, width: int, where: str, expected: str
+) -> None:
+    assert cut(text, width, where) == expected  # type: ignore[arg-type] # one of Cut
+
+
+def test_control_characters_are_escaped() -> None:
+    assert printable("\x1b[2J\nnot\udcff") == "\\x1b[2J\\nnot\\udcff"
+    assert "\x1b" not in "".join(table((Row("\x1b[2J"),), None))
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(None, "-"), (0, "0 B"), (999, "999 B"), (1000, "1.00 KB"), (99_960, "100 KB"),
+     (12_345_678, "12.3 MB"), (5e12, "5000 GB")],
+)  # fmt: skip
+def test_sizes_have_three_digits(value: float | None, text: str) -> None:
+    assert size_text(value) == text
+
+
+def test_numbers_are_written_as_short_as_they_may_be() -> None:
+    assert [rate_text(v) for v in (None, 0.0, 0.2, 49.996, 12345.6)] == [
+        "-", "0", "0.20", "50.00", "12346",
+    ]  # fmt: skip
+    assert [jitter_text(v) for v in (None, 0.0, 0.0123, 2.5)] == [
+        "-",
+        "0.0 ms",
+        "12.3 ms",
+        "2.50 s",
+    ]
+    assert [age_text(v) for v in (None, 0.04, 12.4, 300, 9000, 2e6)] == [
+        "-", "0.0 s", "12 s", "5 min", "2 h", "23 d",
+    ]  # fmt: skip
+
+
+def test_a_loss_is_never_written_as_none() -> None:
+    texts = [loss_text(v) for v in (None, 0.0, 1e-6, 0.034, 0.5, 1.0)]
+    assert texts == ["-", "0", "0.1%", "3.4%", "50%", "100%"]
+
+
+def test_a_type_by_fingerprint_says_how_many_others_it_may_be() -> None:
+    types = ("geometry_msgs/Vector3", "geometry_msgs/Point", "own/Three")
+    assert type_text(Row("A", types)) == "geometry_msgs/Vector3 +2"
+    assert type_text(Row("A", types[:1])) == "geometry_msgs/Vector3"
+    assert type_text(Row("A", types[:2], is_announced=True)) == ", ".join(types[:2])
+    assert (type_text(Row("A", messages=1)), type_text(Row("A"))) == ("?", "-")
+
+
+def test_every_column_has_a_key_of_its_own() -> None:
+    letters = [column.letter for column in COLUMNS.values()]
+    assert len(set(letters)) == len(letters)
+    assert not set(letters) & set("qchI")

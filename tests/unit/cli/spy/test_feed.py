@@ -1,0 +1,166 @@
+"""The thread that reads the bus: packets become rows, an end and a failing network are told."""
+
+import time
+from collections.abc import Callable
+
+import pytest
+
+from lcmtools.bus.url import BusUrl
+from lcmtools.bus.watch import Watch
+from lcmtools.cli.spy.columns import COLUMNS
+from lcmtools.cli.spy.feed import Feed, Snapshot
+from lcmtools.cli.spy.live.lines import BAD, DIM, PLAIN, WARN
+from lcmtools.cli.spy.live.overview import cell_style
+from lcmtools.cli.spy.rows import Row, Wanted
+from lcmtools.wire.packet import Packet
+
+MEMORY = BusUrl("memq", "")
+Behaviour = Callable[[], list[Packet]]
+
+
+class Bus:
+    """A bus that does what a test says."""
+
+    port = 0
+
+    def __init__(self, behaviour: Behaviour) -> None:
+        self._behaviour = behaviour
+
+    def receive(self, timeout: float) -> list[Packet]:
+        """What the test says."""
+        time.sleep(min(timeout, 0.001))
+        return self._behaviour()
+
+    def send(self, channel: str, payload: bytes) -> None:
+        """Nobody hears it."""
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+
+def packets() -> list[Packet]:
+    return [Packet("A", bytes(8), time.time_ns())]
+
+
+@pytest.fixture
+def snapshot_of(wait_until: Callable[..., None]) -> Callable[..., Snapshot]:
+    """``snapshot_of(behaviour, condition)``: the first one that is as the test waits for it."""
+
+    def run(
+        behaviour: Behaviour,
+        condition: Callable[[Snapshot], object],
+        meanwhile: Callable[[Feed], None] = lambda _: None,
+        url: BusUrl = MEMORY,
+    ) -> Snapshot:
+        watch = Watch(url, "spy", {}, Bus(behaviour))
+        feed = Feed(watch, Wanted())
+        feed.start()
+        try:
+            meanwhile(feed)
+            wait_until(lambda: condition(feed.latest))
+            return feed.latest
+        finally:
+            feed.stop()
+
+    return run
+
+
+def test_packets_become_rows(snapshot_of: Callable[..., Snapshot]) -> None:
+    found = snapshot_of(packets, lambda snapshot: snapshot.rate > 0)
+    assert [row.channel for row in found.rows] == ["A"]
+    assert (found.trouble, found.is_over) == ("", False)
+    assert found.bandwidth == pytest.approx(8 * found.rate)
+    assert found.row("A").messages > 1
+    assert found.row("B") == Row("B")
+
+
+@pytest.mark.parametrize(
+    ("url", "what"),
+    [
+        (BusUrl("file", "/log"), "the log has ended"),
+        (MEMORY, "the connection to memq:// has ended"),
+    ],
+)
+def test_an_end_is_told_and_what_came_before_stays(
+    snapshot_of: Callable[..., Snapshot], url: BusUrl, what: str
+) -> None:
+    start = time.monotonic()
+
+    def behaviour() -> list[Packet]:
+        if time.monotonic() - start > 0.5:
+            raise EOFError
+        return packets()
+
+    found = snapshot_of(behaviour, lambda snapshot: snapshot.is_over, url=url)
+    assert found.trouble == what
+    assert found.row("A").messages > 1
+
+
+def test_a_network_that_fails_is_told_and_may_come_back(
+    snapshot_of: Callable[..., Snapshot],
+) -> None:
+    failures = iter(range(3))
+
+    def behaviour() -> list[Packet]:
+        if next(failures, None) is not None:
+            raise OSError(100, "Network is down")
+        return packets()
+
+    told: list[str] = []
+
+    def is_back(snapshot: Snapshot) -> bool:
+        told.append(snapshot.trouble)
+        return not snapshot.trouble and bool(snapshot.rows)
+
+    assert not snapshot_of(behaviour, is_back).is_over
+    assert "Network is down" in told
+
+
+def test_a_fault_is_told_and_kills_nothing(snapshot_of: Callable[..., Snapshot]) -> None:
+    start = time.monotonic()
+
+    def behaviour() -> list[Packet]:
+        if time.monotonic() - start > 0.5:
+            raise ZeroDivisionError("by zero")
+        return packets()
+
+    found = snapshot_of(behaviour, lambda snapshot: snapshot.is_over)
+    assert found.trouble == "a fault of lcmtools (ZeroDivisionError: by zero)"
+
+
+def test_clear_counts_anew_and_whoever_follows_hears_every_packet(
+    snapshot_of: Callable[..., Snapshot], wait_until: Callable[..., None]
+) -> None:
+    heard: list[Packet] = []
+    sent = iter([packets()] * 5)
+
+    def behaviour() -> list[Packet]:
+        return next(sent, []) if heard_from else []
+
+    heard_from: list[Feed] = []
+
+    def meanwhile(feed: Feed) -> None:
+        feed.follow = heard.append
+        first = feed.latest
+        wait_until(lambda: feed.latest is not first)  # what comes before that is nobody's
+        heard_from.append(feed)
+        wait_until(lambda: len(heard) == 5)
+        feed.clear()
+
+    found = snapshot_of(behaviour, lambda one: one.rows and one.row("A").messages == 0, meanwhile)
+    assert len(heard) == 5
+    assert found.row("A").rate is None
+
+
+def test_loss_silence_and_unknown_types_are_seen_at_a_glance() -> None:
+    def style(column: str, row: Row) -> object:
+        return cell_style(row, COLUMNS[column])
+
+    known = ("std_msgs/String",)
+    assert style("loss", Row("A", known, lost=5, loss=0.05, age=0.0)) is BAD
+    assert style("loss", Row("A", known, lost=5, loss=0.001, age=0.0)) is WARN
+    assert style("loss", Row("A", known, lost=0, loss=0.0, age=0.0)) is PLAIN
+    assert style("rate", Row("A", known, age=3.5)) is DIM
+    assert style("rate", Row("A", known, age=2.5)) is PLAIN
+    assert style("type", Row("A", messages=1, age=0.0)) is WARN
+    assert style("channel", Row("A")) is DIM

@@ -1,0 +1,49 @@
+"""Diagrams from a few words."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+
+import pytest
+
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
+
+Draw = Callable[..., Diagram]
+
+
+@pytest.fixture
+def draw() -> Draw:
+    """``draw("/a > /t", "/t > /b", "/alone")``: a diagram of members, topics and arrows.
+
+    Topics are the names that are capitals, or whose last part is "t" and a number; all others are
+    members. ``changes`` has by name what is different of them.
+    """
+
+    def build(
+        *words: str, changes: dict[str, dict[str, object]] | None = None, **of_diagram: bool
+    ) -> Diagram:
+        names = list(dict.fromkeys(name for word in words for name in word.split(" > ")))
+        channels = [name for name in names if _is_channel(name)]
+        members = [name for name in names if not _is_channel(name)]
+        ids = {name: f"n{number}" for number, name in enumerate(members, 1)}
+        ids.update({name: f"t{number}" for number, name in enumerate(channels, 1)})
+        changed = changes or {}
+        edges = []
+        for word in words:
+            parts = word.split(" > ")
+            for source, target in pairwise(parts):
+                flow = Flow.PUBLISHES if _is_channel(target) else Flow.SUBSCRIBES
+                edges.append(Edge(ids[source], ids[target], flow))
+        return Diagram(
+            tuple(replace(Member(ids[n], n, pid=1), **changed.get(n, {})) for n in members),
+            tuple(replace(Channel(ids[n], n, ("a/B",)), **changed.get(n, {})) for n in channels),
+            tuple(edges),
+            **of_diagram,
+        )
+
+    return build
+
+
+def _is_channel(name: str) -> bool:
+    return name.isupper() or re.fullmatch(r"t\d*", name.rpartition("/")[2]) is not None
