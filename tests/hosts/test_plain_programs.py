@@ -1,0 +1,120 @@
+"""Programs that have never heard of lcmtools, on another computer; and large messages."""
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+_NODE = """
+import sys, time, lcmtools
+from lcmtools.types.std_msgs import String
+lcmtools.init()
+publisher = lcmtools.Node("large").create_publisher(String, "/large")
+message = String()
+message.data = "x" * int(sys.argv[1])
+while True:
+    publisher.publish(message)
+    time.sleep(0.2)
+"""
+_SUBSCRIBER = """
+import lcm
+bus = lcm.LCM()
+bus.subscribe("LARGE", lambda _, data: print("got", len(data), flush=True))
+print("listens", flush=True)
+while True:
+    bus.handle()
+"""
+
+
+def test_a_publisher_elsewhere_is_known_by_its_address(pair: Any, plain: str) -> None:
+    ada, bob = pair
+    ada.python(plain, "PLAIN", "8", "0.02").wait_for("sends")
+    assert bob.out("list", "--host") == "Host [10.76.0.1]:\n  PLAIN\n"
+    assert " * a program on 10.76.0.1, port " in bob.out("info", "PLAIN")
+    (program,) = json.loads(bob.out("node", "list", "-a", "--json"))
+    assert program["address"] == "10.76.0.1"
+    assert program["pid"] is program["command"] is program["host"] is None
+    assert [seen["topic"] for seen in program["publications"]] == ["PLAIN"]
+    where = f"10.76.0.1:{program['ports'][0]}"
+    assert "Host: 10.76.0.1\n" in bob.out("node", "info", where)
+    refused = bob.lcmtools("node", "kill", where)
+    assert refused.returncode == 1
+    assert f"what sends from {where} is no node and cannot be asked" in refused.stderr
+    (local,) = json.loads(ada.out("node", "list", "-a", "--json"))
+    assert (local["host"], local["ports"]) == ("ada", program["ports"])
+    assert local["pid"]
+
+
+def test_the_same_pid_and_port_on_both_are_not_taken_for_one(pair: Any, plain: str) -> None:
+    ada, bob = pair
+    for host, channel in ((ada, "OF_ADA"), (bob, "OF_BOB")):
+        host.ports(45_000, 45_000)
+        host.next_pid(700)
+        host.python(plain, channel, "8", "0.02").wait_for("sends")
+        host.ports(32_768, 60_999)
+    for host, own, other in ((ada, "OF_ADA", "OF_BOB"), (bob, "OF_BOB", "OF_ADA")):
+        programs = json.loads(host.out("node", "list", "-a", "--json"))
+        found = {p["publications"][0]["topic"]: (p["pid"], p["ports"]) for p in programs}
+        assert found == {own: (700, [45_000]), other: (None, [45_000])}
+        assert "(pid " not in host.out("info", other)
+
+
+def test_a_node_elsewhere_hides_no_program_with_its_pid(
+    pair: Any, plain: str, lcmtools_path: str
+) -> None:
+    ada, bob = pair
+    ada.next_pid(700)
+    ada.start(lcmtools_path, "run", "talker").wait_for("hello")
+    bob.next_pid(700)
+    # as slow as one that ``list`` waits for, because it is there
+    bob.python(plain, "SLOW", "8", "1").wait_for("sends")
+    assert bob.out("list").split() == ["/chatter", "/rosout", "SLOW"]
+    told = json.loads(bob.out("node", "info", "talker", "--json"))[0]
+    assert (told["pid"], told["host"], told["memory_bytes"]) == (700, "ada", None)
+    programs = json.loads(bob.out("node", "list", "-a", "--json"))
+    assert [one["pid"] for one in programs] == [700, 700]
+    assert [one["node"] for one in programs] == ["/talker", None]
+
+
+@pytest.mark.parametrize("size", [200_000, 1_000_000])
+def test_large_messages_of_nodes_cross_in_both_directions(pair: Any, size: int) -> None:
+    for sender, receiver in (pair, reversed(pair)):
+        node = sender.python(_NODE, str(size))
+        shown = receiver.out("echo", "/large", "-n", "2", "--raw", "--json")
+        sizes = [json.loads(line)["bytes"] for line in shown.splitlines()]
+        assert sizes == [size + 13] * 2  # fingerprint, length and the final zero
+        node.end()
+
+
+@pytest.mark.parametrize(
+    ("size", "url"),
+    [(150_000, "?ttl=1"), (1_000_000, "?ttl=1&recv_buf_size=4000000")],
+)
+def test_large_messages_of_plain_programs_cross(
+    pair: Any, plain: str, size: int, url: str, wait_until: Callable[..., None]
+) -> None:
+    ada, bob = pair
+    listener = bob.python(_SUBSCRIBER, LCM_DEFAULT_URL=f"udpm://239.255.76.67:7667{url}")
+    listener.wait_for("listens")
+    ada.python(plain, "LARGE", str(size), "0.1")
+    wait_until(lambda: listener.output.count(f"got {size + 8}") >= 3)
+    (record,) = json.loads(bob.out("info", "LARGE", "--json"))
+    (seen,) = record["other_publishers"]
+    assert seen["bytes"] == seen["messages"] * (size + 8)
+
+
+def test_a_log_of_the_other_computer_is_complete(
+    pair: Any,
+    plain: str,
+    lcm_program: Callable[[str], str],
+    tmp_path: Any,
+    wait_until: Callable[..., None],
+) -> None:
+    ada, bob = pair
+    log = tmp_path / "log"
+    logger = bob.start(lcm_program("lcm-logger"), "--flush-interval=10", str(log))
+    ada.python(plain, "LARGE", "100000", "0.02")
+    wait_until(lambda: log.exists() and log.stat().st_size > 500_000)
+    logger.end()
+    assert bob.out("list", "--lcm-url", f"file://{log}") == "LARGE\n"
