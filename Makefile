@@ -1,5 +1,6 @@
 # make demo    a virtual environment, the installation, and the Husky lab as a script
 # make test    the same environment, and all tests
+# make faults  the faults suite: faults are planted, and wtf has to name each and nothing else
 # make man     the man pages anew, from the commands' own help
 # make check   types fresh, ruff, mypy, import rules, spelling
 
@@ -11,13 +12,16 @@ EDITABLE ?= -e
 BIN := $(VENV)/bin
 SOURCES := lcmtools sim tests bench lcm_types
 
-.PHONY: demo test check types man format bench clean
+.PHONY: demo test faults check types man format bench clean
 
 demo: $(VENV)/.installed
 	PATH="$(abspath $(BIN)):$$PATH" labs/husky/lab.sh
 
 test: $(VENV)/.installed-dev
 	$(BIN)/pytest -n 3 $(ARGS)
+
+faults: $(VENV)/.installed-dev
+	$(BIN)/pytest -n 3 tests/faults $(ARGS)
 
 check: $(VENV)/.installed-dev
 	$(BIN)/python lcm_types/generate.py --check

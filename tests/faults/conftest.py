@@ -1,0 +1,345 @@
+"""The faults suite: faults are planted, wtf names them, and its remedies mend them.
+
+Every test has a network of its own, so that no rule needs to be ignored: what is found beside the
+planted fault is a false alarm, and so is anything that is found in a healthy system. At its end
+pytest prints how many were planted, found and false.
+
+A fault is planted by real processes (``World``) and looked for by ``world.finds(rule, who...)``;
+what the finding says is done (``world.obey``), and ``world.is_silent()`` closes the test.
+"""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import sysconfig
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lcmtools.bus.glance import Glance
+from lcmtools.bus.url import choose_url
+from lcmtools.graph.model import Graph
+
+_PACKAGES = Path(sysconfig.get_path("purelib"))
+_HERE = Path(__file__).parent
+_SEVERITIES = ("note", "warning", "error")
+_LOOP = """
+import math, sys, time, lcm
+from lcmtools.types.geometry_msgs import *
+from lcmtools.types.nav_msgs import *
+from lcmtools.types.rosgraph_msgs import *
+from lcmtools.types.sensor_msgs import *
+from lcmtools.types.std_msgs import *
+bus, number, due = lcm.LCM(), 0, time.monotonic()
+while True:
+    number += 1
+    exec(sys.argv[1])
+    if number == 3:
+        print("sends", flush=True)
+    due += float(sys.argv[2])
+    time.sleep(max(0.0, due - time.monotonic()))
+"""
+_HEARS = """
+import sys, lcm
+bus = lcm.LCM()
+for channel in sys.argv[1:]:
+    bus.subscribe(channel, lambda channel, data: None)
+print("listens", flush=True)
+while True:
+    bus.handle()
+"""
+
+
+@dataclass(frozen=True)
+class Found:
+    """A finding as wtf --json tells it, and what its remedies say."""
+
+    rule: str
+    severity: str
+    text: str
+    items: Sequence[str]
+    remedies: Sequence[str]
+
+    @property
+    def everything(self) -> str:
+        """All of it, as one text."""
+        return "\n".join((self.text, *self.items, *self.remedies))
+
+    @property
+    def variables(self) -> dict[str, str]:
+        """The variables (NAME=VALUE) that the remedies say to set."""
+        text = "\n".join(self.remedies)
+        pairs = re.findall(r"\b([A-Z_]{4,})=('[^']*'|\S+)", text)
+        return {name: value.strip("'") for name, value in pairs}
+
+    @property
+    def commands(self) -> list[str]:
+        """The commands that the remedies name: in brackets, after a colon, or alone."""
+        found = []
+        for remedy in self.remedies:
+            known = r"(?:sudo|kill|lcmtools|export|ip|ss|end)\b"
+            found += re.findall(rf"\(({known}[^)]*)\)", remedy)
+            found += re.findall(rf"(?:^|: )({known}.*)$", remedy)
+        return [command.replace("sudo ", "") for command in found]
+
+
+class World:
+    """A network with processes in it, and wtf."""
+
+    def __init__(self, start: Callable[..., Any], folder: Path, command: str) -> None:
+        self._start, self._folder, self.command = start, folder, command
+        self._started: dict[int, tuple[tuple[str, ...], dict[str, str]]] = {}
+        self._programs: dict[int, Any] = {}
+        self.planted, self.found, self.looks, self.alarms = 0, 0, 0, 0
+
+    # --- processes -----------------------------------------------------------------------------
+
+    def start(self, *command: str, **environment: str) -> Any:
+        """Any process."""
+        program = self._start(*command, **environment)
+        self._started[program.pid] = command, environment
+        self._programs[program.pid] = program
+        return program
+
+    def node(self, *arguments: str, **environment: str) -> Any:
+        """``lcmtools run ...``, once its node has announced itself."""
+        return self.tool("run", *arguments, **environment)
+
+    def tool(self, *arguments: str, **environment: str) -> Any:
+        """Any command of lcmtools, once its node has announced itself."""
+        program = self.start(self.command, *arguments, **environment)
+        self.until(lambda: program.pid in self.pids(**environment))
+        return program
+
+    def script(self, source: str, *arguments: str, ready: str = "", **environment: str) -> Any:
+        """A Python program; with ``ready``, once it has printed that."""
+        path = self._folder / f"program_{len(self._started)}.py"
+        path.write_text(source)
+        program = self.start(sys.executable, str(path), *arguments, **environment)
+        if ready:
+            program.wait_for(ready)
+        return program
+
+    def sends(self, statements: str, period: float = 0.02, **environment: str) -> Any:
+        """A plain LCM program that does these statements again and again."""
+        return self.script(_LOOP, statements, str(period), ready="sends", **environment)
+
+    def hears(self, *channels: str, **environment: str) -> Any:
+        """A plain LCM program that listens to channels (patterns)."""
+        return self.script(_HEARS, *channels, ready="listens", **environment)
+
+    def lcm(self, name: str, *arguments: str, **environment: str) -> Any:
+        """A program of the lcm package; a listener once it has joined the bus."""
+        program = self.start(self.program(name), *arguments, **environment)
+        if name != "lcm-source":
+            self.until(lambda: _listens(program.pid))
+        return program
+
+    def c(self, name: str, *arguments: str, **environment: str) -> Any:
+        """A C program of this folder, linked with the lcm package's library."""
+        compiler = shutil.which("gcc") or pytest.skip("no gcc to compile C programs with")
+        program = self._folder / name
+        options = [f"-I{_PACKAGES / 'include'}", f"-L{_PACKAGES / 'lib'}"]
+        options += [f"-Wl,-rpath,{_PACKAGES / 'lib'}", "-llcm", "-lm"]
+        source = _HERE / "programs" / f"{name}.c"
+        subprocess.run([compiler, "-o", program, source, *options], check=True)
+        started = self.start(str(program), *arguments, **environment)
+        started.wait_for("ready")
+        return started
+
+    def java(self, name: str, *arguments: str, **environment: str) -> Any:
+        """A Java program of this folder, with the lcm package's lcm.jar."""
+        jar = _PACKAGES / "share/java/lcm.jar"
+        java, compiler = shutil.which("java"), shutil.which("javac")
+        if not java or not compiler or not jar.exists():
+            pytest.skip("no Java to run Java programs with")
+        source = _HERE / "programs" / f"{name}.java"
+        subprocess.run([compiler, "-cp", jar, "-d", self._folder, source], check=True)
+        path = f"{jar}{os.pathsep}{self._folder}"
+        options = ("-Xshare:auto", "-XX:TieredStopAtLevel=1", "-Djava.net.preferIPv4Stack=true")
+        started = self.start(java, *options, "-cp", path, name, *arguments, **environment)
+        started.wait_for("ready")
+        return started
+
+    def again(self, program: Any, *arguments: str, without: str = "", **environment: str) -> Any:
+        """End a program and start it as it was, with these arguments and variables added.
+
+        Of arguments like __ns:=/a it has each once: the new ones replace.
+        """
+        command, before = self._started[program.pid]
+        self.end(program)
+        said = {word.partition(":=")[0] for word in arguments if ":=" in word}
+        kept = [
+            word
+            for word in command
+            if word != without and (":=" not in word or word.partition(":=")[0] not in said)
+        ]
+        renewed = {**before, **environment}
+        program = self.start(*kept, *arguments, **renewed)
+        if command[0] == self.command:
+            self.until(lambda: program.pid in self.pids(**renewed))
+        elif not command[0].endswith("lcm-source"):
+            self.until(lambda: program.lines or _listens(program.pid))
+        return program
+
+    def obey(self, found: Found) -> None:
+        """Do what the remedies say that can be typed: start nodes otherwise, run commands."""
+        start = r"start (/\S+) (?:with (\S+)(?: in place of (\S+))?|without (\S+))"
+        orders = {match.groups() for one in found.remedies for match in re.finditer(start, one)}
+        for name, argument, replaced, omitted in orders:
+            added = [argument] if argument else []
+            self.again(self.of_node(name), *added, without=replaced or omitted or "")
+        for command in found.commands:
+            self.type(command)
+
+    def program(self, name: str) -> str:
+        """The path of a program of the lcm package."""
+        return str(_PACKAGES / "bin" / name)
+
+    def fingerprint(self, definition: str) -> str:
+        """What lcm-gen makes the fingerprint of a type's definition, as hexadecimal digits."""
+        file = self._folder / "type.lcm"
+        file.write_text(definition)
+        command = [self.program("lcm-gen"), "--python", "--ppath", self._folder, file]
+        subprocess.run(command, check=True, capture_output=True)
+        package, name = re.findall(r"(?:package|struct) (\w+)", definition)
+        text = f"from {package} import {name}; print({name}._get_packed_fingerprint().hex())"
+        command = [sys.executable, "-c", text]
+        done = subprocess.run(command, cwd=self._folder, check=True, capture_output=True, text=True)
+        return done.stdout.strip()
+
+    def is_heard_by(self, user: int) -> bool:
+        """Whether a program of this user listens to the usual bus."""
+        rows = Path("/proc/thread-self/net/udp").read_text().splitlines()[1:]
+        return any(row.split()[7] == str(user) and row.split()[1].endswith(":1DF3") for row in rows)
+
+    def of_node(self, name: str, **environment: str) -> Any:
+        """The program of a node."""
+        found: list[Any] = []
+
+        def is_there() -> list[Any]:
+            nodes = self.graph(**environment).named(name)
+            found[:] = [self._programs[one.pid] for one in nodes if one.pid in self._programs]
+            return found
+
+        self.until(is_there)  # on a busy computer an answer may be late
+        (program,) = found
+        return program
+
+    def end(self, program: Any) -> None:
+        """End a program as Ctrl-C does, or as kill does what minds no Ctrl-C."""
+        program.send_signal(2)
+        try:
+            program._process.wait(3)
+        except subprocess.TimeoutExpired:
+            program.send_signal(15)
+            program.wait()
+
+    def type(self, command: str, **environment: str) -> str:
+        """Type a command into a shell, as it stands; its output."""
+        words = {"lcmtools": self.command}
+        first, _, rest = command.partition(" ")
+        result = subprocess.run(
+            ["/bin/sh", "-c", f"{words.get(first, first)} {rest}"],
+            env={**os.environ, **environment},
+            capture_output=True,
+            text=True,
+            timeout=20,
+            check=False,
+        )
+        assert result.returncode == 0, f"{command}: {result.stderr}"
+        return result.stdout
+
+    # --- what there is ---------------------------------------------------------------------------
+
+    def graph(self, **environment: str) -> Graph:
+        """What is on a bus."""
+        url, _ = choose_url("", "", {**os.environ, **environment})
+        with Glance(url) as glance:
+            return glance.graph()
+
+    def pids(self, **environment: str) -> set[int]:
+        """The processes of the nodes on a bus."""
+        return {node.pid for node in self.graph(**environment).nodes}
+
+    def until(self, condition: Callable[[], object], timeout: float = 40.0) -> None:
+        """Wait for something; fails the test where it does not come."""
+        deadline = time.monotonic() + timeout
+        while not condition():
+            assert time.monotonic() < deadline, f"not within {timeout} s"
+            time.sleep(0.01)
+
+    # --- wtf -------------------------------------------------------------------------------------
+
+    def look(self, *arguments: str, wait: str = "0.5s", **environment: str) -> list[Found]:
+        """What wtf finds, all rules; checks that the exit code goes with it."""
+        result = subprocess.run(
+            [self.command, "wtf", "--json", "--wait", wait, *arguments],
+            env={**os.environ, **environment},
+            capture_output=True,
+            text=True,
+            timeout=40,
+            check=False,
+        )
+        assert result.stderr == ""
+        found = [Found(**finding) for finding in json.loads(result.stdout)]
+        worst = max((_SEVERITIES.index(one.severity) for one in found), default=0)
+        assert result.returncode == worst
+        return found
+
+    def finds(self, rule: str, *who: object, **options: Any) -> Found:
+        """Let wtf name this fault, with all of ``who`` in it, and nothing else."""
+        self.planted += 1
+        found = self.look(**options)
+        self.alarms += sum(one.rule != rule for one in found)
+        named = [one for one in found if one.rule == rule]
+        everything = "\n".join(one.everything for one in named)
+        missing = [text for text in map(str, who) if text not in everything]
+        self.found += bool(named) and not missing
+        assert [one.rule for one in found] == [rule], _told(found)
+        assert not missing, f"{missing} are not in:\n{_told(found)}"
+        return named[0]
+
+    def is_silent(self, **options: Any) -> None:
+        """Let wtf find nothing at all."""
+        self.looks += 1
+        found = self.look(**options)
+        self.alarms += len(found)
+        assert found == [], _told(found)
+
+
+def _told(found: Sequence[Found]) -> str:
+    return "\n".join(f"{one.rule} ({one.severity}): {one.everything}" for one in found) or "nothing"
+
+
+def _listens(pid: int) -> bool:
+    """Whether anything of a process's network listens to a multicast group."""
+    rows = Path(f"/proc/{pid}/net/udp").read_text().splitlines()[1:]
+    held = set()
+    for file in Path(f"/proc/{pid}/fd").iterdir():
+        with suppress(OSError):  # closed meanwhile
+            held.add(str(file.readlink()))
+    mine = [row.split() for row in rows if f"socket:[{row.split()[9]}]" in held]
+    return any(row[1].split(":")[0].endswith("EF") or row[1].endswith(":1DF3") for row in mine)
+
+
+@pytest.fixture
+def world(
+    private_network: None,  # noqa: ARG001 - it is there while the world is
+    start: Callable[..., Any],
+    tmp_path: Path,
+    lcmtools_path: str,
+    record_property: Callable[[str, object], None],
+) -> Any:
+    """A network of the test's own, with nothing in it yet."""
+    made = World(start, tmp_path, lcmtools_path)
+    yield made
+    record_property("faults", [made.planted, made.found, made.looks, made.alarms])

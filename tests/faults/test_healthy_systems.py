@@ -1,0 +1,120 @@
+"""Healthy systems, in which wtf finds nothing at all."""
+
+from typing import Any
+
+import pytest
+
+TWIST = "2e7c07d7cdf7e027"  # the fingerprint of geometry_msgs/Twist
+STEER = ("pub", "-r", "10")
+
+
+def test_talker_and_listener(world: Any) -> None:
+    world.node("talker")
+    world.node("listener")
+    world.is_silent(wait="1s")
+    world.is_silent(wait="2s")
+
+
+def test_talkers_in_namespaces(world: Any) -> None:
+    for space in ("/a", "/b"):
+        world.node("talker", f"__ns:={space}")
+        world.node("listener", f"__ns:={space}")
+    world.is_silent()
+
+
+def test_plain_python_programs(world: Any) -> None:
+    world.hears("A", "B")
+    world.sends("bus.publish('A', Twist().encode()); bus.publish('B', b'no message of LCM')")
+    world.is_silent(wait="1s")
+
+
+def test_programs_of_the_lcm_package(world: Any) -> None:
+    world.lcm("lcm-sink")
+    world.lcm("lcm-logger", "-q", "a.log")
+    world.lcm("lcm-source")
+    world.is_silent(wait="1s")
+
+
+def test_c_programs(world: Any) -> None:
+    world.c("listens", "POSE")
+    world.c("sends", "POSE", TWIST, "56", "50")
+    world.is_silent(wait="1s")
+
+
+def test_java_programs_beside_nodes(world: Any) -> None:
+    world.java("Listens", "/cmd_vel")
+    world.java("Sends", "/cmd_vel", TWIST, "56", "20")
+    world.node("talker")
+    world.node("listener")
+    world.is_silent(wait="1s")
+
+
+def test_a_c_program_steers_a_node_and_python_listens(world: Any) -> None:
+    world.node("sim", "--world", "dolly")
+    world.c("sends", "/dolly/cmd_vel", TWIST, "56", "10")
+    world.hears("/dolly/odom", "/dolly/laser_scan")
+    world.is_silent(wait="1s")
+
+
+def test_the_husky_lab(world: Any) -> None:
+    world.node("sim", "--world", "husky")
+    world.node("simple_controller", "__ns:=/husky0", "controlled_velocity:=velocity_cmd")
+    world.node("evaluate_controller", "__ns:=/husky0")
+    world.tool(*STEER, "/husky0/desired_velocity", "geometry_msgs/Twist", "{linear: {x: 0.1}}")
+    world.tool("echo", "/husky0/evaluation_stat")
+    world.is_silent(wait="1s")
+
+
+def test_the_dolly_lab(world: Any) -> None:
+    world.node("sim", "--world", "dolly")
+    world.node("moving_robot")
+    world.node("reading_laser")
+    world.is_silent(wait="1s")
+
+
+def test_the_pioneer_lab(world: Any) -> None:
+    world.node("sim", "--world", "pioneer")
+    world.tool(*STEER, "/RosAria/cmd_vel", "geometry_msgs/Twist", "{angular: {z: 0.5}}")
+    world.tool("echo", "/camera/depth/camera_info")
+    world.is_silent(wait="1s")
+
+
+def test_three_huskies(world: Any) -> None:
+    world.node("sim", "--world", "multi")
+    for number in range(3):
+        robot = f"/husky{number}"
+        world.node("simple_controller", f"__ns:={robot}", "controlled_velocity:=velocity_cmd")
+        world.tool(*STEER, f"{robot}/desired_velocity", "geometry_msgs/Twist", "{}")
+    world.is_silent(wait="1s")
+
+
+def test_an_empty_world(world: Any) -> None:
+    world.node("sim", "--world", "empty")
+    world.is_silent()
+
+
+@pytest.mark.parametrize("command", ["echo", "hz"])
+def test_a_command_that_looks_on(world: Any, command: str) -> None:
+    world.node("talker")
+    world.tool(command, "/chatter")
+    world.is_silent()
+
+
+def test_a_latched_message(world: Any) -> None:
+    world.tool("pub", "/map", "std_msgs/String", "here").wait_for("latching")
+    world.tool("echo", "/map")
+    world.is_silent()
+
+
+def test_nodes_that_ended_as_they_should(world: Any) -> None:
+    talker = world.node("talker")
+    world.node("listener")
+    world.end(talker)
+    world.node("talker")
+    world.is_silent()
+
+
+def test_a_service_and_its_client(world: Any) -> None:
+    world.node("sim", "--world", "empty")
+    world.type("lcmtools sim state --json || true")
+    world.is_silent()
