@@ -8,12 +8,14 @@ import time
 from collections.abc import Callable, Collection
 
 from lcmtools.bus.processes import Process, owners, udp_sockets
+from lcmtools.bus.socket_memory import announced_sockets
 from lcmtools.bus.url import BusUrl
 
 _LOOK_PERIOD = 1.0  # [s] between two looks at the socket table
 _SECOND_LOOK = 0.5
 """[s] A node's socket is a stranger's before it has announced itself and after it has said goodbye;
 what is still there after so long is no node's."""
+_SECOND_LOOK_AT_MARKS = 0.05  # [s]: sockets that are marked are so from their first moment
 
 
 def listening_sockets(url: BusUrl) -> frozenset[int]:
@@ -56,14 +58,14 @@ class PlainListeners:
         self._holders: dict[int, Process] = {}
 
     def possible(self, *, at_once: bool = False) -> bool:
-        """Whether there can be any, as of a second or two ago.
+        """Whether there can be any, as of a second ago.
 
         Always, where datagrams leave this computer or nobody can know who listens; never within
         one process.
 
         Args:
-            at_once: As of now: whoever is seen the first time counts too, though it may turn out
-                to be a node that has not announced itself yet.
+            at_once: As of now. Where sockets cannot be told apart, whoever is seen the first time
+                counts too, though it may turn out to be a node that has not announced itself yet.
         """
         if self._url.provider == "memq":
             return False
@@ -74,18 +76,27 @@ class PlainListeners:
         return self._possible or (at_once and bool(self._strangers))
 
     def _look(self) -> None:
-        """Look at the socket table again; strangers count when they are seen the second time."""
+        """Look at the socket table again; strangers count when they are seen the second time.
+
+        The tables are read one after the other, and a socket may come or go between.
+        """
         before, sockets = self._strangers, listening_sockets(self._url)
-        self._strangers = self._without_nodes(sockets)
+        marked = announced_sockets() & sockets
+        self._strangers = sockets - marked if marked else self._without_nodes(sockets)
         certain = bool(self._strangers & before)
         # Not even one's own socket is there: this system does not tell. And who was here before
         # the first look may listen from the first message on.
         self._possible = not sockets or certain or (self._possible and bool(self._strangers))
         is_sure = self._strangers <= before
-        self._next_look = self._now() + (_LOOK_PERIOD if is_sure else _SECOND_LOOK)
+        again = _SECOND_LOOK_AT_MARKS if marked else _SECOND_LOOK
+        self._next_look = self._now() + (_LOOK_PERIOD if is_sure else again)
 
     def _without_nodes(self, sockets: frozenset[int]) -> frozenset[int]:
-        """Those that belong to a process that is no node, or that is hidden."""
+        """Those that belong to a process that is no node, or that is hidden.
+
+        For systems that do not show marks: a program that is both a node and a plain one counts as
+        a node here.
+        """
         if sockets != self._sockets:  # to find whose they are costs milliseconds
             self._sockets, self._holders = sockets, owners(sockets)
         nodes, holders = self._nodes(), self._holders

@@ -7,10 +7,10 @@ socket's buffer between two looks, the newest are lost.
 """
 
 import contextlib
-import socket
 from collections.abc import Iterator
 
 from lcmtools.bus.arrival import ANCILLARY_BYTES, ask_kernel, told
+from lcmtools.bus.marks import SELECTIVE, mark
 from lcmtools.bus.multicast import receiving_socket
 from lcmtools.bus.socket_filter import (
     ACCEPT,
@@ -26,15 +26,6 @@ from lcmtools.bus.socket_filter import (
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire.datagram import FRAGMENT_HEADER_BYTES, MAGIC_FRAGMENT, MAGIC_SHORT
-
-SELECTIVE_TOS = 0xCC
-"""The type of service of a socket whose filter drops most of what comes, on purpose.
-
-The kernel counts what a filter drops as it counts what a full buffer loses, and shows only the sum.
-Whoever judges by it can tell such a socket by this value, which everybody may see (sock_diag(7)).
-The socket sends nothing, so that nothing else comes of it; the value is one for local use
-(RFC 2474, 6: code points that end in 11).
-"""
 
 _SHORT_HEADER_BYTES = 8
 _NUMBER_OFFSET = 16  # of a fragment's number
@@ -67,8 +58,7 @@ class Mailbox:
             self._receiver.close()
             raise BusError("this system cannot filter datagrams")
         ask_kernel(self._receiver)
-        with contextlib.suppress(OSError):
-            self._receiver.setsockopt(socket.IPPROTO_IP, socket.IP_TOS, SELECTIVE_TOS)
+        mark(self._receiver, SELECTIVE)
 
     def take(self) -> list[tuple[bytes, int]]:
         """The payloads that have come, each with when it did [ns since 1970], the oldest first.

@@ -11,6 +11,7 @@ import struct
 import time
 from pathlib import Path
 
+from lcmtools.bus.marks import ANNOUNCED, mark
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire.datagram import short_message
@@ -52,6 +53,7 @@ def receiving_socket(url: BusUrl) -> socket.socket:
         if hasattr(socket, "SO_REUSEPORT") and not Path("/proc").exists():
             receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)  # BSD, macOS
         receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer_bytes())
+        mark(receiver, ANNOUNCED)
         # bound to the group itself, so that other groups on the same port stay out
         receiver.bind((url.host, url.port))
         membership = struct.pack("=4sl", socket.inet_aton(url.host), socket.INADDR_ANY)

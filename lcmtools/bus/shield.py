@@ -15,6 +15,7 @@ import stat
 from collections.abc import Iterator
 from pathlib import Path
 
+from lcmtools.bus.marks import ANNOUNCED, mark
 from lcmtools.bus.socket_filter import (
     ACCEPT,
     ADD_X,
@@ -42,7 +43,7 @@ _CHANNEL = 63  # bytes of a channel's name at most
 
 
 def protect(url: BusUrl, known: set[int]) -> None:
-    """Attach the filter to the sockets of this process that listen to the bus.
+    """Attach the filter to the sockets of this process that listen to the bus, and mark them.
 
     Args:
         url: A multicast bus.
@@ -54,6 +55,7 @@ def protect(url: BusUrl, known: set[int]) -> None:
         with socket.socket(fileno=os.dup(descriptor)) as listener, contextlib.suppress(OSError):
             if listener.getsockname() == (url.host, url.port):
                 attach(listener, program)
+                mark(listener, ANNOUNCED)
 
 
 def open_descriptors() -> set[int]:

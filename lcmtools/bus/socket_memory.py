@@ -1,6 +1,6 @@
 """What the kernel tells everybody of this computer's UDP sockets beyond /proc, on Linux.
 
-How large their receive buffers are, and which drop most of what comes on purpose. By sock_diag(7):
+How large their receive buffers are, and how lcmtools has marked them. By sock_diag(7):
 a question over netlink, answered with every socket of this network namespace.
 """
 
@@ -10,7 +10,7 @@ import struct
 import sys
 from collections.abc import Iterator
 
-from lcmtools.bus.mailbox import SELECTIVE_TOS
+from lcmtools.bus.marks import ANNOUNCED, SELECTIVE
 
 _NETLINK_SOCK_DIAG = 4
 _SOCK_DIAG_BY_FAMILY = 20
@@ -42,8 +42,21 @@ def selective_sockets() -> frozenset[int]:
 
     Those of lcmtools.bus.mailbox; empty where nobody tells.
     """
+    return _marked(SELECTIVE)
+
+
+def announced_sockets() -> frozenset[int]:
+    """The inodes of the sockets with which lcmtools itself hears; empty where nobody tells."""
+    return _marked(ANNOUNCED, SELECTIVE)
+
+
+def _marked(*marks: int) -> frozenset[int]:
     told = _told_of_sockets(_TYPE_OF_SERVICE)
-    return frozenset(inode for inode, value in told if value[:1] == bytes([SELECTIVE_TOS]))
+    return frozenset(inode for inode, value in told if value[:1] in map(_byte, marks))
+
+
+def _byte(number: int) -> bytes:
+    return bytes([number])
 
 
 def _told_of_sockets(kind: int) -> Iterator[tuple[int, bytes]]:

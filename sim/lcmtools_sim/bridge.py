@@ -50,10 +50,11 @@ class Bridge:
         now = time.monotonic()
         if now >= self._next_look:
             self._next_look = now + _LOOK_PERIOD
-            heard = self._node.heard_topics(), self._node.has_plain_listeners()
-            if heard != self._heard:
-                self._heard = heard
-                self._simulation.ask(self._interest)
+            self._take_in(self._node.has_plain_listeners())
+
+    def look(self) -> None:
+        """Find out at once who listens: steps that somebody asks for do not wait for it."""
+        self._take_in(self._node.has_plain_listeners(at_once=True))
 
     def publish(self, samples: list[Sample]) -> None:
         """Send a step's messages."""
@@ -79,6 +80,13 @@ class Bridge:
             if robot not in self._subscriptions:
                 self._subscriptions[robot] = self._subscribe(robot)
         self._simulation.ask(self._interest)
+
+    def _take_in(self, may_be_overheard: bool) -> None:  # noqa: FBT001 - what the node says
+        """Measure what is heard now."""
+        heard = self._node.heard_topics(), may_be_overheard
+        if heard != self._heard:
+            self._heard = heard
+            self._simulation.ask(self._interest)
 
     def _interest(self, topic: str) -> Interest:
         announced, may_be_overheard = self._heard

@@ -16,6 +16,9 @@ class Surroundings(Protocol):
     def receive(self, timeout: float = 0.0) -> None:
         """Hand over what has come; wait for it so long at most [s]."""
 
+    def look(self) -> None:
+        """Find out at once who listens."""
+
     def publish(self, samples: list[Sample]) -> None:
         """Send a step's messages."""
 
@@ -66,6 +69,7 @@ class Loop:
 
     def step(self, count: int) -> int:
         """Do so many steps at once, without waiting; return how many were done."""
+        self._surroundings.look()
         for done in range(count):
             if not self._may_go_on():
                 return done

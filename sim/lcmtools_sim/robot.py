@@ -61,8 +61,8 @@ class Robot:
         self._body = world.add_robot(self.namespace, self.model.body, placement.pose)
         self._motion = self._before = world.motion(self._body)
         friction = self.model.drive.tyre_friction * scene.ground.friction
-        side_load = self.model.body.mass * scene.gravity / 2  # [N]
-        self._largest_impulse = friction * side_load * scene.dt
+        self._fall = scene.gravity * scene.dt  # [m/s] in a step
+        self._largest_impulse = friction * self.model.body.mass / 2 * self._fall
         self._pull = skid if self.model.drive.skids else grip
         self._wheels = Wheels()
         self._odometer = Odometer()
@@ -180,15 +180,22 @@ class Robot:
         """Velocity and angular velocity in the world after the tyres' pull.
 
         The pull acts along the heading in the middle of the step, so that the engine's straight
-        steps are the chords of the arc that the robot drives.
+        steps are the chords of the arc that the robot drives. It makes good what gravity is going
+        to do in this step, or the robot would creep down every slope; on a slope the wheels carry
+        less.
         """
         _, rotation, velocity, turning = motion
         _, turn_rate = body_velocity(self._wheels.speeds, self.model.drive.track)
         forward, left, up = turned(axes(rotation), turn_rate * self._dt / 2)
         if up[2] < _UPRIGHT or abs(dot(velocity, up)) > _LIFTING_OFF:
             return velocity, turning
-        before = PlanarVelocity(dot(velocity, forward), dot(velocity, left), dot(turning, up))
-        after = self._pull(before, self._wheels.speeds, self.model, self._largest_impulse)
+        before = PlanarVelocity(
+            dot(velocity, forward) - self._fall * forward[2],
+            dot(velocity, left) - self._fall * left[2],
+            dot(turning, up),
+        )
+        largest = self._largest_impulse * up[2]
+        after = self._pull(before, self._wheels.speeds, self.model, largest)
         pulled = moved(velocity, forward, after.forward - before.forward)
         pulled = moved(pulled, left, after.sideways - before.sideways)
         return pulled, moved(turning, up, after.turn_rate - before.turn_rate)

@@ -9,8 +9,9 @@ from lcmtools_sim.shapes import Color, Part
 from lcmtools_sim.vision.camera import Camera, optical
 from lcmtools_sim.vision.color import color_image
 from lcmtools_sim.vision.depth import look
+from lcmtools_sim.vision.outlines import corners_of
 from lcmtools_sim.vision.png import encode_png
-from lcmtools_sim.vision.solids import solids_of
+from lcmtools_sim.vision.solids import Floats, solids_of
 
 _FIELD_OF_VIEW = math.radians(60)
 _DOWN: Quaternion = (1.0, 0.0, 0.0, 0.0)
@@ -31,14 +32,22 @@ def from_above(parts: list[Part], ground: Color, width: int, height: int) -> byt
         width: [pixels]
         height: [pixels]
     """
-    places = np.array([part.position for part in parts] or [(0.0, 0.0, 0.0)])
-    low, high = places.min(axis=0), places.max(axis=0)
-    middle = (low + high) / 2
-    extent = np.maximum(high - low, _LEAST_EXTENT) * _MARGIN
     camera = Camera(width, height, _FIELD_OF_VIEW)
-    needed = max(extent[0] / width, extent[1] / height) * camera.focal_length
-    eye = (float(middle[0]), float(middle[1]), float(high[2] + needed))
+    eye = _above(corners_of(solids_of(parts)).reshape(-1, 3), camera)
     return _picture(parts, ground, camera, eye, _DOWN)
+
+
+def _above(corners: Floats, camera: Camera) -> Vector:
+    """From where a camera that looks down sees all these points (n, 3), the high ones too."""
+    known = corners[np.isfinite(corners).all(axis=1)]  # what the engine has lost is nowhere
+    points = known if len(known) else np.zeros((1, 3))
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle = (low + high) / 2
+    slope = camera.focal_length / np.array((camera.width, camera.height)) * 2 * _MARGIN
+    reach = (np.abs(points - middle)[:, :2] * slope).max(axis=1)
+    least = _LEAST_EXTENT / 2 * slope.max()
+    height = max((points[:, 2] + reach).max(), high[2] + least)
+    return float(middle[0]), float(middle[1]), float(height)
 
 
 def from_behind(

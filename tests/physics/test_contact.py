@@ -216,3 +216,21 @@ def test_a_robot_that_starts_inside_something_is_refused_with_its_line(
         simulate(scene=Scene("yard", things=(thing,), robots=(robot,)))
 
     assert str(caught.value) == (f"yard.yaml:7: the husky /husky0 starts {other}; change its pose")
+
+
+@pytest.mark.parametrize(
+    ("model", "front"), [("husky", FRONT), ("pioneer", 0.1875), ("dolly", 0.2)]
+)
+def test_what_touches_a_wall_is_what_can_be_seen_of_it(
+    simulate: Simulate, twist: Steer, model: str, front: float
+) -> None:
+    # The feet stay within the outline: on one foot in front it would turn aside, too.
+    scene = Scene("wall", things=(WALL,), robots=(RobotPlacement(MODELS[model], "/r0"),))
+    simulation = simulate(scene=scene)
+    simulation.robots[0].command(twist(2.0, 0.0))
+
+    end = states(simulation, 9.0)[-1]
+
+    assert end.position[0] == pytest.approx(3.0 - front, abs=0.002)
+    assert end.position[1] == pytest.approx(0, abs=0.002)
+    assert end.velocity == pytest.approx((0, 0, 0), abs=0.001)

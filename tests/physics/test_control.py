@@ -51,6 +51,9 @@ class Outside:
         """Nothing comes."""
         del timeout
 
+    def look(self) -> None:
+        """Everything is heard here."""
+
     def publish(self, samples: list[Sample]) -> None:
         """Keep them."""
         self.published.append(samples)

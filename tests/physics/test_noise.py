@@ -191,3 +191,12 @@ def test_noise_does_not_depend_on_who_listens_to_other_sensors(
         ]
 
     assert heard(lambda _: True) == heard(lambda topic: topic in ("/h0/laser", "/h0/odometry"))
+
+
+def test_the_covariance_of_the_truth_is_that_of_its_noise(
+    messages: Callable[..., list[Message]],
+) -> None:
+    (first, *_) = messages(NOISY["ground_truth"], 0.1)
+
+    diagonal = [*first.pose.covariance][::7]  # type: ignore[attr-defined] # an Odometry
+    assert diagonal == pytest.approx([0.05**2, 0.05**2, 0.05**2, 0, 0, 0.02**2])

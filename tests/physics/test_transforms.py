@@ -1,15 +1,18 @@
 """Where /tf says that frames are, and that odometry and the sensors' own headers agree."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.tf2_msgs import TFMessage
+from lcmtools_sim.pose import Pose
 from lcmtools_sim.readings import Interest
 from lcmtools_sim.robots import MODELS
 from lcmtools_sim.scene import RobotPlacement, Scene
+from lcmtools_sim.sensors.mount import SensorMount
 from lcmtools_sim.simulation import Simulation
 
 Simulate = Callable[..., Simulation]
@@ -89,3 +92,29 @@ def test_an_optical_frame_looks_forward(driving: Callable[..., Simulation]) -> N
     message = next(s.message for s in samples if s.topic == "/tf")
     turned = message.transforms[1].transform.rotation
     assert (turned.x, turned.y, turned.z, turned.w) == pytest.approx((-0.5, 0.5, -0.5, 0.5))
+
+
+def test_two_sensors_at_two_places_have_two_frames(simulate: Simulate) -> None:
+    mounts = (
+        SensorMount("laser", "front/scan", 10, Pose(0.5)),
+        SensorMount("laser", "rear/scan", 10, Pose(-0.5)),
+        SensorMount("laser", "front/more", 10, Pose(0.5)),
+        SensorMount("camera", "left", 10, Pose(0, 0.3, 0.5)),
+        SensorMount("camera", "right", 10, Pose(0, -0.3, 0.5)),
+        SensorMount("transforms", "/tf", 10),
+    )
+    robots = (RobotPlacement(replace(MODELS["husky"], sensors=mounts), "/r0"),)
+    simulation = simulate(scene=Scene("tf", robots=robots))
+
+    samples = {s.topic: s.message for _ in range(24) for s in simulation.step()}
+
+    told = {t.child_frame_id: t.transform.translation for t in samples["/tf"].transforms[1:]}
+    where = {topic: told[samples[topic].header.frame_id] for topic in samples if "can" in topic}
+    assert {topic: place.x for topic, place in where.items()} == {
+        "/r0/front/scan": 0.5,
+        "/r0/rear/scan": -0.5,
+    }
+    assert samples["/r0/front/more"].header.frame_id == "r0/laser"
+    assert samples["/r0/rear/scan"].header.frame_id == "r0/rear_scan_laser"
+    left, right = (samples[f"/r0/{side}/camera_info"].header.frame_id for side in ("left", "right"))
+    assert (told[left].y, told[right].y) == (0.3, -0.3)

@@ -37,6 +37,15 @@ while True:
     bus.handle()
 """
 
+# The same in a process that is a node too, and announces what it hears as one.
+PLAIN_LISTENER_IN_A_NODE = f"""
+import lcmtools
+
+lcmtools.init([])
+node = lcmtools.Node("both")
+{PLAIN_LISTENER}
+"""
+
 
 @pytest.fixture(autouse=True)
 def _bus(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -77,7 +86,7 @@ def test_what_nobody_hears_is_not_computed_and_what_somebody_hears_is(
     wait_until: WaitUntil,
 ) -> None:
     simulate()
-    wait_until(lambda: published()["/clock"] > 50)
+    wait_until(lambda: published()["/clock"] > 10)
     before = published()
     assert {topic for topic, count in before.items() if count} == {"/clock", "/rosout"}
 
@@ -98,27 +107,52 @@ def test_a_command_that_looks_counts_as_a_listener_as_long_as_it_looks(
     counted = published()[DEPTH]
     assert counted > 5
 
-    wait_until(lambda: published()["/clock"] > time_of_leaving + 100)
+    wait_until(lambda: published()["/clock"] > time_of_leaving + 20)
     settled = published()[DEPTH]
-    wait_until(lambda: published()["/clock"] > time_of_leaving + 200)
+    wait_until(lambda: published()["/clock"] > time_of_leaving + 40)
     assert published()[DEPTH] == settled
 
 
+@pytest.mark.parametrize(
+    "program", [PLAIN_LISTENER, PLAIN_LISTENER_IN_A_NODE], ids=["no node", "a node besides"]
+)
 def test_a_plain_lcm_program_may_hear_anything_so_that_all_is_computed(
     simulate: Start,
     start_python: Start,
     published: Callable[[], dict[str, int]],
     wait_until: WaitUntil,
+    program: str,
 ) -> None:
     simulate()
-    wait_until(lambda: published()["/clock"] > 50)
-    plain = start_python(PLAIN_LISTENER)
+    wait_until(lambda: published()["/clock"] > 10)
+    plain = start_python(program)
     plain.wait_for("listening")
 
     wait_until(lambda: all(count for topic, count in published().items() if topic != "/rosout"))
 
     plain.end()
     wait_until(lambda: _stands_still(published), timeout=20.0)
+
+
+@pytest.mark.parametrize("is_first", [True, False], ids=["before it", "after it"])
+def test_who_listens_when_steps_are_asked_for_hears_each_of_them(
+    simulate: Start,
+    start_python: Start,
+    lcmtools: Run,
+    published: Callable[[], dict[str, int]],
+    *,
+    is_first: bool,
+) -> None:
+    if is_first:
+        start_python(PLAIN_LISTENER).wait_for("listening")
+    simulate("--paused")
+    if not is_first:
+        start_python(PLAIN_LISTENER).wait_for("listening")
+
+    assert lcmtools("sim", "step", "240").returncode == 0
+
+    counted = published()
+    assert (counted["/clock"], counted["/RosAria/pose"], counted[DEPTH]) == (70, 10, 30)
 
 
 def _stands_still(published: Callable[[], dict[str, int]]) -> bool:

@@ -16,8 +16,8 @@ from lcmtools.types.sim_msgs import Snapshot
 @click.option(
     "--robot", metavar="ROBOT", default="", help="From behind this robot, not from above."
 )
-@click.option("--width", type=whole_number(1), default=800, help="Pixels (else 800).")
-@click.option("--height", type=whole_number(1), default=600, help="Pixels (else 600).")
+@click.option("--width", type=whole_number(1), metavar="N", default=800, help="Pixels (else 800).")
+@click.option("--height", type=whole_number(1), metavar="N", default=600, help="Pixels (else 600).")
 @click.option("--force", is_flag=True, help="Overwrite a file that is there.")
 @sim_option
 @timeout_option

@@ -4,7 +4,6 @@
 what is missing. The answers are the nodes of the same names in the folder above.
 """
 
-from importlib.resources import files
 from pathlib import Path
 
 from lcmtools.errors import LcmtoolsError, UsageError
@@ -33,6 +32,8 @@ def copy_skeleton(name: str, folder: Path, *, overwrite: bool = False) -> Path:
     if name not in NAMES:
         hint = did_you_mean(name, NAMES) or f"there are {', '.join(NAMES)}"
         raise UsageError(f"there is no skeleton of '{name}'", hint)
+    from importlib.resources import files  # slow to import, and completion wants the names only
+
     text = (files(__name__) / f"{name}.py").read_text(encoding="utf-8")
     path = folder / f"{name}.py"
     try:

@@ -58,14 +58,14 @@ DOLLY = RobotModel(
         centre_of_mass=0.18,
         base_height=_HEIGHT,
         parts=(Part(Cuboid(_CHASSIS), (-_AXLE, 0.0, _HEIGHT), color=_WHITE), _wheel(1), _wheel(-1)),
-        feet=((0.0, TRACK / 2), (0.0, -TRACK / 2), (-2 * _AXLE, 0.0), (0.2, 0.0)),
-        foot_radius=0.05,
+        feet=((0.0, TRACK / 2), (0.0, -TRACK / 2), (-2 * _AXLE, 0.0), (0.17, 0.0)),
+        foot_radius=0.025,  # within the outline, or it would be what touches
     ),
     drive=_DRIVE,
     left_wheels=("left", "left_wheel"),
     right_wheels=("right", "right_wheel"),
     sensors=(
-        SensorMount("odometry", "odom", 50.0),
+        SensorMount("odometry", "odom", 100.0),  # the plugin's usual rate
         SensorMount(
             "laser",
             "laser_scan",

@@ -54,7 +54,7 @@ PIONEER = RobotModel(
             _wheel(-1),
         ),
         feet=((0.0, TRACK / 2), (0.0, -TRACK / 2), (_CASTER, 0.0), (0.1, 0.0)),
-        foot_radius=0.03,
+        foot_radius=0.02,  # within the outline, or it would be what touches
     ),
     drive=Drive(
         wheel_radius=WHEEL_RADIUS,

@@ -52,7 +52,7 @@ class CameraSensor:
     def __init__(self, mount: SensorMount, carrier: Carrier) -> None:
         settings = cast("CameraSettings", mount.settings or CameraSettings())
         camera = Camera(settings.width, settings.height, settings.field_of_view)
-        self._eye = Eye(camera, mount, carrier, mount.frame or "camera_optical_frame")
+        self._eye = Eye(camera, mount, carrier, "camera_optical_frame")
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
         """The pictures of one step."""

@@ -93,7 +93,7 @@ class DepthCameraSensor:
         settings = cast("DepthCameraSettings", mount.settings or DepthCameraSettings())
         camera = Camera(settings.width, settings.height, settings.field_of_view)
         self._settings = settings
-        self._eye = Eye(camera, mount, carrier, mount.frame or "camera_depth_optical_frame")
+        self._eye = Eye(camera, mount, carrier, "camera_depth_optical_frame")
         self._noise = DepthNoise(settings.noise, settings.step, settings.dropout)
         self._generator = carrier.generator(mount)
 

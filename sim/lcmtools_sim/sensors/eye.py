@@ -16,7 +16,7 @@ class Eye:
         camera: Its intrinsics.
         mount: Where it is: x forward, into the scene.
         carrier: The robot.
-        frame: The name of its optical frame (z forward, x right, y down), without the prefix.
+        frame: The usual name of its optical frame (z forward, x right, y down), without the prefix.
 
     Attributes:
         camera: As given.
@@ -25,12 +25,11 @@ class Eye:
 
     def __init__(self, camera: Camera, mount: SensorMount, carrier: Carrier, frame: str) -> None:
         self.camera = camera
-        self.frame = carrier.frame(frame)
+        self.frame = carrier.put_frame(mount, frame, optical(mount.pose.rotation))
         self._pose = mount.pose
         self._around = carrier.around
         self._fixed: Solids | None = None
         self._fixed_parts: object = None
-        carrier.frames[self.frame] = mount.pose.position, optical(mount.pose.rotation)
 
     def look(self, state: RobotState, far: float = np.inf) -> Sight:
         """What is seen after one step, up to a greatest depth [m]."""

@@ -26,7 +26,9 @@ class GroundTruthSettings(Settings):
 
 
 class GroundTruthSensor:
-    """nav_msgs/Odometry: the pose of base_link in world, the twist in base_link, no covariance.
+    """nav_msgs/Odometry: the pose of base_link in world, the twist in base_link.
+
+    The covariance is that of the noise: zeros where there is none.
 
     Args:
         mount: Where it publishes, and its settings.
@@ -39,6 +41,9 @@ class GroundTruthSensor:
         self._settings = cast("GroundTruthSettings", mount.settings or GroundTruthSettings())
         self._generator = carrier.generator(mount)
         self._child_frame = carrier.frame("base_link")
+        place, turned = self._settings.position_noise**2, self._settings.heading_noise**2
+        self._covariance = [0.0] * 36
+        self._covariance[::7] = place, place, place, 0.0, 0.0, turned
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
         """The message of one step."""
@@ -46,6 +51,7 @@ class GroundTruthSensor:
         message = Odometry()
         fill_header(message.header, state.time, "world")
         message.child_frame_id = self._child_frame
+        message.pose.covariance = self._covariance
         pose, twist = message.pose.pose, message.twist.twist
         error, turned = self._errors()
         pose.position.x, pose.position.y, pose.position.z = add(state.position, error)

@@ -47,8 +47,7 @@ class ImuSensor:
         self._gravity = carrier.gravity
         self._settings = cast("ImuSettings", mount.settings or ImuSettings())
         self._generator = carrier.generator(mount)
-        self._frame = carrier.frame(mount.frame or "imu_link")
-        carrier.frames[self._frame] = mount.pose.position, mount.pose.rotation
+        self._frame = carrier.put_frame(mount, "imu_link", mount.pose.rotation)
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
         """The measurement of one step."""

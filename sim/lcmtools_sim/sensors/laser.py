@@ -58,8 +58,7 @@ class LaserSensor:
         self._around = carrier.around
         self._settings = settings = cast("LaserSettings", mount.settings or LaserSettings())
         self._generator = carrier.generator(mount)
-        self._frame = carrier.frame(mount.frame or "laser")
-        carrier.frames[self._frame] = mount.pose.position, mount.pose.rotation
+        self._frame = carrier.put_frame(mount, "laser", mount.pose.rotation)
         angles = np.linspace(settings.first_angle, settings.last_angle, settings.rays)
         self._rays = np.stack((np.cos(angles), np.sin(angles), np.zeros_like(angles)), axis=1)
         self._known: dict[int, tuple[tuple[Part, ...], Scannable]] = {}

@@ -129,6 +129,24 @@ class Carrier:
         """A frame's id with the robot's prefix and no slash before ("husky0/odom")."""
         return f"{self.namespace}/{name}".lstrip("/")
 
+    def put_frame(self, mount: SensorMount, usual: str, rotation: Quaternion) -> str:
+        """Note where a sensor's frame is; return its id.
+
+        A frame can be at one place only: where another sensor has the usual name, the topic goes
+        before it.
+
+        Args:
+            mount: Of the sensor.
+            usual: The frame's name, where the mount has none.
+            rotation: Of the frame in base_link.
+        """
+        place = mount.pose.position, rotation
+        name = self.frame(mount.frame or usual)
+        if not mount.frame and self.frames.get(name, place) != place:
+            name = self.frame(f"{mount.topic.strip('/').replace('/', '_')}_{usual}")
+        self.frames[name] = place
+        return name
+
     def generator(self, mount: SensorMount) -> np.random.Generator:
         """The noise of one sensor: of its own, the same in each run with the same seed."""
         return generator(self.seed, f"{self.namespace}/{mount.kind}/{mount.topic}")

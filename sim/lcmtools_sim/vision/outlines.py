@@ -34,7 +34,7 @@ def outlines(solids: Solids, camera: Camera, far: float) -> list[Outline]:
 
     Left out is what lies behind the camera, further than ``far`` [m] or beside the picture.
     """
-    corners = _corners(solids)
+    corners = corners_of(solids)
     depths = corners[:, :, 2]
     nearest, furthest = depths.min(axis=1), depths.max(axis=1)
     lowest, highest = _slope_ranges(corners)
@@ -59,7 +59,7 @@ _CUBE = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (
 _EDGES = np.array([(i, i + step) for step in (1, 2, 4) for i in range(8) if not i & step])
 
 
-def _corners(solids: Solids) -> Floats:
+def corners_of(solids: Solids) -> Floats:
     """The corners of the bounding boxes [m]: (n, 8, 3). A ball's box stands along the view."""
     upright = (solids.kinds == SPHERE)[:, None, None]
     turns = np.where(upright, np.eye(3), solids.axes.transpose(0, 2, 1))

@@ -1,5 +1,6 @@
 """The whole of a world file."""
 
+from dataclasses import replace
 from pathlib import PurePath
 
 from lcmtools.errors import InvalidName
@@ -28,7 +29,7 @@ def read_scene(text: str, source: str) -> Scene:
     notes: list[str] = []
     keys = load(text, source, "world").fields(_WORLD_KEYS)
     plain = Scene("")
-    return Scene(
+    scene = Scene(
         name=PurePath(source).stem,
         node=value(keys, "node", _node_name, plain.node),
         seed=value(keys, "seed", lambda item: item.integer(0, 2**63 - 1), plain.seed),
@@ -37,8 +38,20 @@ def read_scene(text: str, source: str) -> Scene:
         ground=value(keys, "ground", _ground, plain.ground),
         things=value(keys, "objects", lambda item: read_things(item, notes), ()),
         robots=value(keys, "robots", lambda item: read_robots(item, notes), ()),
-        notes=tuple(notes),
     )
+    return replace(scene, notes=(*notes, *_too_often(scene)))
+
+
+def _too_often(scene: Scene) -> list[str]:
+    """What to say of sensors that should measure more often than there are steps."""
+    steps = 1 / scene.dt
+    return [
+        f"{robot.where}: {mount.topic} of {robot.namespace} cannot have {mount.rate:g} Hz: there"
+        f" are {steps:g} steps a second"
+        for robot in scene.robots
+        for mount in robot.model.sensors
+        if mount.rate > steps * (1 + 1e-9)
+    ]
 
 
 def _node_name(item: Item) -> str:

@@ -26,6 +26,7 @@ def read_sensors(item: Item, mounted: Sequence[SensorMount]) -> tuple[SensorMoun
     """
     mounts = {mount.topic: mount for mount in mounted}
     said: set[str] = set()
+    frames: dict[str, SensorMount] = {}
     for entry in item.items():
         kind = one_of(entry.field("type"), SENSORS, "sensor")
         keys = entry.fields((*_MOUNT_KEYS, *_names(kind)))
@@ -40,7 +41,20 @@ def read_sensors(item: Item, mounted: Sequence[SensorMount]) -> tuple[SensorMoun
             mounts.pop(topic, None)
         else:
             mounts[topic] = _mount(keys, kind, known if known.kind == name else usual)
+            if "frame" in keys:
+                _check_frame(keys["frame"], mounts[topic], frames)
     return tuple(mounts.values())
+
+
+def _check_frame(item: Item, mount: SensorMount, frames: dict[str, SensorMount]) -> None:
+    """Refuse one name for two places; a camera's frame looks another way than others do."""
+    other = frames.setdefault(mount.frame, mount)
+    is_camera, is_other_camera = ("camera" in each.kind for each in (mount, other))
+    if other.pose != mount.pose or is_camera != is_other_camera:
+        raise item.error(
+            f"the frame '{mount.frame}' is that of '{other.topic}' too, which sits elsewhere",
+            "give one another frame",
+        )
 
 
 def _mount(keys: dict[str, Item], kind: SensorKind, known: SensorMount) -> SensorMount:

@@ -22,6 +22,7 @@ class Computer:
         self.port = 7667
         self.time = 0.0
         self.looks = 0
+        self.marked: frozenset[int] = frozenset()
 
     def udp_sockets(self) -> list[UdpSocket]:
         """The socket table."""
@@ -39,6 +40,7 @@ def computer(monkeypatch: pytest.MonkeyPatch) -> Computer:
     made = Computer()
     monkeypatch.setattr(listeners, "udp_sockets", made.udp_sockets)
     monkeypatch.setattr(listeners, "owners", made.owners)
+    monkeypatch.setattr(listeners, "announced_sockets", lambda: made.marked)
     return made
 
 
@@ -80,6 +82,38 @@ def test_who_was_there_first_is_heard_from_the_start(computer: Computer) -> None
     plain = watch(computer)
 
     assert all(after(computer, plain, 0.1) for _ in range(30))
+
+
+def test_a_plain_socket_of_a_process_that_is_a_node_counts(computer: Computer) -> None:
+    computer.marked = frozenset({100})
+    plain = watch(computer)
+    assert plain.possible() is False
+
+    computer.sockets[101] = OWN
+    assert after(computer, plain, 1.2) is True
+    del computer.sockets[101]
+    assert after(computer, plain, 1.2) is False
+
+
+def test_a_socket_that_goes_while_the_tables_are_read_counts_for_nothing(
+    computer: Computer,
+) -> None:
+    computer.marked = frozenset({100})
+    plain = watch(computer)
+    assert plain.possible() is False
+
+    computer.sockets[400] = PLAIN  # in the first table, and in the second one no more
+    computer.time += 1.0
+    assert plain.possible() is False
+    del computer.sockets[400]
+    assert after(computer, plain, 1.0) is False
+
+
+def test_a_marked_socket_is_no_strangers_whoever_holds_it(computer: Computer) -> None:
+    computer.sockets[400] = PLAIN
+    computer.marked = frozenset({100, 400})
+
+    assert watch(computer).possible(at_once=True) is False
 
 
 def test_a_look_at_once_counts_who_has_only_just_come(computer: Computer) -> None:

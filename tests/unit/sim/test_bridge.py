@@ -48,6 +48,7 @@ class FakeNode:
         self.warnings: list[str] = []
         self.heard: frozenset[str] = frozenset()
         self.overheard = False
+        self.overheard_of_late = False
 
     def create_publisher(self, _: type[Message], topic: str) -> FakePublisher:
         """Keep its topic."""
@@ -81,9 +82,9 @@ class FakeNode:
         """What the test says."""
         return self.heard
 
-    def has_plain_listeners(self) -> bool:
+    def has_plain_listeners(self, *, at_once: bool = False) -> bool:
         """What the test says."""
-        return self.overheard
+        return self.overheard or (at_once and self.overheard_of_late)
 
 
 class FakeRobot:
@@ -224,3 +225,14 @@ def test_who_can_be_listening_is_told_to_the_simulation(
     bridge.receive()
 
     assert simulation.interest("/clock") is interest
+
+
+def test_a_look_at_once_counts_who_has_only_just_come(
+    node: FakeNode, simulation: FakeSimulation, bridge: Bridge
+) -> None:
+    bridge.receive()
+    node.overheard_of_late = True
+
+    bridge.look()
+
+    assert simulation.interest("/clock") is Interest.POSSIBLE

@@ -39,6 +39,10 @@ class Log:
         del timeout
         self.lines.append("receive")
 
+    def look(self) -> None:
+        """Write it down."""
+        self.lines.append("look")
+
     def publish(self, samples: list[Sample]) -> None:
         """Write it down."""
         self.lines.append(f"publish {len(samples)}")
@@ -130,3 +134,11 @@ def test_a_pause_ends_the_wait_for_a_slow_step() -> None:
 
     assert simulation.steps == 1
     assert sum(slept) < 1.0
+
+
+def test_it_looks_who_listens_before_the_steps_that_are_asked_for() -> None:
+    log = Log()
+
+    Loop(Steps(log.lines), log, no_wait(), go_on=lambda: True).step(2)
+
+    assert log.lines == ["look", *["step", "publish 0"] * 2]

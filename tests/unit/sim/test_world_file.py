@@ -140,6 +140,9 @@ HUSKY_MISTAKES = {
         "'a b' is not a legal name; names are made of letters, digits, '_' and '/', and start with"
         " a letter, '/' or '~'"
     ),
+    "sensors: [{type: laser, topic: b, frame: f}, {type: camera, topic: c, frame: f}]": (
+        "the frame 'f' is that of 'b' too, which sits elsewhere; give one another frame"
+    ),
     "skid: coulom": "unknown skid 'coulom'; did you mean coulomb?",
     "gazebo_quirks: true": "a husky has no quirks in Gazebo",
     "gazebo_quirks: yes": "'gazebo_quirks' must be true or false, not 'yes'",

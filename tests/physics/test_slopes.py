@@ -1,0 +1,93 @@
+"""On a slope a robot stands still, drives as it is told, and slides where it must. Metres, m/s."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools_sim.pose import Pose
+from lcmtools_sim.robots import MODELS
+from lcmtools_sim.rotation import chain, from_euler, to_euler
+from lcmtools_sim.scene import Ground, RobotPlacement, Scene, box
+from lcmtools_sim.sensors.sensor import RobotState
+from lcmtools_sim.simulation import Simulation
+
+Simulate = Callable[..., Simulation]
+Steer = Callable[[float, float], Twist]
+
+TOP = 3.0  # of the board, in its middle
+THICKNESS = 0.2
+
+
+@pytest.fixture
+def on_slope(simulate: Simulate) -> Callable[..., Simulation]:
+    """A simulation of a robot that stands on a large board, which rises towards x."""
+
+    def make(
+        model: str, slope: float, yaw: float = 0.0, *, friction: float = 1.0, skids: bool = False
+    ) -> Simulation:
+        middle = TOP - THICKNESS / 2 / math.cos(slope)
+        board = box("board", (20, 20, THICKNESS), Pose(0, 0, middle, 0, -slope, 0))
+        upon = to_euler(chain(from_euler(0, -slope, 0), from_euler(0, 0, yaw)))
+        chosen = replace(MODELS[model], drive=replace(MODELS[model].drive, skids=skids))
+        robots = (RobotPlacement(chosen, "/r0", Pose(0, 0, TOP, *upon)),)
+        scene = Scene("slope", things=(board,), robots=robots, ground=Ground(friction=friction))
+        simulation = simulate(scene=scene)
+        run(simulation, 0.5)
+        return simulation
+
+    return make
+
+
+def run(simulation: Simulation, seconds: float) -> RobotState:
+    for _ in range(round(seconds / simulation.scene.dt)):
+        simulation.step()
+    return simulation.robots[0].state(simulation.time)
+
+
+def way(before: RobotState, after: RobotState) -> float:
+    return math.dist(before.position, after.position)
+
+
+@pytest.mark.parametrize("yaw", [0.0, math.pi / 2, 2.5])
+@pytest.mark.parametrize(
+    ("model", "skids"), [("husky", False), ("husky", True), ("pioneer", False), ("dolly", False)]
+)
+def test_it_stands_still_on_a_slope(
+    on_slope: Callable[..., Simulation], model: str, yaw: float, *, skids: bool
+) -> None:
+    simulation = on_slope(model, math.radians(10), yaw, skids=skids)
+
+    before = run(simulation, 0.5)
+
+    assert way(before, run(simulation, 3.0)) < 0.001
+
+
+@pytest.mark.parametrize("speed", [0.5, -0.5])
+@pytest.mark.parametrize("model", MODELS)
+def test_it_drives_up_and_down_as_fast_as_it_is_told(
+    on_slope: Callable[..., Simulation], twist: Steer, model: str, speed: float
+) -> None:
+    simulation = on_slope(model, math.radians(10))
+    simulation.robots[0].command(twist(speed, 0.0))
+
+    before = run(simulation, 2.0)
+    after = run(simulation, 4.0)
+
+    assert way(before, after) == pytest.approx(2.0, rel=0.002)
+    assert after.velocity[0] == pytest.approx(speed, rel=0.002)
+
+
+@pytest.mark.parametrize(("friction", "slides"), [(0.5, True), (0.6, False)])
+def test_it_slides_where_the_slope_is_steeper_than_its_tyres_can_hold(
+    on_slope: Callable[..., Simulation], friction: float, *, slides: bool
+) -> None:
+    slope = math.atan(0.55 * MODELS["husky"].drive.tyre_friction)
+
+    simulation = on_slope("husky", slope, friction=friction)
+    before = run(simulation, 0.5)
+    after = run(simulation, 1.0)
+
+    assert (way(before, after) > 0.1) is slides

@@ -1,0 +1,19 @@
+"""What a world file is told about that is no mistake."""
+
+from lcmtools_sim.world_file import read_scene
+
+WORLD = """\
+dt: 1/240
+robots:
+  - model: husky
+    namespace: /a
+    sensors:
+      - {type: imu, topic: imu, rate: 240}
+      - {type: laser, topic: scan, rate: 1000}
+"""
+
+
+def test_a_sensor_that_should_measure_more_often_than_there_are_steps_is_told() -> None:
+    assert read_scene(WORLD, "yard.yaml").notes == (
+        "yard.yaml:3: scan of /a cannot have 1000 Hz: there are 240 steps a second",
+    )
