@@ -12,7 +12,13 @@ Handler = Callable[[bytes, int], None]
 
 
 class Bus(Protocol):
-    """A connection to a bus."""
+    """A connection to a bus.
+
+    Attributes:
+        on_outage: Told, on the receiving thread, that the connection is lost, and that it is back.
+    """
+
+    on_outage: Callable[[str], None]
 
     @property
     def ports(self) -> list[int]:
@@ -42,6 +48,7 @@ class FakeBus:
     def __init__(self) -> None:
         self.published: list[tuple[str, bytes]] = []
         """Everything that was sent."""
+        self.on_outage: Callable[[str], None] = lambda _: None
         self._handlers: dict[str, list[Handler]] = {}
         self._closed = False
 

@@ -13,6 +13,8 @@ What the binding does not forgive, and is therefore kept here:
   the newest.
 - On tcpq, two threads that publish or subscribe at once mix up their bytes: a lock keeps them
   apart.
+- A tcpq connection that breaks is closed by whoever notices first, and its subscriptions are gone:
+  the receiving thread makes a new instance, and subscribes anew.
 - ``handle`` turns Ctrl-C into OSError: the thread waits in ``select`` instead.
 """
 
@@ -29,23 +31,28 @@ import lcm
 
 from lcmtools.bus.base import Handler
 from lcmtools.bus.multicast import receive_buffer_bytes
+from lcmtools.bus.outage import Outage
 from lcmtools.bus.paced import PACED_ABOVE_BYTES, PacedSender
 from lcmtools.bus.preflight import check_bus
 from lcmtools.bus.shield import open_descriptors, protect
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.names import check_channel
-from lcmtools.wire.packet import Packet
 
-_QUEUE_CAPACITY = 10_000  # messages that liblcm may hold while Python does not get to run
+Instance = lcm.LCM
+"""For the types of those who must not import the package."""
+QUEUE_CAPACITY = 10_000
+"""Messages that liblcm may hold while Python does not get to run."""
 _BATCH = 100  # messages handled before whoever wants to subscribe gets a turn
+_LOOK_PERIOD = 0.5  # [s] between looks whether a connection broke while something was sent
 _REQUEST_TIMEOUT = 15.0  # [s]; above liblcm's own ten seconds
 
 
 class LcmBus:
     """One LCM instance with one receiving thread.
 
-    Publishing is safe from any thread. Handlers run on the receiving thread and must be quick.
+    Publishing is safe from any thread. Handlers run on the receiving thread and must be quick. A
+    connection to a server (tcpq) that is lost is made again when the server is back.
 
     Args:
         url: The bus.
@@ -56,7 +63,11 @@ class LcmBus:
 
     def __init__(self, url: BusUrl) -> None:
         self.url = url
+        self.on_outage: Callable[[str], None] = lambda _: None
         self._lcm: lcm.LCM | None = open_lcm(url)
+        self._can_come_back = url.provider == "tcpq"
+        self._outage = Outage()
+        self._is_broken = False  # as somebody found who tried to send
         self._paced = PacedSender(url) if url.is_multicast else None
         self._handlers: dict[str, list[Handler]] = {}
         self._subscriptions: dict[str, lcm.LCMSubscription] = {}
@@ -90,6 +101,7 @@ class LcmBus:
             with self._sending:
                 instance.publish(channel, payload)
         except OSError as error:
+            self._is_broken = instance is self._lcm
             raise BusError(f"cannot publish on {channel}: {error.strerror or error}") from error
 
     def subscribe(self, channel: str, handler: Handler) -> None:
@@ -124,8 +136,10 @@ class LcmBus:
 
     def _instance(self) -> "lcm.LCM":
         instance = self._lcm
-        if instance is None or self._closed:
+        if self._closed:
             raise BusError("the bus is closed")
+        if instance is None:
+            raise BusError(f"the connection to {self.url} is lost")
         return instance
 
     def _wake(self) -> None:
@@ -158,14 +172,17 @@ class LcmBus:
             raise error
 
     def _subscribe(self, channel: str, handler: Handler) -> None:
-        if channel not in self._subscriptions:
-            with self._sending:
-                subscription = self._instance().subscribe(re.escape(channel), self._dispatch)
-            if subscription is None:
-                raise BusError(f"LCM refuses to subscribe to '{channel}'")
-            subscription.set_queue_capacity(_QUEUE_CAPACITY)
-            self._subscriptions[channel] = subscription
+        if channel not in self._subscriptions and not self._outage.is_on:
+            self._listen_to(channel)
         self._handlers.setdefault(channel, []).append(handler)
+
+    def _listen_to(self, channel: str) -> None:
+        with self._sending:
+            subscription = self._instance().subscribe(re.escape(channel), self._dispatch)
+        if subscription is None:
+            raise BusError(f"LCM refuses to subscribe to '{channel}'")
+        subscription.set_queue_capacity(QUEUE_CAPACITY)
+        self._subscriptions[channel] = subscription
 
     def _unsubscribe(self, channel: str, handler: Handler) -> None:
         handlers = self._handlers.get(channel, [])
@@ -182,28 +199,75 @@ class LcmBus:
 
     def _run(self) -> None:
         """The receiving thread: wait, drain the library, do what was asked."""
-        instance = self._instance()
-        descriptor = instance.fileno()
-        sources = [descriptor, self._wake_read]
+        instance = self._lcm
+        descriptor = None if instance is None else int(instance.fileno())
+        del instance  # it is let go of where the connection breaks
         while not self._closed:
-            try:
-                readable, _, _ = select.select(sources, [], [])
-            except OSError:  # a connection that broke was closed by whoever tried to publish
-                sources.remove(descriptor)
-                continue
-            if self._wake_read in readable:
-                os.read(self._wake_read, 4096)
-                self._do_requests()
-            if descriptor in readable and not self._handle(instance):
-                sources.remove(descriptor)  # nothing comes any more; requests are served still
+            descriptor = self._turn(descriptor)
         self._do_requests()  # what was asked while it closed
+
+    def _turn(self, descriptor: int | None) -> int | None:
+        """Wait, and do what there is to do; None where nothing comes, for good or for now."""
+        works, readable = self._wait(descriptor)
+        if self._wake_read in readable:
+            os.read(self._wake_read, 4096)
+            self._do_requests()
+        if descriptor is not None:
+            if works and descriptor in readable:
+                works = self._handle()
+            if works and not (self._is_broken and self._can_come_back):
+                return descriptor
+            if self._can_come_back and not self._closed:
+                self._lose()
+            return None  # requests are served still
+        if self._outage.left(time.monotonic()) == 0.0:
+            return self._reconnect()
+        return None
+
+    def _wait(self, descriptor: int | None) -> tuple[bool, list[int]]:
+        """Wait for messages, requests and attempts; whether that works, and what can be read."""
+        sources = [self._wake_read, *([] if descriptor is None else [descriptor])]
+        is_watched = self._can_come_back and descriptor is not None
+        longest = _LOOK_PERIOD if is_watched else self._outage.left(time.monotonic())
+        try:
+            return True, select.select(sources, [], [], longest)[0]
+        except OSError:  # a connection that broke was closed by whoever tried to publish
+            return False, []
+
+    def _lose(self) -> None:
+        """Let go of a connection that broke."""
+        self._outage.begin(time.monotonic())
+        with self._sending:
+            self._subscriptions.clear()
+            self._lcm = None
+        self.on_outage(f"the connection to {self.url} is lost; it is tried again until it is back")
+
+    def _reconnect(self) -> int | None:
+        """Try to make the connection again; what to wait for, None where it is not back."""
+        try:
+            instance = open_lcm(self.url)
+            with self._sending:
+                self._lcm, self._is_broken = instance, False
+                for channel in (name for name, handlers in self._handlers.items() if handlers):
+                    self._listen_to(channel)
+        except (BusError, OSError):
+            self._subscriptions.clear()
+            self._lcm = None
+            self._outage.put_off(time.monotonic())
+            return None
+        self._outage.end()
+        self.on_outage(f"the connection to {self.url} is back")
+        return int(instance.fileno())
 
     def _do_requests(self) -> None:
         while not self._requests.empty():
             self._requests.get()()
 
-    def _handle(self, instance: "lcm.LCM") -> bool:
+    def _handle(self) -> bool:
         """Hand on messages that wait; False at the end of a log or a connection."""
+        instance = self._lcm
+        if instance is None:
+            return False
         try:
             for _ in range(_BATCH):
                 if self._closed or not instance.handle_timeout(0):
@@ -211,71 +275,6 @@ class LcmBus:
         except OSError:
             return False
         return True
-
-
-class LcmListener:
-    """An observer of a bus that is no multicast group: an ordinary subscription to everything.
-
-    It has the tap's interface and knows less: neither senders nor sequence numbers.
-
-    Raises:
-        BusError: The bus cannot be reached.
-    """
-
-    def __init__(self, url: BusUrl) -> None:
-        instance = open_lcm(url)
-        instance.subscribe(".*", self._collect).set_queue_capacity(_QUEUE_CAPACITY)
-        self._lcm: lcm.LCM | None = instance
-        self._is_log = url.provider == "file"
-        self._packets: list[Packet] = []
-
-    def __enter__(self) -> "LcmListener":
-        """Use the listener as a context manager."""
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Leave the bus."""
-        self.close()
-
-    def close(self) -> None:
-        """Leave the bus."""
-        self._lcm = None
-
-    port = 0
-
-    def send(self, channel: str, payload: bytes) -> None:
-        """Publish one message; on a log that is being read this does nothing.
-
-        Raises:
-            BusError: It cannot be sent.
-        """
-        if self._is_log:
-            return
-        if self._lcm is None:
-            raise BusError("the bus is closed")
-        try:
-            self._lcm.publish(channel, payload)
-        except OSError as error:
-            raise BusError(f"cannot publish on {channel}") from error
-
-    def receive(self, timeout: float) -> list[Packet]:
-        """The messages that have arrived, waiting up to ``timeout`` seconds for the first.
-
-        Raises:
-            EOFError: The log has ended, or the connection is closed.
-        """
-        if self._lcm is None:
-            raise EOFError
-        try:
-            if select.select([self._lcm.fileno()], [], [], max(0.0, timeout))[0]:
-                self._lcm.handle_timeout(0)
-        except (OSError, ValueError):  # at its end, or closed by liblcm when sending failed
-            self._lcm = None
-        packets, self._packets = self._packets, []
-        return packets
-
-    def _collect(self, channel: str, payload: bytes) -> None:
-        self._packets.append(Packet(channel, payload, time.time_ns()))
 
 
 def open_lcm(url: BusUrl) -> "lcm.LCM":

@@ -81,7 +81,7 @@ def open_observer(url: BusUrl, *, whole: bool = False) -> Observer:
     """
     if url.is_multicast:
         return Tap(url, whole=whole)
-    from lcmtools.bus.liblcm import LcmListener
+    from lcmtools.bus.lcm_listener import LcmListener
 
     return LcmListener(url)
 

@@ -63,6 +63,9 @@ PARAM_COMMANDS = {
     "dump": Entry(f"{_PARAM}.dump:command", "Write parameters into a YAML file."),
     "load": Entry(f"{_PARAM}.load:command", "Set parameters from a YAML file."),
 }
+PARAM_ABSENT = {
+    "delete": "a node has its parameters for as long as it runs; param set gives one another value"
+}
 _SIM = "lcmtools.cli.sim"
 SIM_COMMANDS = {
     "pause": Entry(f"{_SIM}.pause:command", "Let simulated time stand still."),

@@ -8,6 +8,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
+from types import MappingProxyType
 from typing import cast
 
 import click
@@ -38,11 +39,23 @@ class Entry:
 
 
 class LazyGroup(click.Group):
-    """A group that knows its commands by a table."""
+    """A group that knows its commands by a table.
 
-    def __init__(self, *args: object, entries: Mapping[str, Entry], **kwargs: object) -> None:
+    Args:
+        entries: The commands by name.
+        absent: What to do in place of commands that ROS has and that make no sense here.
+    """
+
+    def __init__(
+        self,
+        *args: object,
+        entries: Mapping[str, Entry],
+        absent: Mapping[str, str] = MappingProxyType({}),
+        **kwargs: object,
+    ) -> None:
         super().__init__(*args, **kwargs)  # type: ignore[arg-type] # click's own arguments
         self._entries = entries
+        self._absent = absent
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """The commands that help lists."""
@@ -74,6 +87,8 @@ class LazyGroup(click.Group):
         if command is None and not name.startswith("-"):
             near = closest(name, self._entries)
             hint = f"; did you mean '{near[0]}'?" if near else ""
+            if name in self._absent:
+                hint = f": {self._absent[name]}"
             ctx.fail(f"no such command '{name}'{hint}")
         ctx.meta[COMMAND] = f"{ctx.command_path} {name}"
         if command is not None:

@@ -11,6 +11,7 @@ from lcmtools.cli.commands import (
     LAB_COMMANDS,
     MSG_COMMANDS,
     NODE_COMMANDS,
+    PARAM_ABSENT,
     PARAM_COMMANDS,
     PKG_COMMANDS,
     SERVICE_COMMANDS,
@@ -146,7 +147,7 @@ def service() -> None:
     """  # noqa: D301 - \b is click's mark
 
 
-@click.group(cls=LazyGroup, entries=PARAM_COMMANDS, context_settings=CONTEXT)
+@click.group(cls=LazyGroup, entries=PARAM_COMMANDS, absent=PARAM_ABSENT, context_settings=CONTEXT)
 @bus_options
 def param() -> None:
     """Look at nodes' parameters and change them while the nodes run.

@@ -1,11 +1,10 @@
 """Command lines whose last argument takes every word that is no option, "-1" and "-0.5" too."""
 
-import re
-
 import click
 
-_NEGATIVE = re.compile(r"-(\.?\d|\.?inf|\.?nan|\s)", re.IGNORECASE)
-_SHIELDED = re.compile(f"^ (?={_NEGATIVE.pattern})", re.IGNORECASE)
+from lcmtools.cli.dashes import Dashes
+
+_DASHES = Dashes(also=r"\.?nan")
 WITHOUT_END = "forever"
 """What the options of ``may_stand_alone`` are where they stand alone."""
 
@@ -22,11 +21,11 @@ class CommandWithWords(click.Command):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse the command line."""
         rest = super().parse_args(ctx, [self._shielded(word) for word in args])
-        ctx.params["words"] = tuple(_SHIELDED.sub("", word) for word in ctx.params["words"] or ())
+        ctx.params["words"] = tuple(_DASHES.bare(word) for word in ctx.params["words"] or ())
         return rest
 
     def _shielded(self, word: str) -> str:
         """A word as click takes it for what it is."""
         if word in self.may_stand_alone:
             return f"{word}={WITHOUT_END}"
-        return f" {word}" if _NEGATIVE.match(word) else word
+        return _DASHES.shielded(word)

@@ -4,6 +4,7 @@ Which of a process's contexts is the one that ``init`` made is process.py's busi
 signals.
 """
 
+import itertools
 import os
 import socket
 from collections.abc import Callable, Mapping
@@ -61,6 +62,7 @@ class Context:
     ) -> None:
         self.default_namespace = resolve_namespace(usual_namespace(environment))
         self.bus = bus
+        bus.on_outage = self._warn
         self.arguments = arguments
         self.wakeup = Wakeup()
         self.declared_parameters: set[str] = set()
@@ -151,6 +153,12 @@ class Context:
         self._following.close()
         self.bus.close()
         self.wakeup.close()
+
+    def _warn(self, text: str) -> None:
+        """Say what concerns all nodes of the process once; commands say it in their own words."""
+        nodes = (one for one in tuple(self._participants) if not one.describe().tool)
+        for node in itertools.islice(nodes, 1):
+            node.get_logger().warning(text)
 
     def _describe(self) -> list[Node]:
         nodes = [participant.describe() for participant in tuple(self._participants)]

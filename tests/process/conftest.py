@@ -33,10 +33,17 @@ class TcpqServer:
                 with suppress(OSError):  # gone already
                     client.shutdown(socket.SHUT_RDWR)
 
+    def reopen(self) -> None:
+        """Be there again, at the same address, and know nothing of before."""
+        port = int(self.url.rpartition(":")[2])
+        self._listener = socket.create_server(("127.0.0.1", port))
+        self._spawn(self._accept)
+
     def _accept(self) -> None:
+        listener = self._listener
         while True:
             try:
-                client, _ = self._listener.accept()
+                client, _ = listener.accept()
             except OSError:
                 return
             with self._lock:

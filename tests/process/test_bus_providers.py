@@ -1,6 +1,7 @@
 """Buses that are no multicast group: tcpq, logs, memory; and what listens on them."""
 
 import socket
+import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -11,7 +12,8 @@ from typing import Any
 import lcm
 import pytest
 
-from lcmtools.bus.liblcm import LcmBus, LcmListener
+from lcmtools.bus.lcm_listener import LcmListener
+from lcmtools.bus.liblcm import LcmBus
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
 from lcmtools.bus.watch import Watch, open_observer
@@ -105,6 +107,64 @@ def test_a_tcpq_server_that_dies_hangs_nobody(
         bus.publish("a", b"x")
     bus.close()
     assert time.monotonic() - before < 1.0
+
+
+def test_a_tcpq_server_that_is_back_is_used_again(tcpq_server: Any, wait_until: WaitUntil) -> None:
+    url = parse_url(tcpq_server.url)
+    with closing(LcmBus(url)) as bus:
+        told: list[str] = []
+        bus.on_outage = told.append
+        heard: list[bytes] = []
+        bus.subscribe("a", lambda payload, _: heard.append(payload))
+        tcpq_server.close()
+        wait_until(lambda: told)
+        with pytest.raises(BusError, match=r"the connection to tcpq://.* is lost"):
+            bus.publish("a", b"x")
+        bus.subscribe("b", lambda payload, _: heard.append(payload))
+        tcpq_server.reopen()
+        wait_until(lambda: len(told) == 2)
+        wait_until(lambda: _is_heard(bus, heard, b"again"))
+        bus.publish("b", b"new")
+        wait_until(lambda: b"new" in heard)
+        assert told == [
+            f"the connection to {url} is lost; it is tried again until it is back",
+            f"the connection to {url} is back",
+        ]
+
+
+def _is_heard(bus: LcmBus, heard: list[bytes], payload: bytes) -> bool:
+    try:
+        bus.publish("a", payload)
+    except BusError:
+        return False
+    return payload in heard
+
+
+def test_a_bus_whose_server_is_gone_closes_at_once(tcpq_server: Any, wait_until: WaitUntil) -> None:
+    bus, told = LcmBus(parse_url(tcpq_server.url)), []
+    bus.on_outage = told.append
+    tcpq_server.close()
+    wait_until(lambda: told)
+    bus.close()
+    assert not any(thread.name == "lcm receiver" for thread in threading.enumerate())
+
+
+def test_nodes_hear_again_and_say_once_what_happened(
+    tcpq_server: Any, start: Callable[..., Any], lcmtools_path: str
+) -> None:
+    bus = {"LCM_DEFAULT_URL": tcpq_server.url}
+    listener = start(lcmtools_path, "run", "listener", **bus)
+    talker = start(lcmtools_path, "run", "talker", **bus)
+    listener.wait_for("heard")
+    tcpq_server.close()
+    for node in (listener, talker):
+        node.wait_for("is lost; it is tried again until it is back")
+    tcpq_server.reopen()
+    for node in (listener, talker):
+        node.wait_for("is back")
+    listener.wait_for("heard")
+    listener.wait_for("heard")
+    assert sum("is lost; it is tried" in line for line in listener.lines) == 1
 
 
 def test_a_listener_on_tcpq_hears_everything(tcpq_server: Any, wait_until: WaitUntil) -> None:

@@ -96,6 +96,51 @@ def test_services_and_parameters_of_a_running_node(
     assert ask("lcmtools param set /server gain ") == ["closed", "2.5"]
 
 
+@pytest.mark.parametrize(
+    ("line", "found"),
+    [
+        ("lcmtools lab start hu", ["husky"]),
+        ("lcmtools lab check pio", ["pioneer"]),
+        ("lcmtools lab skeleton kin", ["kinect_viewer"]),
+        ("lcmtools wtf --rule kernel", ["kernel-drops"]),
+        ("lcmtools wtf --ignore=kernel", ["kernel-drops"]),
+        ("lcmtools doctor --explain kernel", ["kernel-drops"]),
+        ("lcmtools spy --sort band", ["bandwidth"]),
+        ("lcmtools graph --format me", ["mermaid"]),
+        ("lcmtools pkg create mine --license M", ["MIT"]),
+        ("lcmtools sim spawn h", ["husky"]),
+    ],
+)
+def test_names_that_are_always_there_are_completed(ask: Ask, line: str, found: list[str]) -> None:
+    assert ask(line) == ["closed", *found]
+
+
+@pytest.mark.parametrize(
+    "line", ["lcmtools lab check husky --mover ./", "lcmtools param load ", "lcmtools echo -b "]
+)
+def test_files_are_asked_for_where_one_stands(ask: Ask, line: str) -> None:
+    assert ask(line) == ["files"]
+
+
+def test_options_behind_a_nodes_name_are_the_nodes(ask: Ask) -> None:
+    assert ask("lcmtools run talker --pa") == ["closed", "--param"]
+    assert "--json" not in ask("lcmtools run talker --")
+    assert "--json" in ask("lcmtools run --")
+
+
+def test_spy_and_graph_take_topics_and_namespaces(
+    ask: Ask, start: Callable[..., Any], lcmtools_path: str, bus_url: str
+) -> None:
+    start(lcmtools_path, "run", "talker", "__ns:=/husky0", LCM_DEFAULT_URL=bus_url).wait_for(
+        "hello"
+    )
+    both = ["closed", "/husky0", "/husky0/chatter", "/husky0/talker"]
+    for command in ("spy", "graph", "graph --exclude"):
+        assert ask(f"lcmtools {command} /hus") == both
+    assert ask("lcmtools graph --topics /hus") == ["closed", "/husky0/chatter"]
+    assert ask("lcmtools param load gains.yaml /hus") == ["closed", "/husky0/talker"]
+
+
 def test_a_plain_program_is_remembered_when_it_is_silent_later(ask: Ask, bus_url: str) -> None:
     url, over = parse_url(bus_url), threading.Event()
 
@@ -191,9 +236,16 @@ def test_completion_imports_neither_click_nor_lcm_nor_yaml(
 ) -> None:
     start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=bus_url).wait_for("hello")
     ask("lcmtools echo /")  # reads the commands, for which click is needed
-    for module in ("click", "lcm", "yaml", "numpy"):
+    for line in ("lab start ", "lab skeleton ", "wtf --rule ", "spy /"):
+        ask(f"lcmtools {line}")
+    for module in ("click", "lcm", "yaml", "numpy", "textual"):
         (tmp_path / f"{module}.py").write_text("raise RuntimeError")
-    assert ask("lcmtools echo /ch", PYTHONPATH=str(tmp_path)) == ["closed", "/chatter"]
+    blocked = {"PYTHONPATH": str(tmp_path)}
+    assert ask("lcmtools echo /ch", **blocked) == ["closed", "/chatter"]
+    assert ask("lcmtools spy /ch", **blocked) == ["closed", "/chatter"]
+    assert ask("lcmtools lab start h", **blocked) == ["closed", "husky"]
+    assert ask("lcmtools lab skeleton k", **blocked) == ["closed", "kinect_viewer"]
+    assert ask("lcmtools wtf --rule ttl", **blocked) == ["closed", "ttl"]
 
 
 def test_the_script_is_printed_for_the_shell_in_use_or_the_one_named(

@@ -173,6 +173,16 @@ def test_tab_completes_a_command_a_topic_its_type_and_its_prototype(
     assert "rror" not in terminal.screen()
 
 
+def test_tab_completes_names_that_are_always_there(
+    completes: Callable[[str, str], None], terminal: Terminal
+) -> None:
+    completes("lcmtools lab start hu", "lcmtools lab start husky")
+    completes("lcmtools lab skeleton kin", "lcmtools lab skeleton kinect_viewer")
+    completes("lcmtools wtf --rule kernel", "lcmtools wtf --rule kernel-drops")
+    completes("lcmtools graph --format=me", "lcmtools graph --format=mermaid")
+    assert "rror" not in terminal.screen()
+
+
 @pytest.mark.usefixtures("talker")
 def test_the_prototype_reaches_the_command_whole(
     completes: Callable[[str, str], None],

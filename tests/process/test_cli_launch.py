@@ -317,6 +317,53 @@ def test_questions_are_answered_and_nothing_is_run(lcmtools: Run, tmp_path: Path
     assert not (tmp_path / "state").exists()
 
 
+def test_a_node_is_found_with_file_and_line(lcmtools: Run, tmp_path: Path) -> None:
+    (tmp_path / "a.yaml").write_text(nodes("  - run: talker\n", "  - run: listener\n"))
+    found = lcmtools("launch", "a.yaml", "--find-node", "listener")
+    assert (found.returncode, found.stdout) == (0, "a.yaml:3\n")
+    record = lcmtools("launch", "a.yaml", "--find-node", "/listener", "--json").stdout
+    assert json.loads(record) == {"node": "/listener", "place": "a.yaml:3"}
+
+
+def test_parameters_are_dumped_as_param_load_takes_them(lcmtools: Run, tmp_path: Path) -> None:
+    (tmp_path / "a.yaml").write_text(
+        "nodes:\n"
+        "  - {run: talker, ns: a, param: {rate: 2.5, who: 'true', gains: [1, 2], 'deep/down': x}}\n"
+        "  - {run: listener, args: _queue:=5 not_a_parameter:=6}\n"
+        "  - {run: sim, name: without}\n"
+    )
+    dumped = lcmtools("launch", "a.yaml", "--dump-params")
+    assert dumped.stdout.splitlines() == [
+        "/a/talker:",
+        "  rate: 2.5",
+        '  who: "true"',
+        "  gains: [1, 2]",
+        "  deep/down: x",
+        "/listener:",
+        "  queue: 5",
+    ]
+    records = json.loads(lcmtools("launch", "a.yaml", "--dump-params", "--json").stdout)
+    assert records[0]["parameters"] == {
+        "rate": 2.5,
+        "who": "true",
+        "gains": [1, 2],
+        "deep/down": "x",
+    }
+    assert records[2] == {"node": "/without", "parameters": {}}
+
+
+@pytest.mark.usefixtures("bare_network")
+def test_nodes_start_when_there_is_a_network(launch: Launch, ip: Callable[..., None]) -> None:
+    program = launch(nodes(shell("echo it runs", more=", output: screen")), "--wait")
+    program.wait_for("lcmtools launch: waiting for the bus: no multicast route")
+    assert "it runs" not in program.output
+    ip("link", "set", "lo", "up")
+    ip("route", "add", "224.0.0.0/4", "dev", "lo")
+    program.wait_for("it runs")
+    assert program.wait() == 0
+    assert sum("waiting for the bus" in line for line in program.lines) == 1
+
+
 def test_printed_command_line_is_what_a_shell_takes(lcmtools: Run, tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text(
         "nodes:\n"

@@ -102,6 +102,35 @@ def test_info_type_find_and_args(lcmtools: Run, server: Any) -> None:
 
 
 @shared_server
+def test_call_repeats_as_often_as_is_said(lcmtools: Run) -> None:
+    done = lcmtools("service", "call", "-t", "3", "-r", "100", "/switch", "true", "--json")
+    rows = [json.loads(line) for line in done.stdout.splitlines()]
+    numbers = [int(row["message"].removeprefix("call ")) for row in rows]
+    assert numbers == [numbers[0], numbers[0] + 1, numbers[0] + 2]
+    assert done.returncode == 0
+    failed = lcmtools("service", "call", "-t", "2", "-r", "100", "/switch", "false")
+    assert failed.stdout.count("---\n") == 2
+    assert failed.returncode == 1
+
+
+@shared_server
+def test_call_with_a_rate_goes_on_until_ctrl_c(start: Start, lcmtools_path: str) -> None:
+    call = start(lcmtools_path, "service", "call", "-r", "100", "/switch", "true")
+    for _ in range(5):
+        call.wait_for("success: True")
+    call.send_signal(signal.SIGINT)
+    assert call.wait() == 130
+    assert all(line in ("success: True", "---") or "call" in line for line in call.lines)
+
+
+@shared_server
+def test_call_with_a_rate_ends_where_the_service_fails(lcmtools: Run) -> None:
+    done = lcmtools("service", "call", "-r", "100", "/fail")
+    assert (done.returncode, done.stdout) == (1, "")
+    assert "no power" in done.stderr
+
+
+@shared_server
 @pytest.mark.parametrize(
     "words",
     [

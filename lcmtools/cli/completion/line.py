@@ -3,15 +3,15 @@
 Plain decisions on words and the commands' descriptions, as click would parse them.
 """
 
-import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from lcmtools.cli.completion.tree import Argument, Command, Option
+from lcmtools.cli.dashes import Dashes
 
 Describe = Callable[[Sequence[str]], Command | None]
 
-_NUMBER = re.compile(r"-(\.?\d|\.?inf)", re.IGNORECASE)
+_DASHES = Dashes()
 
 
 @dataclass(slots=True)
@@ -136,4 +136,4 @@ def _option_of(place: Place, word: str) -> tuple[Option | None, str | None]:
 
 
 def _is_option(place: Place, word: str) -> bool:
-    return word.startswith("-") and not place.options_are_over and not _NUMBER.match(word)
+    return word.startswith("-") and not place.options_are_over and not _DASHES.is_value(word)

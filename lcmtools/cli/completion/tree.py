@@ -17,7 +17,9 @@ from lcmtools.cli.completion.places import cache_folder, write_atomically
 if TYPE_CHECKING:  # click takes longer to import than a completion otherwise takes
     import click
 
-_FORMAT = 1  # of the file
+_FORMAT = 2  # of the file
+_CODE = ("cli", "doctor/rules")
+"""The folders whose files say what is kept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +66,7 @@ class Command:
         options: Its options.
         arguments: Its arguments in order.
         commands: Of a group: names, aliases too, and what each does.
-        is_mixed: Options may stand behind the first argument.
+        is_mixed: Its own options may stand behind the first argument; else they are of another.
     """
 
     options: Sequence[Option]
@@ -130,8 +132,8 @@ def _read(file: Path | None) -> dict[str, object]:
 
 
 def _stamp() -> list[object]:
-    """What changes whenever a file of the command line does."""
-    folders = [str(Path(__file__).parents[1])]
+    """What changes whenever a file does that says what is kept."""
+    folders = [str(Path(__file__).parents[2] / folder) for folder in _CODE]
     newest = count = 0
     while folders:
         for entry in os.scandir(folders.pop()):
@@ -170,7 +172,16 @@ def _described(command: "click.Command", context: "click.Context", path: Sequenc
             options.append(_option(parameter, kind))
         else:
             arguments.append(Argument(name, kind, parameter.nargs == -1))
-    return Command(options, arguments, _commands(command), command.allow_interspersed_args)
+    return Command(options, arguments, _commands(command), _is_mixed(command))
+
+
+def _is_mixed(command: "click.Command") -> bool:
+    """Whether options behind the first argument are the command's own, and all of them."""
+    said = command.context_settings
+    takes_others = said.get("ignore_unknown_options", command.ignore_unknown_options)
+    return bool(
+        said.get("allow_interspersed_args", command.allow_interspersed_args) and not takes_others
+    )
 
 
 def _option(option: "click.Option", kind: str) -> Option:

@@ -14,8 +14,11 @@ from lcmtools.cli.launch.shown import (
     node_record,
     node_rows,
     outcome_rows,
+    parameter_record,
+    parameter_rows,
 )
 from lcmtools.cli.launch.typed import Typed, read_words
+from lcmtools.cli.launch.waiting import wait_for_bus
 from lcmtools.cli.options import CONTEXT, bus_options, chosen_url, duration, json_option
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import UsageError
@@ -30,7 +33,9 @@ from lcmtools.launch.supervisor import Supervisor, base_environment
 from lcmtools.names import base_name_of, did_you_mean
 from lcmtools.settings import usual_namespace
 
-_QUESTIONS = ("nodes", "args", "show-args", "files", "dry-run", "list")
+_QUESTIONS = (
+    *("nodes", "args", "find-node", "show-args", "dump-params", "files", "dry-run", "list"),
+)
 
 
 @click.command("launch", context_settings=CONTEXT)
@@ -38,12 +43,19 @@ _QUESTIONS = ("nodes", "args", "show-args", "files", "dry-run", "list")
 @click.option("--ns", metavar="NAMESPACE", help="The same as __ns:=NAMESPACE.")
 @click.option("--nodes", "question", flag_value="nodes", help="Only list the nodes' full names.")
 @click.option("--args", "node", metavar="NODE", help="Only print a node's command line.")
+@click.option("--find-node", "sought", metavar="NODE", help="Only print where a node is written.")
 @click.option(
     "--show-args",
     "--ros-args",
     "question",
     flag_value="show-args",
     help="Only list the file's arguments.",
+)
+@click.option(
+    "--dump-params",
+    "question",
+    flag_value="dump-params",
+    help="Only print the nodes' parameters, as param dump does.",
 )
 @click.option("--files", "question", flag_value="files", help="Only list the files it reads.")
 @click.option("--dry-run", "question", flag_value="dry-run", help="Only print all command lines.")
@@ -52,6 +64,7 @@ _QUESTIONS = ("nodes", "args", "show-args", "files", "dry-run", "list")
 @click.option(
     "--log", "output", flag_value="log", help="Show warnings and errors only; the rest is in files."
 )
+@click.option("--wait", is_flag=True, help="Wait until the bus works, and start then.")
 @click.option("--sigint-timeout", type=duration, default=15.0, help="From SIGINT on (else 15s).")
 @click.option("--sigterm-timeout", type=duration, default=2.0, help="From SIGTERM on (else 2s).")
 @json_option
@@ -62,7 +75,9 @@ def command(  # noqa: PLR0913 - one for each option
     ns: str | None,
     question: str | None,
     node: str | None,
+    sought: str | None,
     output: str | None,
+    wait: bool,
     sigint_timeout: float,
     sigterm_timeout: float,
     as_json: bool,
@@ -92,7 +107,8 @@ def command(  # noqa: PLR0913 - one for each option
       lcmtools launch air_lab0 simple_controller.launch --dry-run
       lcmtools launch robot.yaml robot:=husky1
     """  # noqa: D301 - \b is click's mark
-    asked = "args" if node is not None else question
+    named = {"args": node, "find-node": sought}
+    asked = next((name for name, value in named.items() if value is not None), question)
     if as_json and not asked:
         raise UsageError("--json needs a question", f"one of --{', --'.join(_QUESTIONS)}")
     if asked == "list":
@@ -108,8 +124,10 @@ def command(  # noqa: PLR0913 - one for each option
     for note in plan.notes:
         talk(f"lcmtools launch: {note}")
     if asked:
-        _answer(asked, plan, node or "", as_json=as_json)
+        _answer(asked, plan, named.get(asked) or "", as_json=as_json)
         return 0
+    if wait:
+        wait_for_bus(chosen_url())
     return _run(plan, output, Times(sigint_timeout, sigterm_timeout))
 
 
@@ -128,6 +146,12 @@ def _answer(question: str, plan: Plan, name: str, *, as_json: bool) -> None:
     elif question == "args":
         node = _find(name, plan.nodes)
         document(node_record(node)) if as_json else lines([node.command_line()])
+    elif question == "find-node":
+        node = _find(name, plan.nodes)
+        document({"node": node.name, "place": node.place}) if as_json else lines([node.place])
+    elif question == "dump-params":
+        rows = (row for node in plan.nodes for row in parameter_rows(node))
+        _print(map(parameter_record, plan.nodes), rows, as_json=as_json)
     else:
         rows = (row for node in plan.nodes for row in node_rows(node))
         _print(map(node_record, plan.nodes), rows, as_json=as_json)

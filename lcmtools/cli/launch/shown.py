@@ -4,11 +4,16 @@ Belongs here: texts only.
 """
 
 import json
+import re
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from lcmtools.launch.plan import Argument, NodePlan
 from lcmtools.launch.supervisor import Outcome
+from lcmtools.messages.plain import plain_json
+from lcmtools.messages.setting import ANY, Setting, read_setting, write_setting
+
+_PARAMETER = re.compile(r"_([^_:=][^:=]*):=(.*)", re.DOTALL)
 
 
 def argument_rows(arguments: Sequence[Argument]) -> Iterator[str]:
@@ -55,6 +60,30 @@ def node_record(node: NodePlan) -> dict[str, object]:
         "respawn_delay": node.respawn_delay,
         "required": node.is_required,
     }
+
+
+def parameter_rows(node: NodePlan) -> Iterator[str]:
+    """The parameters that a node is given, as param dump writes those of nodes that run."""
+    parameters = _parameters(node)
+    if parameters:
+        yield f"{write_setting(node.name)}:"
+    for name, value in parameters.items():
+        yield f"  {write_setting(name)}: {write_setting(value)}"
+
+
+def parameter_record(node: NodePlan) -> dict[str, object]:
+    """The parameters that a node is given, for JSON."""
+    plain = {
+        name: json.loads(plain_json(list(value) if isinstance(value, (list, tuple)) else value))  # type: ignore[arg-type] # a list of scalars
+        for name, value in _parameters(node).items()
+    }
+    return {"node": node.name, "parameters": plain}
+
+
+def _parameters(node: NodePlan) -> Mapping[str, Setting]:
+    """Those on the node's command line: there is no other place for them."""
+    found = filter(None, map(_PARAMETER.fullmatch, node.command))
+    return {match[1]: read_setting(match[2], ANY, match[1]) for match in found}
 
 
 def outcome_rows(outcomes: Sequence[Outcome]) -> list[str]:

@@ -2,20 +2,30 @@
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import click
 
 from lcmtools.bus.watch import Watch
 from lcmtools.cli.asker import asking_node
 from lcmtools.cli.describe import node_text
-from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_watch
+from lcmtools.cli.options import (
+    CONTEXT,
+    bus_options,
+    duration,
+    json_option,
+    open_watch,
+    whole_number,
+)
+from lcmtools.cli.options import rate as rate_option
 from lcmtools.cli.output import data, talk
 from lcmtools.cli.service.offered import Offered, find_service, full_name, near_service, offered
 from lcmtools.cli.service.offered import shown as shown_services
-from lcmtools.cli.service.requests import Drafts, read_requests, split_type
+from lcmtools.cli.service.pace import in_time
+from lcmtools.cli.service.requests import read_requests, split_type
 from lcmtools.cli.words import WITHOUT_END, CommandWithWords
 from lcmtools.errors import LcmtoolsError, NothingReceived, ServiceTimeout
+from lcmtools.messages.draft import Draft
 from lcmtools.messages.plain import to_json
 from lcmtools.messages.registry import Message, ServiceType
 from lcmtools.messages.text import format_message
@@ -42,6 +52,10 @@ def _wait(value: str | float) -> float:
 @click.option(
     "-f", "--file", metavar="FILE", help="Read requests from a YAML file ('-': standard input)."
 )
+@click.option("-r", "--rate", type=rate_option, help="Call so many times a second until Ctrl-C.")
+@click.option(
+    "-t", "--times", metavar="N", type=whole_number(1), help="Call N times and end; 1 Hz or -r."
+)
 @click.option("-v", "--verbose", is_flag=True, help="Say which node is asked.")
 @json_option
 @bus_options
@@ -52,6 +66,8 @@ def command(  # noqa: PLR0913 - one parameter an option
     timeout: float,
     wait: float | None,
     file: str | None,
+    rate: float | None,
+    times: int | None,
     verbose: bool,
     as_json: bool,
 ) -> int:
@@ -59,7 +75,8 @@ def command(  # noqa: PLR0913 - one parameter an option
 
     One value that is a dict names fields; otherwise values are the fields in order. Fields that
     are left out keep their defaults. Several requests, separated by ---, can be piped in. TYPE may
-    be written as ros2 wants it; the node has announced it.
+    be written as ros2 wants it; the node has announced it. With -r or -t requests are repeated, the
+    next one when the last is answered; the first that is not answered is the end.
 
     \b
     Exit codes: 0 answered, 1 the service failed, or its response has success: False, 2 wrong
@@ -70,6 +87,7 @@ def command(  # noqa: PLR0913 - one parameter an option
       lcmtools service call /reset
       lcmtools service call /switch "data: true"
       lcmtools service call --wait=10s /add '{a: 1, b: -2}' --timeout 500ms
+      lcmtools service call -r 2 /switch true
     """  # noqa: D301 - \b is click's mark
     full_name(service)  # an empty name is wrong whatever is on the bus
     with open_watch("service_call") as watch:
@@ -81,15 +99,16 @@ def command(  # noqa: PLR0913 - one parameter an option
         requests = read_requests(pair.Request, values, file)
         _tell_server(found, verbose=verbose)
         code = 0
-        for response in _responses(found, pair, requests, timeout):
+        is_one = len(requests) == 1 and rate is None and times is None
+        for response in _responses(found, pair, in_time(requests, rate, times), timeout):
             text = to_json(response) if as_json else format_message(response)
-            data(text if as_json or len(requests) == 1 else f"{text}\n---")
+            data(text if as_json or is_one else f"{text}\n---")
             code = code or _outcome(response)
     return code
 
 
 def _responses(
-    service: Offered, pair: type[ServiceType], requests: Drafts, timeout: float
+    service: Offered, pair: type[ServiceType], requests: Iterable[Draft[Message]], timeout: float
 ) -> Iterator[Message]:
     """The answers, one by one.
 

@@ -1,14 +1,14 @@
 """Values on a command line that begin with "-", which click would read as options."""
 
-import re
 from collections.abc import Container, Iterator, Sequence
 from itertools import pairwise
 
 import click
 
-_NEGATIVE = re.compile(r"-(?!1[a-z]+$)(\.?\d|\.?inf|\s|--(?=\s))", re.IGNORECASE)
-"""Numbers, lists and documents of YAML; but "-1v" is two options."""
-_SHIELDED = re.compile(f"^ (?={_NEGATIVE.pattern})", re.IGNORECASE)
+from lcmtools.cli.dashes import Dashes
+
+_DASHES = Dashes(also=r"--(?=\s)", but="-1[a-z]+")
+"""Documents of YAML, too; but "-1v" is two options."""
 _EXCLUDE_ONE = frozenset(("-r", "--rate", "-t", "--times"))
 """Options that the option -1 cannot stand beside."""
 _ONE_VALUE = 3  # words: TOPIC, TYPE and the value
@@ -23,7 +23,7 @@ class CommandWithValues(click.Command):
         ctx.meta[_ENDS_IN_ONE] = args.count("-1") == 1 and args[-1] == "-1"
         options = {name for option in self.params if _takes_value(option) for name in option.opts}
         rest = super().parse_args(ctx, list(_shielded(args, options)))
-        ctx.params["values"] = tuple(_SHIELDED.sub("", value) for value in ctx.params["values"])
+        ctx.params["values"] = tuple(_DASHES.bare(value) for value in ctx.params["values"])
         return rest
 
 
@@ -47,7 +47,7 @@ def _shielded(words: Sequence[str], options: Container[str]) -> Iterator[str]:
             is_value = True  # the first -1 is the option, as in "rostopic pub -1"
             yield word
         else:
-            yield f" {word}" if _NEGATIVE.match(word) else word
+            yield _DASHES.shielded(word)
 
 
 def _is_the_value(words: Sequence[str]) -> bool:

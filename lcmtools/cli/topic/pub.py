@@ -96,7 +96,7 @@ def command(  # noqa: PLR0913 - one parameter an option
     One value that is a dict names fields; otherwise values are the fields in order. Fields that
     are left out keep their defaults. A time may be "now", and a header "auto": each message is
     stamped when it is sent. Without -r, -1 and -t the message is sent once and again to each
-    subscriber that appears, until Ctrl-C.
+    subscriber that appears, until Ctrl-C. While the network is gone, what repeats waits for it.
 
     The first message waits up to a second for a subscriber, or for as many as -w says. -1 ends at
     once after that; to stay three seconds longer, as rostopic does, add --keep-alive 3s.
@@ -132,7 +132,13 @@ def command(  # noqa: PLR0913 - one parameter an option
         if simulated:
             wait_for_clock(node, timeout)
         audience.wait(wanted)
-        sender = Sender(node, publisher, latches=pace.stay > 0 or latch, is_verbose=verbose)
+        sender = Sender(
+            node,
+            publisher,
+            latches=pace.stay > 0 or latch,
+            is_verbose=verbose,
+            endures=pace.is_endless or incoming.is_stream or pace.stay > 0,
+        )
         if pace.stay == math.inf:
             talk("publishing and latching message. Press ctrl-C to terminate")
         elif pace.is_endless and not rate:

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import lcmtools
 from lcmtools.cli.output import talk
 from lcmtools.cli.topic.pace import Pace
+from lcmtools.errors import BusError
 from lcmtools.messages.draft import Draft
 from lcmtools.messages.plain import to_json
 from lcmtools.messages.registry import Message
@@ -27,12 +28,21 @@ class Sender:
         publisher: What sends them.
         latches: Whether who subscribes late is sent the last message.
         is_verbose: Whether to tell the person of every message.
+        endures: Whether a network that fails after the first message is waited for.
     """
 
     def __init__(
-        self, node: Node, publisher: Publisher[Message], *, latches: bool, is_verbose: bool
+        self,
+        node: Node,
+        publisher: Publisher[Message],
+        *,
+        latches: bool,
+        is_verbose: bool,
+        endures: bool,
     ) -> None:
         self.count = 0
+        self._endures = endures
+        self._is_cut_off = False
         self._node = node
         self._publisher = publisher
         self._latches = latches
@@ -46,11 +56,12 @@ class Sender:
         """Send a message, stamped with the time where it asks for that.
 
         Raises:
-            BusError: The bus does not take it.
+            BusError: The bus does not take it, and that is not endured.
         """
-        self._send(draft)
-        self.count += 1
         self._last = draft
+        if not self._is_sent(draft):
+            return
+        self.count += 1
         if self._latches:
             self._served = self._publisher.subscriber_ids()
         if self._is_verbose:
@@ -78,14 +89,26 @@ class Sender:
             return
         self._next_look = time.monotonic() + _POLL
         present = self._publisher.subscriber_ids()
-        if present - self._served:
-            self._send(self._last)
-            if self._is_verbose:
-                talk(f"publishing #{self.count} again, to who has just subscribed")
+        if present - self._served and self._is_sent(self._last) and self._is_verbose:
+            talk(f"publishing #{self.count} again, to who has just subscribed")
         self._served = present
 
-    def _send(self, draft: Draft[Message]) -> None:
-        self._publisher.publish_payload(draft.payload(self._node.get_clock().now()))
+    def _is_sent(self, draft: Draft[Message]) -> bool:
+        """Send a message; False where the network is gone, which is said once."""
+        payload = draft.payload(self._node.get_clock().now())
+        try:
+            self._publisher.publish_payload(payload)
+        except BusError as error:
+            if not self._endures or not self.count:
+                raise
+            if not self._is_cut_off:
+                talk(f"lcmtools pub: {error.what}; waiting for the network")
+            self._is_cut_off = True
+            return False
+        if self._is_cut_off:
+            talk("lcmtools pub: messages leave again")
+        self._is_cut_off = False
+        return True
 
 
 def send_all(sender: Sender, drafts: Iterator[Draft[Message] | None], pace: Pace) -> None:

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from lcmtools.errors import UsageError
 from lcmtools.names import did_you_mean
-from lcmtools_sim.world_file.files import read_file
 
 ALIASES = {
     "lab_0123_world": "husky",
@@ -43,6 +42,8 @@ def find_world(world: str) -> tuple[str, str]:
         InvalidFile: The file cannot be read.
     """
     if "/" in world or world.endswith(_ENDINGS):
+        from lcmtools_sim.world_file.files import read_file  # numpy comes with it: too slow for TAB
+
         return read_file(Path(world)), world
     name = ALIASES.get(world, world)
     if name not in world_names():

@@ -191,3 +191,29 @@ def test_a_kind_that_is_not_known_has_no_candidates() -> None:
     assert complete("") == []
     assert complete("one of red green", "g") == ["green"]
     assert complete("file") == ["files"]
+
+
+def test_what_is_left_out_of_a_graph_is_any_name_once() -> None:
+    names = ["/husky0", "/chatter", "/husky0/odometry", "/scan", "EXAMPLE", "/husky0/driver"]
+    assert complete("name") == names
+    assert complete("name", "/husky0", excluded="/husky0") == names[2:3] + names[5:]
+
+
+def test_a_node_stands_behind_the_file_or_in_its_place() -> None:
+    assert complete("file_then_node") == ["files"]
+    assert complete("file_then_node", words="gains.yaml") == ["/husky0/driver"]
+    assert complete("node_or_file") == ["/husky0/driver", "files"]
+
+
+def test_words_that_were_kept_have_their_help() -> None:
+    situation = Situation(["wtf"], "", environment={})
+    found = candidates("listed\nttl\thow far messages go\nloss\twhat is lost", situation)
+    assert [(one.value, one.help) for one in found] == [
+        ("ttl", "how far messages go"),
+        ("loss", "what is lost"),
+    ]
+
+
+def test_a_labs_simulator_takes_its_own_arguments_but_no_world() -> None:
+    assert complete("simulator_argument", "--ra", name="husky") == ["--rate"]
+    assert complete("simulator_argument", name="husky") == ["__ns:=", "__name:="]

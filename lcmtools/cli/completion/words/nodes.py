@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from lcmtools.cli.completion.candidate import Candidate
+from lcmtools.cli.completion.candidate import FILES, Candidate
 from lcmtools.cli.completion.situation import Situation
 from lcmtools.names import base_name_of, is_hidden, namespace_of
 
@@ -34,3 +34,26 @@ def namespaces(situation: Situation) -> Iterator[Candidate]:
         if not is_hidden(name) or is_hidden(situation.word):
             is_global = not situation.word or situation.word.startswith("/")
             yield Candidate(name if is_global else name.removeprefix("/"))
+
+
+def names(situation: Situation) -> Iterator[Candidate]:
+    """Whatever has a name: topics, nodes, and the namespaces they stand in."""
+    from lcmtools.cli.completion.words.topics import topics
+
+    given = {name for key in ("namespace", "excluded") for name in situation.given.get(key, ())}
+    found = (*namespaces(situation), *topics(situation), *nodes(situation))
+    yield from (one for one in found if one.value not in given)
+
+
+def nodes_and_files(situation: Situation) -> Iterator[Candidate]:
+    """Nodes; files where the word begins no node."""
+    yield from nodes(situation)
+    yield FILES
+
+
+def nodes_behind_a_file(situation: Situation) -> Iterator[Candidate]:
+    """A file first, and a node behind it."""
+    if situation.given.get("words"):
+        yield from nodes(situation)
+    else:
+        yield FILES
