@@ -55,6 +55,13 @@ class Process:
     command: str
     start_ticks: int = 0
 
+    def called(self, most: int) -> str:
+        """The command line in so many characters at most; first its words lose their folders."""
+        if len(self.command) <= most:
+            return self.command
+        words = self.command.split(" ")
+        return " ".join(word.rpartition("/")[2] or word for word in words)[:most]
+
 
 @dataclass(frozen=True, slots=True)
 class Usage:

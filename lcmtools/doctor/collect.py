@@ -179,7 +179,7 @@ class _Names:
     def of_process(self, process: Process) -> str:
         """A process's nodes, or its command, with its number."""
         nodes = self.nodes_of(process.pid)
-        called = ", ".join(node.name for node in nodes) or process.command[:_NAME_CHARACTERS]
+        called = ", ".join(node.name for node in nodes) or process.called(_NAME_CHARACTERS)
         return f"{called} (pid {process.pid})"
 
 

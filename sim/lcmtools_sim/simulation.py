@@ -103,7 +103,8 @@ class Simulation:
 
         Until it is asked everything is measured, and so are the sensors of robots that come later.
         """
-        self._is_clock_heard = interest(CLOCK_TOPIC) is not Interest.NONE
+        if CLOCK_TOPIC in self.topics():  # a follower leaves it to who leads
+            self._is_clock_heard = interest(CLOCK_TOPIC) is not Interest.NONE
         for readings in self._readings.values():
             for reading in readings:
                 reading.ask(interest)

@@ -103,7 +103,7 @@ def test_a_node_that_has_fallen_silent(world: Any) -> None:
     beat = _beating(world, 10**9)
     beat.send_signal(signal.SIGUSR1)
     world.until(lambda: _silence(world) > 3.2)
-    world.finds("silent", "/beat", " s ago, ")
+    world.finds("silent", "/beat", " s ago, ", wait="1.2s")
     beat.send_signal(signal.SIGUSR2)
     world.is_silent()
 

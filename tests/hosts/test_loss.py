@@ -52,7 +52,7 @@ def test_loss_on_the_network_is_told_of_each_sender_where_it_shows(
     for sender in ("/fast (10.76.0.1:", "10.76.0.1:"):
         (item,) = [one for one in found["loss"] if one.startswith(sender)]
         assert item.endswith("on the network")
-        lost, of = map(int, re.findall(r"\): (\d+) of (\d+) \(", item)[0])
+        lost, of = map(int, re.findall(r": (\d+) of (\d+) \(", item)[0])
         assert _is_a_tenth(lost, of)
     assert _losses(ada) == {}
 

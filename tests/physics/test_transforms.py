@@ -62,7 +62,7 @@ def test_odom_to_base_link_is_what_odometry_says(
         turned = first.transform.rotation
         assert (turned.z, turned.w) == (pose.orientation.z, pose.orientation.w)
         compared += 1
-    assert compared == (40 if model == "pioneer" else 200)
+    assert compared == {"pioneer": 40, "dolly": 400}.get(model, 200)
 
 
 @pytest.mark.parametrize("model", MODELS)

@@ -20,8 +20,6 @@ robots:
   - {model: dolly, namespace: /dolly, pose: [0, 4, 0]}
 """
 
-pytestmark = pytest.mark.usefixtures("use_module_bus")
-
 
 @pytest.fixture(scope="module")
 def _simulator(
@@ -34,11 +32,17 @@ def _simulator(
 
 
 @pytest.fixture(autouse=True)
-def _anew(_simulator: None, lcmtools: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def _anew(
+    use_module_bus: None,  # noqa: ARG001 - before anything is asked
+    _simulator: None,
+    lcmtools: Run,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Every test begins with the same paused world, at time 0."""
     monkeypatch.setenv("LCMTOOLS_COLOR", "never")
-    lcmtools("sim", "pause")
-    lcmtools("sim", "reset")
+    for verb in ("pause", "reset"):
+        result = lcmtools("sim", verb)
+        assert result.returncode == 0, result.stderr
 
 
 @pytest.fixture

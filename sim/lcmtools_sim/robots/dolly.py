@@ -18,6 +18,8 @@ WHEEL_RADIUS = 0.15
 TRACK = 0.6
 
 _GAZEBO_TRACK = 1.25
+_PLUGIN_RATE = 100.0
+"""[Hz] At which Gazebo's differential drive tells of itself where a model says nothing else."""
 _HEIGHT = 0.225
 """[m] Of the chassis' middle, and of base_link, which is above the axle."""
 _AXLE = 0.3
@@ -65,7 +67,7 @@ DOLLY = RobotModel(
     left_wheels=("left", "left_wheel"),
     right_wheels=("right", "right_wheel"),
     sensors=(
-        SensorMount("odometry", "odom", 100.0),  # the plugin's usual rate
+        SensorMount("odometry", "odom", _PLUGIN_RATE),
         SensorMount(
             "laser",
             "laser_scan",
@@ -74,7 +76,7 @@ DOLLY = RobotModel(
             settings=LaserSettings(200, -1.0, 1.0, 0.05, 10.0),
         ),
         SensorMount("ground_truth", "ground_truth", 50.0),
-        SensorMount("transforms", "/tf", 50.0),
+        SensorMount("transforms", "/tf", _PLUGIN_RATE),
     ),
     commands=(CommandTopic("cmd_vel", is_twist=True),),
     gazebo_drive=replace(_DRIVE, believed_track=_GAZEBO_TRACK),

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from lcmtools.bus import processes
-from lcmtools.bus.processes import UdpSocket, process_of
+from lcmtools.bus.processes import Process, UdpSocket, process_of
 
 
 def test_a_row_of_the_socket_table_is_read() -> None:
@@ -18,6 +18,19 @@ def test_a_row_of_the_socket_table_is_read() -> None:
     assert processes._parse_row(row.split()) == UdpSocket(
         "239.255.76.67", 7667, 33445, 1000, drops=7499, queued_bytes=0x30C00
     )
+
+
+@pytest.mark.parametrize(
+    ("command", "called"),
+    [
+        ("lcm-sink -v", "lcm-sink -v"),
+        ("/opt/a/very/long/way/to/bin/lcm-sink -v", "lcm-sink -v"),
+        ("/usr/bin/python3 /home/ada/robots/drive.py --fast", "python3 drive.py --fast"),
+        ("/usr/bin/ some-words-that-are-more-than-there-is-room", "/usr/bin/ some-words-that"),
+    ],
+)
+def test_a_long_command_loses_its_folders_first(command: str, called: str) -> None:
+    assert Process(1, command).called(25) == called
 
 
 def test_this_process_is_found_by_its_pid() -> None:
