@@ -89,14 +89,50 @@ def udp_sockets() -> list[UdpSocket]:
     return [_parse_row(line.split()) for line in lines]
 
 
-def process_of_port(port: int) -> Process | None:
-    """The process that owns the UDP socket on this local port; None when it is not known.
+@dataclass(frozen=True, slots=True)
+class Senders:
+    """Who may have sent from a local UDP port.
 
-    A port that several processes share (the group's own, which Java also sends from) tells nothing.
+    Attributes:
+        candidates: The processes that can be told, by their numbers.
+        are_all: Whether there can be no others.
     """
-    inodes = {row.inode for row in udp_sockets() if row.port == port}
-    found = {process.pid: process for process in owners(inodes).values()}
-    return next(iter(found.values())) if len(found) == 1 else None
+
+    candidates: tuple[Process, ...]
+    are_all: bool = True
+
+    @property
+    def only(self) -> Process | None:
+        """The one that it must have been; None where that does not show."""
+        return self.candidates[0] if self.are_all and len(self.candidates) == 1 else None
+
+
+def senders_from(port: int, rows: Iterable[UdpSocket], holders: Mapping[int, Process]) -> Senders:
+    """Who may have sent from a port.
+
+    On the bus's own port, which listeners share, Java sends too. It binds that to any address, and
+    liblcm, which does not send from there, to the group's.
+
+    Args:
+        port: The local port.
+        rows: The socket table.
+        holders: The processes that this user may look into, by inode.
+    """
+    able = [r for r in rows if r.port == port and not IPv4Address(r.address).is_multicast]
+    found = {holders[row.inode] for row in able if row.inode in holders}
+    ordered = sorted(found, key=lambda process: process.pid)
+    return Senders(tuple(ordered), all(row.inode in holders for row in able))
+
+
+def senders_of_port(port: int) -> Senders:
+    """Who may have sent from a local UDP port."""
+    rows = [row for row in udp_sockets() if row.port == port]
+    return senders_from(port, rows, owners(row.inode for row in rows))
+
+
+def process_of_port(port: int) -> Process | None:
+    """The process that sends from this local UDP port; None when it is not known."""
+    return senders_of_port(port).only
 
 
 def owners(inodes: Iterable[int]) -> dict[int, Process]:

@@ -8,11 +8,11 @@ show.
 import os
 import pwd
 import socket
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from lcmtools.bus.listeners import listening_sockets
-from lcmtools.bus.processes import Process, UdpSocket, is_local, owners, udp_sockets
+from lcmtools.bus.processes import Process, UdpSocket, is_local, owners, senders_from, udp_sockets
 from lcmtools.bus.url import BusUrl
 from lcmtools.graph.model import Graph, Node, Traffic
 from lcmtools.wire.packet import Sender
@@ -29,6 +29,8 @@ class Program:
         ports: The UDP ports that it was seen to send from.
         traffic: What it was seen to publish.
         listens: Whether it receives from the bus; None where that does not show.
+        sockets: Those that it receives from the bus with, as far as that shows.
+        candidates: Where its process does not show: those that it may be.
     """
 
     process: Process | None
@@ -37,6 +39,8 @@ class Program:
     ports: tuple[int, ...]
     traffic: tuple[Traffic, ...]
     listens: bool | None
+    sockets: tuple[UdpSocket, ...] = ()
+    candidates: tuple[Process, ...] = ()
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -56,8 +60,10 @@ def programs(graph: Graph, url: BusUrl) -> list[Program]:
         process = holders.get(inode)
         if process is None or process.pid not in known:
             found.setdefault((process, rows[inode].uid if inode in rows else None, ""), [])
-    listeners = {holders[inode] for inode in sockets if inode in holders}
-    made = [_program(key, seen, listeners) for key, seen in found.items()]
+    ears: dict[Process | None, list[UdpSocket]] = {}
+    for inode in sockets & rows.keys():
+        ears.setdefault(holders.get(inode), []).append(rows[inode])
+    made = [_program(key, seen, ears, rows.values(), holders) for key, seen in found.items()]
     return sorted((program for program in made if not _is(program, known)), key=_order)
 
 
@@ -90,18 +96,24 @@ def _key(
     if sender is None or not is_local(sender.address):
         return None, None, str(sender or "")
     rows = by_port.get(sender.port, [])
-    found = {process for row in rows if (process := holders.get(row.inode))}
+    process = senders_from(sender.port, rows, holders).only
     users = {row.uid for row in rows}
     uid = users.pop() if len(users) == 1 else None
-    if len(found) == 1:  # a port that several share tells nothing
-        return found.pop(), uid, ""
-    return None, uid, str(sender)
+    return (process, uid, "") if process else (None, uid, str(sender))
 
 
-def _program(key: _Key, traffic: list[Traffic], listeners: set[Process]) -> Program:
+def _program(
+    key: _Key,
+    traffic: list[Traffic],
+    ears: Mapping[Process | None, list[UdpSocket]],
+    rows: Iterable[UdpSocket],
+    holders: Mapping[int, Process],
+) -> Program:
     process, uid, address = key
     senders = {seen.sender for seen in traffic if seen.sender}
-    listens = process in listeners if process else None if traffic else True
+    listens = process in ears if process else None if traffic else True
+    local = [sender for sender in senders if process is None and is_local(sender.address)]
+    hidden = [row for row in ears.get(None, []) if row.uid == uid]
     return Program(
         process,
         "" if uid is None else user_name(uid),
@@ -109,6 +121,8 @@ def _program(key: _Key, traffic: list[Traffic], listeners: set[Process]) -> Prog
         tuple(sorted({sender.port for sender in senders})),
         tuple(traffic),
         listens,
+        tuple(ears.get(process, []) if process else [] if traffic else hidden),
+        tuple(p for s in local for p in senders_from(s.port, rows, holders).candidates),
     )
 
 

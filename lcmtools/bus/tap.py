@@ -50,6 +50,7 @@ from lcmtools.wire.sequence import Sequence
 
 _SO_MEMINFO = 55  # asm-generic/socket.h; Python's socket module does not name it
 _DROPS = 8  # the place of the dropped datagrams among its numbers (linux/sock_diag.h)
+_MOST_RESTARTS = 1  # of one program on one port; where several share it the numbers begin often
 _MAX_DATAGRAM = 65536
 _BATCH = 256  # datagrams taken at once before the caller is served
 _STREAM, _STREAM_GAP, _NAP = 8, 0.005, 0.01
@@ -114,6 +115,18 @@ class Tap:
     def malformed(self) -> Mapping[Sender, str]:
         """The last reason for each sender whose datagrams could not be read."""
         return self._reader.malformed
+
+    @property
+    def numbered(self) -> dict[Sender, Sequence]:
+        """``sequences`` of the senders whose numbers tell of loss.
+
+        Not of a port that several programs share, as those in Java do: there the numbers are mixed.
+        """
+        return {
+            sender: sequence
+            for sender, sequence in self.sequences.items()
+            if sender.port != self._address[1] and sequence.restarts <= _MOST_RESTARTS
+        }
 
     @property
     def sequences(self) -> Mapping[Sender, Sequence]:

@@ -1,8 +1,14 @@
 """Words for what is known of topics, types and senders; shared by the commands that show them."""
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 from lcmtools.graph.callbacks import duration_text
 from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
 from lcmtools.messages.registry import candidates
+
+if TYPE_CHECKING:  # most commands do without
+    from lcmtools.bus.processes import Process
 
 UNKNOWN = "unknown type"
 
@@ -86,13 +92,20 @@ def callback_record(endpoint: Endpoint) -> dict[str, object]:
 
 def program_text(traffic: Traffic) -> str:
     """The program behind a sender that is no node, as far as the system tells."""
-    from lcmtools.bus.processes import is_local, process_of_port
+    from lcmtools.bus.processes import is_local, senders_of_port
 
     if traffic.sender is None:
         return "a program that is no node (this kind of bus does not tell senders)"
     if not is_local(traffic.sender.address):
         return f"a program on {traffic.sender.address}, port {traffic.sender.port}"
-    process = process_of_port(traffic.sender.port)
-    if process is None:
-        return f"a program of this computer, port {traffic.sender.port}"
-    return f"{process.command} (pid {process.pid}, port {traffic.sender.port})"
+    port = traffic.sender.port
+    senders = senders_of_port(port)
+    if senders.only:
+        return f"{senders.only.command} (pid {senders.only.pid}, port {port})"
+    return f"a program of this computer, port {port}{candidates_text(senders.candidates)}"
+
+
+def candidates_text(processes: "Sequence[Process]") -> str:
+    """Who a program may be, to stand behind it; "" where nothing is known."""
+    names = [f"{process.command} (pid {process.pid})" for process in processes]
+    return f": maybe {' or '.join(names)}" if names else ""

@@ -10,7 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from lcmtools.bus.listeners import listening_sockets
-from lcmtools.bus.processes import Process, UdpSocket, is_local, owners, udp_sockets
+from lcmtools.bus.processes import Process, UdpSocket, is_local, owners, senders_from, udp_sockets
 from lcmtools.bus.programs import is_here, user_name
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.socket_memory import receive_buffers, selective_sockets
@@ -173,8 +173,7 @@ class _Names:
 
     def process(self, sender: Sender) -> Process | None:
         """A sender's process, where it can only be one."""
-        found = {p for row in self.rows(sender) if (p := self._table.holders.get(row.inode))}
-        return found.pop() if len(found) == 1 else None
+        return senders_from(sender.port, self.rows(sender), self._table.holders).only
 
     def of_process(self, process: Process) -> str:
         """A process's nodes, or its command, with its number."""
@@ -197,21 +196,19 @@ def _senders(watch: Watch, names: _Names) -> tuple[SenderFacts, ...]:
     tap = watch.tap
     if tap is None:
         return ()
-    facts = []
+    facts, numbered = [], tap.numbered
     for sender, sequence in tap.sequences.items():
         if sender.port == tap.port:
             continue
         users = {row.uid for row in names.rows(sender)}
         node = names.node(sender)
-        # of a port that programs share, the numbers tell nothing: they are mixed
-        is_shared = sender.port == watch.url.port or sequence.restarts > 1
         facts.append(
             SenderFacts(
                 sender,
                 names.of(sender),
                 is_local=is_local(sender.address),
                 messages=sequence.messages,
-                lost=0 if is_shared else sequence.lost,
+                lost=sequence.lost if sender in numbered else 0,
                 ttl=tap.ttls.get(sender),
                 uid=users.pop() if len(users) == 1 else None,
                 paces=node is not None,

@@ -12,7 +12,13 @@ import lcm
 import pytest
 
 from lcmtools.bus.liblcm import LcmBus
-from lcmtools.bus.processes import process_of_port, udp_sockets, unheard_senders
+from lcmtools.bus.processes import (
+    Senders,
+    process_of_port,
+    senders_of_port,
+    udp_sockets,
+    unheard_senders,
+)
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError, InvalidName
@@ -270,15 +276,60 @@ def _owner(port: int) -> int | None:
     return process.pid if process else None
 
 
-def test_a_port_that_several_programs_share_leads_to_none_of_them(
+# As Java's library has it: bound to any address, and sending from the bus's own port.
+_LIKE_JAVA = """
+import socket, sys, time
+both = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+both.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+both.bind(("", int(sys.argv[1])))
+for number in range(1_000_000):
+    data = b"LC02" + number.to_bytes(4, "big") + b"JAVA\\0"
+    both.sendto(data, ("239.255.76.67", int(sys.argv[1])))
+    if number == 1:
+        print("ready", flush=True)
+    time.sleep(0.02)
+"""
+
+
+def test_on_the_port_that_all_listen_to_only_who_can_send_from_it_is_meant(
     bus_url: str, start_python: Callable[..., Any]
 ) -> None:
-    """Java sends from the group's own port, which every listener has bound: never guess."""
     port = parse_url(bus_url).port
-    listener = start_python(_LISTENER, bus_url)
-    listener.wait_for("ready")
-    process = process_of_port(port)
-    assert process is not None
-    assert process.pid == listener.pid
+    start_python(_LISTENER, bus_url).wait_for("ready")
+    assert senders_of_port(port) == Senders(())
+    java = start_python(_LIKE_JAVA, str(port))
+    java.wait_for("ready")
     with Tap(parse_url(bus_url)):
-        assert process_of_port(port) is None
+        process = process_of_port(port)
+    assert process is not None
+    assert process.pid == java.pid
+
+
+def test_of_several_that_send_from_one_port_none_is_guessed(
+    bus_url: str, start_python: Callable[..., Any]
+) -> None:
+    port = parse_url(bus_url).port
+    started = [start_python(_LIKE_JAVA, str(port)) for _ in range(2)]
+    for java in started:
+        java.wait_for("ready")
+    senders = senders_of_port(port)
+    assert senders.only is None
+    assert [p.pid for p in senders.candidates] == sorted(java.pid for java in started)
+
+
+def test_numbers_from_a_port_that_programs_share_tell_of_no_loss(
+    bus_url: str, start_python: Callable[..., Any], wait_until: WaitUntil
+) -> None:
+    url = parse_url(bus_url)
+    with Tap(url) as tap:
+        start_python(_LIKE_JAVA, str(url.port)).wait_for("ready")
+        start_python(_LISTENER, bus_url).wait_for("ready")  # its self test counts
+
+        def ports() -> set[int]:
+            tap.receive(0.1)
+            return {sender.port for sender in tap.sequences}
+
+        wait_until(lambda: len(ports()) > 1)
+        assert url.port in {sender.port for sender in tap.sequences}
+        assert url.port not in {sender.port for sender in tap.numbered}
+        assert tap.numbered

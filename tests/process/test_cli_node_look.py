@@ -99,7 +99,7 @@ def test_info_finds_a_program_by_its_pid_and_its_command(
     lcmtools: Run, programs: dict[str, Any]
 ) -> None:
     pid = programs["source"].pid
-    for word in ("lcm-source", str(pid)):
+    for word in ("lcm-source", str(pid), f"{HOST}:{pid}"):
         result = lcmtools("node", "info", word)
         assert result.returncode == 0
         assert "lcm-source -m EXAMPLE] (no node: seen on the bus only)\n" in result.stdout
@@ -107,6 +107,14 @@ def test_info_finds_a_program_by_its_pid_and_its_command(
         assert f"\nHost: {HOST}\nPid: {pid}\n" in result.stdout
     (record,) = json.loads(lcmtools("node", "info", "--json", "lcm-source").stdout)
     assert (record["observed"], record["pid"]) == (True, pid)
+
+
+def test_info_shows_how_a_programs_listening_fares(lcmtools: Run, programs: dict[str, Any]) -> None:
+    text = lcmtools("node", "info", str(programs["plain"].pid)).stdout
+    assert re.search(
+        r"^Buffer: \d+ kB of \d+ kB wait, \d+ datagrams dropped since", text, re.MULTILINE
+    )
+    assert "Buffer" not in lcmtools("node", "info", str(programs["source"].pid)).stdout
 
 
 def test_info_finds_a_node_by_its_pid(lcmtools: Run, programs: dict[str, Any]) -> None:

@@ -14,7 +14,7 @@ from lcmtools.cli.describe import node_record
 from lcmtools.cli.find import find_nodes
 from lcmtools.cli.node import parameters, sections
 from lcmtools.cli.node.programs import command as command_of
-from lcmtools.cli.node.programs import is_meant, place, program_record, seen_type
+from lcmtools.cli.node.programs import is_meant, listening, place, program_record, seen_type
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
 from lcmtools.cli.output import document, lines
 from lcmtools.errors import LcmtoolsError, UsageError
@@ -101,6 +101,7 @@ def _program_text(program: Program, now: int, *, quiet: bool) -> list[str]:
         if program.process:
             rows += [f"Pid: {program.process.pid}", f"Command: {program.process.command}"]
             rows += sections.usage(program.process.pid, now)
+        rows += listening(program)
         rows += [f"Ports: {', '.join(map(str, program.ports)) or 'none seen'}", ""]
     return rows
 

@@ -3,7 +3,8 @@
 import socket
 
 from lcmtools.bus.programs import Program
-from lcmtools.cli.describe import UNKNOWN
+from lcmtools.bus.socket_memory import receive_buffers
+from lcmtools.cli.describe import UNKNOWN, candidates_text
 from lcmtools.graph.model import Traffic
 from lcmtools.messages.registry import candidates
 
@@ -27,15 +28,32 @@ def place(program: Program) -> str:
 
 def command(program: Program) -> str:
     """What a program was started as, as far as the system tells."""
-    return program.process.command if program.process else "a program"
+    if program.process:
+        return program.process.command
+    return f"a program{candidates_text(program.candidates)}"
 
 
 def doing(program: Program) -> str:
     """What a program does on the bus."""
     parts = [f"publishes {', '.join(program.channels)}"] if program.channels else []
     if program.listens:
-        parts.append("listens")
+        lost = sum(row.drops for row in program.sockets)
+        parts.append(f"listens ({lost} datagrams dropped so far)" if lost else "listens")
     return ", ".join(parts)
+
+
+def listening(program: Program) -> list[str]:
+    """How a program's listening fares: what waits in its buffers, and what they have lost."""
+    sizes = receive_buffers() if program.sockets else {}
+    return [
+        f"Buffer: {_kilobytes(row.queued_bytes)} of {_kilobytes(sizes.get(row.inode))} wait,"
+        f" {row.drops} datagrams dropped since it listens"
+        for row in program.sockets
+    ]
+
+
+def _kilobytes(size: int | None) -> str:
+    return "an unknown size" if size is None else f"{size / 1e3:.0f} kB"
 
 
 def program_record(program: Program) -> dict[str, object]:
@@ -52,6 +70,9 @@ def program_record(program: Program) -> dict[str, object]:
         "user": program.user or None,
         "publications": [_seen_record(seen) for seen in program.traffic],
         "listens": program.listens,
+        "queued_bytes": sum(row.queued_bytes for row in program.sockets),
+        "drops": sum(row.drops for row in program.sockets),
+        "candidates": [process.pid for process in program.candidates],
     }
 
 
@@ -72,8 +93,13 @@ def _seen_record(seen: Traffic) -> dict[str, object]:
 
 
 def is_meant(program: Program, word: str) -> bool:
-    """Whether a word on the command line means a program: its pid, or a word of its command."""
+    """Whether a word on the command line means a program: its pid, or a word of its command.
+
+    Or where it runs, as ``node list -a`` says it.
+    """
+    if word == place(program):
+        return True
     if program.process is None:
-        return word == place(program)
+        return False
     parts = [part.rpartition("/")[2] for part in program.process.command.split()]
     return word == str(program.process.pid) or word in (program.process.command, *parts)

@@ -154,7 +154,7 @@ class Feed:
     def _losses(self, since: Losses | None = None) -> Losses | None:
         """What was lost of each sender; None where the bus does not tell."""
         tap = self._watch.tap
-        return losses(tap.sequences, since) if tap else None
+        return losses(tap.numbered, since) if tap else None
 
     def _snapshot(self) -> Snapshot:
         graph = self._watch.graph()

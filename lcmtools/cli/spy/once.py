@@ -28,7 +28,7 @@ def look(watch: Watch, wanted: Wanted, wait: float) -> tuple[Graph, tuple[Row, .
     activity = Activity()
     graph = settled(watch, wait, activity)
     tap = watch.tap
-    lost = losses(tap.sequences) if tap else None
+    lost = losses(tap.numbered) if tap else None
     return graph, rows.make(graph, activity, lost, activity.last_time if is_log else graph.time)
 
 

@@ -8,13 +8,14 @@ from collections.abc import Callable, Iterable
 from itertools import pairwise
 from pathlib import PurePath
 
-from lcmtools.bus.processes import Process, is_local, owners, udp_sockets
+from lcmtools.bus.processes import Process, is_local, owners, senders_from, udp_sockets
 from lcmtools.wire.packet import Sender
 
 UNKNOWN = "unknown sender"
 """Where the bus does not tell who sends: tcpq, memq and logs."""
 
 _RETRY = 5.0  # [s] before one that was not found is looked up again
+_TAKE_A_PATH = ("-cp", "-classpath", "--class-path", "-p", "--module-path")
 _INTERPRETERS = ("python", "pypy", "java", "ruby", "perl", "lua", "node", "bash", "sh")
 
 
@@ -68,17 +69,16 @@ def program_name(command: str) -> str:
     for option, word in pairwise(words):
         if option == "-c":
             return name
+        if option in _TAKE_A_PATH:  # "java -cp FOLDERS Main"
+            continue
         if option == "-m" or not word.startswith("-"):
             return PurePath(word).name
     return name
 
 
 def _processes(ports: set[int]) -> dict[int, Process]:
-    """The process behind each local UDP port; a port that several share tells nothing."""
+    """The process behind each local UDP port, where it can be only one."""
     rows = [row for row in udp_sockets() if row.port in ports]
     holders = owners(row.inode for row in rows)
-    found: dict[int, set[Process]] = {}
-    for row in rows:
-        if row.inode in holders:
-            found.setdefault(row.port, set()).add(holders[row.inode])
-    return {port: held.pop() for port, held in found.items() if len(held) == 1}
+    found = {port: senders_from(port, rows, holders).only for port in ports}
+    return {port: process for port, process in found.items() if process is not None}

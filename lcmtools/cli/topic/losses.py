@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from lcmtools.bus.watch import Watch
 from lcmtools.wire.packet import Sender
 
-_SHARED = 1  # so often the numbers of one program may begin anew; of a shared port they always do
-
 
 @dataclass(frozen=True, slots=True)
 class Loss:
@@ -40,9 +38,7 @@ def losses(watch: Watch) -> dict[Sender, Loss]:
         return {}
     return {
         sender: Loss(numbers.lost, numbers.lost + numbers.messages)
-        for sender, numbers in tap.sequences.items()
-        # of a port that programs share the numbers tell nothing: they are mixed
-        if sender.port != watch.url.port and numbers.restarts <= _SHARED
+        for sender, numbers in tap.numbered.items()
     }
 
 

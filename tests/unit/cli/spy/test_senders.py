@@ -17,6 +17,8 @@ LOCAL, OTHER = Sender("127.0.0.1", 1), Sender("127.0.0.1", 2)
         ("/opt/v/bin/python3.11 /opt/v/bin/lcmtools run sim", "lcmtools"),
         ("python -m my.driver", "my.driver"),
         ("python3 -", "python3"),
+        ("java -Dx=y -cp /opt/lcm.jar:. my.Driver fast", "my.Driver"),
+        ("java -jar /opt/driver.jar", "driver.jar"),
         ("python -u -c import sys;exec(eval())", "python"),
         ("", "?"),
     ],
