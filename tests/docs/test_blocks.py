@@ -11,13 +11,14 @@ output is shown. Comments before a block say more:
     <!-- file: slow.py -->                             the block is this file, in the scratch folder
 """
 
+import json
 import os
 import re
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -131,22 +132,25 @@ class Shell:
             return f"$ {command.text}\nended with {code}:\n{output}"
         return None
 
-    def wait_for_nodes(self, count: int) -> None:
-        """Wait until so many nodes are on the bus."""
+    def wait_for(self, commands: Sequence[str]) -> None:
+        """Wait until commands that run beside a block are on the bus: nodes, or other programs."""
+        nodes = sum(command.startswith("lcmtools ") for command in commands)
         deadline = time.monotonic() + 40
         while time.monotonic() < deadline:
             listed = subprocess.run(
-                ["lcmtools", "node", "list", "-a"],  # noqa: S607 - as the documents have it
+                ["lcmtools", "node", "list", "-a", "--json"],  # noqa: S607 - as documents have it
                 env=self._environment,
                 capture_output=True,
                 text=True,
                 check=False,
                 timeout=20,
             )
-            if len(listed.stdout.split()) >= count:
+            names = [record["node"] for record in json.loads(listed.stdout or "[]")]
+            named = [name for name in names if name and "_lcmtools_node_list" not in name]
+            if len(named) >= nodes and len(named) + names.count(None) >= len(commands):
                 return
             time.sleep(0.1)
-        pytest.fail(f"less than {count} nodes run")
+        pytest.fail(f"{', '.join(commands)}: not all run")
 
 
 class Running:
@@ -225,17 +229,18 @@ def test_every_block_does_what_it_shows(
 def play(block: Block, shell: Shell) -> list[str]:
     """Run a block; what is wrong."""
     wrong = []
-    beside = [part.strip() for part in block.notes.get("with", "").split(";") if part.strip()]
+    parts = block.notes.get("with", "").split(";")
+    beside = [f"lcmtools {part.strip()}" for part in parts if part.strip()]
     with ExitStack() as running:
-        for part in beside:
-            running.enter_context(shell.going(f"exec lcmtools {part}"))
+        for started in beside:
+            running.enter_context(shell.going(f"exec {started}"))
         if beside:
-            shell.wait_for_nodes(len(beside))
+            shell.wait_for(beside)
         for command in block.commands():
             if command.text.endswith("&"):
                 beside.append(command.text)
                 running.enter_context(shell.going(f"exec {command.text[:-1]}"))
-                shell.wait_for_nodes(len(beside))
+                shell.wait_for(beside)
             elif problem := shell.run(command):
                 wrong.append(problem)
     return wrong

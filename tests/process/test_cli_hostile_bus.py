@@ -13,6 +13,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -216,7 +217,8 @@ def test_wtf_names_the_sender_of_malformed_datagrams(
     assert result.returncode == 1
     assert set(findings) <= {"malformed", "irregular"}  # what the nodes' filters drop is no fault
     (item,) = findings["malformed"]["items"]
-    assert item.startswith(f"0.0.0.0:{port}, {sys.executable} ")
+    assert item.startswith(f"0.0.0.0:{port}, ")
+    assert Path(sys.executable).name in item
     assert f"(pid {sender.pid})" in item
     assert item.endswith(": short message: channel name not ended within 63 bytes")
 

@@ -184,6 +184,7 @@ def test_pipe_gets_colour_on_demand_only(
     assert lcmtools(*words, *arguments, **environment).stderr.startswith("\x1b[1;31m")
 
 
+@pytest.mark.usefixtures("private_network")  # programs on other buses would be named
 def test_wtf_colours_the_severity_and_nothing_else(
     on_terminal: Callable[..., str],
     lcmtools: Run,
