@@ -83,14 +83,17 @@ def test_it_ends_on_a_signal_within_a_second_quietly_and_with_0(
 
 
 def test_it_runs_in_real_time_and_ends_after_its_duration(start: Start) -> None:
-    process = start("--duration", "2")
-    wait_for_start(process)
-    begun = time.monotonic()
+    spent: list[float] = []
+    while spent[-1:] != [pytest.approx(2.0, abs=0.4)] and len(spent) < 4:  # a busy computer delays
+        process = start("--duration", "2")
+        wait_for_start(process)
+        begun = time.monotonic()
+        out, error = process.communicate(timeout=20)
+        spent.append(time.monotonic() - begun)
+        assert (process.returncode, out, error) == (0, "", "")
 
-    out, error = process.communicate(timeout=20)
-
-    assert time.monotonic() - begun == pytest.approx(2.0, abs=0.4)
-    assert (process.returncode, out, error) == (0, "", "")
+    assert min(spent) > 1.6
+    assert spent[-1] == pytest.approx(2.0, abs=0.4)
 
 
 def test_it_obeys_commands_warns_of_bad_ones_and_goes_on(start: Start, node: lcmtools.Node) -> None:
