@@ -123,6 +123,8 @@ class SpyApp(App[int]):
 
     def _tick(self) -> None:
         snapshot, screen = self._source.latest, self.screen
+        if not screen.is_mounted:  # it has no parts yet, and draws itself as soon as it has
+            return
         is_new = snapshot is not self._shown
         self._shown = snapshot
         if is_new and screen is not self._detail:

@@ -440,3 +440,14 @@ def test_without_color_no_color_is_sent(monkeypatch: pytest.MonkeyPatch) -> None
     app: App[int] = SpyApp("memq://", planted, planted.follow, View())
     assert app.no_color
     assert app.native_ansi_color
+
+
+def test_a_screen_that_has_no_parts_yet_is_left_alone() -> None:
+    async def script(screen: Screen) -> None:
+        screen.app.look_closely("/base/scan")
+        screen.app._tick()  # comes before the screen has been told to make its parts
+        assert not screen.app.screen.is_mounted
+        await screen.until(lambda: screen.app.screen.is_mounted)
+        await screen.until(lambda: "/base/scan" in screen.title)
+
+    look(script)
