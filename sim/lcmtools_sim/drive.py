@@ -1,19 +1,16 @@
-"""How a robot on wheels drives: motors, tyres and encoders, as plain mathematics.
+"""How a robot on wheels drives: motors and encoders, as plain mathematics.
 
-Everything here is a function of numbers or a small state of numbers. It knows no engine: what
-Bullet computed comes in, what the tyres make of it goes out.
-
-The robot stands on two ideal wheels at its effective track, which makes it an exact differential
-drive; each tyre gives at most what Coulomb friction allows. Symbols and signs are those of the
-textbook (R. Siegwart et al., Introduction to Autonomous Mobile Robots, section 3.2): v [m/s]
-forward, w [rad/s] counter-clockwise, side speeds v -+ w track / 2.
+Everything here is a function of numbers or a small state of numbers. What the wheels do to the
+robot is tyres.py's. Symbols and signs are those of the textbook (R. Siegwart et al., Introduction
+to Autonomous Mobile Robots, section 3.2): v [m/s] forward, w [rad/s] counter-clockwise, side
+speeds v -+ w track / 2.
 """
 
 import math
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
-from lcmtools_sim.robots.model import Drive, RobotModel
+from lcmtools_sim.robots.model import Drive
 
 _STANDSTILL = 1e-6  # [m/s]; a motor this near to its target has reached it
 
@@ -23,14 +20,6 @@ class SideSpeeds(NamedTuple):
 
     left: float
     right: float
-
-
-class PlanarVelocity(NamedTuple):
-    """Velocity in the robot's own frame: forward and to the left [m/s], turn rate [rad/s]."""
-
-    forward: float
-    sideways: float
-    turn_rate: float
 
 
 STOPPED = SideSpeeds(0.0, 0.0)
@@ -67,41 +56,6 @@ def follow(speeds: SideSpeeds, targets: SideSpeeds, drive: Drive, dt: float) -> 
     return SideSpeeds(speeds.left + gain * left, speeds.right + gain * right)
 
 
-def grip(
-    velocity: PlanarVelocity, speeds: SideSpeeds, model: RobotModel, largest: float
-) -> PlanarVelocity:
-    """The body's velocity after the tyres have pulled it for one step.
-
-    Without slip a tyre gives the impulse that makes the ground speeds at its contact those of the
-    wheel; with slip it gives the largest one in that direction.
-
-    Args:
-        velocity: Before.
-        speeds: Of the wheels.
-        model: Its track, mass and inertia.
-        largest: Largest impulse of a side: friction times load times step [N s].
-    """
-    mass, inertia, track = model.body.mass, model.body.inertia[2], model.drive.track
-    wanted_forward, wanted_turn_rate = body_velocity(speeds, track)
-    pull = mass * (wanted_forward - velocity.forward) / 2
-    twist = inertia * (wanted_turn_rate - velocity.turn_rate) / track
-    across = -mass * velocity.sideways / 2
-    left = _slip(pull - twist, across, largest)
-    right = _slip(pull + twist, across, largest)
-    along_left, along_right = left * (pull - twist), right * (pull + twist)
-    return PlanarVelocity(
-        velocity.forward + (along_left + along_right) / mass,
-        velocity.sideways + (left + right) * across / mass,
-        velocity.turn_rate + (along_right - along_left) * track / 2 / inertia,
-    )
-
-
-def _slip(along: float, across: float, largest: float) -> float:
-    """The factor that brings an impulse down to the largest possible one."""
-    impulse = math.hypot(along, across)
-    return 1.0 if impulse <= largest else largest / impulse
-
-
 class Wheels:
     """The wheels of both sides: how fast they turn and how far they have turned.
 
@@ -120,9 +74,12 @@ class Wheels:
 
     def turn(self, targets: SideSpeeds, drive: Drive, dt: float) -> None:
         """Turn for one step, the motors following ``targets``."""
-        self.speeds = follow(self.speeds, targets, drive, dt)
-        self.left_angle += self.speeds.left * dt / drive.wheel_radius
-        self.right_angle += self.speeds.right * dt / drive.wheel_radius
+        if self.speeds != targets:
+            self.speeds = follow(self.speeds, targets, drive, dt)
+        left, right = self.speeds
+        gain = dt / drive.wheel_radius
+        self.left_angle += left * gain
+        self.right_angle += right * gain
 
 
 class Encoders:

@@ -1,5 +1,7 @@
 """One robot of the running simulation: its body in the engine, its wheels and its command."""
 
+import math
+
 from lcmtools.errors import InvalidFile
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
@@ -8,11 +10,9 @@ from lcmtools_sim.drive import (
     STOPPED,
     Encoders,
     Odometer,
-    PlanarVelocity,
     SideSpeeds,
     Wheels,
     body_velocity,
-    grip,
 )
 from lcmtools_sim.pose import Pose
 from lcmtools_sim.robots.model import Drive, RobotModel
@@ -23,18 +23,16 @@ from lcmtools_sim.rotation import (
     axes,
     components,
     cross,
-    dot,
-    moved,
     scaled,
     subtract,
     turn,
-    turned,
 )
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.sensors.odometry import OdometrySettings
 from lcmtools_sim.sensors.sensor import Contact, RobotState, WheelState, generator
 from lcmtools_sim.shapes import Color, Part
-from lcmtools_sim.skid import skid
+from lcmtools_sim.skid import skidding
+from lcmtools_sim.tyres import gripping
 from lcmtools_sim.world import Motion, World
 
 _LIFTING_OFF = 0.2  # [m/s] along its own up axis: what stands on its wheels has none
@@ -63,7 +61,8 @@ class Robot:
         friction = self.model.drive.tyre_friction * scene.ground.friction
         self._fall = scene.gravity * scene.dt  # [m/s] in a step
         self._largest_impulse = friction * self.model.body.mass / 2 * self._fall
-        self._pull = skid if self.model.drive.skids else grip
+        self._tyres = skidding(self.model) if self.model.drive.skids else gripping(self.model)
+        self._half_turn_by_speed = scene.dt / 2 / self.model.drive.track  # [rad s/m]
         self._wheels = Wheels()
         self._odometer = Odometer()
         noise = generator(scene.seed, f"{self.namespace}/encoders").standard_normal
@@ -185,20 +184,29 @@ class Robot:
         less.
         """
         _, rotation, velocity, turning = motion
-        _, turn_rate = body_velocity(self._wheels.speeds, self.model.drive.track)
-        forward, left, up = turned(axes(rotation), turn_rate * self._dt / 2)
-        if up[2] < _UPRIGHT or abs(dot(velocity, up)) > _LIFTING_OFF:
+        (fx, fy, fz), (lx, ly, lz), (ux, uy, uz) = axes(rotation)
+        (vx, vy, vz), (wx, wy, wz) = velocity, turning
+        if uz < _UPRIGHT or abs(vx * ux + vy * uy + vz * uz) > _LIFTING_OFF:
             return velocity, turning
-        before = PlanarVelocity(
-            dot(velocity, forward) - self._fall * forward[2],
-            dot(velocity, left) - self._fall * left[2],
-            dot(turning, up),
+        speeds, falling = self._wheels.speeds, vz - self._fall
+        half_turn = (speeds.right - speeds.left) * self._half_turn_by_speed
+        c, s = math.cos(half_turn), math.sin(half_turn)
+        along = vx * fx + vy * fy + falling * fz
+        aside = vx * lx + vy * ly + falling * lz
+        forward, sideways, turn_rate = self._tyres(
+            c * along + s * aside,
+            c * aside - s * along,
+            wx * ux + wy * uy + wz * uz,
+            speeds,
+            self._largest_impulse * uz,
         )
-        largest = self._largest_impulse * up[2]
-        after = self._pull(before, self._wheels.speeds, self.model, largest)
-        pulled = moved(velocity, forward, after.forward - before.forward)
-        pulled = moved(pulled, left, after.sideways - before.sideways)
-        return pulled, moved(turning, up, after.turn_rate - before.turn_rate)
+        along, aside = c * forward - s * sideways, s * forward + c * sideways
+        vx, vy, vz = (
+            vx + along * fx + aside * lx,
+            vy + along * fy + aside * ly,
+            vz + along * fz + aside * lz,
+        )
+        return (vx, vy, vz), (wx + turn_rate * ux, wy + turn_rate * uy, wz + turn_rate * uz)
 
 
 def _travel_noise(model: RobotModel) -> float:

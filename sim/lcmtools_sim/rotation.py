@@ -85,23 +85,6 @@ def components(vector: Vector, frame: tuple[Vector, Vector, Vector]) -> Vector:
     return dot(vector, frame[0]), dot(vector, frame[1]), dot(vector, frame[2])
 
 
-def turned(frame: tuple[Vector, Vector, Vector], angle: float) -> tuple[Vector, Vector, Vector]:
-    """A frame's axes after it has turned about its own up axis [rad]."""
-    (fx, fy, fz), (lx, ly, lz), up = frame
-    c, s = math.cos(angle), math.sin(angle)
-    forward = (c * fx + s * lx, c * fy + s * ly, c * fz + s * lz)
-    return forward, (c * lx - s * fx, c * ly - s * fy, c * lz - s * fz), up
-
-
-def moved(vector: Vector, direction: Vector, length: float) -> Vector:
-    """A vector and so many times another one."""
-    return (
-        vector[0] + direction[0] * length,
-        vector[1] + direction[1] * length,
-        vector[2] + direction[2] * length,
-    )
-
-
 def turn(vector: Vector, rotation: Quaternion) -> Vector:
     """A vector of the turned frame as the frame around it has it."""
     forward, left, up = axes(rotation)

@@ -30,6 +30,8 @@ class Timetable(Generic[Item]):
         self._dt = dt
         self._groups: dict[float, _Group[Item]] = {}
         self._added = 0
+        self._next: float = math.inf
+        """The step at which the first of all is due: most steps need not look further."""
 
     def add(self, rate: float, item: Item, *, after: int = 0) -> None:
         """Let ``item`` be due ``rate`` times a second, at most once a step, from ``after`` on."""
@@ -40,6 +42,7 @@ class Timetable(Generic[Item]):
             self._groups[rate] = _Group(count, self._step(count, rate))
         self._groups[rate].items[self._added] = item
         self._added += 1
+        self._look_ahead()
 
     def remove(self, items: Sequence[Item]) -> None:
         """Let these be due no more."""
@@ -47,10 +50,14 @@ class Timetable(Generic[Item]):
             group.items = {n: item for n, item in group.items.items() if item not in items}
             if not group.items:
                 del self._groups[rate]
+        self._look_ahead()
 
     def due(self, step: int) -> list[Item]:
         """What is due at ``step``, in the order of adding; steps are asked for in their order."""
+        if step < self._next:
+            return []
         found = [self._take(rate, step) for rate, g in self._groups.items() if g.step <= step]
+        self._look_ahead()
         if len(found) < 2:  # noqa: PLR2004 - else there is an order to make
             return list(found[0].values()) if found else []
         together = {number: item for items in found for number, item in items.items()}
@@ -62,6 +69,9 @@ class Timetable(Generic[Item]):
         group.count += 1
         group.step = max(step + 1, self._step(group.count, rate))
         return group.items
+
+    def _look_ahead(self) -> None:
+        self._next = min((group.step for group in self._groups.values()), default=math.inf)
 
     def _step(self, count: int, rate: float) -> int:
         # The factor keeps what rounding puts just above a whole step from going to the next.

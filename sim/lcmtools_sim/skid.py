@@ -10,43 +10,41 @@ same wheels would have without skidding; tests hold it to that.
 import math
 from collections.abc import Sequence
 
-from lcmtools_sim.drive import PlanarVelocity, SideSpeeds
+from lcmtools_sim.drive import SideSpeeds
 from lcmtools_sim.robots.model import RobotModel
+from lcmtools_sim.tyres import Tyres
 
 _SWEEPS = 6
 
 
-def skid(
-    velocity: PlanarVelocity, speeds: SideSpeeds, model: RobotModel, largest: float
-) -> PlanarVelocity:
-    """The body's velocity after its wheels have pulled it for one step.
-
-    Args:
-        velocity: Before.
-        speeds: Of the wheels.
-        model: Its mass and inertia, and where its wheels touch the ground.
-        largest: Largest impulse of a side: friction times load times step [N s].
-    """
+def skidding(model: RobotModel) -> Tyres:
+    """The wheels of a model, each where it touches the ground."""
     wheels = model.drive.wheels
     mass, inertia = model.body.mass, model.body.inertia[2]
-    limit = 2 * largest / len(wheels)
     gain = _gain(wheels, mass, inertia)
-    forward, sideways, turn_rate = velocity
-    impulses = [(0.0, 0.0)] * len(wheels)
-    for _ in range(_SWEEPS):
-        for i, (x, y) in enumerate(wheels):
-            wheel = speeds.left if y > 0 else speeds.right
-            along, across = impulses[i]
-            trial_along = along - gain * (forward - turn_rate * y - wheel)
-            trial_across = across - gain * (sideways + turn_rate * x)
-            factor = limit / max(limit, math.hypot(trial_along, trial_across))
-            new = trial_along * factor, trial_across * factor
-            change_along, change_across = new[0] - along, new[1] - across
-            forward += change_along / mass
-            sideways += change_across / mass
-            turn_rate += (x * change_across - y * change_along) / inertia
-            impulses[i] = new
-    return PlanarVelocity(forward, sideways, turn_rate)
+
+    def pull(
+        forward: float, sideways: float, turn_rate: float, speeds: SideSpeeds, largest: float
+    ) -> tuple[float, float, float]:
+        before = forward, sideways, turn_rate
+        limit = 2 * largest / len(wheels)
+        impulses = [(0.0, 0.0)] * len(wheels)
+        for _ in range(_SWEEPS):
+            for i, (x, y) in enumerate(wheels):
+                wheel = speeds.left if y > 0 else speeds.right
+                along, across = impulses[i]
+                trial_along = along - gain * (forward - turn_rate * y - wheel)
+                trial_across = across - gain * (sideways + turn_rate * x)
+                factor = limit / max(limit, math.hypot(trial_along, trial_across))
+                new = trial_along * factor, trial_across * factor
+                change_along, change_across = new[0] - along, new[1] - across
+                forward += change_along / mass
+                sideways += change_across / mass
+                turn_rate += (x * change_across - y * change_along) / inertia
+                impulses[i] = new
+        return forward - before[0], sideways - before[1], turn_rate - before[2]
+
+    return pull
 
 
 def _gain(wheels: Sequence[tuple[float, float]], mass: float, inertia: float) -> float:

@@ -1,4 +1,4 @@
-"""Motors, tyres and dead reckoning as mathematics."""
+"""Motors and dead reckoning as mathematics."""
 
 import math
 
@@ -9,19 +9,16 @@ from hypothesis import strategies as st
 from lcmtools_sim.drive import (
     STOPPED,
     Odometer,
-    PlanarVelocity,
     SideSpeeds,
     Wheels,
     body_velocity,
     follow,
-    grip,
     side_speeds,
 )
 from lcmtools_sim.robots.husky import HUSKY
 
 DT = 1 / 240
 DRIVE = HUSKY.drive
-NO_LIMIT = 1e9  # [N s]
 
 speeds = st.floats(-3, 3)
 
@@ -75,47 +72,6 @@ def test_side_speeds_and_body_velocity_are_inverse(forward: float, turn_rate: fl
 def test_the_effective_track_of_a_husky_is_the_one_of_the_text() -> None:
     assert DRIVE.track == pytest.approx(1.07025)
     assert body_velocity(SideSpeeds(-1, 1), DRIVE.track)[1] == pytest.approx(1.87, abs=0.005)
-
-
-@given(speeds, speeds, st.floats(-5, 5), speeds, speeds)
-def test_tyres_that_do_not_slip_make_the_body_move_as_the_wheels_do(
-    forward: float, sideways: float, turn_rate: float, left: float, right: float
-) -> None:
-    before = PlanarVelocity(forward, sideways, turn_rate)
-
-    after = grip(before, SideSpeeds(left, right), HUSKY, NO_LIMIT)
-
-    wanted = body_velocity(SideSpeeds(left, right), DRIVE.track)
-    assert after == pytest.approx((wanted[0], 0.0, wanted[1]), abs=1e-9)
-
-
-@given(speeds, speeds, st.floats(-5, 5), speeds, speeds)
-def test_tyres_give_no_more_than_friction_allows(
-    forward: float, sideways: float, turn_rate: float, left: float, right: float
-) -> None:
-    before = PlanarVelocity(forward, sideways, turn_rate)
-    limit = 0.9  # [N s]
-
-    after = grip(before, SideSpeeds(left, right), HUSKY, limit)
-
-    change = math.hypot(after.forward - forward, after.sideways - sideways)
-    assert change * HUSKY.body.mass <= 2 * limit * (1 + 1e-9)
-    turn_change = abs(after.turn_rate - turn_rate) * HUSKY.body.inertia[2]
-    assert turn_change <= limit * DRIVE.track * (1 + 1e-9)
-
-
-@given(speeds, speeds, st.floats(-5, 5))
-def test_tyres_of_standing_wheels_only_take_energy_away(
-    forward: float, sideways: float, turn_rate: float
-) -> None:
-    def energy(velocity: PlanarVelocity) -> float:
-        body = HUSKY.body
-        translation = velocity.forward**2 + velocity.sideways**2
-        return body.mass * translation / 2 + body.inertia[2] * velocity.turn_rate**2 / 2
-
-    before = PlanarVelocity(forward, sideways, turn_rate)
-
-    assert energy(grip(before, STOPPED, HUSKY, 0.9)) <= energy(before) + 1e-12
 
 
 def test_wheels_turn_by_the_way_over_the_radius() -> None:
