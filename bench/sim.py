@@ -3,12 +3,16 @@
 Every row is a scene. Columns, whose sides take turns in slices: simulated seconds in a second of
 processor time
   bare        of Bullet's stepSimulation alone
+  engine      of stepSimulation, and of reading and setting how every robot moves
   drive       of the simulation without its sensors: commands, motors, tyres and encoders too
   sensors     of the simulation with all its sensors
   unheard     of the whole node on a bus where nobody listens
   heard       of the whole node with a plain LCM program that hears everything, so that all is sent
-and what the loop itself takes of the last two: all but engine, tyres and sensors (for "heard" that
-is encoding and sending). Then the time from the start to the first odometry, and memory.
+and what part of a whole node's time is not the engine's or the sensors':
+  tyres       motors, tyres and encoders, unheard: the physics that Bullet does not do
+  loop        the rest, unheard: the schedule, the clock, the bus
+  sending     encoding and sending, heard
+Then the time from the start to the first odometry, and memory.
 
     python bench/sim.py [--seconds SIMULATED] [--hours SIMULATED]
 """
@@ -23,6 +27,7 @@ from dataclasses import replace
 from functools import partial
 from math import isnan, nan, pi
 from multiprocessing.connection import Connection
+from statistics import median
 
 from common import bus, child, isolate, parser, show
 
@@ -47,6 +52,8 @@ from lcmtools_sim.worlds import find_world
 
 URL = bus(7791)
 SLICES = 30
+SHORTEST_SLICE = 48  # steps, so that all of them publish the same
+SPEEDS = ("bare", "engine", "drive", "sensors", "unheard", "heard")
 LASER = SensorMount(
     "laser", "scan", 10.0, Pose(0.3, 0, 0.3), settings=LaserSettings(360, -0.75 * pi, 0.75 * pi)
 )
@@ -114,6 +121,23 @@ def bare(scene: Scene) -> Iterator[Advance]:
 
 
 @contextmanager
+def engine(scene: Scene) -> Iterator[Advance]:
+    """The engine, and all that is asked of it and told to it in a step."""
+    with World(scene) as world:
+        bodies = [world.add_robot(r.namespace, r.model.body, r.pose) for r in scene.robots]
+        for body in bodies:
+            world.set_velocity(body, (0.5, 0.0, 0.0), (0.0, 0.0, 0.3))
+
+        def step() -> None:
+            motions = [(body, world.motion(body)) for body in bodies]
+            for body, motion in motions:
+                world.set_velocity(body, motion.velocity, motion.turning)
+            world.step()
+
+        yield lambda steps: [step() for _ in range(steps)]
+
+
+@contextmanager
 def simulation(scene: Scene, wanted: Callable[[str], bool]) -> Iterator[Advance]:
     """The simulation without a bus."""
     with Simulation(scene) as simulated:
@@ -157,36 +181,33 @@ def listen(connection: Connection) -> None:
 def race(steps: int, *sides: AbstractContextManager[Advance]) -> list[float]:
     """Seconds that each side takes for so many steps.
 
-    They take turns, a slice each, so that what disturbs one disturbs all.
+    They take turns, a slice each, so that what disturbs one disturbs all; and the slice in the
+    middle counts, so that what disturbs for a moment does not.
     """
-    share = max(1, steps // SLICES)
+    share = max(SHORTEST_SLICE, steps // SLICES)
     with ExitStack() as stack:
         advances = [stack.enter_context(side) for side in sides]
-        seconds = [0.0] * len(advances)
-        for _ in range(SLICES):
-            for number, advance in enumerate(advances):
-                seconds[number] += processor_seconds(partial(advance, share))
-    return [spent * steps / (share * SLICES) for spent in seconds]
+        slices = [
+            [processor_seconds(partial(advance, share)) for advance in advances]
+            for _ in range(SLICES)
+        ]
+    return [median(spent) * steps / share for spent in zip(*slices, strict=True)]
 
 
-def measure(
-    scene: Scene, wanted: Callable[[str], bool], steps: int
-) -> tuple[float, float, float, float, float]:
-    """Seconds of each column."""
+def measure(scene: Scene, wanted: Callable[[str], bool], steps: int) -> dict[str, float]:
+    """Seconds of each column of speeds."""
 
     def nothing(_: str) -> bool:
         return False
 
-    alone, driven, sensed, unheard = race(
-        steps, bare(scene), simulation(scene, nothing), simulation(scene, wanted), whole(scene)
-    )
-    heard = nan
+    sides = (bare(scene), engine(scene), simulation(scene, nothing), simulation(scene, wanted))
+    spent = dict(zip(SPEEDS, [*race(steps, *sides, whole(scene)), nan], strict=True))
     if wanted("/r0/camera/depth/points"):  # eight pictures at once are another measurement
         with child(listen) as listener:
             listener.wait()
-            again, heard = race(steps, simulation(scene, wanted), whole(scene))
-            heard *= sensed / again  # as if all had run at the same time
-    return alone, driven, sensed, unheard, heard
+            sensed, heard = race(steps, simulation(scene, wanted), whole(scene))
+            spent["heard"] = heard * spent["sensors"] / sensed  # as if all had run at one time
+    return spent
 
 
 def compare(seconds: float) -> None:
@@ -194,13 +215,15 @@ def compare(seconds: float) -> None:
     rows = []
     for name, (scene, wanted) in scenes().items():
         simulated = seconds / max(1, len(scene.robots) / 2)
-        steps = round(simulated / scene.dt)
-        alone, driven, sensed, unheard, heard = measure(scene, wanted, steps)
-        own = [f"{1 - driven / unheard:.0%}", "-" if isnan(heard) else f"{1 - sensed / heard:.0%}"]
-        speeds = [simulated / part for part in (alone, driven, sensed, unheard, heard)]
-        rows.append((name, *speeds, *own))
-    columns = ("bare", "drive", "sensors", "unheard", "heard", "loop unheard", "loop heard")
-    show("times real time", ("", *columns), rows)
+        spent = measure(scene, wanted, round(simulated / scene.dt))
+        parts = (
+            (spent["drive"] - spent["engine"]) / spent["unheard"],
+            (spent["unheard"] - spent["drive"]) / spent["unheard"],
+            (spent["heard"] - spent["sensors"]) / spent["heard"],
+        )
+        speeds = [simulated / part for part in spent.values()]
+        rows.append((name, *speeds, *("-" if isnan(part) else f"{part:.0%}" for part in parts)))
+    show("times real time", ("", *SPEEDS, "tyres", "loop", "sending"), rows)
 
 
 def first_odometry() -> float:

@@ -12,7 +12,7 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.readings import Interest
 from lcmtools_sim.robot import Robot
-from lcmtools_sim.simulation import Sample, Simulation
+from lcmtools_sim.simulation import CLOCK_TOPIC, Sample, Simulation
 
 Command = JointState | Twist
 
@@ -23,7 +23,7 @@ _TYPES: dict[bool, tuple[type[Command], ...]] = {
 """What a command topic takes, the declared type first; by whether that is Twist."""
 
 _LOOK_PERIOD = 0.1
-"""[s] How long a new listener may wait for the first picture."""
+"""[s] How long a new listener may wait for the first picture, and who looks for the clock."""
 
 
 class Bridge:
@@ -42,6 +42,7 @@ class Bridge:
         self._subscriptions: dict[Robot, list[Subscription]] = {}
         self._heard: tuple[frozenset[str], bool] = frozenset(), True
         self._next_look = 0.0
+        self._shown_time = simulation.time
         self.refresh()
 
     def receive(self, timeout: float = 0.0) -> None:
@@ -51,6 +52,7 @@ class Bridge:
         if now >= self._next_look:
             self._next_look = now + _LOOK_PERIOD
             self._take_in(self._node.has_plain_listeners())
+            self._show_time()
 
     def look(self) -> None:
         """Find out at once who listens: steps that somebody asks for do not wait for it."""
@@ -87,6 +89,17 @@ class Bridge:
         if heard != self._heard:
             self._heard = heard
             self._simulation.ask(self._interest)
+
+    def _show_time(self) -> None:
+        """Send the clock although nobody listens to it: who only looks is to find it.
+
+        By the wall clock: at a hundred times real time it would cost as much as the physics.
+        """
+        time = self._simulation.time
+        if CLOCK_TOPIC in self._publishers and not self._simulation.is_clock_heard:
+            if time != self._shown_time:
+                self.publish([self._simulation.tick()])
+            self._shown_time = time
 
     def _interest(self, topic: str) -> Interest:
         announced, may_be_overheard = self._heard

@@ -59,11 +59,13 @@ class Loop:
 
     def run(self) -> None:
         """Go on until it should end, its last step is done or its window is closed."""
-        while self._may_go_on():
+        while True:
             self._surroundings.receive(_PAUSED_WAIT if self.paused else 0.0)
+            if not self._may_go_on():
+                return
             if self.paused:
                 self._pacer.restart()
-            elif self._may_go_on():
+            else:
                 self._step()
                 self._wait()
 

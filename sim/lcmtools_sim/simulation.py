@@ -6,7 +6,6 @@ that are due. bridge.py connects it to the bus, loop.py to the wall clock.
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from enum import Enum
 
 from lcmtools.clock import NANOSECONDS, split_stamp
 from lcmtools.errors import InvalidFile
@@ -23,15 +22,8 @@ from lcmtools_sim.world import World
 CLOCK_TOPIC = "/clock"
 CLOCK_RATE = 50.0
 """[Hz] Least rate of the clock; besides, it ticks with every step that publishes something."""
-UNHEARD_CLOCK_RATE = 10.0
-"""[Hz] The same where nobody is known to listen to it: who only looks finds it still."""
 
-
-class Tick(Enum):
-    """A turn of the clock: of those that it has always, or of those for who listens."""
-
-    ALWAYS = 0
-    HEARD = 1
+_TICK = None  # what is due when only the clock is
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +74,17 @@ class Simulation:
         """Simulated nanoseconds since the start."""
         return round(self.steps * self.scene.dt * NANOSECONDS)
 
+    @property
+    def is_clock_heard(self) -> bool:
+        """Whether its steps give the clock; else who wants it now and then asks for ``tick``."""
+        return self._is_clock_heard
+
+    def tick(self) -> Sample:
+        """The clock as it stands."""
+        message = Clock()
+        message.clock.sec, message.clock.nsec = split_stamp(self.time)
+        return Sample(CLOCK_TOPIC, message)
+
     def is_open(self) -> bool:
         """Whether it can go on; not after its window was closed."""
         return self._world.is_open()
@@ -103,8 +106,8 @@ class Simulation:
 
         Until it is asked everything is measured, and so are the sensors of robots that come later.
         """
-        if CLOCK_TOPIC in self.topics():  # a follower leaves it to who leads
-            self._is_clock_heard = interest(CLOCK_TOPIC) is not Interest.NONE
+        is_leader = CLOCK_TOPIC in self.topics()
+        self._is_clock_heard = is_leader and interest(CLOCK_TOPIC) is not Interest.NONE
         for readings in self._readings.values():
             for reading in readings:
                 reading.ask(interest)
@@ -162,23 +165,20 @@ class Simulation:
         self.steps = steps
         self.robots: list[Robot] = []
         self._readings: dict[str, list[Reading]] = {}
-        self._timetable: Timetable[Reading | Tick] = Timetable(self.scene.dt)
-        self._timetable.add(CLOCK_RATE, Tick.HEARD, after=steps)
-        self._timetable.add(UNHEARD_CLOCK_RATE, Tick.ALWAYS, after=steps)
+        self._timetable: Timetable[Reading | None] = Timetable(self.scene.dt)
+        self._timetable.add(CLOCK_RATE, _TICK, after=steps)
         for placement in self.scene.robots:
             self.add(placement)
 
-    def _is_wanted(self, item: Reading | Tick) -> bool:
-        if isinstance(item, Tick):
-            return self._is_clock_heard or item is Tick.ALWAYS
-        return not item.is_idle
+    def _is_wanted(self, item: Reading | None) -> bool:
+        return self._is_clock_heard if item is _TICK else not item.is_idle
 
-    def _samples(self, due: Iterable[Reading | Tick]) -> list[Sample]:
+    def _samples(self, due: Iterable[Reading | None]) -> list[Sample]:
+        samples = [self.tick()] if self._is_clock_heard else []
         time = self.time
-        samples = [Sample(CLOCK_TOPIC, _clock(time))]
         states: dict[str, RobotState] = {}
         for reading in due:
-            if isinstance(reading, Tick):
+            if reading is _TICK:
                 continue
             namespace = reading.robot.namespace
             if namespace not in states:
@@ -188,9 +188,3 @@ class Simulation:
                 for topic, message in reading.measure(states[namespace]).items()
             ]
         return samples
-
-
-def _clock(time: int) -> Clock:
-    message = Clock()
-    message.clock.sec, message.clock.nsec = split_stamp(time)
-    return message

@@ -105,20 +105,25 @@ def test_what_nobody_wants_is_not_measured_but_for_what_is_wanted_always(
 
     topics = {sample.topic for samples in run(simulation, 1.0) for sample in samples}
 
-    assert topics == {"/clock", "/h/imu", "/h/truth"}
+    assert topics == {"/h/imu", "/h/truth"}
 
 
-def test_where_nobody_listens_only_the_clock_is_sent_and_that_seldom(
-    simulate: Simulate,
-) -> None:
+def test_where_nobody_listens_nothing_is_sent(simulate: Simulate) -> None:
     fast = SensorMount("wheel_states", "wheels", 240.0)
     robot = RobotPlacement(replace(HUSKY, sensors=(fast,)), "/h")
     simulation = simulate(scene=Scene("unheard", robots=(robot,)))
     simulation.ask(lambda _: Interest.NONE)
 
+    assert [samples for samples in run(simulation, 1.0) if samples] == []
+
+
+def test_a_clock_that_is_heard_alone_ticks_at_its_least_rate(simulate: Simulate) -> None:
+    simulation = simulate()
+    simulation.ask(lambda topic: Interest.SURE if topic == "/clock" else Interest.NONE)
+
     topics = [sample.topic for samples in run(simulation, 1.0) for sample in samples]
 
-    assert topics == ["/clock"] * 10
+    assert topics == ["/clock"] * 50
 
 
 def test_topics_and_types_are_known_before_the_first_step(simulate: Simulate) -> None:

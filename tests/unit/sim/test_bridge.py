@@ -105,6 +105,18 @@ class FakeSimulation:
 
     def __init__(self) -> None:
         self.robots = [FakeRobot("/husky0"), FakeRobot("/")]
+        self.time = 0
+
+    @property
+    def is_clock_heard(self) -> bool:
+        """Whether it was told so."""
+        return self.interest("/clock") is not Interest.NONE
+
+    def tick(self) -> Sample:
+        """The clock."""
+        clock = Clock()
+        clock.clock.nsec = self.time
+        return Sample("/clock", clock)
 
     def topics(self) -> dict[str, type[Message]]:
         """One topic."""
@@ -236,3 +248,30 @@ def test_a_look_at_once_counts_who_has_only_just_come(
     bridge.look()
 
     assert simulation.interest("/clock") is Interest.POSSIBLE
+
+
+def test_a_clock_that_nobody_hears_is_shown_now_and_then_while_time_passes(
+    node: FakeNode,
+    simulation: FakeSimulation,
+    bridge: Bridge,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    walls = iter([10.0, 10.05, 10.11, 10.22, 10.33])
+    monkeypatch.setattr("lcmtools_sim.bridge.time.monotonic", lambda: next(walls))
+    for simulated in (1, 2, 3, 3, 4):  # paused once
+        simulation.time = simulated
+        bridge.receive()
+
+    sent = [message.clock.nsec for message in node.publishers["/clock"].sent]
+    assert sent == [1, 3, 4]
+
+
+def test_a_clock_that_somebody_hears_comes_with_the_steps_alone(
+    node: FakeNode, simulation: FakeSimulation, bridge: Bridge
+) -> None:
+    node.heard = frozenset({"/clock"})
+    simulation.time = 1
+
+    bridge.receive()
+
+    assert node.publishers["/clock"].sent == []
