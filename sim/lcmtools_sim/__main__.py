@@ -3,7 +3,7 @@
 The simulator's command: ``lcmtools run sim``, ``lcmtools-sim``, ``python -m lcmtools_sim``.
 
 This is the edge: arguments, environment, printing and exit codes. What only informs (--help,
---list-worlds, --print-world, --check) needs neither a bus nor pybullet.
+--list-worlds, --print-world, --check) needs no bus, and pybullet only to look who starts in whom.
 """
 
 import signal
@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from lcmtools.arguments import split_arguments
-from lcmtools.errors import LcmtoolsError
+from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools_sim.options import Options, parse_options
 from lcmtools_sim.scene import Scene, contents, fleet, joined, selected
 from lcmtools_sim.world_file import read_scene
@@ -41,10 +41,11 @@ def _inform(options: Options) -> bool:
     if options.list_worlds:
         width = max(map(len, world_names()))
         lines = [f"{name:<{width}}  {describe(name)}" for name in world_names()]
-    elif options.print_world:
+    elif options.print_world is not None:
         lines = [find_world(options.print_world)[0].rstrip()]
-    elif options.check:
+    elif options.check is not None:
         scene = _read(options.check)
+        _check_starts(scene)
         lines = [f"{options.check}: ok, {contents(scene)}"]
     else:
         return False
@@ -58,6 +59,19 @@ def _read(world: str) -> Scene:
     for note in scene.notes:
         print(f"lcmtools run sim: {note}", file=sys.stderr)  # noqa: T201 - the command's edge
     return scene
+
+
+def _check_starts(scene: Scene) -> None:
+    """Refuse robots that start inside something, say so of things; where there is the engine."""
+    from lcmtools_sim.starts import check_starts, misplaced_things
+
+    try:
+        notes = misplaced_things(scene)
+        check_starts(scene)
+    except MissingExtra:
+        notes = ["whether something starts inside something else is not checked without pybullet"]
+    for note in notes:
+        print(f"lcmtools run sim: {note}", file=sys.stderr)  # noqa: T201 - the command's edge
 
 
 def overridden(scene: Scene, options: Options) -> tuple[Scene, Options]:

@@ -71,6 +71,15 @@ class BodyMaker:
             self._paint(number, body.parts[0].color)
         return number
 
+    def wheels(self, body: Body) -> list[tuple[int, Mesh]]:
+        """What is seen of a robot's wheels in a window, each a body that nothing touches."""
+        meshes = [mesh for mesh in body.meshes if mesh.is_wheel]
+        untouched = -1
+        return [
+            (self._body(0.0, untouched, Pose(), baseVisualShapeIndex=self._mesh_shape(mesh)), mesh)
+            for mesh in meshes
+        ]
+
     def _body(self, mass: float, shape: int, pose: Pose, **more: object) -> int:
         """Make a body; ``more`` are createMultiBody's own names."""
         number = self._bullet.createMultiBody(
@@ -123,7 +132,8 @@ class BodyMaker:
         """
         if not body.meshes:
             return {}
-        bullet, (base, *links), count = self._bullet, body.meshes, len(body.meshes) - 1
+        bullet, (base, *links) = self._bullet, [one for one in body.meshes if not one.is_wheel]
+        count = len(links)
         nowhere, unturned = [(0.0, 0.0, 0.0)] * count, [(0.0, 0.0, 0.0, 1.0)] * count
         return {
             "baseVisualShapeIndex": self._mesh_shape(base, base.position),

@@ -72,6 +72,10 @@ class Wheels:
         self.left_angle = 0.0
         self.right_angle = 0.0
 
+    def angles(self) -> tuple[float, float]:
+        """How far the left and the right ones have turned since the start [rad]."""
+        return self.left_angle, self.right_angle
+
     def turn(self, targets: SideSpeeds, drive: Drive, dt: float) -> None:
         """Turn for one step, the motors following ``targets``."""
         if self.speeds != targets:

@@ -2,7 +2,7 @@
 
 import math
 
-from lcmtools.errors import InvalidFile
+from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.command import interpret
@@ -36,7 +36,8 @@ from lcmtools_sim.tyres import gripping
 from lcmtools_sim.world import Motion, World
 
 _LIFTING_OFF = 0.2  # [m/s] along its own up axis: what stands on its wheels has none
-_START_OVERLAP = 0.02  # [m] that a robot may stand in something at the start
+START_OVERLAP = 0.02
+"""[m] That a body may stand in another one at the start."""
 _UPRIGHT = 0.5  # cosine of the tilt; further over, no wheel reaches the ground
 
 
@@ -56,14 +57,16 @@ class Robot:
         self._dt = scene.dt
         self._timeout = placement.cmd_timeout
         self._ground_color = scene.ground.color
-        self._body = world.add_robot(self.namespace, self.model.body, placement.pose)
+        self._wheels = Wheels()
+        self._body = world.add_robot(
+            self.namespace, self.model.body, placement.pose, self._wheels.angles
+        )
         self._motion = self._before = world.motion(self._body)
         friction = self.model.drive.tyre_friction * scene.ground.friction
         self._fall = scene.gravity * scene.dt  # [m/s] in a step
         self._largest_impulse = friction * self.model.body.mass / 2 * self._fall
         self._tyres = skidding(self.model) if self.model.drive.skids else gripping(self.model)
         self._half_turn_by_speed = scene.dt / 2 / self.model.drive.track  # [rad s/m]
-        self._wheels = Wheels()
         self._odometer = Odometer()
         noise = generator(scene.seed, f"{self.namespace}/encoders").standard_normal
         self._encoders = Encoders(_travel_noise(self.model), noise)
@@ -77,7 +80,7 @@ class Robot:
             InvalidFile: Naming the other one, and ``where`` the world file puts the robot.
         """
         depth, other = self._world.overlap(self._body)
-        if depth > _START_OVERLAP:
+        if depth > START_OVERLAP:
             raise InvalidFile(
                 f"{where}: the {self.model.name} {self.namespace} starts {depth:.2f} m inside"
                 f" {other}",
@@ -111,9 +114,19 @@ class Robot:
         self._world.remove(self._body)
 
     def place(self, pose: Pose) -> None:
-        """Put its base_footprint elsewhere, at rest; the wheels stop, the encoders go on."""
+        """Put its base_footprint elsewhere, at rest; the wheels stop, the encoders go on.
+
+        Raises:
+            UsageError: It would stand inside something else; it stays as it is.
+        """
         height = scaled(turn((0.0, 0.0, 1.0), pose.rotation), self.model.body.centre_of_mass)
-        self._world.place(self._body, add(pose.position, height), pose.rotation)
+        centre = add(pose.position, height)
+        depth, other = self._world.overlap_at(self._body, centre, pose.rotation)
+        if depth > START_OVERLAP:
+            raise UsageError(
+                f"{self.namespace} would stand {depth:.2f} m inside {other}", "choose another place"
+            )
+        self._world.place(self._body, centre, pose.rotation)
         self._wheels.speeds = self._targets = STOPPED
         self._motion = self._before = self._world.motion(self._body)
 

@@ -44,6 +44,7 @@ class Thing:
         pose: Of that frame in the world.
         mass: [kg]; 0 stands for ever.
         friction: Coulomb coefficient.
+        where: File and line that it comes from ("yard.yaml:12"), for messages.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Thing:
     pose: Pose = ORIGIN
     mass: float = 0.0
     friction: float = FRICTION
+    where: str = field(default="", compare=False)
 
 
 def box(

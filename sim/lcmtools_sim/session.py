@@ -13,6 +13,7 @@ from lcmtools_sim.options import Options
 from lcmtools_sim.scene import Scene, contents
 from lcmtools_sim.schedule import Pacer
 from lcmtools_sim.simulation import Simulation
+from lcmtools_sim.starts import misplaced_things
 from lcmtools_sim.world import check_installed
 
 
@@ -52,6 +53,8 @@ def _run(simulation: Simulation, options: Options) -> None:
         loop = Loop(simulation, bridge, pacer, go_on=lcmtools.ok, last_step=last_step)
         loop.paused = options.paused
         Control(node, simulation, loop, bridge.refresh)
+        for line in misplaced_things(scene):
+            node.get_logger().warning(line)
         paused = "; paused: lcmtools sim resume starts it" if options.paused else ""
         node.get_logger().info(f"simulating {scene.name}: {contents(scene)}{paused}")
         if options.follow:

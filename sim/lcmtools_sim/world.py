@@ -18,6 +18,7 @@ from lcmtools_sim.scene import Scene, Thing
 from lcmtools_sim.sensors.sensor import Contact
 from lcmtools_sim.shapes import Part
 from lcmtools_sim.silence import silenced
+from lcmtools_sim.wheels_in_view import Angles, WheelsInView, unturned
 
 
 class Motion(NamedTuple):
@@ -81,6 +82,8 @@ class World:
     def step(self) -> None:
         """Let one dt pass."""
         self._bullet.stepSimulation(physicsClientId=self._client)
+        if self._wheels:
+            self._wheels.step()
 
     def motion(self, body: int) -> Motion:
         """How a body is and moves now."""
@@ -95,11 +98,22 @@ class World:
     def overlap(self, body: int) -> tuple[float, str]:
         """How deep a body stands in another one [m], and the other's name; (0, "") in none."""
         self._bullet.performCollisionDetection(physicsClientId=self._client)
-        contacts = self._bullet.getContactPoints(body, physicsClientId=self._client)
-        deepest = min(contacts, key=lambda contact: contact[8], default=None)
-        if deepest is None or deepest[8] >= 0:
-            return 0.0, ""
-        return -deepest[8], self._names[deepest[2]]
+        return self._deepest(body)
+
+    def overlaps(self) -> list[tuple[Thing, float, str]]:
+        """The same of every thing that can move and stands in something."""
+        self._bullet.performCollisionDetection(physicsClientId=self._client)
+        found = [(thing, *self._deepest(body)) for thing, body in self._things if thing.mass]
+        return [(thing, depth, other) for thing, depth, other in found if depth]
+
+    def overlap_at(self, body: int, position: Vector, rotation: Quaternion) -> tuple[float, str]:
+        """What ``overlap`` would say with the centre of mass there; the body stays as it is."""
+        now = self.motion(body)
+        self.place(body, position, rotation)
+        found = self.overlap(body)
+        self.place(body, now.position, now.rotation)
+        self.set_velocity(body, now.velocity, now.turning)
+        return found
 
     def add(self, thing: Thing) -> int:
         """Put up a thing and return its body's number."""
@@ -111,25 +125,33 @@ class World:
             self._fixed += tuple(_placed(part, thing.pose) for part in thing.parts)
         return body
 
-    def add_robot(self, name: str, body: Body, pose: Pose) -> int:
-        """Put up a robot's body, ``pose`` being that of its base_footprint; return its number."""
+    def add_robot(self, name: str, body: Body, pose: Pose, angles: Angles = unturned) -> int:
+        """Put up a robot's body, ``pose`` being that of its base_footprint; return its number.
+
+        A window asks by ``angles`` how far its wheels have turned.
+        """
         number = self._make.robot(body, pose)
         self._names[number] = name
         centre = body.centre_of_mass  # the engine tells where that is
         self._moving[number] = tuple(_lowered(part, centre) for part in body.parts)
-        if self._window:
+        if self._wheels:
+            self._wheels.add(number, self._make.wheels(body), centre, angles)
             self._look_at(pose)
         return number
 
     def remove(self, body: int) -> None:
         """Take away a robot or a thing that can move."""
         self._bullet.removeBody(body, physicsClientId=self._client)
+        if self._wheels:
+            self._wheels.remove(body)
         del self._names[body], self._moving[body]
 
     def place(self, body: int, position: Vector, rotation: Quaternion) -> None:
         """Put a body's centre of mass elsewhere, at rest."""
         self._bullet.resetBasePositionAndOrientation(body, position, rotation, self._client)
         self.set_velocity(body, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        if self._wheels:
+            self._wheels.show(body)
 
     def reset(self, scene: Scene) -> None:
         """Begin anew with the ground and the things of a scene; robots are gone."""
@@ -169,6 +191,14 @@ class World:
             if point[2] != self._ground and point[9] > 0
         ]
 
+    def _deepest(self, body: int) -> tuple[float, str]:
+        """The deepest of a body's contacts, as ``overlap`` tells it."""
+        contacts = self._bullet.getContactPoints(body, physicsClientId=self._client)
+        deepest = min(contacts, key=lambda contact: contact[8], default=None)
+        if deepest is None or deepest[8] >= 0:
+            return 0.0, ""
+        return -deepest[8], self._names[deepest[2]]
+
     def _is_connected(self) -> bool:
         return bool(self._bullet.isConnected(physicsClientId=self._client))
 
@@ -176,16 +206,18 @@ class World:
         bullet, client = self._bullet, self._client
         bullet.setGravity(0.0, 0.0, -scene.gravity, physicsClientId=client)
         bullet.setTimeStep(scene.dt, physicsClientId=client)
+        # Else what starts on the ground falls for a step into the engine's slop, and bounces.
+        bullet.setPhysicsEngineParameter(contactSlop=0.0, physicsClientId=client)
         if self._window:
             bullet.configureDebugVisualizer(bullet.COV_ENABLE_GUI, 0, physicsClientId=client)
         self._names: dict[int, str] = {}
         self._fixed: tuple[Part, ...] = ()
         self._moving: dict[int, tuple[Part, ...]] = {}
         """The shapes of what can move, in the frame that the engine tells of it."""
+        self._wheels = WheelsInView(bullet, client) if self._window else None
         self._ground = self._make.ground(scene.ground)
         self._names[self._ground] = "the ground"
-        for thing in scene.things:
-            self.add(thing)
+        self._things = [(thing, self.add(thing)) for thing in scene.things]
 
     def _look_at(self, pose: Pose) -> None:
         """Point the window's camera at a place, from behind and above."""

@@ -156,6 +156,26 @@ def test_a_robot_is_put_elsewhere_at_rest_and_its_state_says_so(
     assert state.twist.linear.x == pytest.approx(0, abs=0.01)
 
 
+def test_a_robot_is_not_put_inside_another_and_goes_on_as_it_was(
+    node: Offered, simulation: Simulation, twist: Steer
+) -> None:
+    paused(node)
+    node.call("spawn", model="husky", robot="/husky1", pose=pose(0, 3, 0))
+    simulation.robots[0].command(twist(1.0, 0.0))
+    node.call("step", steps=480)
+
+    response = node.call("set_pose", robot="husky0", pose=pose(0.3, 3, 0))
+    node.call("step", steps=240)
+
+    assert not response.success
+    assert response.message.startswith("/husky0 would stand 0.")
+    assert response.message.endswith(" m inside /husky1; choose another place")
+    moved, stood = (robot.state(0) for robot in simulation.robots)
+    assert moved.velocity[0] == pytest.approx(1.0, rel=0.01)
+    assert moved.position[:2] == pytest.approx((2.8, 0.0), abs=0.01)
+    assert stood.position[:2] == pytest.approx((0.0, 3.0), abs=1e-3)
+
+
 def test_robots_come_and_go(node: Offered, simulation: Simulation, changes: list[str]) -> None:
     paused(node)
     assert node.call("spawn", model="dolly", robot="/dolly", pose=pose(-3, 0, 0)).success

@@ -11,7 +11,7 @@ from lcmtools.types.geometry_msgs import Twist, Vector3
 from lcmtools.types.sensor_msgs import Imu
 from lcmtools_sim.pose import Pose
 from lcmtools_sim.robots.husky import HUSKY
-from lcmtools_sim.scene import RobotPlacement, Scene
+from lcmtools_sim.scene import RobotPlacement, Scene, box
 from lcmtools_sim.sensors.imu import ImuSettings
 from lcmtools_sim.sensors.mount import SensorMount
 from lcmtools_sim.simulation import Simulation
@@ -66,6 +66,30 @@ def test_at_rest_it_feels_what_holds_it_up_and_no_turning(place: Place, gravity:
     assert felt(message) == pytest.approx((0, 0, gravity), abs=0.01)
     assert xyz(message.angular_velocity) == pytest.approx((0, 0, 0), abs=1e-6)
     assert message.header.frame_id == "h/imu_link"
+
+
+def test_it_starts_at_rest_and_does_not_fall_onto_the_ground_first(place: Place) -> None:
+    for message in measure(place(), 0.1):
+        assert felt(message) == pytest.approx((0.0, 0.0, G), abs=0.01)
+
+
+@pytest.mark.parametrize("gravity", [G, 1.62])
+def test_on_a_slope_it_feels_the_same_along_its_tilted_axes(
+    simulate: Simulate, gravity: float
+) -> None:
+    tilt = 0.15  # nose down
+    top = 0.5 / math.cos(tilt) + 0.001
+    ramp = box("ramp", (20, 8, 1), Pose(pitch=tilt), friction=1.0)
+    mount = SensorMount("imu", "imu", 240.0, settings=ImuSettings())
+    start = Pose(z=top, pitch=tilt)
+    robot = RobotPlacement(replace(HUSKY, sensors=(mount,)), "/h", start)
+    scene = Scene("slope", gravity=gravity, things=(ramp,), robots=(robot,))
+
+    message = measure(simulate(scene=scene), 2.0)[-1]
+
+    expected = -gravity * math.sin(tilt), 0.0, gravity * math.cos(tilt)
+    assert felt(message) == pytest.approx(expected, abs=0.002)
+    assert xyz(message.angular_velocity) == pytest.approx((0, 0, 0), abs=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -68,32 +69,37 @@ def wait_for_start(process: subprocess.Popen[str]) -> str:
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_it_ends_on_a_signal_within_a_second_quietly_and_with_0(
-    start: Start, number: signal.Signals
+    start: Start, number: signal.Signals, stopwatch: Callable[[int], Any]
 ) -> None:
     process = start()
     line = wait_for_start(process)
 
-    asked = time.monotonic()
+    watch = stopwatch(process.pid)
     process.send_signal(number)
-    out, error = process.communicate(timeout=10)
 
-    assert time.monotonic() - asked < 1.0
+    assert watch.until_end() < 1.0
+    out, error = process.communicate(timeout=40)
     assert (process.returncode, out, error) == (0, "", "")
     assert line.endswith("[/morse]: simulating husky: husky /husky0; 11 things\n")
 
 
-def test_it_runs_in_real_time_and_ends_after_its_duration(start: Start) -> None:
-    spent: list[float] = []
-    while spent[-1:] != [pytest.approx(2.0, abs=0.4)] and len(spent) < 4:  # a busy computer delays
+def test_it_runs_in_real_time_and_ends_after_its_duration(
+    start: Start, stopwatch: Callable[[int], Any]
+) -> None:
+    most = 2.0 + 0.4
+    for _ in range(4):  # a busy computer delays
         process = start("--duration", "2")
         wait_for_start(process)
-        begun = time.monotonic()
-        out, error = process.communicate(timeout=20)
-        spent.append(time.monotonic() - begun)
+        begun, watch = time.monotonic(), stopwatch(process.pid)
+        spent = watch.until_end()
+        spent_in_all = time.monotonic() - begun
+        out, error = process.communicate(timeout=40)
+        if "the computer is too slow" in error:
+            continue
         assert (process.returncode, out, error) == (0, "", "")
-
-    assert min(spent) > 1.6
-    assert spent[-1] == pytest.approx(2.0, abs=0.4)
+        if spent <= most and spent_in_all > 1.6:
+            return
+    pytest.fail(f"the last took {spent_in_all} s, with a processor {spent} s")
 
 
 def test_it_obeys_commands_warns_of_bad_ones_and_goes_on(start: Start, node: lcmtools.Node) -> None:
@@ -117,7 +123,7 @@ def test_it_obeys_commands_warns_of_bad_ones_and_goes_on(start: Start, node: lcm
     count = len(speeds)
     spin_until(node, lambda: len(speeds) > count + 20)
     process.send_signal(signal.SIGINT)
-    _, error = process.communicate(timeout=10)
+    _, error = process.communicate(timeout=40)
 
     assert speeds[-1] == pytest.approx(1.0, rel=0.02)
     assert process.returncode == 0
@@ -137,7 +143,7 @@ def test_a_bad_world_and_a_bad_option_are_one_line_and_exit_code_2(
         (["--rate", "x"], "argument --rate: must be times real time, 0 or more, not 'x'; "),
     ):
         process = start(*arguments)
-        out, error = process.communicate(timeout=20)
+        out, error = process.communicate(timeout=40)
         assert (process.returncode, out, error.count("\n")) == (2, "", 1)
         assert error.startswith(f"lcmtools run sim: {reason}")
 
@@ -145,7 +151,7 @@ def test_a_bad_world_and_a_bad_option_are_one_line_and_exit_code_2(
 def test_without_a_display_the_window_is_refused_with_1(start: Start) -> None:
     process = start("--gui", environment={"DISPLAY": ""})
 
-    out, error = process.communicate(timeout=20)
+    out, error = process.communicate(timeout=40)
 
     assert (process.returncode, out, error.count("\n")) == (1, "", 1)
     assert "--gui needs a display" in error
@@ -159,7 +165,7 @@ def test_without_pybullet_it_says_what_to_type_and_ends_with_3(
     environment = {"PYTHONPATH": os.pathsep.join([str(tmp_path), *filter(None, sys.path)])}
 
     process = start(environment=environment)
-    out, error = process.communicate(timeout=20)
+    out, error = process.communicate(timeout=40)
 
     assert (process.returncode, out, error.count("\n")) == (3, "", 1)
     assert error.startswith("lcmtools run sim: the simulator needs pybullet and numpy; type: pip")

@@ -64,7 +64,7 @@ def test_a_follower_steps_as_far_as_the_leader_and_begins_anew_with_it(
             library.spin_once(node, 0.05)
             return condition()
 
-        wait_until(turn, timeout=30)
+        wait_until(turn)
 
     run = (sys.executable, "-m", "lcmtools_sim", "multi", "--lcm-url", bus_url)
     start(*run, "--only", "husky2").wait_for("waiting for the /clock of the process that leads")

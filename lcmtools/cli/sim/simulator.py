@@ -13,7 +13,7 @@ from lcmtools.cli.options import duration, open_watch
 from lcmtools.cli.output import data, document
 from lcmtools.cli.service.offered import Offered, offered
 from lcmtools.errors import LcmtoolsError, UsageError
-from lcmtools.graph.model import Graph
+from lcmtools.graph.model import Graph, Staleness
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import Message
 from lcmtools.node.service import ServiceType as Pair
@@ -57,7 +57,7 @@ def ask(
     """
     with open_watch(f"sim_{verb}") as watch:
         graph = watch.settle(foreign=False)
-        if not any(map(_is_mark, offered(graph))):  # a busy one may have answered too late
+        if _may_be_late(graph):
             graph = watch.settle(foreign=False)
         simulator = _find(graph, name)
     with asking_node(f"sim_{verb}") as node:
@@ -101,6 +101,12 @@ def _number(word: str) -> float:
     if not math.isfinite(value):
         raise UsageError(f"'{word}' is not a number", "write X Y YAW, for example 1 -2 90deg")
     return math.radians(value) if form and form["unit"] else value
+
+
+def _may_be_late(graph: Graph) -> bool:
+    """Whether a busy simulator may not have answered yet; another one would be taken for it."""
+    hangs = any(node.stale is Staleness.HANGS for node in graph.nodes)
+    return hangs or not any(map(_is_mark, offered(graph)))
 
 
 def _find(graph: Graph, name: str | None) -> str:

@@ -79,7 +79,10 @@ HUSKY = RobotModel(
                 (-0.48, 0.0, _BASE_HEIGHT + 0.091),
                 (0.0, 0.0, 1.0, 0.0),
             ),
-            *(Mesh("husky/meshes/wheel.stl", (x, y, WHEEL_RADIUS)) for x, y in _CORNERS),
+            *(
+                Mesh("husky/meshes/wheel.stl", (x, y, WHEEL_RADIUS), is_wheel=True)
+                for x, y in _CORNERS
+            ),
         ),
     ),
     drive=Drive(

@@ -13,12 +13,16 @@ from lcmtools_sim.shapes import Part
 
 @dataclass(frozen=True, slots=True)
 class Mesh:
-    """A part of the body that is seen in the window: a file of pybullet_data and where it is."""
+    """A part of the body that is seen in the window: a file of pybullet_data and where it is.
+
+    A wheel turns about its y axis.
+    """
 
     file: str
     position: Vector
     rotation: Quaternion = (0.0, 0.0, 0.0, 1.0)
     color: Vector = (0.2, 0.2, 0.2)
+    is_wheel: bool = False
 
 
 @dataclass(frozen=True, slots=True)

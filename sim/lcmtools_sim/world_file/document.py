@@ -14,6 +14,9 @@ import yaml
 from lcmtools.errors import InvalidFile
 from lcmtools.names import did_you_mean
 
+_MERGE = "<<"
+"""YAML 1.1's key for the keys of another mapping: readers would have to look elsewhere."""
+
 
 @dataclass(frozen=True, slots=True)
 class Item:
@@ -130,7 +133,7 @@ class Item:
             raise self.error(f"'{self.name}' must be a mapping (key: value), not a {self._kind()}")
         found: dict[str, Item] = {}
         for key_node, value_node in self.node.value:
-            key = Item("key", self.source, key_node)
+            key = self._key(key_node)
             name = key.text()
             if name not in known:
                 raise key.error(f"unknown key '{name}' in '{self.name}'", _hint(name, known))
@@ -151,9 +154,20 @@ class Item:
         if not isinstance(self.node, yaml.MappingNode):
             raise self.error(f"'{self.name}' must be a mapping (key: value), not a {self._kind()}")
         for key_node, value_node in self.node.value:
-            if isinstance(key_node, yaml.ScalarNode) and key_node.value == name:
+            if self._key(key_node).node.value == name:
                 return Item(name, self.source, value_node)
         raise self.error(f"'{self.name}' lacks the key '{name}'")
+
+    def _key(self, node: yaml.Node) -> "Item":
+        """One key of a mapping.
+
+        Raises:
+            InvalidFile: It is one that takes in another mapping.
+        """
+        key = Item("key", self.source, node)
+        if node.value == _MERGE:
+            raise key.error("'<<' does not take in other keys here", "write them out")
+        return key
 
     def _check_bounds(self, value: float, minimum: float, maximum: float) -> float:
         if not minimum <= value <= maximum:  # refuses NaN too

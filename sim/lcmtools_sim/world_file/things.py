@@ -81,6 +81,7 @@ def _thing(keys: Mapping[str, Item], item: Item, parts: tuple[Part, ...], place:
         pose=place,
         mass=value(keys, "mass", mass, 0.0),
         friction=value(keys, "friction", friction, FRICTION),
+        where=f"{item.source}:{item.line}",
     )
 
 

@@ -161,6 +161,25 @@ def test_nodes_hosts_and_namespaces_of_the_bus() -> None:
     assert complete("namespace", "hus") == ["husky0"]
 
 
+def test_robots_are_those_that_simulators_take_commands_for() -> None:
+    steered = [
+        Endpoint(topic, Role.SUBSCRIBER, group=f"wheel command of {robot}")
+        for topic, robot in [("/cmd_vel", "/"), ("/husky1/a", "/husky1"), ("/husky1/b", "/husky1")]
+    ]
+    state = Endpoint("/sim/get_state", Role.SERVICE, ("sim_msgs/GetState",))
+    clock = Endpoint("/clock", Role.SUBSCRIBER)
+    simulator = Node("/sim", "3", "morse", 3, endpoints=(state, clock, *steered))
+    other = Node("/other", "4", "morse", 4, endpoints=(steered[0], clock))
+
+    def robots(word: str) -> list[str]:
+        situation = Situation(["x"], word, {}, environment={})
+        situation.__dict__["graph"] = Graph(nodes=(*GRAPH.nodes, other, simulator))
+        return [one.value for one in candidates("robot", situation)]
+
+    assert robots("") == robots("/") == ["/", "/husky1"]
+    assert "husky1" in robots("hus")
+
+
 @pytest.mark.parametrize(
     ("word", "given", "found"),
     [

@@ -28,6 +28,9 @@ MISTAKES = {
         " known keys: node, seed, dt, gravity, ground, objects, robots"
     ),
     "seed: 1\n\nseed: 2": "yard.yaml:3: key 'seed' is given twice in 'world'",
+    "objects: [&a {type: sphere, radius: 1, pose: [0, 0, 0]}, {<<: *a}]": (
+        "yard.yaml:1: '<<' does not take in other keys here; write them out"
+    ),
     "? [a]\n: 1": "yard.yaml:1: 'key' must be one word or number, not a list",
     "node:": "yard.yaml:1: 'node' has no value",
     'node: "\\e[0m"': "yard.yaml:1: 'node' has characters that cannot be shown",

@@ -1,0 +1,84 @@
+"""Which simulator ``lcmtools sim`` asks."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+import pytest
+
+from lcmtools.cli.sim import simulator
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
+from lcmtools.types import sim_msgs, std_srvs
+
+LEADER = Node(
+    "/sim",
+    "1",
+    "morse",
+    1,
+    endpoints=(
+        Endpoint("/clock", Role.PUBLISHER, ("rosgraph_msgs/Clock",)),
+        Endpoint("/sim/step", Role.SERVICE, ("sim_msgs/Step",)),
+    ),
+)
+FOLLOWER = Node(
+    "/sim_husky2",
+    "2",
+    "morse",
+    2,
+    endpoints=(Endpoint("/sim_husky2/step", Role.SERVICE, ("sim_msgs/Step",)),),
+)
+LATE = replace(LEADER, stale=Staleness.HANGS, endpoints=())
+
+
+Ask = Callable[..., list[str]]
+
+
+class Bus:
+    """A bus that is seen so, one look after the other; it keeps whom somebody called."""
+
+    def __init__(self, *graphs: Graph) -> None:
+        self.graphs = list(graphs)
+        self.called: list[str] = []
+
+    def settle(self, *, foreign: bool) -> Graph:
+        """What is seen now."""
+        del foreign
+        return self.graphs.pop(0) if len(self.graphs) > 1 else self.graphs[0]
+
+    def create_client(self, pair: type, service: str) -> "Bus":
+        """Of any service."""
+        del pair
+        self.called.append(service)
+        return self
+
+    def call(self, request: object, timeout: float) -> std_srvs.Trigger.Response:
+        """Everything works."""
+        del request, timeout
+        response = std_srvs.Trigger.Response()
+        response.success = True
+        return response
+
+
+@pytest.fixture
+def ask(monkeypatch: pytest.MonkeyPatch) -> Ask:
+    def asked(name: str | None, *graphs: Graph) -> list[str]:
+        bus = Bus(*graphs)
+
+        @contextmanager
+        def found(_: str) -> Iterator[Bus]:
+            yield bus
+
+        monkeypatch.setattr(simulator, "open_watch", found)
+        monkeypatch.setattr(simulator, "asking_node", found)
+        simulator.ask(name, "step", sim_msgs.Step, sim_msgs.Step.Request(), 1.0)
+        return bus.called
+
+    return asked
+
+
+@pytest.mark.parametrize("name", [None, "sim", "/sim"])
+def test_a_leader_that_answers_late_is_waited_for(ask: Ask, name: str | None) -> None:
+    late = Graph(nodes=(LATE, FOLLOWER))
+    complete = Graph(nodes=(LEADER, FOLLOWER))
+
+    assert ask(name, late, complete) == ["/sim/step"]
