@@ -5,6 +5,7 @@ Belongs here: a look at the outside that a URL needs to work. Must not import lc
 
 import os
 import socket
+import sysconfig
 from pathlib import Path
 
 from lcmtools.bus.multicast import check_multicast
@@ -45,10 +46,18 @@ def _check_server(url: BusUrl) -> None:
     try:
         socket.create_connection((url.host, url.port), timeout=_CONNECT_TIMEOUT).close()
     except OSError as error:
+        hint = f"start one there: java -cp {_jar()} lcm.lcm.TCPService {url.port}"
+        if isinstance(error, socket.gaierror):
+            hint = f"see whether the name is right: ping {url.host}"
         raise BusError(
-            f"no LCM server at {url.host}:{url.port} ({error.strerror or 'no answer'})",
-            "start one, for example the TCPService of lcm.jar",
+            f"no LCM server at {url.host}:{url.port} ({error.strerror or 'no answer'})", hint
         ) from error
+
+
+def _jar() -> str:
+    """Where LCM's Java library lies, which has a server in it."""
+    jar = Path(sysconfig.get_path("purelib")) / "share/java/lcm.jar"
+    return str(jar) if jar.exists() else "lcm.jar"
 
 
 def _check_log(url: BusUrl) -> None:

@@ -130,11 +130,6 @@ def senders_of_port(port: int) -> Senders:
     return senders_from(port, rows, owners(row.inode for row in rows))
 
 
-def process_of_port(port: int) -> Process | None:
-    """The process that sends from this local UDP port; None when it is not known."""
-    return senders_of_port(port).only
-
-
 def owners(inodes: Iterable[int]) -> dict[int, Process]:
     """The process that holds each socket, for the processes that this user may look into."""
     wanted = {f"socket:[{inode}]": inode for inode in inodes}

@@ -49,6 +49,7 @@ class NodeRecords:
             "start_ticks": process.start_ticks if process else 0,
             "network": _own_network(),
             "publishes": [one.topic for one in node.having(Role.PUBLISHER)],
+            "subscribes": [one.topic for one in node.having(Role.SUBSCRIBER)],
         }
         with contextlib.suppress(OSError):
             folder = self._folders[0]
@@ -75,11 +76,16 @@ class NodeRecords:
             with contextlib.suppress(ValueError, KeyError, TypeError):
                 yield _node(record)
 
-    def publications(self, identifiers: Container[str]) -> set[str]:
-        """What nodes of these ids published, by their records."""
+    def namesake(self, node: Node) -> Node | None:
+        """A node of the same name that another process of this computer runs; None for none."""
+        others = (one for one in self.read() if one.name == node.name and one.pid != node.pid)
+        return next((one for one in others if one.stale is Staleness.HANGS), None)
+
+    def topics(self, identifiers: Container[str], role: Role) -> set[str]:
+        """What nodes of these ids published, or subscribed to, by their records."""
         found: set[str] = set()
         for record in self._records():
-            topics = record.get("publishes")
+            topics = record.get("publishes" if role is Role.PUBLISHER else "subscribes")
             if record.get("id") in identifiers and isinstance(topics, list):
                 found.update(map(str, topics))
         return found

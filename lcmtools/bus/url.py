@@ -4,7 +4,7 @@ Pure text. One thing is stricter than liblcm: a group without a port is an error
 takes port 0 and hangs for ten seconds.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from ipaddress import AddressValueError, IPv4Address
 
@@ -21,6 +21,12 @@ MAX_DOMAIN = 232
 
 _DIGITS = 10  # of a number that makes sense in a URL; Python refuses to read thousands of them
 _PROVIDERS = ("udpm", "mpudpm", "tcpq", "memq", "file")
+_OPTIONS = {
+    "udpm": ("ttl", "recv_buf_size", "transmit_only"),
+    "mpudpm": ("ttl", "recv_buf_size", "nports"),
+    "file": ("speed", "start_timestamp", "mode"),
+}
+_MAX_TTL = 255
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,6 +139,17 @@ def parse_url(text: str, source: str = "LCM URL") -> BusUrl:
     else:
         host, port = "", 0
     return BusUrl(provider, network, options, host, port)
+
+
+def misread_options(url: BusUrl) -> Iterator[str]:
+    """The options of a URL that liblcm takes otherwise than they look, a sentence each."""
+    known = _OPTIONS.get(url.provider, ())
+    for key, value in url.options.items():
+        if key not in known:
+            hint = did_you_mean(key, known)
+            yield f"{key}={value} has no effect{f'; {hint}' if hint else ''}"
+        elif key == "ttl" and int(value) > _MAX_TTL:
+            yield f"ttl={value} is sent as {url.ttl}; the greatest is {_MAX_TTL}"
 
 
 def _parse_options(text: str) -> dict[str, str]:

@@ -50,7 +50,12 @@ def collect(url: BusUrl, environment: Mapping[str, str], listen: float) -> Evide
     except BusError as error:
         return replace(evidence, bus_problem=error.what, bus_remedy=error.hint)
     stale = {node.id for node in evidence.graph.nodes if node.stale}
-    evidence = replace(evidence, hushed=NodeRecords(url, environment).publications(stale))
+    records = NodeRecords(url, environment)
+    evidence = replace(
+        evidence,
+        hushed=records.topics(stale, Role.PUBLISHER),
+        deafened=records.topics(stale, Role.SUBSCRIBER),
+    )
     failed = reassembly_failures() - failures
     return replace(evidence, host=replace(here, reassembly_failures=failed))
 
@@ -78,7 +83,7 @@ def _look(watch: Watch, evidence: Evidence, listen: float) -> Evidence:
         malformed=_malformed(watch, names),
         own_drops=(watch.tap.drops() if watch.tap else None) or 0,
         senders=_senders(watch, names),
-        streams=listening.streams(names.of),
+        streams=tuple(replace(s, pid=names.pid(s.sender)) for s in listening.streams(names.of)),
         listeners=_listeners(table, later, names),
         oddities=listening.oddities(names.of),
         clock=_clock(listening, after, names, busy),
@@ -156,6 +161,14 @@ class _Names:
             return node.name
         process = self.process(sender)
         return f"{self.of_process(process)}" if process else str(sender)
+
+    def pid(self, sender: Sender | None) -> int | None:
+        """A sender's process on this computer."""
+        node = self._nodes.get(sender) if sender else None
+        if node:
+            return node.pid if is_here(node) else None
+        process = self.process(sender) if sender else None
+        return process.pid if process else None
 
     def node(self, sender: Sender) -> Node | None:
         """The node that sends from there."""

@@ -3,11 +3,11 @@
 Pure: the graph in, sentences out. Each names one flag, and the node to start with it.
 """
 
-import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
+from lcmtools.doctor.flags import advice, expanded, is_legal, remapped, start_with
 from lcmtools.doctor.near_names import are_near
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.messages.registry import candidates
@@ -37,15 +37,26 @@ class Way:
     publisher: str = ""
 
 
-def loose_ends(graph: Graph, role: Role) -> Loose:
-    """The publications, or subscriptions, of live nodes that nobody is at the other end of."""
+def is_simulator(node: Node) -> bool:
+    """Whether a node makes the time, and so has sensors for whoever wants them."""
+    return any(endpoint.topic == "/clock" for endpoint in node.having(Role.PUBLISHER))
+
+
+def loose_ends(graph: Graph, role: Role, *, of_tools: bool = False) -> Loose:
+    """The publications, or subscriptions, of live nodes that nobody is at the other end of.
+
+    Args:
+        graph: What there is.
+        role: Which of the two.
+        of_tools: Those of commands of lcmtools as well.
+    """
     other = Role.PUBLISHER if role is Role.SUBSCRIBER else Role.SUBSCRIBER
     connected = _topics_having(graph, other)
     if role is Role.SUBSCRIBER:
         connected |= {seen.channel for seen in graph.traffic}
     loose: Loose = defaultdict(list)
     for node in graph.nodes:
-        if node.tool or node.stale:
+        if node.stale or (node.tool and not of_tools):
             continue
         fed_groups = {e.group for e in node.endpoints if e.role is role and e.topic in connected}
         for endpoint in _first_of_each_group(node.endpoints):
@@ -67,14 +78,15 @@ def ways(graph: Graph, loose: Loose, names: Mapping[str, str]) -> Iterator[Way]:
         loose: The subscriptions.
         names: Who sends on a channel, for people.
     """
-    outputs = loose_ends(graph, Role.PUBLISHER)
+    outputs = loose_ends(graph, Role.PUBLISHER, of_tools=True)
     told = set()
     for node, endpoints in loose.items():
         for endpoint in endpoints:
             for way in (
                 list(_elsewhere(graph, node, endpoint, outputs, names))
                 or list(_near(graph, node, endpoint, outputs, names))
-                or list(_beside(node, endpoint, outputs))
+                or list(_unmapped(graph, node, endpoint))
+                or list(_beside(graph, node, endpoint, outputs))
                 or list(_of_another_type(graph, node, endpoint, names))
             ):
                 if way.text not in told:
@@ -89,7 +101,7 @@ def ways_out(graph: Graph, node: Node, endpoint: Endpoint) -> Iterator[str]:
             if listener.id == node.id or listener.tool or not _fit(endpoint, other):
                 continue
             if are_near(endpoint.topic, other.topic):
-                start = _start_with(node, endpoint.topic, other.topic)
+                start = start_with(node, endpoint.topic, other.topic)
                 yield f"{listener.name} hears {other.topic}: start {start}"
 
 
@@ -148,27 +160,33 @@ def _elsewhere(
         return
     for publisher, other in announced:
         if other in outputs.get(publisher, ()):  # who is heard already is where it should be
-            text = _move(publisher, other, endpoint.topic)
+            text = f"{publisher.name} publishes {other.topic}: "
+            text += advice(publisher, other.topic, endpoint.topic)
             yield Way(text, node.id, other.topic, publisher.id)
             return
-    if announced or not is_own:
-        return
+    if not announced:
+        yield from _sent_elsewhere(graph, node, endpoint, names)
+
+
+def _sent_elsewhere(
+    graph: Graph, node: Node, endpoint: Endpoint, names: Mapping[str, str]
+) -> Iterator[Way]:
+    """The same for what programs send that are no nodes."""
+    base = base_name_of(endpoint.topic)
+    is_own = namespace_of(node.name) == namespace_of(endpoint.topic)
     for seen in graph.foreign():
         sent = set(seen.fingerprints) & set(endpoint.fingerprints)
-        if base_name_of(seen.channel) == base and sent and _is_legal(seen.channel):
-            who = names.get(seen.channel, str(seen.sender))
-            flag = f"__ns:={namespace_of(seen.channel)}"
-            text = f"{seen.channel} is published, by {who}: start {node.name} with {flag}"
-            yield Way(text, node.id, seen.channel)
-            return
-
-
-def _move(publisher: Node, other: Endpoint, topic: str) -> str:
-    """What lets a node publish on a topic whose name differs in the namespace."""
-    start = f"{publisher.name} publishes {other.topic}: start"
-    if namespace_of(publisher.name) == namespace_of(other.topic):
-        return f"{start} {publisher.name} with __ns:={namespace_of(topic)}"
-    return f"{start} {_start_with(publisher, other.topic, topic)}"
+        if base_name_of(seen.channel) != base or not sent:
+            continue
+        by = f"is published, by {names.get(seen.channel, str(seen.sender))}"
+        if is_own and is_legal(seen.channel):
+            text = f"{seen.channel} {by}: start {node.name} with __ns:={namespace_of(seen.channel)}"
+        elif not graph.topic(seen.channel).subscribers:
+            text = f"'{seen.channel}' {by}: let it publish on '{endpoint.topic}'"
+        else:
+            continue
+        yield Way(text, node.id, seen.channel)
+        return
 
 
 # --- nearly the same name ----------------------------------------------------------------------
@@ -189,75 +207,66 @@ def _near(
             continue
         publisher = next((n for n, e in others if e in outputs.get(n, ())), None)
         by = "" if others else f", by {names.get(name, 'somebody')}"
-        if not _is_legal(name):
+        if not is_legal(name):
             text = f"'{name}' is published{by}: let it publish on '{endpoint.topic}'"
         elif publisher and _has_the_slip(publisher, name, node, endpoint):
-            start = _start_with(publisher, name, endpoint.topic)
-            text = f"{publisher.name} publishes {name}: start {start}"
+            text = f"{publisher.name} publishes {name}: {advice(publisher, name, endpoint.topic)}"
         else:
-            text = f"{name} is published{by}: start {_start_with(node, endpoint.topic, name)}"
+            start = f"start {start_with(node, endpoint.topic, name)}"
+            if not (others or topic.subscribers):
+                start = f"let it publish on '{endpoint.topic}', or {start}"
+            text = f"{name} is published{by}: {start}"
         yield Way(text, node.id, name, publisher.id if publisher else "")
         return
 
 
 def _has_the_slip(publisher: Node, name: str, listener: Node, endpoint: Endpoint) -> bool:
     """Whether the publisher, and not the listener, has the name that is to be changed."""
-    if _remapped(publisher, name) or _remapped(listener, endpoint.topic):
-        return bool(_remapped(publisher, name))
+    if remapped(publisher, name) or remapped(listener, endpoint.topic):
+        return bool(remapped(publisher, name))
+    if publisher.tool:
+        return True
     return namespace_of(listener.name) != namespace_of(endpoint.topic)
-
-
-def _is_legal(channel: str) -> bool:
-    """Whether a node can have this channel: names begin with a slash."""
-    return re.fullmatch(r"/[A-Za-z0-9_/]*", channel) is not None
-
-
-def _start_with(node: Node, topic: str, target: str) -> str:
-    """How to start a node so that it uses another topic in place of one that it uses now."""
-    name = base_name_of(topic) if namespace_of(node.name) == namespace_of(topic) else topic
-    word = _remapped(node, topic)
-    if not word:
-        return f"{node.name} with {name}:={target}"
-    source = word.partition(":=")[0]
-    wanted = _expanded(target, node)
-    if _expanded(source, node) != wanted:
-        return f"{node.name} with {source}:={target} in place of {word}"
-    if are_near(topic, wanted):
-        return f"{node.name} without {word}"
-    # the other way round was meant
-    return f"{node.name} with {name}:={target} in place of {word}"
-
-
-def _remapped(node: Node, topic: str) -> str:
-    """The argument of a node's command line that gave it this topic; "" without."""
-    for word in node.command.split():
-        source, sign, said = word.partition(":=")
-        if sign and said and not source.startswith("_") and _expanded(said, node) == topic:
-            return word
-    return ""
-
-
-def _expanded(name: str, node: Node) -> str:
-    return name if name.startswith("/") else f"{namespace_of(node.name).rstrip('/')}/{name}"
 
 
 # --- another name, or another type ---------------------------------------------------------------
 
 
-def _beside(node: Node, endpoint: Endpoint, outputs: Loose) -> Iterator[Way]:
-    """Publications of the right type beside it that nobody hears: a remap may be missing."""
-    for publisher, publications in outputs.items():
-        for publication in publications:
-            if (
-                namespace_of(publication.topic) == namespace_of(endpoint.topic)
-                and _fit(endpoint, publication)
-                and publisher.id != node.id
-            ):
-                own = namespace_of(publisher.name) == namespace_of(endpoint.topic)
-                target = base_name_of(endpoint.topic) if own else endpoint.topic
-                start = _start_with(publisher, publication.topic, target)
-                text = f"nobody hears {publication.topic} of the same type: start {start}"
-                yield Way(text, node.id, publication.topic, publisher.id)
+def _unmapped(graph: Graph, node: Node, endpoint: Endpoint) -> Iterator[Way]:
+    """A remap leads away from a topic that is published."""
+    word = remapped(node, endpoint.topic)
+    before = expanded(word.partition(":=")[0], node)
+    topic = graph.topic(before)
+    others = any(one.id != node.id and not one.stale for one, _ in topic.publishers)
+    sent = {f for _, e in topic.publishers for f in e.fingerprints} | set(topic.fingerprints)
+    if word and (others or topic.foreign) and sent & set(endpoint.fingerprints):
+        yield Way(f"{before} is published: start {node.name} without {word}", node.id, before)
+
+
+def _beside(graph: Graph, node: Node, endpoint: Endpoint, outputs: Loose) -> Iterator[Way]:
+    """Publications of the right type beside it that nobody hears: a remap may be missing.
+
+    What simulators publish has its names, and others go by them.
+    """
+    for publisher, publication in _publications(graph, node):
+        topic = publication.topic
+        if namespace_of(topic) != namespace_of(endpoint.topic) or not _fit(endpoint, publication):
+            continue
+        if is_simulator(publisher):
+            if not is_simulator(node):
+                text = f"{topic} is of the same type: start "
+                text += start_with(node, endpoint.topic, _as_seen_by(node, topic))
+                yield Way(text, node.id, topic, publisher.id)
+        elif publication in outputs.get(publisher, ()) and not publisher.tool:
+            text = f"nobody hears {topic} of the same type: "
+            text += advice(publisher, topic, _as_seen_by(publisher, endpoint.topic))
+            yield Way(text, node.id, topic, publisher.id)
+
+
+def _as_seen_by(node: Node, topic: str) -> str:
+    """A topic's name for a node: short in its own namespace."""
+    own = namespace_of(node.name)
+    return base_name_of(topic) if own == namespace_of(topic) else topic
 
 
 def _of_another_type(

@@ -6,16 +6,28 @@ here: a laser's infinite range is a measurement, and an IMU says with -1 what it
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import cast
 
 from lcmtools.messages.fields import Field, visible_fields
 from lcmtools.messages.registry import Message, type_name
+from lcmtools.types.std_msgs import Time
 
 _FLOATS = ("float32", "float64")
 _QUATERNION = "geometry_msgs/Quaternion"
-_MAY_BE_INFINITE = frozenset(
-    {"sensor_msgs/LaserScan", "sensor_msgs/Range", "sensor_msgs/BatteryState"}
-)
+_SECOND = 10**9  # [ns]
+_MAY_BE_NONE = {  # as the types themselves say
+    "sensor_msgs/LaserScan": {"ranges", "intensities", "range_max"},
+    "sensor_msgs/LaserEcho": {"echoes"},
+    "sensor_msgs/Range": {"range"},
+    "sensor_msgs/NavSatFix": {"altitude"},
+    "sensor_msgs/MagneticField": {"magnetic_field"},
+    "sensor_msgs/BatteryState": {
+        *("voltage", "temperature", "current", "charge", "capacity", "design_capacity"),
+        *("percentage", "cell_voltage", "cell_temperature"),
+    },
+}
+"""The fields in which a number that is none means something, by type."""
 _SQUARES = {9: 3, 36: 6}
 _MOST_NUMBERS = 4096
 _MOST_MESSAGES = 64
@@ -23,7 +35,7 @@ _TOLERANCE = 1e-6
 _UNIT_TOLERANCE = 0.1
 
 Odd = tuple[str, str]
-"""A kind ("not-finite", "quaternion", "covariance") and what is odd where."""
+"""A kind ("not-finite", "quaternion", "covariance", "nsec") and what is odd where."""
 
 
 def oddities(message: Message, path: str = "") -> Iterator[Odd]:
@@ -32,30 +44,34 @@ def oddities(message: Message, path: str = "") -> Iterator[Odd]:
     name = type_name(cls)
     if name == _QUATERNION:
         yield from _quaternion(message, path)
+    elif isinstance(message, Time) and not 0 <= message.nsec < _SECOND:
+        yield "nsec", f"{path}nsec is {message.nsec}, and a second has {_SECOND}"
     unmeasured = {
         field.name.removesuffix("_covariance")
         for field in visible_fields(cls)
         if field.name.endswith("covariance") and _is_unmeasured(getattr(message, field.name))
     }
     for field in visible_fields(cls):
-        may_be_infinite = name in _MAY_BE_INFINITE and field.type in _FLOATS
-        if field.name in unmeasured or may_be_infinite:
-            continue
-        yield from _field(getattr(message, field.name), field, f"{path}{field.name}")
+        if field.name not in unmeasured and field.name not in _MAY_BE_NONE.get(name, ()):
+            yield from _field(getattr(message, field.name), field, f"{path}{field.name}")
 
 
 def _field(value: object, field: Field, path: str) -> Iterator[Odd]:
-    if not field.dimensions:
-        if field.message_class:
-            yield from oddities(cast("Message", value), f"{path}.")
-        elif field.type in _FLOATS and not math.isfinite(float(str(value))):
-            yield "not-finite", f"{path} is {value}"
-    elif len(field.dimensions) == 1 and isinstance(value, Sequence):
-        if field.message_class:
-            for index, part in enumerate(value[:_MOST_MESSAGES]):
-                yield from oddities(part, f"{path}[{index}].")
-        elif field.type in _FLOATS:
-            yield from _numbers(value[:_MOST_NUMBERS], path)
+    if field.dimensions and isinstance(value, Sequence):
+        yield from _array(value, field, path)
+    elif not field.dimensions and field.message_class:
+        yield from oddities(cast("Message", value), f"{path}.")
+    elif not field.dimensions and field.type in _FLOATS and not math.isfinite(float(str(value))):
+        yield "not-finite", f"{path} is {value}"
+
+
+def _array(values: Sequence[object], field: Field, path: str) -> Iterator[Odd]:
+    if len(field.dimensions) == 1 and field.type in _FLOATS:
+        yield from _numbers(cast("Sequence[float]", values[:_MOST_NUMBERS]), path)
+    elif len(field.dimensions) > 1 or field.message_class:
+        part = replace(field, dimensions=field.dimensions[1:])
+        for index, value in enumerate(values[:_MOST_MESSAGES]):
+            yield from _field(value, part, f"{path}[{index}]")
 
 
 def _numbers(values: Sequence[float], path: str) -> Iterator[Odd]:

@@ -55,6 +55,7 @@ class Listening:
         self.clock_ticks: list[tuple[int, int]] = []
         """Arrival and simulated time of the messages on ``/clock`` [ns]."""
         self.clock_sender: Sender | None = None
+        self._clocks: set[Sender | None] = set()
 
     def hear(self, packet: Packet) -> None:
         """Take a message down."""
@@ -97,6 +98,7 @@ class Listening:
             replace(odd, name=name(key[1]))
             for (kind, key, _), odd in self._odd.items()
             if kind != "boot" or not self.clock_ticks  # the clock came after it
+            if kind not in ("future", "old") or len(self._clocks) <= 1  # else by which of them?
         )
 
     def _look_into(self, packet: Packet, key: _Key) -> None:
@@ -115,9 +117,12 @@ class Listening:
             simulated = join_stamp(message.clock.sec, message.clock.nsec)
             self.clock_ticks.append((packet.time, simulated))
             self.clock_sender = packet.sender
-        for kind, text in oddities(message):
+            self._clocks.add(packet.sender)
+        odd = list(oddities(message))
+        for kind, text in odd:
             self._note(kind, key, text)
-        self._check_stamp(message, packet.time, key)
+        if not any(kind == "nsec" for kind, _ in odd):
+            self._check_stamp(message, packet.time, key)
 
     def _check_stamp(self, message: Message, arrival: int, key: _Key) -> None:
         stamped = stamp(message)

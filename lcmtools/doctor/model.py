@@ -84,6 +84,7 @@ class Stream:
         is_cut: There were more arrivals, of which the times are not known.
         largest: Bytes of the largest payload.
         bytes: Of all payloads.
+        pid: The sender's process, where it is one of this computer and known.
     """
 
     channel: str
@@ -93,6 +94,7 @@ class Stream:
     largest: int = 0
     bytes: int = 0
     is_cut: bool = False
+    pid: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +102,8 @@ class Oddity:
     """Something odd within the messages of a topic.
 
     Attributes:
-        kind: "not-finite", "quaternion", "covariance", "future", "old", "boot" or "undecodable".
+        kind: "not-finite", "quaternion", "covariance", "nsec", "future", "old", "boot" or
+            "undecodable".
         topic: The channel.
         name: The sender for people.
         text: What and where: the field's path.
@@ -144,7 +147,6 @@ class LcmProcess:
         open_files: How many it has open.
         most_files: How many it may.
         state: As ps shows it ("T" is stopped).
-        listens: Whether it receives from a multicast group; one that does not only sends.
         topics: What is published on its bus, where that is another one and something is missed.
     """
 
@@ -155,7 +157,6 @@ class LcmProcess:
     open_files: int = 0
     most_files: int = 0
     state: str = ""
-    listens: bool = True
     topics: tuple[str, ...] = ()
 
 
@@ -181,6 +182,7 @@ class Evidence:
         processes: This user's processes that use LCM.
         host: This computer.
         hushed: What stale nodes of this computer published.
+        deafened: What stale nodes of this computer subscribed to.
         waited: How long programs of the bus had to wait for a processor meanwhile, at most [s].
         users: What the users of this computer are called, those who appear here, by number.
         clocks: The other computers' clocks, as far as their nodes tell.
@@ -204,6 +206,7 @@ class Evidence:
     processes: Sequence[LcmProcess] = ()
     host: Host = field(default_factory=Host)
     hushed: AbstractSet[str] = frozenset()
+    deafened: AbstractSet[str] = frozenset()
     waited: float = 0.0
     users: Mapping[int, str] = field(default_factory=dict)
     clocks: Sequence[HostClock] = ()

@@ -4,16 +4,19 @@ A fingerprint is computed from the names and types of fields (lcm-proj/lcm, lcmg
 can be computed for known types with one field changed, and compared. Pure.
 """
 
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cache
+from itertools import chain, permutations
 
 from lcmtools.messages.fields import PRIMITIVES, Field, fields
-from lcmtools.messages.registry import Message, fingerprint, message_class, type_names
+from lcmtools.messages.registry import Message, fingerprint, message_class, type_name, type_names
 
 _MASK = (1 << 64) - 1
 _SIGN = 1 << 63
 _START = 0x12345678
+_FEW = 5  # fields have few orders
 _LCM_NAMES = {ours: lcm for lcm, ours in PRIMITIVES.items()}
 _USUAL_FIRST = (("seq", "int32"), ("utime", "int64"), ("timestamp", "int64"), ("id", "int32"))
 _USUAL_NAMES = frozenset(
@@ -83,6 +86,17 @@ _USUAL_NAMES = frozenset(
         "bytes",
         "ranges",
         "points",
+        "priority",
+        "valid",
+        "enabled",
+        "source",
+        "sequence",
+        "quality",
+        "confidence",
+        "version",
+        "duration",
+        "temperature",
+        "battery",
     ]
 )
 _USUAL_LAST = tuple(
@@ -102,7 +116,7 @@ def kinship(number: int, expected: Iterable[str] = ()) -> str:
         expected: Names of types that it should be: these are compared first, and more closely.
     """
     names = list(dict.fromkeys(expected))
-    for changes in (_changed, _renamed):
+    for changes in (_changed, _moved, _retyped, _within, _renamed, _added):
         for name in names:
             for other, text in changes(message_class(name)):
                 if other == number:
@@ -140,6 +154,54 @@ def _changed(cls: type[Message]) -> Iterator[tuple[int, str]]:
     for name, primitive in _USUAL_LAST:
         hashed = _hashed(before, (_new(name, primitive),))
         yield _finished(hashed, own), f"with {name} ({primitive}) at the end"
+
+
+def _moved(cls: type[Message]) -> Iterator[tuple[int, str]]:
+    """The type with its fields in another order: any one where they are few."""
+    own = fields(cls)
+    orders = permutations(own) if len(own) <= _FEW else _one_moved(own)
+    for order in orders:
+        names = ", ".join(part.name for part in order)
+        yield fingerprint_of(order), f"its fields stand in the order {names}"
+
+
+def _one_moved(own: tuple[Field, ...]) -> Iterator[tuple[Field, ...]]:
+    for index, part in enumerate(own):
+        others = (*own[:index], *own[index + 1 :])
+        for place in range(len(own)):
+            yield (*others[:place], part, *others[place:])
+
+
+def _retyped(cls: type[Message]) -> Iterator[tuple[int, str]]:
+    """The type with all numbers of one kind of another, as float for double."""
+    own = fields(cls)
+    for kind in dict.fromkeys(part.type for part in own if part.message_class is None):
+        for primitive in PRIMITIVES.values():
+            parts = [replace(p, type=primitive) if p.type == kind else p for p in own]
+            if primitive != kind:
+                yield fingerprint_of(parts), f"every {kind} is {primitive}"
+
+
+def _within(cls: type[Message]) -> Iterator[tuple[int, str]]:
+    """The type with something changed in one that it contains, however deep."""
+    own = fields(cls)
+    hashed = _hashed(_START, own)
+    inner = Counter(part.message_class for part in own if part.message_class)
+    for part, times in inner.items():
+        rest = sum(fingerprint(other) * n for other, n in inner.items() if other is not part)
+        for number, text in chain(*(find(part) for find in (_changed, _moved, _retyped, _within))):
+            where = "" if text.startswith("in ") else f"in {type_name(part)} "
+            yield _rotated(hashed + rest + times * number), f"{where}{text}"
+
+
+def _added(cls: type[Message]) -> Iterator[tuple[int, str]]:
+    """The type with one field more at its end, under a name that fields have."""
+    own = fields(cls)
+    hashed = _hashed(_START, own)
+    for name in _field_names():
+        for primitive in PRIMITIVES.values():
+            part = _new(name, primitive)
+            yield _finished(_hashed(hashed, (part,)), own), f"with {name} ({primitive}) at the end"
 
 
 def _renamed(cls: type[Message]) -> Iterator[tuple[int, str]]:
@@ -189,7 +251,11 @@ def _new(name: str, primitive: str) -> Field:
 
 def _finished(value: int, parts: Iterable[Field]) -> int:
     nested = sum(fingerprint(part.message_class) for part in parts if part.message_class)
-    total = (value + nested) & _MASK
+    return _rotated(value + nested)
+
+
+def _rotated(total: int) -> int:
+    total &= _MASK
     return ((total << 1) & _MASK) + (total >> 63)
 
 

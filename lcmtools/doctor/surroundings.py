@@ -4,19 +4,19 @@ Belongs here: all that ``wtf`` reads besides the bus. Must not judge.
 """
 
 import contextlib
+import fcntl
 import os
 import socket
 import struct
 import sys
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from importlib.util import find_spec
 from ipaddress import IPv4Address
 from pathlib import Path
 from typing import Any
 
 from lcmtools.bus.processes import Process, UdpSocket, process_of, uses_lcm
-from lcmtools.bus.url import BusUrl, choose_url
+from lcmtools.bus.url import BusUrl, choose_url, misread_options
 from lcmtools.doctor.computers import Host
 from lcmtools.doctor.firewall import firewall
 from lcmtools.doctor.model import LcmProcess
@@ -25,6 +25,8 @@ from lcmtools.errors import LcmtoolsError
 
 _PROC, _NET = Path("/proc"), Path("/sys/class/net")
 _UP, _MULTICAST = 0x1, 0x1000  # linux/if.h
+_WORKS = _UP | _MULTICAST
+_GET_FLAGS = 0x8913  # linux/sockios.h; /sys may show another network's interfaces
 _KNOWN_GROUPS = frozenset({"224.0.0.251", "239.255.255.250", "224.0.0.252"})  # mDNS, SSDP, LLMNR
 _TYPE_PACKAGES = ("geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs")
 _VARIABLES = ("LCM_DEFAULT_URL", "LCMTOOLS_DOMAIN")
@@ -34,12 +36,12 @@ def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
     """This computer, as it bears on a bus."""
     interface = route_interface(url.host) if url.is_multicast else ""
     folder = _NET / interface if interface else Path("/nonexistent")
-    flags = int(_text(folder / "flags") or "0x1001", 16)
+    flags = _flags(interface or "lo") if url.is_multicast else _WORKS  # where a route would lead
     return Host(
         uid=os.getuid(),
         interface=interface,
         is_up=bool(flags & _UP),
-        can_multicast=bool(flags & _MULTICAST),
+        can_multicast=bool(flags & _MULTICAST) or not interface,
         joined=_joined(url.host) if url.is_multicast else (),
         rp_filter=max(
             _number(_PROC / f"sys/net/ipv4/conf/{name}/rp_filter")
@@ -50,7 +52,10 @@ def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
         receive_buffer=_number(_PROC / "sys/net/core/rmem_default"),
         most_receive_buffer=_number(_PROC / "sys/net/core/rmem_max"),
         container=_container(),
-        environment=tuple(_environment(environment)),
+        environment=(
+            *_environment(environment),
+            *(f"the URL {url}: {odd}" for odd in misread_options(url)),
+        ),
         has_sockets=(_PROC / "net/udp").exists(),
         **(_network(url, interface) if url.is_multicast else {}),
     )
@@ -91,6 +96,16 @@ def route_interface(group: str) -> str:
             if own & mask == network and mask.bit_count() > best:
                 best, found = mask.bit_count(), columns[0]
     return found
+
+
+def _flags(interface: str) -> int:
+    """An interface's flags; those of one that works where the system does not tell."""
+    if not _PROC.joinpath("net/route").exists():
+        return _WORKS
+    with contextlib.suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
+        request = struct.pack("16s16x", interface.encode())
+        return int(struct.unpack_from("=16xH", fcntl.ioctl(asking, _GET_FLAGS, request))[0])
+    return _WORKS
 
 
 def _routed_interfaces() -> set[str]:
@@ -162,7 +177,7 @@ def lcm_processes(
     for pid, ports in sorted(sending.items()):
         if pid not in buses and uses_lcm(pid):
             bus = "" if ports & heard else _said_bus(pid, url)
-            found.append(replace(_lcm_process(pid, bus), listens=False))
+            found.append(_lcm_process(pid, bus))
     return tuple(found)
 
 

@@ -81,6 +81,8 @@ class Reader:
                 return None
             head = fragment.part[:HEAD_BYTES]
             return Packet(channel, head, time, sender, seqno, fragment.message_size)
+        if channel is not None or sender in self.sequences:  # else it had begun before
+            self._sequence(sender).begin(seqno)
         whole = self._reassembler.add(sender, fragment)
         if whole is None:
             return None
@@ -100,14 +102,18 @@ class Reader:
         return True
 
     def _count(self, sender: Sender, seqno: int, ttl: int | None) -> None:
-        sequence = self.sequences.get(sender)
-        if sequence is None:
-            if len(self.sequences) >= _MOST_SENDERS:
-                return
-            sequence = self.sequences[sender] = Sequence()
-        sequence.add(seqno)
-        if ttl is not None:
+        self._sequence(sender).add(seqno)
+        if ttl is not None and sender in self.sequences:
             self.ttls[sender] = ttl
+
+    def _sequence(self, sender: Sender) -> Sequence:
+        """What a sender's numbers tell; of the thousands too many nothing is kept."""
+        known = self.sequences.get(sender)
+        if known is None:
+            known = Sequence()
+            if len(self.sequences) < _MOST_SENDERS:
+                self.sequences[sender] = known
+        return known
 
 
 def _is_later_fragment(data: bytes) -> bool:

@@ -1,7 +1,8 @@
 """Loss as the senders' own numbers show it.
 
 Sans-I/O. Each LCM instance numbers its messages, so a gap is a message that did not come. One that
-comes late closes its gap again, and numbers that begin anew are another run of the program.
+comes late closes its gap again, and numbers that begin anew are another run of the program. One of
+which only parts have come is lost as well, once a later one has begun.
 """
 
 _MODULUS = 1 << 32
@@ -14,17 +15,31 @@ _MOST_LOST = 1 << 20
 class Sequence:
     """The numbers of one sender's messages, as they come."""
 
-    __slots__ = ("_missing", "_newest", "lost", "messages", "restarts")
+    __slots__ = ("_lost", "_missing", "_newest", "messages", "restarts")
 
     def __init__(self) -> None:
         self.messages = 0
         """How many came."""
-        self.lost = 0
-        """How many between the first and the newest did not."""
         self.restarts = 0
         """How often the numbers began anew; often where several programs share the port."""
+        self._lost = 0
         self._newest = -1
         self._missing: set[int] = set()
+
+    @property
+    def lost(self) -> int:
+        """How many between the first and the newest did not come."""
+        return self._lost - (self._newest in self._missing)  # of that one more parts may come
+
+    def begin(self, seqno: int) -> None:
+        """Take the number of a message of which a part has come."""
+        step = (seqno - self._newest) % _MODULUS if self._newest >= 0 else 1
+        if 0 < step <= _MOST_LOST:
+            if step > 1:
+                self._leap(seqno, step)
+            self._newest = seqno
+            self._lost += 1
+            self._missing.add(seqno)
 
     def add(self, seqno: int) -> None:
         """Take the number of a message that has come."""
@@ -38,7 +53,7 @@ class Sequence:
             self._return(seqno, _MODULUS - step if step else 0)
 
     def _leap(self, seqno: int, step: int) -> None:
-        self.lost += step - 1
+        self._lost += step - 1
         recent = range(max(1, step - _MOST_LATE), step)
         self._missing.update((self._newest + ahead) % _MODULUS for ahead in recent)
         self._newest = seqno
@@ -48,7 +63,7 @@ class Sequence:
     def _return(self, seqno: int, behind: int) -> None:
         if seqno in self._missing:
             self._missing.discard(seqno)
-            self.lost -= 1
+            self._lost -= 1
         elif behind > _MOST_LATE or (seqno == 0 and behind > 1):
             self.restarts += 1
             self._newest = seqno

@@ -20,6 +20,7 @@ def test_a_node_that_was_killed(world: Any) -> None:
 def test_a_node_that_was_stopped(world: Any) -> None:
     world.node("listener")
     talker = world.node("talker")
+    talker.wait_for("hello")  # it has its publisher
     talker.send_signal(signal.SIGSTOP)
     found = world.finds("stale-nodes", "/talker", f"(pid {talker.pid}): runs but does not answer")
     assert found.commands == [f"kill -CONT {talker.pid}", f"kill {talker.pid}"]

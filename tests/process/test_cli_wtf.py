@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import subprocess
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -254,3 +255,39 @@ def test_rules_are_listed_and_explained(lcmtools: Run) -> None:
         assert result.returncode == 0
         assert result.stdout.startswith(f"{rule} (warning)\n\n")
         assert "\n\n   -> " in result.stdout
+
+
+def test_json_has_a_finding_where_the_environment_names_no_bus(
+    lcmtools: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LCM_DEFAULT_URL", "udpm://239.255.76.67")
+    result = lcmtools("wtf", "--json")
+    assert (result.returncode, result.stderr) == (2, "")
+    (finding,) = json.loads(result.stdout)
+    assert finding["rule"] == "bus"
+    assert "the port is missing" in finding["text"]
+    assert finding["remedies"] == ["export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'"]
+    assert lcmtools("wtf", "--json", "--lcm-url", "udpm://x").stdout == ""
+
+
+def test_options_of_a_url_that_lcm_reads_otherwise_are_named(
+    lcmtools: Run, bus_url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url.replace("ttl=0", "tll=1&ttl=256"))
+    text = lcmtools("wtf", "--wait", "0.1s", "--rule", "environment").stdout
+    assert "tll=1 has no effect; did you mean ttl?\n" in text
+    assert "ttl=256 is sent as 0; the greatest is 255\n" in text
+
+
+def test_what_another_bus_has_is_said_here_where_nobody_else_is_asked(
+    node: Callable[..., Any], lcmtools: Run, free_port: Callable[[], int], start: Any
+) -> None:
+    """--ignore takes one rule's findings away, and none of another's."""
+    node("listener")
+    away = f"udpm://239.255.76.67:{free_port()}?ttl=0"
+    talker = "import lcm, time\nbus = lcm.LCM()\nwhile True:\n"
+    talker += " bus.publish('/chatter', bytes(12)); print('sent', flush=True); time.sleep(0.02)\n"
+    start(sys.executable, "-c", talker, LCM_DEFAULT_URL=away).wait_for("sent")
+    options = ("--json", "--wait", "0.3s", "--ignore", "other-buses")
+    rules = [finding["rule"] for finding in json.loads(lcmtools("wtf", *options).stdout)]
+    assert rules == ["unconnected-subscriptions"]

@@ -1,6 +1,7 @@
 """The rules, one file a family. A new rule is a function with ``@rule``, listed in ``RULES``."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 from lcmtools.doctor.model import Evidence, Finding, Rule
 from lcmtools.doctor.rules import (
@@ -29,6 +30,7 @@ RULES: tuple[Rule, ...] = (
     bus.datagrams_are_lcm,
     nodes.nodes_answer,
     nodes.nodes_have_names_of_their_own,
+    nodes.simulated_time_has_a_source,
     callbacks.queues_have_room,
     callbacks.callbacks_are_quick,
     nodes.files_are_few,
@@ -64,12 +66,24 @@ RULES: tuple[Rule, ...] = (
 )
 
 
-_EXPLAINED_BY = {"no-traffic": "other-buses"}
+_EXPLAINED_BY = {"no-traffic": {"other-buses", "silent", "stuck-listeners", "loss", "malformed"}}
 
 
 def examine(evidence: Evidence, rules: Iterable[Rule] = RULES) -> Iterator[Finding]:
     """Everything that the rules find, gravest first; not what another finding explains."""
-    findings = [finding for rule in rules for finding in rule.check(evidence)]
+    asked = tuple(rules)
+    evidence = _left_to_others(evidence, asked)
+    findings = [finding for rule in asked for finding in rule.check(evidence)]
     found = {finding.rule for finding in findings}
-    findings = [finding for finding in findings if _EXPLAINED_BY.get(finding.rule) not in found]
+    findings = [f for f in findings if found.isdisjoint(_EXPLAINED_BY.get(f.rule, ()))]
     yield from sorted(findings, key=lambda finding: -finding.severity)
+
+
+def _left_to_others(evidence: Evidence, asked: tuple[Rule, ...]) -> Evidence:
+    """The evidence without what rules leave to others that are not asked."""
+    if bus.everybody_is_here not in asked:
+        alone = [replace(process, topics=()) for process in evidence.processes]
+        evidence = replace(evidence, processes=alone)
+    if nodes.nodes_answer not in asked:
+        evidence = replace(evidence, hushed=frozenset(), deafened=frozenset())
+    return evidence

@@ -20,16 +20,16 @@ def bus_works(evidence: Evidence) -> Iterator[Finding]:
     if evidence.bus_problem:
         # what bears on multicast only says nothing of a server
         host, items = evidence.host if "udpm://" in evidence.url else Host(), []
-        if host.interface and not host.is_up:
-            items.append(f" * the interface {host.interface} is down")
+        if not host.is_up:
+            items.append(f" * the interface {host.interface or 'lo'} is down")
         if host.interface and not host.can_multicast:
             items.append(f" * the interface {host.interface} has no multicast flag")
         if host.firewall:
             items.append(f" * the firewall {host.firewall} is enabled")
-        if host.container:
+        if host.container and host.interface:
             items.append(f" * this is a {host.container}, which may pass no multicast on")
         remedies = [evidence.bus_remedy] if evidence.bus_remedy else []
-        if host.container == "container":
+        if host.container == "container" and host.interface:
             remedies.append("start the container with: --network host")
         yield Finding(
             "bus",
@@ -44,14 +44,19 @@ def bus_works(evidence: Evidence) -> Iterator[Finding]:
     "no-traffic", Severity.WARNING, "start a node, or choose the bus it is on: --lcm-url, --domain"
 )
 def something_is_there(evidence: Evidence) -> Iterator[Finding]:
-    """There is any node or any message on the bus. Where there is none, it may be the wrong bus."""
+    """There is any node or any message on the bus. Where there is none, it may be the wrong bus.
+
+    A note where programs are there that are no nodes: they may have nothing to say.
+    """
     if evidence.bus_problem:
         return
     if _is_empty(evidence):
+        there = {f" * {one.name} listens": None for one in evidence.listeners if not one.is_tool}
         yield Finding(
             "no-traffic",
-            Severity.WARNING,
+            Severity.NOTE if there else Severity.WARNING,
             f"There are no nodes on {evidence.url}, and nothing came in {evidence.listened:g} s",
+            tuple(there),
             remedies=(
                 "start something, for example: lcmtools run talker",
                 (
@@ -74,7 +79,7 @@ def datagrams_are_lcm(evidence: Evidence) -> Iterator[Finding]:
             Severity.WARNING,
             "The following senders put datagrams on the bus that are none of LCM's:",
             tuple(f" * {sender}: {reason}" for sender, reason in evidence.malformed),
-            ("find the program with: ss -uanp",),
+            ("let them send elsewhere, or end them; who is on which port: ss -uanp",),
         )
 
 
@@ -187,13 +192,21 @@ def the_bus_is_ones_own(evidence: Evidence) -> Iterator[Finding]:
     part of the system.
     """
     own = {evidence.host.uid, 0}
-    uids = {listener.uid for listener in evidence.listeners} - own
-    uids |= {s.uid for s in evidence.senders if s.uid is not None} - own
-    if uids:
+    programs: dict[int, dict[str, None]] = {}
+    for uid, name in (
+        *((listener.uid, listener.name) for listener in evidence.listeners),
+        *((sender.uid, sender.name) for sender in evidence.senders),
+    ):
+        if uid is not None and uid not in own:
+            programs.setdefault(uid, {})[name] = None
+    if programs:
         yield Finding(
             "other-users",
             Severity.WARNING,
             "Other users of this computer share this bus:",
-            tuple(f" * {evidence.users.get(uid, uid)}" for uid in sorted(uids)),
+            tuple(
+                f" * {evidence.users.get(uid, uid)}: {', '.join(names)}"
+                for uid, names in sorted(programs.items())
+            ),
             ("use a bus of your own: export LCMTOOLS_DOMAIN=1 (or another number up to 232)",),
         )

@@ -94,22 +94,7 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     topics wait. A subscription of depth 1 is excepted: it asks for the newest message only. So is
     what a busy computer may be to blame for.
     """
-    ears, crowd = list(_ears(evidence)), _crowd(evidence)
-    lossy = {ear.node.id for ear in ears if ear.lost > 0}  # of these another rule says why
-    slow = [
-        ear
-        for ear in ears
-        if ear.is_too_slow(crowd) and _is_at_work(ear.endpoint) and ear.node.id not in lossy
-    ]
-    told = lossy | {ear.node.id for ear in slow}
-    busy = [
-        (node, share, names)
-        for earlier, node in _pairs_of_nodes(evidence)
-        if node.id not in told and _is_waited_for(node)
-        if (share := _share_of_others(earlier, node)) is not None
-        if share - crowd >= _ALWAYS or share >= _UNBROKEN
-        if (names := _busiest(earlier, node))
-    ]
+    _, slow, busy = _judged(evidence)
     if slow or busy:
         rows = [f" * {ear.node.name}, {ear.endpoint.topic}: {ear.pace()}" for ear in slow]
         rows += [
@@ -127,6 +112,34 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
             tuple(rows),
             tuple(dict.fromkeys(remedies)),
         )
+
+
+def busy_nodes(evidence: Evidence) -> set[str]:
+    """The names of the nodes that are slow: what they do not send in time has its reason."""
+    lossy, slow, busy = _judged(evidence)
+    names = {node.name for node in evidence.graph.nodes if node.id in lossy}
+    return names | {ear.node.name for ear in slow} | {node.name for node, _, _ in busy}
+
+
+def _judged(evidence: Evidence) -> tuple[set[str], list[_Ear], list[tuple[Node, float, str]]]:
+    """The ids of nodes that lose messages, slow callbacks of others, and what keeps a node busy."""
+    ears, crowd = list(_ears(evidence)), _crowd(evidence)
+    lossy = {ear.node.id for ear in ears if ear.lost > 0}  # of these another rule says why
+    slow = [
+        ear
+        for ear in ears
+        if ear.is_too_slow(crowd) and _is_at_work(ear.endpoint) and ear.node.id not in lossy
+    ]
+    told = lossy | {ear.node.id for ear in slow}
+    busy = [
+        (node, share, names)
+        for earlier, node in _pairs_of_nodes(evidence)
+        if node.id not in told and _is_waited_for(node)
+        if (share := _share_of_others(earlier, node)) is not None
+        if share - crowd >= _ALWAYS or share >= _UNBROKEN
+        if (names := _busiest(earlier, node))
+    ]
+    return lossy, slow, busy
 
 
 def _crowd(evidence: Evidence) -> float:

@@ -24,10 +24,11 @@ def names_are_good(evidence: Evidence) -> Iterator[Finding]:
     said = {way.channel for way in said_ways(evidence)}  # with who should hear it
     senders: dict[str, str] = {s.channel: s.name for s in evidence.streams if s.channel not in said}
     bad = [c for c in senders if not c.isprintable() or c != c.strip() or not _matches_itself(c)]
+    bad += [c for c in senders if not c]
     if bad:
         text = "The following channels have names that few programs can subscribe to:"
         rows = tuple(f" * {c!r} from {senders[c]}" for c in bad)
-        patterns = [c for c in bad if not _matches_itself(c)]
+        patterns = [c for c in bad if c and not _matches_itself(c)]
         remedies = (f"or subscribe to the pattern {re.escape(patterns[0])}",) if patterns else ()
         advice = "publish on a name of letters, digits, _ and / only"
         yield Finding("names", Severity.WARNING, text, rows, (advice, *remedies))

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from lcmtools.doctor.connecting import Loose, Way, loose_ends, ways, ways_out
+from lcmtools.doctor.connecting import Loose, Way, is_simulator, loose_ends, ways, ways_out
 from lcmtools.doctor.model import Evidence, Finding, Severity, rule
-from lcmtools.graph.model import Node, Role
+from lcmtools.graph.model import Role
 
 
 @rule(
@@ -46,7 +46,7 @@ def publications_are_heard(evidence: Evidence) -> Iterator[Finding]:
 
     One that has none is seldom a fault. Programs that are no nodes do not announce what they hear:
     where one listens, nothing is said; nor of what a simulator offers, nor of what would connect an
-    unconnected subscription.
+    unconnected subscription, nor of what a node listened to that was killed or hangs.
     """
     if any(not listener.is_node and not listener.is_tool for listener in evidence.listeners):
         return
@@ -54,10 +54,11 @@ def publications_are_heard(evidence: Evidence) -> Iterator[Finding]:
     said = said_ways(evidence)
     known = {(way.publisher, way.channel) for way in said}
     moving = {way.listener for way in said}
+    known |= {(node.id, topic) for node in graph.nodes for topic in evidence.deafened}
     loose = {
         node: kept
         for node, endpoints in loose_ends(graph, Role.PUBLISHER).items()
-        if not _is_simulator(node)
+        if not is_simulator(node)
         and node.id not in moving
         and (kept := [one for one in endpoints if (node.id, one.topic) not in known])
     }
@@ -92,11 +93,6 @@ def said_ways(evidence: Evidence) -> list[Way]:
 def _names(evidence: Evidence) -> dict[str, str]:
     """Who sends on a channel, for people."""
     return {stream.channel: stream.name for stream in evidence.streams}
-
-
-def _is_simulator(node: Node) -> bool:
-    """Whether a node makes the time, and so has sensors for whoever wants them."""
-    return any(endpoint.topic == "/clock" for endpoint in node.having(Role.PUBLISHER))
 
 
 def _tree(loose: Loose) -> Iterator[str]:

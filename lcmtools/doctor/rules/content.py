@@ -32,7 +32,7 @@ def rotations_are_rotations(evidence: Evidence) -> Iterator[Finding]:
         evidence,
         "quaternion",
         "Rotations that are published are none:",
-        ("no rotation is x=0, y=0, z=0, w=1",),
+        ("no rotation is x=0, y=0, z=0, w=1; divide others by their length",),
     )
 
 
@@ -46,7 +46,10 @@ def covariances_are_covariances(evidence: Evidence) -> Iterator[Finding]:
         evidence,
         "covariance",
         "Covariances that are published are none:",
-        ("a matrix equals its transpose: set [row, column] and [column, row]",),
+        (
+            "set [row, column] and [column, row] to the same, and no [row, row] below 0",
+            "where nothing is known, set the first number to -1",
+        ),
     )
 
 
@@ -68,10 +71,15 @@ def stamps_are_of_now(evidence: Evidence) -> Iterator[Finding]:
     yield from _odd(
         evidence, "future", "Messages are stamped with a time to come:", remedies, "stamps"
     )
-    if not evidence.graph.topic("/clock").publishers:
+    # a simulator that was killed or hangs is another rule's
+    if not evidence.graph.topic("/clock").publishers and "/clock" not in evidence.hushed:
         text = "Messages are stamped with the time since a start, and nobody publishes /clock:"
         remedies_then = ("stamp with the time since 1970: time.time(), node.get_clock().now()",)
         yield from _odd(evidence, "boot", text, remedies_then, "stamps")
+    text = "Times that are published are none:"
+    yield from _odd(
+        evidence, "nsec", text, ("sec, nsec = divmod(time.time_ns(), 1_000_000_000)",), "stamps"
+    )
     old = [odd for odd in evidence.oddities if odd.kind == "old" and odd.count > 1]
     if old:
         yield from _odd(

@@ -53,6 +53,34 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
             )
 
 
+@rule(
+    "no-clock",
+    Severity.ERROR,
+    "start the simulator, or the node without _use_sim_time:=true",
+)
+def simulated_time_has_a_source(evidence: Evidence) -> Iterator[Finding]:
+    """Somebody publishes the time by which nodes go.
+
+    For a node with _use_sim_time:=true, time stands still until something comes on /clock: its
+    timers never run.
+    """
+    topic = evidence.graph.topic(_CLOCK)
+    waiting = [node for node, _ in topic.subscribers if not (node.stale or node.tool)]
+    sources = [node for node, _ in topic.publishers if not node.stale]
+    # one that was killed or hangs is another rule's
+    if waiting and not (sources or topic.foreign or _CLOCK in evidence.hushed):
+        yield Finding(
+            "no-clock",
+            Severity.ERROR,
+            "The following nodes go by simulated time, and nobody publishes /clock:",
+            tuple(f" * {node.name} (pid {node.pid})" for node in waiting),
+            (
+                *(f"start {node.name} without _use_sim_time:=true" for node in waiting),
+                "or start the simulator, for example: lcmtools run sim",
+            ),
+        )
+
+
 @rule("open-files", Severity.WARNING, "close what is not needed; ulimit -n raises the limit")
 def files_are_few(evidence: Evidence) -> Iterator[Finding]:
     """No program has nearly as many files open as it may.
@@ -69,6 +97,7 @@ def files_are_few(evidence: Evidence) -> Iterator[Finding]:
         yield Finding("open-files", Severity.WARNING, text, tuple(rows), ("restart them",))
 
 
+_CLOCK = "/clock"
 _SELECT = 1024  # liblcm's binding waits with select(2)
 _MOST_FILES = 0.9
 

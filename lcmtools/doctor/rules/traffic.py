@@ -1,11 +1,14 @@
 """Rules about the messages that come: lost, silent, irregular, too many, from too many."""
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from statistics import median
 
 from lcmtools.doctor.model import Evidence, Finding, SenderFacts, Severity, Stream, rule
+from lcmtools.doctor.rules.callbacks import busy_nodes
+from lcmtools.doctor.rules.types import disagree
+from lcmtools.graph.callbacks import duration_text
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.graph.rates import average_rate, counted_rate
 from lcmtools.names import is_hidden
@@ -81,12 +84,12 @@ def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
     if rows:
         text = "The following have stopped publishing:"
         yield Finding("silent", Severity.NOTE, text, tuple(rows))
-    nodes = {node.pid for node in evidence.own_nodes()}  # of these another rule says it
+    # of these other rules say it
+    nodes = {node.pid for node in evidence.own_nodes()} | {x.pid for x in evidence.listeners}
     stopped = [
         process
         for process in evidence.processes
-        if process.state in ("T", "t")
-        and not (process.bus or process.listens or process.pid in nodes)
+        if process.state in ("T", "t") and not (process.bus or process.pid in nodes)
     ]
     if stopped:
         yield Finding(
@@ -142,7 +145,7 @@ def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
             if is_late and longest > max(_SHORTEST, _UNEVEN * interval):
                 rows.append(
                     f" * {stream.name}: {stream.channel}, {longest:.2f} s without a message,"
-                    f" usually {interval:.3g} s"
+                    f" usually {duration_text(1e9 * interval)}"
                 )
     if rows:
         yield Finding("irregular", Severity.NOTE, "The following come unevenly:", tuple(rows))
@@ -152,7 +155,8 @@ def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
 def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
     """No two programs send on the same topic at the same time, or on alternatives of one input.
 
-    Two that steer the same robot fight over it. Topics meant for many, as /tf, are excepted.
+    Two that steer the same robot fight over it. Topics meant for many, as /tf, are excepted, and
+    those on which different types are sent, which another rule says.
     """
     groups = {
         endpoint.topic: f"{node.id}{endpoint.group}"
@@ -167,16 +171,31 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
             key = groups.get(stream.channel, stream.channel)
             # one node may send large messages from a port of its own: the name counts
             senders[key].setdefault(stream.name, stream)
+    rivals: dict[frozenset[str], list[Stream]] = defaultdict(list)
     for streams in senders.values():
-        if len(streams) > 1:
-            topics = sorted({stream.channel for stream in streams.values()})
-            yield Finding(
-                "competing-publishers",
-                Severity.WARNING,
-                f"{len(streams)} programs publish on {' and '.join(topics)} at the same time:",
-                tuple(f" * {name}: {stream.channel}" for name, stream in streams.items()),
-                (f"end one of them, or start it with {topics[0]}:={topics[0]}_2",),
-            )
+        topics = {stream.channel for stream in streams.values()}
+        if len(streams) > 1 and not any(disagree(evidence.graph.topic(name)) for name in topics):
+            rivals[frozenset(streams)] += streams.values()
+    for found in rivals.values():
+        names = sorted({stream.channel for stream in found})
+        count = len({one.name for one in found})
+        yield Finding(
+            "competing-publishers",
+            Severity.WARNING,
+            f"{count} programs publish on {' and '.join(names)} at the same time:",
+            tuple(f" * {stream.name}: {stream.channel}" for stream in found),
+            (_parting(evidence, found, names[0]),),
+        )
+
+
+def _parting(evidence: Evidence, streams: Sequence[Stream], topic: str) -> str:
+    """What ends the fight of several over a topic."""
+    kills = [f"(kill {pid})" for pid in dict.fromkeys(one.pid for one in streams) if pid]
+    end = f"end one of them {' or '.join(kills)}" if len(kills) > 1 else "end one of them"
+    nodes = {sender for node in evidence.graph.nodes for sender in node.senders()}
+    if any(one.sender in nodes for one in streams):
+        return f"{end}, or start it with {topic}:={topic}_2"
+    return f"{end}, or let it publish on another channel"
 
 
 @rule("bandwidth", Severity.WARNING, "send smaller messages, or less often: lcmtools bw TOPIC")
@@ -266,7 +285,12 @@ def _wanted_streams(evidence: Evidence) -> list[Stream]:
     ends = [(e, node) for node in evidence.graph.nodes if not node.stale for e in node.endpoints]
     published = {e.topic for e, _ in ends if e.role is Role.PUBLISHER}
     heard = {e.topic for e, node in ends if e.role is Role.SUBSCRIBER and not node.tool}
-    return [s for s in evidence.streams if s.channel in heard or s.channel not in published]
+    busy = busy_nodes(evidence)  # of these another rule says why
+    return [
+        s
+        for s in evidence.streams
+        if (s.channel in heard or s.channel not in published) and s.name not in busy
+    ]
 
 
 def _usual_interval(stream: Stream) -> float | None:

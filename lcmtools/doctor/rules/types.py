@@ -9,6 +9,7 @@ from lcmtools.messages.registry import candidates
 from lcmtools.names import is_hidden
 from lcmtools.wire.packet import Sender
 
+_RENEW = "generate the code of both sides from the same .lcm files: lcm-gen"
 _NO_TYPE = -1  # in place of a fingerprint, where there is none or it changes with each message
 
 
@@ -23,7 +24,7 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
     for name in graph.topic_names():
         topic = graph.topic(name)
         rows = [*_announced(topic), *_seen(topic, names)]
-        if not _disagree(topic) and not is_hidden(name) and _differ_in_name(topic):
+        if not disagree(topic) and not is_hidden(name) and _differ_in_name(topic):
             yield Finding(
                 "type-mismatch",
                 Severity.NOTE,
@@ -31,13 +32,16 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
                 tuple(rows),
                 ("it works; say the same type on both sides, so that everybody shows the same",),
             )
-        if _disagree(topic):
+        if disagree(topic):
             yield Finding(
                 "type-mismatch",
                 Severity.ERROR,
                 f"The types on {name} do not match:",
                 tuple(rows),
-                (f"remap one of them to another topic, for example {name}:={name}_2",),
+                (
+                    *_renewal(topic),
+                    f"remap one of them to another topic, for example {name}:={name}_2",
+                ),
             )
 
 
@@ -53,7 +57,7 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
         topic = evidence.graph.topic(name)
         unknown = {f for seen in topic.foreign for f in seen.fingerprints if not candidates(f)}
         # several fingerprints are those of data that is no LCM message
-        if is_hidden(name) or _disagree(topic) or len(unknown) != 1:
+        if is_hidden(name) or disagree(topic) or len(unknown) != 1:
             continue
         who = " and ".join(names.get(seen.sender, str(seen.sender)) for seen in topic.foreign)
         rows += [f" * {name} from {who}: {_describe(n, ())}" for n in unknown if kinship(n)]
@@ -63,11 +67,11 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
             Severity.NOTE,
             "The types of the following are nearly known ones:",
             tuple(rows),
-            ("generate the code of both sides from the same .lcm files: lcm-gen",),
+            (_RENEW,),
         )
 
 
-def _disagree(topic: Topic) -> bool:
+def disagree(topic: Topic) -> bool:
     """Whether something is sent that a subscriber, or another publisher, takes for another type."""
     sent = [set(endpoint.fingerprints) for _, endpoint in topic.publishers if endpoint.fingerprints]
     sent += [{fingerprint} for seen in topic.traffic for fingerprint in _sent_by(seen)]
@@ -76,6 +80,12 @@ def _disagree(topic: Topic) -> bool:
         # without a subscriber that takes both, two publishers of different types are at odds
         not taken and len({frozenset(one) for one in sent}) > 1
     )
+
+
+def _renewal(topic: Topic) -> list[str]:
+    """What helps where a type is sent that nobody knows."""
+    sent = {number for seen in topic.foreign for number in _sent_by(seen)} - {_NO_TYPE}
+    return [_RENEW] if any(not candidates(number) for number in sent) else []
 
 
 def _announced(topic: Topic) -> Iterator[str]:

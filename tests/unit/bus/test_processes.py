@@ -73,5 +73,5 @@ def test_an_address_of_this_computer_is_known(address: str, *, local: bool) -> N
 
 
 def test_a_port_that_nobody_has_leads_to_no_process() -> None:
-    assert processes.process_of_port(0) is None
+    assert processes.senders_of_port(0).only is None
     assert processes.owners([]) == {}

@@ -180,10 +180,12 @@ def test_names_that_are_not_utf8_are_recorded(records: NodeRecords) -> None:
     assert [node.command for node in records.read()] == ["run \udcff"]
 
 
-def test_a_record_says_what_the_node_published(records: NodeRecords) -> None:
-    records.write(_node(endpoints=(Endpoint("/chatter", Role.PUBLISHER),)))
-    assert records.publications({"abc"}) == {"/chatter"}
-    assert records.publications({"def"}) == set()
+def test_a_record_says_what_the_node_published_and_heard(records: NodeRecords) -> None:
+    ends = Endpoint("/chatter", Role.PUBLISHER), Endpoint("/news", Role.SUBSCRIBER)
+    records.write(_node(endpoints=ends))
+    assert records.topics({"abc"}, Role.SUBSCRIBER) == {"/news"}
+    assert records.topics({"abc"}, Role.PUBLISHER) == {"/chatter"}
+    assert records.topics({"def"}, Role.PUBLISHER) == set()
 
 
 def test_a_node_in_another_network_is_on_another_bus(records: NodeRecords, tmp_path: Path) -> None:
@@ -191,3 +193,14 @@ def test_a_node_in_another_network_is_on_another_bus(records: NodeRecords, tmp_p
     (file,) = _files(tmp_path)
     file.write_text(json.dumps({**json.loads(file.read_text()), "network": 1}))
     assert list(records.read()) == []
+
+
+def test_a_namesake_is_another_process_that_lives(records: NodeRecords) -> None:
+    records.write(_node())
+    assert records.namesake(_node(id="def")) is None, "it is of this process"
+    twin = records.namesake(_node(id="def", pid=1))
+    assert twin
+    assert twin.pid == os.getpid()
+    assert records.namesake(_node(name="/b", pid=1)) is None
+    records.write(_node(id="ghi", name="/c", pid=2**22 + 1))
+    assert records.namesake(_node(name="/c", pid=1)) is None, "it has ended"

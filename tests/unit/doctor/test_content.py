@@ -4,15 +4,16 @@ import math
 
 import pytest
 
-from lcmtools.doctor.content import oddities
+from lcmtools.doctor.content import _field, oddities
 from lcmtools.doctor.listening import Listening
 from lcmtools.doctor.near_types import kinship
 from lcmtools.messages.codec import encode
+from lcmtools.messages.fields import Field
 from lcmtools.messages.registry import Message, fingerprint, message_class, type_names
 from lcmtools.types.geometry_msgs import PoseStamped, Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock
-from lcmtools.types.sensor_msgs import Imu, JointState, LaserScan
+from lcmtools.types.sensor_msgs import Imu, JointState, LaserScan, NavSatFix
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Packet, Sender
 
@@ -48,6 +49,32 @@ def test_a_laser_may_see_nothing() -> None:
     scan = LaserScan()
     scan.ranges = [math.inf, math.nan]
     assert list(oddities(scan)) == []
+
+
+def test_only_what_a_laser_measures_may_be_no_number() -> None:
+    scan = LaserScan()
+    scan.angle_min = math.nan
+    assert list(oddities(scan)) == [("not-finite", "angle_min is nan")]
+    fix = NavSatFix()
+    fix.altitude = math.nan
+    assert list(oddities(fix)) == []
+    fix.latitude = math.nan
+    assert list(oddities(fix)) == [("not-finite", "latitude is nan")]
+
+
+def test_a_second_has_a_thousand_million_nanoseconds() -> None:
+    message = stamped(NOW / 1e9)
+    message.header.stamp.nsec = 1_500_000_000
+    expected = "header.stamp.nsec is 1500000000, and a second has 1000000000"
+    assert list(oddities(message)) == [("nsec", expected)]
+    assert heard(("/a", message)) == [("nsec", expected, 1)]
+
+
+def test_numbers_in_rows_of_rows_are_found() -> None:
+    rows = Field("m", "float64", None, (2, 2), is_length=False)
+    assert list(_field([[0.0, 1.0], [2.0, math.nan]], rows, "m")) == [
+        ("not-finite", "m[1][1] is nan")
+    ]
 
 
 def test_a_rotation_that_was_forgotten_or_has_a_wrong_length() -> None:
@@ -147,3 +174,10 @@ def test_fingerprints_are_computed_as_lcm_gen_does(name: str) -> None:
 
     cls = message_class(name)
     assert fingerprint_of(fields(cls)) == fingerprint(cls)
+
+
+def test_a_type_is_known_again_by_what_it_contains() -> None:
+    """As lcm-gen makes it of Twist where Vector3 has floats (tried with lcm-gen 1.5.3)."""
+    text = kinship(0xC52A118464E2BC0F, ["geometry_msgs/Twist"])
+    expected = "like geometry_msgs/Twist, but in geometry_msgs/Vector3 every float64 is float32"
+    assert text == expected

@@ -1,11 +1,14 @@
 """The flag that connects what is not connected."""
 
+from dataclasses import replace
+
 import pytest
 
-from lcmtools.doctor.model import Evidence
+from lcmtools.doctor.model import Evidence, Stream
 from lcmtools.doctor.near_names import are_near
 from lcmtools.doctor.rules import examine
-from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.wire.packet import Sender
 
 TWIST = (0x2E7C07D7CDF7E027,)
 
@@ -115,3 +118,72 @@ def test_what_a_remedy_connects_is_no_unconnected_publication() -> None:
     )
     rules = [finding.rule for finding in examine(Evidence("udpm://", graph=graph))]
     assert "unconnected-publications" not in rules
+
+
+def simulator(name: str, *ends: Endpoint) -> Node:
+    clock = Endpoint("/clock", Role.PUBLISHER, ("rosgraph_msgs/Clock",), (1,))
+    return Node(name, name + ends[0].topic, "here", 1, endpoints=(clock, *ends))
+
+
+def test_a_command_is_told_where_to_publish() -> None:
+    publisher = replace(node("/_pub", Role.PUBLISHER, "/Husky0/cmd_vel"), tool=True)
+    ear = node("/gazebo", Role.SUBSCRIBER, "/husky0/cmd_vel")
+    assert remedies(publisher, ear) == (
+        "/_pub publishes /Husky0/cmd_vel: let it publish on '/husky0/cmd_vel'",
+    )
+    publisher = replace(node("/_pub", Role.PUBLISHER, "/cmd_vel"), tool=True)
+    assert remedies(publisher, ear) == (
+        "/_pub publishes /cmd_vel: let it publish on '/husky0/cmd_vel'",
+    )
+
+
+def test_a_command_is_not_told_to_publish_something_else() -> None:
+    publisher = replace(node("/_pub", Role.PUBLISHER, "/husky0/wish"), tool=True)
+    assert remedies(publisher, node("/gazebo", Role.SUBSCRIBER, "/husky0/cmd_vel")) == ()
+
+
+def test_a_remap_that_leads_away_from_what_is_published_is_taken_back() -> None:
+    publisher = node("/robot/wheels", Role.PUBLISHER, "/robot/odometry")
+    command = "lcmtools run filter __ns:=/robot odometry:=speed"
+    subscriber = node("/robot/filter", Role.SUBSCRIBER, "/robot/speed", command)
+    assert remedies(publisher, subscriber) == (
+        "/robot/odometry is published: start /robot/filter without odometry:=speed",
+    )
+
+
+def test_others_go_by_the_names_of_a_simulator() -> None:
+    odometry = Endpoint("/robot/odometry", Role.PUBLISHER, ("geometry_msgs/Twist",), TWIST)
+    morse = simulator("/morse", odometry)
+    assert remedies(morse, node("/robot/filter", Role.SUBSCRIBER, "/robot/odom")) == (
+        "/robot/odometry is of the same type: start /robot/filter with odom:=odometry",
+    )
+
+
+def test_a_simulator_is_not_connected_with_another_one() -> None:
+    speed = Endpoint("/robot/speed", Role.PUBLISHER, ("geometry_msgs/Twist",), TWIST)
+    command = Endpoint("/robot/command", Role.SUBSCRIBER, ("geometry_msgs/Twist",), TWIST)
+    assert remedies(simulator("/morse", speed), simulator("/morse", command)) == ()
+
+
+@pytest.mark.parametrize(
+    ("channel", "remedy"),
+    [
+        ("/cmd_vel", "'/cmd_vel' is published, by sender: let it publish on '/husky0/cmd_vel'"),
+        ("cmd_vel", "'cmd_vel' is published, by sender: let it publish on '/husky0/cmd_vel'"),
+        (
+            "/husky0/cmdvel",
+            (
+                "/husky0/cmdvel is published, by sender: let it publish on '/husky0/cmd_vel',"
+                " or start /gazebo with /husky0/cmd_vel:=/husky0/cmdvel"
+            ),
+        ),
+    ],
+)
+def test_a_program_that_is_no_node_is_told_where_to_publish(channel: str, remedy: str) -> None:
+    sender = Sender("127.0.0.1", 4000)
+    traffic = Traffic(channel, sender, TWIST, 5, 50, 1, 2)
+    ear = node("/gazebo", Role.SUBSCRIBER, "/husky0/cmd_vel")
+    streams = (Stream(channel, sender, "sender", (1, 2)),)
+    evidence = Evidence("udpm://", graph=Graph((ear,), (traffic,)), streams=streams)
+    found = {finding.rule: finding for finding in examine(evidence)}
+    assert found["unconnected-subscriptions"].remedies == (remedy,)

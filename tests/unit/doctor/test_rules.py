@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from lcmtools.doctor.model import Evidence, Finding, Severity
-from lcmtools.doctor.rules import examine
+from lcmtools.doctor.rules import RULES, examine
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.messages.registry import fingerprint, message_class
 from lcmtools.wire.packet import Sender
@@ -339,3 +339,23 @@ def test_a_mismatch_with_an_older_type_tells_the_field_that_differs() -> None:
 def test_types_of_which_nothing_is_known_are_nobodys_fault() -> None:
     seen = Traffic("OWN", Sender("10.0.0.1", 4000), (0x0001020304050607,), 5, 500, 0, 1)
     assert findings(traffic=[seen]) == {}
+
+
+def test_simulated_time_needs_somebody_who_publishes_it() -> None:
+    follower = node("/talker", sub("/clock", "rosgraph_msgs/Clock"), pid=7)
+    finding = findings(follower)["no-clock"]
+    assert finding.severity is Severity.ERROR
+    assert finding.items == (" * /talker (pid 7)",)
+    assert finding.remedies[0] == "start /talker without _use_sim_time:=true"
+    assert "no-clock" not in findings(follower, node("/sim", pub("/clock", "rosgraph_msgs/Clock")))
+    graph = Graph((follower,))
+    killed = Evidence(url="udpm://x", graph=graph, hushed=frozenset({"/clock"}))
+    assert "no-clock" not in {finding.rule for finding in examine(killed)}
+
+
+def test_a_rule_that_is_not_asked_takes_nothing_from_others() -> None:
+    graph = Graph((node("/ear", sub("/chatter", STRING)),))
+    evidence = Evidence(url="udpm://x", graph=graph, hushed=frozenset({"/chatter"}))
+    assert "unconnected-subscriptions" not in {finding.rule for finding in examine(evidence)}
+    asked = [rule for rule in RULES if rule.id != "stale-nodes"]
+    assert "unconnected-subscriptions" in {finding.rule for finding in examine(evidence, asked)}

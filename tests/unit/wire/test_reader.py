@@ -92,3 +92,14 @@ def test_only_the_channels_that_are_wanted_whole_come_whole() -> None:
         ("/image", 150_000, 150_000),
     ]
     assert found[1].payload == large
+
+
+def test_large_messages_that_never_become_whole_are_lost() -> None:
+    reader = Reader(whole=True)
+    whole, parts = list(fragments(7, "/image", bytes(150_000))), []
+    read(reader, whole[1:])  # it had begun before
+    assert reader.sequences == {}
+    for number in range(8, 11):
+        parts += list(fragments(number, "/image", bytes(150_000)))[:-1]
+    read(reader, parts)
+    assert (reader.sequences[SENDER].messages, reader.sequences[SENDER].lost) == (0, 2)

@@ -42,6 +42,21 @@ def test_numbers_that_begin_anew_are_no_loss() -> None:
     assert (again.lost, again.restarts) == (0, 1)
 
 
+def test_what_never_becomes_whole_is_lost_once_a_later_one_begins() -> None:
+    one = sequence(1)
+    one.begin(2)
+    assert one.lost == 0  # more of it may come
+    one.begin(3)
+    assert one.lost == 1
+    one.add(3)
+    one.begin(4)
+    one.begin(4)
+    one.add(4)
+    assert (one.messages, one.lost) == (3, 1)
+    one.add(2)
+    assert (one.messages, one.lost) == (4, 0)
+
+
 @given(st.sets(st.integers(0, 400)), st.integers(0, 2**32 - 1), st.randoms(use_true_random=False))
 def test_loss_is_what_is_missing_between_first_and_last(
     missing: set[int], start: int, chance: random.Random
