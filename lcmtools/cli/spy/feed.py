@@ -101,9 +101,7 @@ class Feed:
         try:
             self._read()
         except EOFError:
-            is_log = self.url.provider == "file"
-            what = "the log has ended" if is_log else f"the connection to {self.url} has ended"
-            self.latest = replace(self._snapshot(), trouble=what, is_over=True)
+            self.latest = replace(self._snapshot(), trouble="the log has ended", is_over=True)
         except LcmtoolsError as error:
             self.latest = replace(self.latest, trouble=str(error), is_over=True)
         except Exception as error:  # noqa: BLE001 - told on the screen, not in a thread's last words
@@ -114,7 +112,7 @@ class Feed:
         """Read until the end.
 
         Raises:
-            EOFError: The bus is a log or a connection, and it has ended.
+            EOFError: The bus is a log, and it has ended.
         """
         if self.url.provider != "file":
             with suppress(BusError, OSError):  # a network that fails now may come back
@@ -144,7 +142,7 @@ class Feed:
             self._activity.hear(packet)
             if follow is not None:
                 follow(packet)
-        return ""
+        return self._watch.trouble
 
     def _clear(self) -> None:
         self._clears.clear()

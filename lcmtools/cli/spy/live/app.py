@@ -1,6 +1,7 @@
 """The live view: a table, one channel closely, a number over time, and the way out."""
 
 import asyncio
+import os
 import signal
 from collections.abc import Callable
 from contextlib import suppress
@@ -62,6 +63,7 @@ class SpyApp(App[int]):
         Binding("f10", "leave", show=False, priority=True),
         Binding("ctrl+q", "leave", show=False, priority=True),
         Binding("ctrl+c", "interrupt", show=False, priority=True),
+        Binding("ctrl+z", "suspend", show=False, priority=True),
         Binding("f1,h,question_mark", "explain", show=False),
     ]
 
@@ -71,8 +73,6 @@ class SpyApp(App[int]):
         self._source = source
         self._follow = follow
         self._shown: Snapshot | None = None
-        self._detail: Detail | None = None
-        self._unfollow: Callable[[], None] | None = None
 
     def on_mount(self) -> None:
         """Show the table, and look for what is new from now on."""
@@ -87,16 +87,7 @@ class SpyApp(App[int]):
         """Show a channel closely."""
         row = self._source.latest.row(channel)
         study = Study(row.channel, row.types if row.is_announced else ())
-        self._unfollow = self._follow(study)
-        self._detail = Detail(study, row)
-        self.push_screen(self._detail)
-
-    def action_step_back(self) -> None:
-        """Leave what stands in front."""
-        if self.screen is self._detail:
-            self.stop_following()
-            self._detail = None
-        self.pop_screen()
+        self.push_screen(Detail(study, row, self._follow(study)))
 
     def action_explain(self) -> None:
         """Show the keys."""
@@ -115,19 +106,17 @@ class SpyApp(App[int]):
         """End, as by Ctrl-C."""
         self.exit(INTERRUPTED)
 
-    def stop_following(self) -> None:
-        """Look closely at no channel any more."""
-        if self._unfollow is not None:
-            self._unfollow()
-            self._unfollow = None
+    def action_suspend(self) -> None:
+        """Give the terminal back until "fg"; not where no shell could say that."""
+        if os.getpgrp() != os.getsid(0):
+            self.action_suspend_process()
 
     def _tick(self) -> None:
-        snapshot, screen = self._source.latest, self.screen
-        if not screen.is_mounted:  # it has no parts yet, and draws itself as soon as it has
-            return
+        snapshot = self._source.latest
+        screen = self.screen_stack[-1] if self.screen_stack else None  # none at the end
         is_new = snapshot is not self._shown
         self._shown = snapshot
-        if is_new and screen is not self._detail:
+        if is_new and not isinstance(screen, Detail):
             self.overview.take(snapshot)
         if isinstance(screen, Detail):
             screen.take(snapshot.row(screen.study.channel))
@@ -160,6 +149,5 @@ def show(watch: Watch, wanted: Wanted, view: View) -> int:
     try:
         code = app.run()
     finally:
-        app.stop_following()
         feed.stop()
     return app.return_code or 0 if code is None else code

@@ -18,9 +18,9 @@ class Bar(Widget):
 
     DEFAULT_CSS = "Bar { height: 1; }"
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, *lines: Sequence[Part]) -> None:
         super().__init__(id=name)
-        self._lines: Sequence[Sequence[Part]] = ()
+        self._lines: Sequence[Sequence[Part]] = lines
 
     def show(self, *lines: Sequence[Part]) -> None:
         """Show these lines; empty ones are left out."""

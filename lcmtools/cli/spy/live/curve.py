@@ -4,10 +4,10 @@ from typing import ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.screen import Screen
 
 from lcmtools.cli.spy.live.bars import Bar, keys_line
 from lcmtools.cli.spy.live.lines import BOLD, CURVE, PLAIN, WARN, Lines
+from lcmtools.cli.spy.live.page import Page
 from lcmtools.cli.spy.sparkline import number_text, plot
 from lcmtools.cli.spy.study import Study
 
@@ -16,7 +16,7 @@ _SPANS = (2, 5, 10, 20, 40, 120, 600)  # [s]
 _USUAL = 3
 
 
-class CurveScreen(Screen[None]):
+class CurveScreen(Page[str | None]):
     """A number over time.
 
     Args:
@@ -25,7 +25,7 @@ class CurveScreen(Screen[None]):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape,q,enter,left", "app.step_back", show=False),
+        Binding("escape,q,enter,left", "back", show=False),
         Binding("plus,equals_sign", "span(1)", show=False),
         Binding("minus", "span(-1)", show=False),
         Binding("space", "pause", show=False),
@@ -37,16 +37,16 @@ class CurveScreen(Screen[None]):
         self.is_paused = False
         self._path = path
         self._span = _USUAL
+        self._title, self._lines = Bar("title"), Lines("curve", has_cursor=False)
 
     def compose(self) -> ComposeResult:
         """The parts of the screen, from above."""
-        yield Bar("title")
-        yield Lines("curve", has_cursor=False)
-        yield Bar("keys")
+        yield self._title
+        yield self._lines
+        yield Bar("keys", keys_line(_KEYS))
 
     def on_mount(self) -> None:
         """Draw what is known already."""
-        self.query_one("#keys", Bar).show(keys_line(_KEYS))
         self.draw()
 
     def on_resize(self) -> None:
@@ -70,8 +70,7 @@ class CurveScreen(Screen[None]):
 
     def draw(self) -> None:
         """Draw the curve."""
-        lines = self.query_one(Lines)
-        width, height = lines.size
+        width, height = self._lines.size
         samples = self.study.samples(self._path)
         if not samples or not height:
             return
@@ -83,6 +82,6 @@ class CurveScreen(Screen[None]):
         title.append((f" {number_text(max(known))}", PLAIN))
         if self.is_paused:
             title.append(("  PAUSED", WARN))
-        self.query_one("#title", Bar).show(title)
+        self._title.show(title)
         rows = plot(samples, now, width, height, span)
-        lines.show([str(i) for i in range(len(rows))], lambda i: ((rows[i], CURVE),), ())
+        self._lines.show([str(i) for i in range(len(rows))], lambda i: ((rows[i], CURVE),), ())

@@ -6,7 +6,6 @@ from typing import ClassVar
 from rich.style import Style
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.screen import Screen
 from textual.widgets import Input
 
 from lcmtools.cli.spy.columns import (
@@ -33,6 +32,7 @@ from lcmtools.cli.spy.live.lines import (
     Lines,
     Part,
 )
+from lcmtools.cli.spy.live.page import Page
 from lcmtools.cli.spy.live.prompt import Prompt
 from lcmtools.cli.spy.live.sorting import SortScreen
 from lcmtools.cli.spy.rows import Row
@@ -46,7 +46,7 @@ _MUCH_LOSS = 0.01  # of what is sent
 _SEARCH, _FILTER = "Search", "Filter"
 
 
-class Overview(Screen[None]):
+class Overview(Page[None]):
     """The table.
 
     Args:
@@ -80,24 +80,19 @@ class Overview(Screen[None]):
         self._layout = Layout((), (), "")
         self._widest: dict[str, int] = {}
         self._before = ""
+        self._top, self.lines, self._prompt = Bar("title"), Lines("table"), Prompt("prompt")
 
     def compose(self) -> ComposeResult:
         """The parts of the screen, from above."""
-        yield Bar("title")
-        yield Lines("table")
-        yield Prompt("prompt")
-        yield Bar("keys")
+        yield self._top
+        yield self.lines
+        yield self._prompt
+        yield Bar("keys", keys_line(_KEYS))
 
     def on_mount(self) -> None:
         """Begin with an empty table."""
-        self.query_one("#keys", Bar).show(keys_line(_KEYS))
         self.lines.focus()
         self._draw()
-
-    @property
-    def lines(self) -> Lines:
-        """The table itself."""
-        return self.query_one("#table", Lines)
 
     def take(self, snapshot: Snapshot) -> None:
         """Show what is known now, unless somebody wants to read in peace."""
@@ -132,7 +127,7 @@ class Overview(Screen[None]):
             if column is not None and column != self.view.column:
                 self.action_sort(column)
 
-        self.app.push_screen(SortScreen(self.view.column), chosen)
+        self.open(SortScreen(self.view.column), chosen)
 
     def action_pause(self) -> None:
         """Stop the display, or let it go on."""
@@ -141,12 +136,12 @@ class Overview(Screen[None]):
 
     def action_search(self) -> None:
         """Let somebody type what to look for."""
-        self.query_one(Prompt).ask(_SEARCH, "")
+        self._prompt.ask(_SEARCH, "")
 
     def action_filter(self) -> None:
         """Let somebody type what rows must have."""
         self._before = self.view.text
-        self.query_one(Prompt).ask(_FILTER, self.view.text)
+        self._prompt.ask(_FILTER, self.view.text)
 
     def action_unfilter(self) -> None:
         """Show all rows again."""
@@ -154,7 +149,7 @@ class Overview(Screen[None]):
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """Search or filter while somebody types."""
-        purpose = self.query_one(Prompt).purpose
+        purpose = self._prompt.purpose
         if purpose == _FILTER:
             self._look(self.view.filtered(event.value))
         elif purpose == _SEARCH:
@@ -162,7 +157,7 @@ class Overview(Screen[None]):
 
     def on_prompt_again(self) -> None:
         """Go to the next row that is searched."""
-        self._find(self.query_one(Prompt).value, 1)
+        self._find(self._prompt.value, 1)
 
     def on_prompt_left(self, event: Prompt.Left) -> None:
         """Go back to the table; a filter that was given up is none."""
@@ -174,7 +169,8 @@ class Overview(Screen[None]):
     def on_lines_chosen(self, event: Lines.Chosen) -> None:
         """Look closely at a channel."""
         event.stop()
-        self._look_closely(event.key)
+        if self.is_in_front:
+            self._look_closely(event.key)
 
     def on_lines_heading_clicked(self, event: Lines.HeadingClicked) -> None:
         """Sort by the column that was clicked on."""
@@ -200,14 +196,14 @@ class Overview(Screen[None]):
                 return
 
     def _draw(self) -> None:
-        if not self.is_attached or not self.size.width:
+        if not self.size.width:
             return
         self._rows = self.view.rows(self._snapshot.rows, steady=True)
         columns = list(COLUMNS.values())
         for name, width in natural_widths(self._rows, columns).items():
             self._widest[name] = max(width, self._widest.get(name, 0))  # it does not jump about
         self._layout = layout(columns, self._widest, self.size.width)
-        self.query_one("#title", Bar).show(self._title(), self._remarks())
+        self._top.show(self._title(), self._remarks())
         heading = list(self._heading())
         text, style = heading[-1]
         heading[-1] = text.rstrip(), style

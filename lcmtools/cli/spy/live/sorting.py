@@ -9,6 +9,7 @@ from textual.screen import ModalScreen
 
 from lcmtools.cli.spy.columns import COLUMNS
 from lcmtools.cli.spy.live.lines import BOLD, PLAIN, Lines, Part
+from lcmtools.cli.spy.live.page import Page
 
 _HELP = (
     ("Enter", "the channel's messages, decoded; there:"),
@@ -25,6 +26,7 @@ _HELP = (
     ("c", "count anew"),
     ("F1 h ?", "this help"),
     ("F10 q Ctrl-C", "end"),
+    ("Ctrl-Z", "back to the shell, until fg"),
     ("", ""),
     ("Hz, bandwidth", "of the last two seconds"),
     ("jitter", "the longest interval of late less the shortest"),
@@ -36,24 +38,28 @@ _HELP = (
 )
 
 
-class ListScreen(ModalScreen[str | None]):
+class ListScreen(ModalScreen[str | None], Page[str | None]):
     """Lines in front of the table."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape,q,f6,f1", "dismiss", show=False),
+        Binding("escape,q,f6,f1", "back", show=False),
     ]
     DEFAULT_CSS = """
     ListScreen { align: center middle; background: transparent; }
     ListScreen Lines { border: round ansi_cyan; max-width: 100%; max-height: 100%; }
     """
 
+    def __init__(self) -> None:
+        super().__init__()
+        self.lines = Lines("list")
+
     def compose(self) -> ComposeResult:
         """The list."""
-        yield Lines("list")
+        yield self.lines
 
     def show(self, rows: Sequence[tuple[str, Sequence[Part]]], title: str) -> None:
         """Show these lines, each with its key."""
-        lines = self.query_one(Lines)
+        lines = self.lines
         lines.border_title = title
         lines.styles.width = 2 + max(sum(len(text) for text, _ in parts) for _, parts in rows)
         lines.styles.height = 2 + len(rows)
@@ -78,7 +84,7 @@ class SortScreen(ListScreen):
             (c.name, ((f" {c.letter} ", BOLD), (f"{c.name:<12}", PLAIN))) for c in COLUMNS.values()
         ]
         self.show(rows, "sort by")
-        self.query_one(Lines).go_to(self._column)
+        self.lines.go_to(self._column)
 
     def on_lines_chosen(self, event: Lines.Chosen) -> None:
         """Give back what was chosen."""
@@ -89,7 +95,7 @@ class SortScreen(ListScreen):
 class HelpScreen(ListScreen):
     """The keys, and what the columns mean."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("h,question_mark", "dismiss", show=False)]
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("h,question_mark", "back", show=False)]
 
     def on_mount(self) -> None:
         """Show the help."""

@@ -1,17 +1,22 @@
 """The live view's keys, on a screen that nobody sees, fed with planted rows and packets."""
 
 import asyncio
+import random
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
 
 import pytest
 from textual.app import App
+from textual.events import Key
 from textual.pilot import Pilot
 
 from lcmtools.cli.spy.feed import Snapshot
 from lcmtools.cli.spy.live.app import SpyApp
 from lcmtools.cli.spy.live.bars import Bar
+from lcmtools.cli.spy.live.curve import CurveScreen
+from lcmtools.cli.spy.live.detail import Detail
 from lcmtools.cli.spy.live.lines import Lines
+from lcmtools.cli.spy.live.page import Page
 from lcmtools.cli.spy.rows import Row
 from lcmtools.cli.spy.study import Study
 from lcmtools.cli.spy.view import View
@@ -394,7 +399,7 @@ def test_any_size_will_do_and_the_table_follows_it(size: tuple[int, int]) -> Non
     async def script(screen: Screen) -> None:
         for width, height in (size, (100, 20), size):
             await screen.resize(width, height)
-            assert screen.app.overview.lines.size.width == width
+            await screen.until(lambda w=width: screen.app.overview.lines.size.width == w)
             lines = screen.text.splitlines()
             assert len(lines) <= height
             assert max(map(len, lines)) <= width
@@ -449,5 +454,122 @@ def test_a_screen_that_has_no_parts_yet_is_left_alone() -> None:
         assert not screen.app.screen.is_mounted
         await screen.until(lambda: screen.app.screen.is_mounted)
         await screen.until(lambda: "/base/scan" in screen.title)
+
+    look(script)
+
+
+async def type_at_once(screen: Screen, *keys: str) -> None:
+    """Type faster than screens come and go: each key is sent before the one ahead has worked."""
+    for key in keys:
+        screen.app.post_message(Key(key, key if len(key) == 1 else None))
+    for _ in range(4):
+        await screen.press()
+
+
+@pytest.mark.parametrize(
+    ("keys", "left"),
+    [
+        (("enter", "enter"), ["Overview", "Detail"]),
+        (("f6", "f6"), ["Overview", "SortScreen"]),
+        (("question_mark", "question_mark"), ["Overview", "HelpScreen"]),
+    ],
+)
+def test_a_screen_is_opened_once_however_fast_somebody_types(
+    keys: tuple[str, ...], left: list[str]
+) -> None:
+    async def script(screen: Screen) -> None:
+        await type_at_once(screen, *keys)
+        names = [type(one).__name__ for one in screen.app.screen_stack[1:]]
+        assert names in (left, ["Overview"])  # or the second was late, and has closed it
+        assert len(screen.planted.studies) == left.count("Detail")
+
+    look(script)
+
+
+@pytest.mark.parametrize("opening", [("enter",), ("f6",), ("f1",)])
+@pytest.mark.parametrize("leaving", ["escape", "q"])
+def test_a_screen_is_left_once_and_the_table_stays(opening: tuple[str, ...], leaving: str) -> None:
+    async def script(screen: Screen) -> None:
+        await screen.press(*opening)
+        front = screen.app.screen
+        assert isinstance(front, Page)
+        front.action_back()
+        front.action_back()  # was on its way already, and is for nobody else
+        front.dismiss("channel")
+        await screen.press()
+        assert screen.app.screen is screen.app.overview
+        await screen.press(*opening)
+        await type_at_once(screen, leaving, leaving)
+        assert screen.app.overview in screen.app.screen_stack
+
+    look(script)
+
+
+def test_what_comes_while_a_screen_is_made_or_taken_down_does_no_harm() -> None:
+    async def script(screen: Screen) -> None:
+        await screen.press("enter")
+        screen.planted.studies[0].hear(Packet("/arm/joints", encode(Vector3()), START))
+        detail = screen.app.screen
+        assert isinstance(detail, Detail)
+        detail.action_back()
+        await screen.until(lambda: not detail.is_attached)
+        detail.take(ROWS[0])  # a late tick; and a late change of size
+        detail.on_resize()
+        curve = CurveScreen(screen.planted.studies[0], "x")
+        curve.take()
+        screen.app.push_screen(curve)
+        screen.app._tick()
+        await screen.press("escape")
+        curve.draw()
+        assert screen.app.screen is screen.app.overview
+        screen.app.action_leave()
+
+    look(script)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_storm_of_keys_and_sizes_leaves_the_table_standing(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lcmtools.cli.spy.live.app._PERIOD", 0.001)
+    chance = random.Random(seed)  # noqa: S311 - no secret
+    keys = [
+        "escape",
+        "left",
+        "enter",
+        "enter",
+        "f1",
+        "question_mark",
+        "f6",
+        "f3",
+        "f4",
+        "x",
+        "plus",
+    ]
+
+    async def script(screen: Screen) -> None:
+        for _ in range(30):
+            for key in chance.choices(keys, k=4):
+                screen.app.post_message(Key(key, None))
+            await screen._pilot.resize_terminal(chance.randint(1, 140), chance.randint(1, 40))
+            screen.planted.latest = Snapshot(ROWS[: chance.randint(0, len(ROWS))])
+        await screen.until(lambda: screen.app.overview in screen.app.screen_stack)
+        screen.app.action_leave()
+
+    look(script)
+
+
+@pytest.mark.parametrize(("group", "stops"), [(7, 1), (5, 0)])
+def test_ctrl_z_stops_it_where_a_shell_can_continue_it(
+    monkeypatch: pytest.MonkeyPatch, group: int, stops: int
+) -> None:
+    monkeypatch.setattr("os.getpgrp", lambda: group)
+    monkeypatch.setattr("os.getsid", lambda _: 5)
+    asked = []
+    monkeypatch.setattr(SpyApp, "action_suspend_process", lambda _: asked.append("to stop"))
+
+    async def script(screen: Screen) -> None:
+        await screen.press("ctrl+z")
+        assert len(asked) == stops
 
     look(script)
