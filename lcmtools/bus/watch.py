@@ -11,7 +11,7 @@ import signal
 import socket
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Protocol
 
@@ -69,12 +69,18 @@ class Observer(Protocol):
         ...
 
 
-def open_observer(url: BusUrl, *, whole: bool = False) -> Observer:
+def open_observer(
+    url: BusUrl,
+    *,
+    whole: bool = False,
+    on_outage: Callable[[str, str], None] = lambda _text, _trouble: None,
+) -> Observer:
     """The best observer that a bus allows.
 
     Args:
         url: The bus.
         whole: Large messages are wanted whole; else their heads will do.
+        on_outage: Told that the connection is lost or back, and what is wrong now, "" for nothing.
 
     Raises:
         BusError: The bus cannot be reached, with what to type.
@@ -83,7 +89,7 @@ def open_observer(url: BusUrl, *, whole: bool = False) -> Observer:
         return Tap(url, whole=whole)
     from lcmtools.bus.lcm_listener import LcmListener
 
-    return LcmListener(url)
+    return LcmListener(url, on_outage)
 
 
 class Watch:
@@ -95,6 +101,10 @@ class Watch:
         environment: The process's environment variables.
         observer: What sees the messages; None for the best that the bus allows.
         whole: Large messages are wanted whole; else their heads will do (``Packet.whole_bytes``).
+        on_outage: Told that the connection to a server is lost, and that it is back.
+
+    Attributes:
+        trouble: Why nothing comes; "" where the connection is well.
 
     Raises:
         BusError: The bus cannot be reached, with what to type.
@@ -108,9 +118,12 @@ class Watch:
         observer: Observer | None = None,
         *,
         whole: bool = False,
+        on_outage: Callable[[str], None] = lambda _: None,
     ) -> None:
         self.url = url
-        self._observer = observer or open_observer(url, whole=whole)
+        self.trouble = ""
+        self._on_outage = on_outage
+        self._observer = observer or open_observer(url, whole=whole, on_outage=self._note_outage)
         self._records = NodeRecords(url, environment)
         self._node = _tool_node(tool)
         self._builder = GraphBuilder(but=self._node.id)
@@ -209,6 +222,12 @@ class Watch:
         """Drop a stale node and its record."""
         self._builder.forget(node.id)
         self._records.remove(node.id)
+
+    def _note_outage(self, text: str, trouble: str) -> None:
+        self.trouble = trouble
+        if not trouble and self._node.endpoints:
+            self._announce()
+        self._on_outage(text)
 
     def _hears_talk(self, timeout: float) -> bool:
         return any(packet.channel in TALK_CHANNELS for packet in self.receive(timeout))

@@ -32,6 +32,7 @@ MSG_COMMANDS = {
     "fingerprint": Entry("lcmtools.cli.msg.fingerprint:command", "Print a type's fingerprint."),
     "build": Entry("lcmtools.cli.msg.build:command", "Check and compile your own .lcm files."),
     "generate": Entry("lcmtools.cli.msg.generate:command", "Write C, C++, Java or Python code."),
+    "info": Entry("lcmtools.cli.msg.show:command", "show, as ROS.", is_alias=True),
     "md5": Entry("lcmtools.cli.msg.fingerprint:command", "fingerprint, as ROS.", is_alias=True),
 }
 PKG_COMMANDS = {

@@ -1,4 +1,4 @@
-"""Words that begin with "-" and are no options: negative numbers, and lists of YAML.
+"""Words that begin with "-" and are no options: negative numbers, and documents of YAML.
 
 Belongs here: telling them apart, and how they pass a parser that takes them for options. Must not
 import click, for the sake of completion.
@@ -11,14 +11,12 @@ class Dashes:
     """What a command takes for a value although it begins with "-".
 
     Args:
-        also: More that is a value, as a regular expression; what follows "-".
         but: What is none, as a regular expression of the whole word.
     """
 
-    def __init__(self, also: str = "", but: str = "") -> None:
-        more = f"|{also}" if also else ""
+    def __init__(self, but: str = "") -> None:
         no = f"(?!{but}$)" if but else ""
-        value = rf"{no}-(\.?\d|\.?inf|\s{more})"
+        value = rf"{no}-(\.?\d|\.?inf|\.?nan\b|\s|--(?=\s))"
         self._value = re.compile(value, re.IGNORECASE)
         self._shielded = re.compile(f"^ (?={value})", re.IGNORECASE)
 

@@ -33,17 +33,21 @@ _QUIET_ENDS: dict[type[BaseException], int] = {
 
 @contextlib.contextmanager
 def endable(signals: list[int]) -> Iterator[None]:
-    """Let Ctrl-C and SIGTERM end a command in an orderly way; ``signals`` gets their numbers.
+    """Let Ctrl-C, SIGTERM and a closed terminal end a command in an orderly way.
+
+    ``signals`` gets their numbers.
 
     Also where SIGINT was ignored when it began, as a shell script has it for what it starts with
     "&": kill -INT ends a command there as it ends rostopic.
     """
 
     def end(number: int, _frame: FrameType | None) -> None:
+        if number == signal.SIGHUP and signals:  # a shell that ends and its terminal both send one
+            return
         signals.append(number)
         raise KeyboardInterrupt
 
-    before = {number: signal.signal(number, end) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.signal(number, end) for number in _ending_signals()}
     try:
         yield
     finally:
@@ -51,9 +55,15 @@ def endable(signals: list[int]) -> Iterator[None]:
             signal.signal(number, handler)
 
 
+def _ending_signals() -> list[int]:
+    """What ends a command; a closed terminal does not where nohup has said so."""
+    hangs_up = signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN
+    return [signal.SIGINT, signal.SIGTERM, *([signal.SIGHUP] if hangs_up else [])]
+
+
 def end_at_once() -> None:
     """All is done and said: let a signal that comes now end the process without a word."""
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in _ending_signals():
         signal.signal(number, lambda number, _frame: os._exit(BY_SIGNAL + number))
 
 

@@ -179,7 +179,10 @@ def open_watch(tool: str, *, whole: bool = False) -> "Watch":
     """
     from lcmtools.bus.watch import Watch
 
-    return Watch(chosen_url(), tool, os.environ, whole=whole)
+    def tell(text: str) -> None:
+        talk(f"lcmtools {tool}: {text}")
+
+    return Watch(chosen_url(), tool, os.environ, whole=whole, on_outage=tell)
 
 
 def topic_spellings(name: str) -> list[str]:

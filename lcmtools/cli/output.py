@@ -9,8 +9,15 @@ from collections.abc import Callable, Iterable
 from lcmtools.color import BOLD_RED, paint, stream_wants_color
 from lcmtools.errors import LcmtoolsError
 
-# Anybody can put a channel on the bus whose name would clear or recolour the terminal.
-_ESCAPES = {code: f"\\x{code:02x}" for code in (*range(32), *range(127, 160)) if code != ord("\t")}
+# Anybody can put a channel on the bus whose name would clear or recolour the terminal, begin a line
+# of its own or turn the direction of what follows.
+_ODD = (*range(0x7F, 0xA0), *range(0x2028, 0x202F), *range(0x2066, 0x206A))
+_ESCAPES_IN_JSON = {code: f"\\u{code:04x}" for code in _ODD}  # of what json.dumps leaves
+_ESCAPES = {
+    code: f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"  # noqa: PLR2004 - two digits
+    for code in (*range(0x20), *_ODD)
+    if code != ord("\t")
+}
 
 
 def data(text: str) -> None:
@@ -30,7 +37,7 @@ def lines(rows: Iterable[str], decorate: Callable[[str], str] = str) -> None:
 
 def document(value: object) -> None:
     """Print one JSON document."""
-    data(json.dumps(value, ensure_ascii=False, indent=2))
+    data(json.dumps(value, ensure_ascii=False, indent=2).translate(_ESCAPES_IN_JSON))
 
 
 def talk(text: str, speaker: str = "") -> None:

@@ -2,12 +2,14 @@
 
 import json
 import os
+import re
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 
 import click
 
-from lcmtools.cli.options import CONTEXT, bus_options, chosen_url, duration, json_option
+from lcmtools.cli.options import CONTEXT, bus_choice, bus_options, chosen_url, duration, json_option
 from lcmtools.cli.output import data, document, lines
 from lcmtools.color import BOLD, RED, YELLOW, paint, stream_wants_color
 from lcmtools.doctor.collect import collect
@@ -92,11 +94,10 @@ def command(  # noqa: PLR0913 - one parameter an option
     rules = [rule for rule in only or RULES if rule not in ignore]
     if not rules:
         raise UsageError("no rule is left", "lcmtools wtf --list shows them")
-    url = chosen_url()
-
+    look = _evidence if as_json else _evidence_of_good_url
     if forever:
-        _watch(lambda: list(examine(collect(url, os.environ, wait), rules)), as_json=as_json)
-    evidence = collect(url, os.environ, wait)
+        _watch(lambda: list(examine(look(wait, at_least=wait), rules)), as_json=as_json)
+    evidence = look(wait)
     findings = list(examine(evidence, rules))
     if as_json:
         document([_record(finding) for finding in findings])
@@ -105,21 +106,61 @@ def command(  # noqa: PLR0913 - one parameter an option
     return max((finding.severity for finding in findings), default=Severity.NOTE).value
 
 
+def _evidence(listen: float, at_least: float = 0.0) -> Evidence:
+    """What there is on the bus; a bus that the environment names wrongly is a finding too."""
+    try:
+        return _evidence_of_good_url(listen, at_least)
+    except UsageError as error:
+        if bus_choice().url or bus_choice().domain:
+            raise
+        time.sleep(at_least)
+        remedy = error.hint.replace("write 'udpm:", "export LCM_DEFAULT_URL='udpm:")
+        return Evidence(url="", bus_problem=error.what, bus_remedy=remedy)
+
+
+def _evidence_of_good_url(listen: float, at_least: float = 0.0) -> Evidence:
+    """What there is on the bus.
+
+    Args:
+        listen: How long to listen [s].
+        at_least: How long it takes where the bus does not work at all [s].
+
+    Raises:
+        UsageError: The bus is named wrongly.
+    """
+    evidence = collect(chosen_url(), os.environ, listen)
+    if evidence.bus_problem:
+        time.sleep(at_least)
+    return evidence
+
+
 def _watch(look: Callable[[], list[Finding]], *, as_json: bool) -> None:
     """Look again and again, without end."""
     known: dict[str, Finding] = {}
     is_first = True
     while True:
-        found = {f"{finding.rule} {finding.text}": finding for finding in look()}
+        found = {f"{finding.rule} {_constant(finding.text)}": finding for finding in look()}
         for key, finding in known.items():
             if key not in found:
                 _show_change(finding, "cleared", as_json=as_json)
         for key, finding in found.items():
             if key not in known:
                 _show_change(finding, "appeared", as_json=as_json)
+            elif _subjects(finding) != _subjects(known[key]):
+                _show_change(finding, "changed", as_json=as_json)
         if is_first and not found and not as_json:
             data("No errors or warnings")
         known, is_first = found, False
+
+
+def _subjects(finding: Finding) -> set[str]:
+    """What a finding is about: its items without what is measured."""
+    return {_constant(item.partition(": ")[0]) for item in finding.items}
+
+
+def _constant(text: str) -> str:
+    """A text without its numbers, which change from look to look; not without processes'."""
+    return re.sub(r"(?<!pid )(?<![\w/.:])\d[\d.]*", "#", text)
 
 
 def _show_change(finding: Finding, change: str, *, as_json: bool) -> None:

@@ -13,7 +13,7 @@ from lcmtools.errors import DecodeError, InvalidName
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import fingerprint
-from lcmtools.names import check_node
+from lcmtools.names import check_length, check_node
 from lcmtools.types import lcmtools_msgs as msgs
 
 NODE_CHANNEL = "/_lcmtools/node"
@@ -149,7 +149,7 @@ def decode_announcement(payload: bytes) -> Announcement | None:
     try:
         message = decode(msgs.Announcement, payload)
         endpoints = tuple(_endpoint(part) for part in message.endpoints)
-        check_node(message.name)
+        check_node(check_length(message.name))
     except (DecodeError, InvalidName, ValueError):
         return None
     node = Node(
@@ -204,7 +204,7 @@ def _endpoint_message(endpoint: Endpoint) -> msgs.Endpoint:
 
 def _endpoint(message: msgs.Endpoint) -> Endpoint:
     return Endpoint(
-        topic=message.topic,
+        topic=check_length(message.topic),
         role=Role(message.role),
         types=tuple(message.types),
         fingerprints=tuple(value & 0xFFFFFFFFFFFFFFFF for value in message.fingerprints),

@@ -80,7 +80,8 @@ class Registry:
             UnknownType: There is no such service, or several packages have it.
         """
         found = self.service_name(name)
-        source = next(one for one in self._all() if found in one.services)
+        asked = (self._usual, self._all)
+        source = next(one for ask in asked for one in ask() if found in one.services)
         return cast("type[ServiceType]", _load(source.prefix, found))
 
     def service_name(self, name: str) -> str:
@@ -133,7 +134,8 @@ class Registry:
     def _type(self, name: str, number: int | None) -> tuple[TypeSource, str]:
         """The source of a type, and its full name."""
         problem = None
-        for sources in (self._usual(), self._all()):
+        for ask in (self._usual, self._all):
+            sources = ask()
             found = find(name, {one for source in sources for one in source.fingerprints}, "type")
             problem = _problem(found or full_name(name), sources)
             having = [one for one in sources if found in one.fingerprints]

@@ -16,6 +16,7 @@ from lcmtools.messages.layout import layout
 from lcmtools.messages.misfit import Misfit
 from lcmtools.messages.registry import Message, candidates, type_name
 from lcmtools.messages.rows import Cursor, Malformed
+from lcmtools.messages.scalars import STRAY_BYTES
 
 M = TypeVar("M", bound=Message)
 
@@ -45,20 +46,27 @@ def encode(message: Message) -> bytes:
         raise Misfit("contains itself, or is nested too deeply").mismatch(type_name(cls)) from None
 
 
-def decode(cls: type[M], payload: bytes | bytearray | memoryview) -> M:
+def decode(cls: type[M], payload: bytes | bytearray | memoryview, *, keep_stray: bool = False) -> M:
     """The message in a payload; bytes after its end are ignored, as by every LCM decoder.
 
     Arrays of numbers come as tuples, of uint8 as bytes, all others as lists.
+
+    Args:
+        cls: The message's class.
+        payload: What came.
+        keep_stray: Bytes in strings that are not UTF-8 come as Python's "surrogateescape" has
+            them, which ``encode`` takes back, and ``print`` does not; else as U+FFFD.
 
     Raises:
         DecodeError: The payload is of another type, ends early, or has a length that cannot be.
     """
     data = payload if isinstance(payload, bytes) else bytes(payload)
     known = layout(cls)
+    stray = STRAY_BYTES if keep_stray else "replace"
     if data[:_FINGERPRINT_BYTES] != known.fingerprint:
         raise DecodeError(f"expected {type_name(cls)}, got {describe_payload(data)}")
     try:
-        return cast("M", known.read(Cursor(data, _FINGERPRINT_BYTES)))
+        return cast("M", known.read(Cursor(data, _FINGERPRINT_BYTES, stray)))
     except Malformed as malformed:
         raise DecodeError(f"broken {type_name(cls)}: {malformed}") from None
 

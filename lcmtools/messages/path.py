@@ -8,7 +8,7 @@ Python's, on arrays only. A name after a slice is taken from each element of it.
 """
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import TypeAlias, cast
@@ -135,21 +135,6 @@ def splits(argument: str) -> Iterator[tuple[str, str]]:
     for end in range(len(argument) - 1, 0, -1):
         if argument[end] in "./[":
             yield argument[:end], argument[end:]
-
-
-def split_topic_and_path(argument: str, known: Collection[str]) -> tuple[str, Path] | None:
-    """The longest known topic that an argument begins with, and the field path behind it.
-
-    Returns:
-        None where it begins with none of them: ask again when messages have come.
-
-    Raises:
-        UsageError: What follows the topic is no field path.
-    """
-    for topic, rest in splits(argument):
-        if topic in known:
-            return topic, parse_path(rest)
-    return None
 
 
 def root_target(cls: type[Message]) -> Target:

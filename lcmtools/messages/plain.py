@@ -13,7 +13,7 @@ from typing import TypeAlias, cast
 from lcmtools.messages.fields import Field, field_name, fields, visible_fields
 from lcmtools.messages.misfit import Misfit, given
 from lcmtools.messages.registry import Message, type_name
-from lcmtools.messages.scalars import from_python, from_text
+from lcmtools.messages.scalars import STRAY_BYTES, from_python, from_text
 from lcmtools.messages.shape import Element, as_bytes, as_sequence, each, shaped
 
 Plain: TypeAlias = "bool | int | float | str | list[Plain] | dict[str, Plain]"
@@ -24,8 +24,9 @@ Value: TypeAlias = "bool | int | float | str | bytes | Sequence[Value] | Mapping
 
 _PLAIN = frozenset((bool, int, float, str))
 
-# Legal in JSON, but in YAML forbidden or a line's end; and JSON should be YAML here.
-_NOT_IN_YAML = re.compile("[\x7f-\x9f\u2028\u2029\ufeff\ufffe\uffff]")
+# Legal in JSON, but in YAML forbidden or a line's end; and JSON should be YAML here. Half
+# characters are bytes that are not UTF-8.
+_NOT_IN_YAML = re.compile("[\x7f-\x9f\u2028\u2029\ud800-\udfff\ufeff\ufffe\uffff]")
 
 
 def to_plain(message: Message) -> dict[str, Plain]:
@@ -205,6 +206,8 @@ def _new(cls: type[Message], value: Value) -> Message:
 
 
 def _scalar(value: object, type_name: str) -> object:
+    if isinstance(value, bytes) and type_name == "string":  # !!binary
+        return value.decode("utf-8", STRAY_BYTES)
     if isinstance(value, str):
         return from_text(value, type_name)
     return from_python("" if value is None and type_name == "string" else value, type_name)
@@ -213,7 +216,7 @@ def _scalar(value: object, type_name: str) -> object:
 def _bytes_of_text(value: Value, dimensions: int) -> object:
     """UTF-8 where text is given for the innermost dimension of an array of bytes."""
     if isinstance(value, str):
-        return from_text(value, "string").encode()  # type: ignore[union-attr] # text
+        return from_text(value, "string").encode("utf-8", STRAY_BYTES)  # type: ignore[union-attr] # text
     if dimensions > 1 and isinstance(value, (list, tuple)):
         return each(value, lambda row: _bytes_of_text(row, dimensions - 1))  # type: ignore[arg-type] # rows are values
     return value

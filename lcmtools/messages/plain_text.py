@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from lcmtools.messages.fields import TIME_FIELDS
 from lcmtools.messages.plain import Plain
-from lcmtools.messages.text import quoted, word_or_quoted
+from lcmtools.messages.text import quoted, quoted_at_end, word_or_quoted
 
 _NSEC_WIDTH = 9
 _NUMBERS = frozenset((bool, int, float))
@@ -66,6 +66,8 @@ class Writer:
             elif isinstance(value, list) and _is_block(value):
                 yield head
                 yield from self._items(value, f"{indent}  ")
+            elif isinstance(value, str) and not isinstance(value, More):
+                yield f"{head}{quoted_at_end(value)}"
             else:
                 is_padded = is_time and name != "sec" and self.width is None
                 yield f"{head}{self.flow(value):>{_NSEC_WIDTH if is_padded else 0}}"

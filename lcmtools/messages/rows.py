@@ -12,6 +12,7 @@ import struct
 from collections.abc import Sized
 from typing import Protocol
 
+from lcmtools.messages.scalars import STRAY_BYTES
 from lcmtools.messages.shape import as_bytes, as_sequence
 
 FORMATS = {
@@ -43,12 +44,16 @@ class Malformed(ValueError):  # noqa: N818 - named for what happened, as in erro
 
 
 class Cursor:
-    """A payload and how much of it has been read."""
+    """A payload and how much of it has been read.
 
-    __slots__ = ("data", "depth", "offset", "weightless")
+    ``stray`` is what becomes of bytes in strings that are not UTF-8, as Python's decoders call it.
+    """
 
-    def __init__(self, data: bytes, offset: int) -> None:
+    __slots__ = ("data", "depth", "offset", "stray", "weightless")
+
+    def __init__(self, data: bytes, offset: int, stray: str = "replace") -> None:
         self.data = data
+        self.stray = stray
         self.offset = offset
         self.depth = 0
         self.weightless = MOST_WEIGHTLESS
@@ -174,11 +179,12 @@ class Strings:
 
     def write_one(self, value: object, parts: list[bytes]) -> None:
         """Append one."""
-        text = str.encode(value)  # type: ignore[arg-type] # TypeError for all but text
+        # TypeError for all but text
+        text = str.encode(value, "utf-8", STRAY_BYTES)  # type: ignore[arg-type]
         parts += (_LENGTH.pack(len(text) + 1), text, b"\0")
 
     def read_one(self, cursor: Cursor) -> str:
-        """One string; bytes that are not UTF-8 become U+FFFD, as in lcm-gen's decoders."""
+        """One string; bytes that are not UTF-8 become U+FFFD, as in lcm-gen's, or are kept."""
         data = cursor.data
         start = cursor.take(4, self._where) + 4
         end = start + _LENGTH.unpack_from(data, start - 4)[0]
@@ -189,7 +195,7 @@ class Strings:
             return ""
         if data[end - 1]:
             raise Malformed(f"no NUL at the end of {self._where}")
-        return data[start : end - 1].decode("utf-8", "replace")
+        return data[start : end - 1].decode("utf-8", cursor.stray)
 
 
 def check_count(values: Sized, count: int) -> None:

@@ -27,10 +27,12 @@ INTEGERS = {
 _BASED = re.compile(r"([-+]?)0(?:x[0-9a-f]+|o[0-7]+|b[01]+)", re.IGNORECASE)
 _WHOLE = re.compile(r"[-+]?[0-9]+")
 _DECIMAL = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[-+]?[0-9]+)?", re.IGNORECASE)
-_NOT_FINITE = re.compile(r"[-+]?\.?inf|\.?nan", re.IGNORECASE)
+_NOT_FINITE = re.compile(r"[-+]?(?:\.?(?:inf|nan)|infinity)", re.IGNORECASE)
 _BOOLEANS = dict.fromkeys(("true", "yes", "on", "1"), True) | dict.fromkeys(
     ("false", "no", "off", "0"), False
 )
+STRAY_BYTES = "surrogateescape"
+"""How bytes that are not UTF-8 stand in text: byte 0xE9 is the half character U+DCE9."""
 _LONGEST_NUMBER = 400
 """Characters. No longer text is a number that anyone means; Python refuses far longer ones."""
 
@@ -136,7 +138,7 @@ def _check_text(value: object) -> str:
     if not isinstance(value, str):
         raise Misfit(f"expected text, got {given(value)}")
     try:
-        value.encode()
+        value.encode("utf-8", STRAY_BYTES)
     except UnicodeEncodeError:
         raise Misfit(f"expected text, got half a character in {given(value)}") from None
     return value

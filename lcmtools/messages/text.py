@@ -27,6 +27,7 @@ from typing import cast
 from lcmtools.messages.fields import Field, is_time, visible_fields
 from lcmtools.messages.plain import plain_scalar, plain_value
 from lcmtools.messages.registry import Message
+from lcmtools.messages.scalars import STRAY_BYTES
 from lcmtools.messages.shape import as_sequence
 
 _ESCAPES = {
@@ -50,6 +51,7 @@ _ESCAPED = re.compile(r"[^ !#-\[\]-~]")
 
 # Text that needs no quotes for any YAML parser: words that are not YAML's own, no numbers.
 _WORD = re.compile(r"[A-Za-z_/][\w./-]*", re.ASCII)
+_STRAY = re.compile("[\udc80-\udcff]")
 _NSEC_WIDTH = 9
 _PLAIN = frozenset((bool, int, float, str))
 _RESERVED = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
@@ -61,8 +63,20 @@ def format_message(message: Message) -> str:
 
 
 def quoted(text: str) -> str:
-    """A string as YAML in double quotes, '' if it is empty; all but ASCII is escaped."""
+    """A string as YAML in double quotes, '' if it is empty; all but ASCII is escaped.
+
+    YAML has no escape for bytes that are not UTF-8: where there are any, it is ``!!binary``.
+    """
+    if not text.isascii() and _STRAY.search(text):
+        return _binary(text)
     return f'"{_ESCAPED.sub(_escape, text)}"' if text else "''"
+
+
+def quoted_at_end(text: str) -> str:
+    """The same at the end of a line, where a comment can say what ``!!binary`` is."""
+    shown = quoted(text)
+    is_binary = shown.startswith("!")
+    return f"{shown} # {text.encode('utf-8', STRAY_BYTES)!r}" if is_binary else shown
 
 
 def _message_text(message: Message, indent: str) -> str:
@@ -138,7 +152,7 @@ def _text_of(field: Field, indent: str) -> Callable[[object], str] | None:
         return lambda value: repr(plain_value(value, field))
     if field.dimensions:
         return lambda value: "\n".join(_block(field, value, "", indent))
-    return cast("Callable[[object], str]", quoted) if field.type == "string" else None
+    return cast("Callable[[object], str]", quoted_at_end) if field.type == "string" else None
 
 
 def _block(field: Field, value: object, head: str, indent: str, depth: int = 1) -> Iterator[str]:
@@ -159,7 +173,13 @@ def _block(field: Field, value: object, head: str, indent: str, depth: int = 1) 
 def word_or_quoted(text: str) -> str:
     """A string in a list: without quotes where no YAML parser needs them."""
     is_word = _WORD.fullmatch(text) and text.lower() not in _RESERVED
-    return text if is_word else quoted(text)
+    return text if is_word else quoted_at_end(text)
+
+
+def _binary(text: str) -> str:
+    from base64 import b64encode
+
+    return f'!!binary "{b64encode(text.encode("utf-8", STRAY_BYTES)).decode()}"'
 
 
 def _escape(match: re.Match[str]) -> str:

@@ -67,7 +67,7 @@ def near_miss(name: str, known: Iterable[str]) -> str:
         return ""
     names = folded[close[0]]
     same_package = [full for full in names if full.startswith(f"{package}/")]
-    return f"did you mean {' or '.join(sorted(same_package or names))}?"
+    return f"did you mean {' or '.join(sorted(set(same_package or names)))}?"
 
 
 def preference(name: str) -> tuple[int, str]:

@@ -74,7 +74,7 @@ def _nesting_hint(mark: Mark | None) -> str:
 
 def _flow_hint(problem: str, line: str) -> str:
     """What to do about "a: {x: 1} b: {y: 2}", and about other marks between fields."""
-    if problem == "did not find expected key" and re.search(r"[}\]]\s*\w+\s*:", line):
+    if problem == "did not find expected key" and re.search(r"[}\]]\s*,?\s*\w+\s*:", line):
         return "put all fields into { } with commas between, or each on a line of its own"
     if problem == "did not find expected key":
         return "indent fields of one message alike"

@@ -75,8 +75,8 @@ def test_help_of_a_group_has_a_line_for_each_command(
     _, _, table = capsys.readouterr().out.partition("Commands:\n")
     listed = {line.split()[0] for line in table.split("\n\n")[0].splitlines()}
     below = {path[-1] for path in COMMANDS if path and path[:-1] == group}
-    has_md5 = group in (("msg",), ("interface",))
-    aliases = {"md5"} if has_md5 else set() if group else {"topic", "doctor", "interface"}
+    is_msg = group in (("msg",), ("interface",))
+    aliases = {"md5", "info"} if is_msg else set() if group else {"topic", "doctor", "interface"}
     aliases |= {"prefix"} if group == ("pkg",) else set()
     assert listed == below - aliases
 

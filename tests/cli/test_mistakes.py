@@ -5,6 +5,7 @@ The mistakes are in the folder mistakes, as in a terminal.
 
 import re
 import shlex
+import sysconfig
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -63,6 +64,7 @@ def _files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "latin1.yaml").write_bytes(b"data: caf\xe9\n")
     (tmp_path / "second_is_bad.yaml").write_text("data: one\n---\ndata: [2]\n")
     (tmp_path / "good.yaml").write_text("data: one\n")
+    (tmp_path / "mine.py").touch()
     monkeypatch.chdir(tmp_path)
 
 
@@ -81,7 +83,7 @@ def complaint(
         out, error = capsys.readouterr()
         assert out == ""
         assert error.count("\n") == 1, error
-        return code, error.removesuffix("\n")
+        return code, error.removesuffix("\n").replace(sysconfig.get_path("purelib"), "PACKAGES")
 
     yield run
     lcmtools.shutdown()  # a node's program that failed leaves this to the end of its process

@@ -126,6 +126,7 @@ def _node_member(id_: str, node: Node) -> Member:
         pid=node.pid,
         command=node.command,
         is_tool=node.tool,
+        publishes=any(endpoint.role is Role.PUBLISHER for endpoint in node.endpoints),
         stale=node.stale.value,
     )
 

@@ -6,7 +6,9 @@ Belongs here: which word is what.
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
+from lcmtools.arguments import misspelt
 from lcmtools.errors import UsageError
 from lcmtools.names import resolve, resolve_namespace
 
@@ -41,11 +43,15 @@ def read_words(words: Sequence[str], flag: str | None, usual: str) -> Typed:
     Raises:
         UsageError: One of them is wrong, or there is no file.
     """
-    places, arguments = [], {}
+    places: list[str] = []
+    arguments: dict[str, str] = {}
     namespace = flag
     for word in words:
         assignment = _ASSIGNMENT.fullmatch(word)
         if not assignment:
+            hint = misspelt(words, word, of_node=False) if places else ""
+            if hint and not Path(word).exists():
+                raise UsageError(f"{word}: this is no argument", hint)
             places.append(word)
             continue
         name, text = assignment.groups()

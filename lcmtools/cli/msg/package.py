@@ -11,8 +11,9 @@ from lcmtools.names import did_you_mean
 
 @click.command("package", context_settings=CONTEXT)
 @click.argument("package")
+@click.option("-s", "--single-line", is_flag=True, help="All in one line, with blanks between.")
 @json_option
-def command(package: str, *, as_json: bool) -> None:
+def command(package: str, *, single_line: bool, as_json: bool) -> None:
     """List the message types of a package.
 
     \b
@@ -27,4 +28,4 @@ def command(package: str, *, as_json: bool) -> None:
     if as_json:
         document(found)
     else:
-        lines(found)
+        lines([" ".join(found)] if single_line else found)

@@ -8,8 +8,9 @@ from lcmtools.messages.registry import packages
 
 
 @click.command("packages", context_settings=CONTEXT)
+@click.option("-s", "--single-line", is_flag=True, help="All in one line, with blanks between.")
 @json_option
-def command(*, as_json: bool) -> None:
+def command(*, single_line: bool, as_json: bool) -> None:
     """List the packages that have message types.
 
     \b
@@ -20,4 +21,4 @@ def command(*, as_json: bool) -> None:
     if as_json:
         document(packages())
     else:
-        lines(packages())
+        lines([" ".join(packages())] if single_line else packages())

@@ -78,7 +78,7 @@ def _ping_one(
         while count is None or len(times) < count:
             times.append(_ping(watch, node, timeout))
             if not as_json:
-                data(_reply(node, times[-1]))
+                lines([_reply(node, times[-1])])
             if len(times) != count:
                 time.sleep(_PERIOD)
     finally:
@@ -122,7 +122,7 @@ def _try(watch: Watch, node: Node, timeout: float, *, as_json: bool) -> float | 
         talk(str(error), "lcmtools node ping")
         return None
     if not as_json:
-        data(_reply(node, seconds))
+        lines([_reply(node, seconds)])
     return seconds
 
 

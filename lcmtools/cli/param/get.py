@@ -3,7 +3,7 @@
 import click
 
 from lcmtools.cli.options import CONTEXT, bus_options, json_option
-from lcmtools.cli.output import data, document, lines
+from lcmtools.cli.output import document, lines
 from lcmtools.cli.param.ask import complain_of, look, pick, timeout_option
 from lcmtools.cli.param.shown import block, json_value, json_values, pretty, tree
 from lcmtools.cli.param.target import Target, find_target
@@ -54,4 +54,4 @@ def _print(
     if as_json:
         document(json_value(parameter))
     else:
-        data(pretty(parameter.value()) if is_pretty else parameter.text)
+        lines((pretty(parameter.value()) if is_pretty else parameter.text).split("\n"))

@@ -3,7 +3,7 @@
 import click
 
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
-from lcmtools.cli.output import data, document
+from lcmtools.cli.output import document, lines
 from lcmtools.cli.service.offered import find_service
 from lcmtools.errors import LcmtoolsError
 
@@ -27,4 +27,4 @@ def command(service: str, *, as_json: bool) -> None:
     elif not found.types:
         raise LcmtoolsError(f"the type of {found.name} is not known")
     else:
-        data(found.type_text)
+        lines([found.type_text])

@@ -14,6 +14,7 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.cli.output import talk
 from lcmtools.errors import NothingReceived
 from lcmtools.messages.registry import Message
+from lcmtools.names import did_you_mean, is_hidden
 from lcmtools.node.node import Node
 from lcmtools.node.publisher import Publisher
 
@@ -77,9 +78,12 @@ class Audience:
             return
         if not wait_until(self._publisher.subscriber_count, _LONGEST - _ANSWERED):
             topic = self._publisher.topic
+            deaf = self._deaf()
+            heard = (one for one in self._node.heard_topics() - {topic} if not is_hidden(one))
+            near = "" if deaf else did_you_mean(topic, heard)
             talk(
-                f"lcmtools pub: no node subscribes to {topic}{self._deaf()} yet;"
-                " publishing all the same"
+                f"lcmtools pub: no node subscribes to {topic}{deaf} yet;"
+                f" {f'{near} ' if near else ''}publishing all the same"
             )
 
     def _has_plain_listeners(self) -> bool:

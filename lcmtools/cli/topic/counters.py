@@ -6,7 +6,6 @@ between, and when, gives the rate, however short the moment is.
 
 import time
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 
 from lcmtools.bus.watch import Watch
 from lcmtools.cli.describe import callback_record, callback_times
@@ -118,15 +117,13 @@ def counted(watch: Watch, names: Sequence[str], wait: float | None) -> tuple[Gra
     if watch.url.provider == "file" or not any(map(_may_be_counted, topics)):
         return graph, Counters(graph, graph)
     channels = [topic.name for topic in topics]
-    with suppress(EOFError):  # the server of a tcpq bus is gone
-        # some publish only what somebody listens to: the first messages may be a moment away
-        came = _listen(watch, channels, _AWAKENING, 1)
-        before = watch.settle(foreign=False)
-        if came or wait is not None:
-            _listen(watch, channels, _LONGEST if wait is None else wait, _enough(wait))
-        after = watch.settle(foreign=False)
-        return after, Counters(before, after, losses(watch))
-    return graph, Counters(graph, graph)
+    # some publish only what somebody listens to: the first messages may be a moment away
+    came = _listen(watch, channels, _AWAKENING, 1)
+    before = watch.settle(foreign=False)
+    if came or wait is not None:
+        _listen(watch, channels, _LONGEST if wait is None else wait, _enough(wait))
+    after = watch.settle(foreign=False)
+    return after, Counters(before, after, losses(watch))
 
 
 def _enough(wait: float | None) -> int | None:

@@ -98,7 +98,8 @@ def command(  # noqa: PLR0913 - one parameter an option
 
     In --filter, m is the message; there are comparisons, arithmetic, and, or, not, in, and
     functions as len and hypot. A message of an unknown type is shown in hexadecimal. Times in
-    --csv are nanoseconds; %time is the header's stamp, else the arrival.
+    --csv are nanoseconds; %time is the header's stamp, else the arrival. Text that is not UTF-8 is
+    !!binary in YAML and has \\udcXX for a byte in --json; pub takes back either, to the bit.
 
     \b
     Examples:

@@ -8,11 +8,14 @@ from lcmtools.messages.registry import (
     candidates,
     fingerprint,
     message_class,
+    problems,
     type_name,
 )
+from lcmtools.packages.type_files import VARIABLE
 from lcmtools.wire.packet import Packet
 
 _SHOWN_BYTES = 64
+UNKNOWN = "unknown type"
 
 
 class Decoder:
@@ -39,7 +42,7 @@ class Decoder:
         if isinstance(kind, str):
             return kind
         try:
-            return decode(kind, packet.payload)
+            return decode(kind, packet.payload, keep_stray=True)
         except DecodeError as error:
             return str(error)
 
@@ -50,7 +53,7 @@ class Decoder:
         if key not in self._classes:
             names = candidates(number)
             if not names:
-                return f"unknown type, fingerprint {number:#018x}"
+                return f"{UNKNOWN}, fingerprint {number:#018x}"
             announced = self._watch.graph().topic(channel).types
             meant = next((name for name in announced if name in names), names[0])
             self._classes[key] = message_class(meant, number)
@@ -59,6 +62,12 @@ class Decoder:
     def _not_as_said(self, number: int) -> str:
         name = next(iter(candidates(number)), f"unknown, fingerprint {number:#018x}")
         return f"the type is not {type_name(self._said)} but {name}" if self._said else ""
+
+
+def remedy_of_unknown() -> str:
+    """What to do where no type has a fingerprint: mend .lcm files, or say where they are."""
+    broken = next((str(problem.error()) for problem in problems()), "")
+    return broken or f"{VARIABLE}=FOLDER says where your .lcm files are"
 
 
 def raw_text(packet: Packet, reason: str) -> str:

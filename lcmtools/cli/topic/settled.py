@@ -1,7 +1,6 @@
 """What is on a bus, complete: of a log, all that is in it."""
 
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -57,9 +56,8 @@ def settled(watch: Watch, wait: float | None = None, rates: Hearer | None = None
     graph = watch.settle(foreign=wait is None)
     if wait is None:
         return graph
-    with suppress(EOFError):  # the server of a tcpq bus is gone
-        for packet in watch.packets(wait):
-            heard.hear(packet)
+    for packet in watch.packets(wait):
+        heard.hear(packet)
     return watch.graph()
 
 

@@ -7,7 +7,7 @@ from typing import cast
 from lcmtools.cli.output import talk
 from lcmtools.cli.topic.csv_rows import Table
 from lcmtools.cli.topic.look import Look
-from lcmtools.cli.topic.payload import Decoder, raw_record, raw_text
+from lcmtools.cli.topic.payload import UNKNOWN, Decoder, raw_record, raw_text, remedy_of_unknown
 from lcmtools.cli.topic.stream import Match
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.cells import Cell, cells
@@ -107,14 +107,18 @@ class Shower:
 
     def _undecoded(self, match: Match, reason: str) -> str | None:
         packet = match.packet
+        channel = packet.channel
         paths = self._look.paths(match.path)
         is_all = paths == (Path(),) and not self._look.condition
         if is_all and self._look.form == "json":
             return _raw_record(match, {"error": reason})
+        is_unknown = reason.startswith(UNKNOWN)
         if is_all and self._look.form in ("text", "flow"):
+            if is_unknown and not self._told:
+                self._tell(UNKNOWN, f"no type is known for {channel}; {remedy_of_unknown()}")
             return self._headed(match, f"{raw_text(packet, reason)}\n---")
-        channel = packet.channel
-        self._tell(f"raw {channel}", f"a message on {channel} has no known fields: {reason}")
+        what = f"{reason}; {remedy_of_unknown()}" if is_unknown and not self._told else reason
+        self._tell(f"raw {channel}", f"a message on {channel} has no known fields: {what}")
         return None
 
     def _tell(self, about: str, text: str) -> None:

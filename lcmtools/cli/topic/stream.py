@@ -9,7 +9,7 @@ from lcmtools.cli.find import known_spelling, near_topic
 from lcmtools.cli.output import talk
 from lcmtools.cli.topic.arrival import ArrivalClock, is_simulated
 from lcmtools.cli.topic.wanted import OneTopic, Pattern
-from lcmtools.errors import BusError, LcmtoolsError, NothingReceived
+from lcmtools.errors import LcmtoolsError, NothingReceived
 from lcmtools.graph.model import Graph
 from lcmtools.messages.path import Path
 from lcmtools.names import is_hidden
@@ -79,7 +79,6 @@ class Stream:
             NothingReceived: There was none for ``timeout`` seconds.
             UsageError: What follows a topic is no field path.
             LcmtoolsError: The log has ended, and nothing in it is wanted.
-            BusError: The bus has ended the connection.
         """
         last = time.monotonic()
         told = came = False
@@ -103,9 +102,7 @@ class Stream:
         self._check_end(came=came)
 
     def _check_end(self, *, came: bool) -> None:
-        """Complain where the end has come too early."""
-        if self._watch.url.provider != "file":
-            raise BusError(f"the connection to {self._watch.url} has ended")
+        """Complain where nothing in a log was meant."""
         if not came:
             seen = self._watch.graph().topic_names()
             has = f"it has {', '.join(seen[:_MOST_NAMED])}" if seen else "no message is in it"

@@ -75,10 +75,7 @@ def turns(watch: "Watch", topics: Sequence[str], how: How) -> Iterator[Turn]:
         ValueMismatch: The condition does not fit a message.
     """
     sorter = _Sorter(watch, topics, how)
-    try:
-        yield from sorter.log_turns() if watch.url.provider == "file" else sorter.live_turns()
-    except EOFError:  # the server of a tcpq bus is gone
-        yield Turn((), 0, is_due=True, is_last=True)
+    yield from sorter.log_turns() if watch.url.provider == "file" else sorter.live_turns()
 
 
 class _Sorter:

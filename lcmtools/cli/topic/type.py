@@ -5,7 +5,7 @@ import click
 from lcmtools.cli.describe import UNKNOWN, fingerprint_rows, type_text
 from lcmtools.cli.find import find_topic, known_spelling
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch, topic_spellings
-from lcmtools.cli.output import data, document
+from lcmtools.cli.output import document, lines
 from lcmtools.cli.topic.settled import settled
 from lcmtools.errors import LcmtoolsError, UsageError, ValueMismatch
 from lcmtools.graph.model import Graph, Topic
@@ -40,7 +40,7 @@ def command(topic: str, *, as_json: bool) -> None:
     elif text == UNKNOWN:
         raise _unknown(found)
     else:
-        data(text)
+        lines([text])
 
 
 def _find(graph: Graph, argument: str) -> tuple[Topic, Path]:
@@ -65,7 +65,7 @@ def _show_field(topic: Topic, text: str, path: Path, *, as_json: bool) -> None:
     if as_json:
         document({"topic": topic.name, "type": text, "field": field, "field_type": _text(found)})
     else:
-        data(f"{text} {field} {_text(found)}")
+        lines([f"{text} {field} {_text(found)}"])
 
 
 def _text(found: Target) -> str:

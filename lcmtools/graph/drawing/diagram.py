@@ -38,7 +38,8 @@ class Member:
         command: Its command line; "" where that is not known.
         user: Whose it is; "" where that is not known.
         is_node: False for a program that was only seen from outside.
-        is_tool: A command that looks at the bus for a while.
+        is_tool: A command of lcmtools, as echo or pub, which is a node for a while.
+        publishes: It sends messages; a command that does is more than an onlooker.
         listens: A program that receives from the bus, on channels that LCM does not tell.
         stale: Why a node counts as stale; "" for one that is alive.
     """
@@ -52,13 +53,19 @@ class Member:
     user: str = ""
     is_node: bool = True
     is_tool: bool = False
+    publishes: bool = False
     listens: bool = False
     stale: str = ""
 
     @property
+    def looks_on(self) -> bool:
+        """Whether it is a command that changes nothing for anybody."""
+        return self.is_tool and not self.publishes
+
+    @property
     def is_hidden(self) -> bool:
-        """Whether lists leave it out."""
-        return self.is_node and is_hidden(self.name)
+        """Whether it is left out for its name; commands have hidden names, but pub takes part."""
+        return self.is_node and is_hidden(self.name) and not (self.is_tool and self.publishes)
 
     @property
     def group(self) -> str:
@@ -197,7 +204,7 @@ def notes(member: Member) -> list[str]:
         said.append("no node" if member.pid is None else f"no node, pid {member.pid}")
     if not member.is_here:
         said.append(f"on {member.host or 'another computer'}")
-    if member.is_tool:
+    if member.looks_on:
         said.append("looks on")
     if member.listens:
         said.append("listens to channels unknown")

@@ -83,8 +83,8 @@ def select(diagram: Diagram, wanted: Selection) -> tuple[Diagram, LeftOut]:
     left = LeftOut(
         leaf_topics=len(used.channels) - len(drawn.channels),
         quiet=tuple(v.name for v in gone if isinstance(v, Channel) and v.is_quiet),
-        tools=sum(isinstance(v, Member) and v.is_tool for v in gone),
-        hidden=sum(v.is_hidden and not (isinstance(v, Member) and v.is_tool) for v in gone),
+        tools=sum(isinstance(v, Member) and v.looks_on for v in gone),
+        hidden=sum(v.is_hidden and not (isinstance(v, Member) and v.looks_on) for v in gone),
     )
     return drawn, left
 
@@ -176,7 +176,7 @@ def _is_any(member: Member, words: Iterable[str]) -> bool:
 
 
 def _is_drawn(member: Member, wanted: Selection) -> bool:
-    if member.is_tool:
+    if member.looks_on:
         return wanted.tools or wanted.everything
     return wanted.everything or not member.is_hidden or member.name in wanted.parts
 

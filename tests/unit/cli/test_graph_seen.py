@@ -5,7 +5,8 @@ import socket
 from lcmtools.bus.processes import Process
 from lcmtools.bus.programs import Program
 from lcmtools.cli.graph.seen import diagram_of
-from lcmtools.graph.drawing.diagram import Diagram, Edge, Flow, Member
+from lcmtools.graph.drawing.diagram import Diagram, Edge, Flow, Member, notes
+from lcmtools.graph.drawing.selection import Selection, select
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.messages.registry import fingerprint
 from lcmtools.types.std_msgs import String
@@ -110,6 +111,15 @@ def test_of_several_publishers_each_has_its_own_rate() -> None:
 
 
 _PORTS = (("/a", 1), ("/b", 2))
+
+
+def test_a_command_that_publishes_is_no_onlooker() -> None:
+    pub = _node("/_lcmtools_pub_1", Endpoint("/t", Role.PUBLISHER), tool=True)
+    echo = _node("/_lcmtools_echo_2", Endpoint("/t", Role.SUBSCRIBER), tool=True)
+    whole = diagram_of(Graph((pub, echo), ()), [], None)
+    shown, left = select(whole, Selection(leaf_topics=True))
+    assert [(member.name, notes(member)) for member in shown.members] == [("/_lcmtools_pub_1", [])]
+    assert left.text() == "left out: 1 command that looks on (--tools)"
 
 
 def test_tools_are_marked_and_what_they_hear_is_known() -> None:

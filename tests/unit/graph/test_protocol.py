@@ -99,6 +99,18 @@ def test_an_announcement_with_an_unknown_role_is_none(role: int) -> None:
     assert decode_announcement(encode(message)) is None
 
 
+@pytest.mark.parametrize("topic", ["", "/" + 63 * "a", "/a\0b"])
+def test_an_announcement_of_what_no_channel_is_called_is_none(topic: str) -> None:
+    message = msgs.Announcement()
+    message.name = "/a"
+    endpoint = msgs.Endpoint()
+    endpoint.topic = topic
+    message.endpoints = [endpoint]
+    assert decode_announcement(encode(message)) is None
+    endpoint.topic = "/b"
+    assert decode_announcement(encode(message)) is not None
+
+
 def test_an_announcement_of_an_unknown_state_is_a_node_that_lives() -> None:
     message = msgs.Announcement()
     message.name, message.state = "/driver", 7
@@ -174,7 +186,9 @@ def test_the_identity_in_anything_else_is_empty_or_some_bytes(data: bytes) -> No
     head_of(_PAYLOAD[:8] + data)
 
 
-@pytest.mark.parametrize("name", ["", "/", "driver", "/a//b", "/a/", "/a b", "/\x1b[2J", "~a"])
+@pytest.mark.parametrize(
+    "name", ["", "/", "driver", "/a//b", "/a/", "/a b", "/\x1b[2J", "~a", "/" + 63 * "a"]
+)
 def test_an_announcement_of_a_node_without_a_proper_name_is_none(name: str) -> None:
     message = msgs.Announcement()
     message.name = name

@@ -209,7 +209,7 @@ def test_no_expression_reaches_an_attribute_that_is_no_field(owner: str, name: s
     "text", ["9**9**9**9", "9" * 400, "(" * 499, "-" * 499 + "1", "1" + "*9" * 30, "round(1, -9e9)"]
 )
 def test_no_expression_takes_long(text: str) -> None:
-    start = time.monotonic()
+    start = time.process_time()
     with pytest.raises(UsageError):
         Filter(text).matches(String())
-    assert time.monotonic() - start < 1
+    assert time.process_time() - start < 1

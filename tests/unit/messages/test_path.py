@@ -11,7 +11,6 @@ from lcmtools.messages.path import (
     Path,
     parse_path,
     select,
-    split_topic_and_path,
     splits,
     target,
 )
@@ -176,29 +175,6 @@ def test_a_name_after_an_array_asks_for_an_index() -> None:
 def test_length_fields_are_not_selected(scan: LaserScan) -> None:
     with pytest.raises(ValueMismatch, match="has no field 'ranges_length'"):
         select(scan, parse_path("ranges_length"))
-
-
-@pytest.mark.parametrize(
-    ("argument", "topic", "path"),
-    [
-        ("/odom", "/odom", ""),
-        ("/odom/", "/odom", ""),
-        ("/odom/twist.twist", "/odom", "twist.twist"),
-        ("/odom/pose.x", "/odom/pose", "x"),
-        ("/odom/pose/x", "/odom/pose", "x"),
-        ("/scan/ranges[0:5]", "/scan", "ranges[0:5]"),
-        ("PLAIN.x", "PLAIN", "x"),
-        ("PLAIN.CHANNEL[0].x", "PLAIN.CHANNEL", "[0].x"),
-    ],
-)
-def test_the_longest_known_topic_is_the_topic(argument: str, topic: str, path: str) -> None:
-    known = {"/odom", "/odom/pose", "/scan", "PLAIN", "PLAIN.CHANNEL"}
-    assert split_topic_and_path(argument, known) == (topic, parse_path(path))
-
-
-@pytest.mark.parametrize("argument", ["/odometry", "/od", "odom/pose", ""])
-def test_a_topic_that_is_not_known_is_none(argument: str) -> None:
-    assert split_topic_and_path(argument, {"/odom"}) is None
 
 
 @given(st.text(alphabet="/.[]:ab01-", max_size=20))

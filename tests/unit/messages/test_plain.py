@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from lcmtools.errors import ValueMismatch
+from lcmtools.messages.codec import encode
 from lcmtools.messages.plain import fill, to_json, to_plain
 from lcmtools.messages.yaml_input import message_from_values
 from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs
@@ -81,8 +82,15 @@ def test_fields_that_are_not_named_stay() -> None:
 def test_half_characters_are_no_text() -> None:
     for message in (std_msgs.String(), sensor_msgs.CompressedImage()):
         with pytest.raises(ValueMismatch) as caught:
-            fill(message, {"data": "\udcff"})
-        assert str(caught.value) == "data: expected text, got half a character in '\\udcff'"
+            fill(message, {"data": "\ud800"})
+        assert str(caught.value) == "data: expected text, got half a character in '\\ud800'"
+
+
+def test_bytes_that_are_not_utf_8_are_text_as_json_and_yaml_have_them() -> None:
+    for value in (b"D\xfcsseldorf", "D\udcfcsseldorf"):
+        message = std_msgs.String()
+        fill(message, {"data": value})
+        assert encode(message)[-11:] == b"D\xfcsseldorf\0"
 
 
 @pytest.mark.parametrize(
@@ -98,3 +106,16 @@ def test_values_that_do_not_fit_are_refused(value: dict[str, object], line: str)
     with pytest.raises(ValueMismatch) as caught:
         fill(geometry_msgs.Twist(), value)  # type: ignore[arg-type] # wrong on purpose
     assert str(caught.value) == line
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [
+        *(("-nan", math.nan), ("NaN", math.nan), ("+.nan", math.nan)),
+        *(("Infinity", math.inf), ("-Infinity", -math.inf), ("-.inf", -math.inf)),
+    ],
+)
+def test_what_is_not_finite_is_taken_as_c_json_and_yaml_write_it(text: str, number: float) -> None:
+    message = std_msgs.Float64()
+    fill(message, {"data": text})
+    assert str(message.data) == str(number)

@@ -19,6 +19,7 @@ from lcmtools.messages.registry import (
     type_name,
     type_names,
 )
+from lcmtools.messages.type_names import near_miss
 from lcmtools.types.fingerprints import FINGERPRINTS, SERVICES
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.std_srvs import Trigger
@@ -149,6 +150,31 @@ def test_an_earlier_source_hides_a_type_of_the_same_name() -> None:
     assert registry.message_class("String") is message_class("std_msgs/String")
 
 
+class _Supply:
+    """A user's own types; who asks for those of installed packages waits for a disk."""
+
+    def near(self) -> TypeSource:
+        return TypeSource("lcmtools.types", {"my_msgs/Bump": 7}, ["my_srvs/Go"])
+
+    def far(self) -> TypeSource:
+        raise AssertionError("asked without need")
+
+
+def test_a_type_that_is_near_is_found_without_looking_at_installed_packages(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("lcmtools.messages.catalogue._load", lambda prefix, name: (prefix, name))
+    shipped = TypeSource("shipped", FINGERPRINTS, SERVICES)
+    registry = Registry([shipped], _Supply())
+    assert registry.message_class("Bump") == ("lcmtools.types", "my_msgs/Bump")
+    assert registry.message_class("geometry_msgs/Twist") == ("shipped", "geometry_msgs/Twist")
+    assert registry.service_class("Go") == ("lcmtools.types", "my_srvs/Go")
+    assert registry.service_class("Trigger") == ("shipped", "std_srvs/Trigger")
+    assert registry.candidates(7) == ["my_msgs/Bump"]
+    with pytest.raises(AssertionError):
+        registry.message_class("my_msgs/Nothing")
+
+
 def test_looking_up_names_and_fingerprints_imports_no_type() -> None:
     script = (
         "import sys; from lcmtools.messages.registry import candidates, type_names\n"
@@ -159,3 +185,7 @@ def test_looking_up_names_and_fingerprints_imports_no_type() -> None:
         [sys.executable, "-c", script], capture_output=True, text=True, check=True
     )
     assert done.stdout == "['lcmtools.types.fingerprints']\n"
+
+
+def test_a_type_that_several_sources_have_is_proposed_once() -> None:
+    assert near_miss("acme/cmd", ["cmd_t", "cmd_t"]) == "did you mean cmd_t?"

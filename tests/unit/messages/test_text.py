@@ -141,3 +141,11 @@ def test_words_in_arrays_mean_the_same_to_any_yaml_parser(text: str) -> None:
     message = sensor_msgs.JointState()
     message.name = [text]
     assert yaml.safe_load(format_message(message))["name"] == [text]
+
+
+def test_text_that_is_not_utf_8_is_binary_with_a_comment_for_people() -> None:
+    message = std_msgs.String()
+    message.data = "D\udcfc #"
+    text = format_message(message)
+    assert text == "data: !!binary \"RPwgIw==\" # b'D\\xfc #'"
+    assert yaml.safe_load(text) == {"data": b"D\xfc #"}

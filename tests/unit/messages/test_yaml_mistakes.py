@@ -136,7 +136,6 @@ TWIST, VECTOR = "geometry_msgs/Twist", "geometry_msgs/Vector3"
         ("std_msgs/Bool", ["2"], "data: expected true or false, got '2'"),
         ("std_msgs/String", ["data: [a]"], "data: expected text, got a list"),
         ("std_msgs/String", ["data: {a: b}"], "data: expected text, got a mapping"),
-        ("std_msgs/String", ["data: !!binary aGk="], "data: expected text, got binary data"),
         (
             "nav_msgs/Odometry",
             ["pose: {covariance: [1, 2]}"],
@@ -215,6 +214,13 @@ def test_what_does_not_fit_is_named_with_its_path(name: str, texts: list[str], l
             "x: {a: 1} y: {a: 2}",
             (
                 "bad YAML at line 1, column 11: did not find expected key; "
+                "put all fields into { } with commas between, or each on a line of its own"
+            ),
+        ),
+        (
+            "x: [1], y: [2]",
+            (
+                "bad YAML at line 1, column 7: did not find expected key; "
                 "put all fields into { } with commas between, or each on a line of its own"
             ),
         ),

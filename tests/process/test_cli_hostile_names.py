@@ -1,0 +1,72 @@
+"""What a stranger calls types, hosts and values neither steers the terminal nor begins a line."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from lcmtools.bus.liblcm import LcmBus
+from lcmtools.bus.url import parse_url
+from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.protocol import (
+    NODE_CHANNEL,
+    PROBE_CHANNEL,
+    Announcement,
+    decode_probe,
+    encode_announcement,
+)
+
+Run = Callable[..., subprocess.CompletedProcess[bytes]]
+
+_EVIL = "\x1b[2J\r\x07\x9b31m\u202eevil"
+_STEERING = ("\x1b", "\r", "\x07", "\x9b", "\u202e")
+_ENDPOINTS = (
+    Endpoint("/t", Role.PUBLISHER, (f"pkg/{_EVIL}",), (1,)),
+    Endpoint("/s", Role.SERVICE, (f"pkg/{_EVIL}",), (2,)),
+)
+
+
+@pytest.fixture
+def stranger(bus_url: str) -> Iterator[Run]:
+    """A node that has such names; run commands beside it."""
+    bus = LcmBus(parse_url(bus_url))
+    node = Node("/stranger", "id", _EVIL, 1, command=_EVIL, endpoints=_ENDPOINTS)
+
+    def answer(payload: bytes, _time: int) -> None:
+        probe = decode_probe(payload)
+        assert probe is not None
+        bus.publish(NODE_CHANNEL, encode_announcement(Announcement(node, answers=probe.nonce)))
+
+    bus.subscribe(PROBE_CHANNEL, answer)
+
+    def run(*words: str) -> subprocess.CompletedProcess[bytes]:
+        command = [sys.executable, "-m", "lcmtools", *words, "--lcm-url", bus_url]
+        return subprocess.run(command, capture_output=True, check=True, timeout=60)
+
+    yield run
+    bus.close()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["type", "/t"],
+        ["list", "-v"],
+        ["info", "/t"],
+        ["node", "list", "-a"],
+        ["node", "info", "/stranger"],
+        ["node", "ping", "/stranger", "-c", "1"],
+        ["service", "type", "/s"],
+        ["list", "--json"],
+        ["node", "list", "--json"],
+    ],
+    ids=" ".join,
+)
+def test_a_strangers_names_are_shown_escaped(stranger: Run, words: list[str]) -> None:
+    output = stranger(*words).stdout.decode()
+    assert not [one for one in _STEERING if one in output]
+    assert "evil" in output or words[1] == "ping"
+    if "--json" in words:
+        assert any(str(one).endswith(_EVIL) for one in json.loads(output)[0].values())

@@ -1,0 +1,55 @@
+"""Which words a command takes for its last argument, and which for options and their values."""
+
+from collections.abc import Sequence
+
+import click
+import pytest
+
+from lcmtools.cli.topic.negative import CommandWithValues
+from lcmtools.cli.words import WITHOUT_END, CommandWithWords
+
+
+class _Command(CommandWithWords):
+    may_stand_alone = ("--wait",)
+
+
+PARAMETERS: list[click.Parameter] = [
+    click.Argument(["words"], nargs=-1),
+    click.Option(["-n", "--name"]),
+    click.Option(["--wait"]),
+    click.Option(["-1", "--once"], is_flag=True),
+    click.Option(["-v"], is_flag=True),
+]
+
+
+def parsed(kind: type[click.Command], words: Sequence[str]) -> dict[str, object]:
+    """What is given in a command line."""
+    context = kind("it", params=PARAMETERS).make_context("it", list(words))
+    return {name: value for name, value in context.params.items() if value}
+
+
+@pytest.mark.parametrize("kind", [_Command, CommandWithValues])
+@pytest.mark.parametrize(
+    "value", ["-5", "-0.5", "-.5e3", "-inf", "-.INF", "-nan", "-.nan", "- a\n- b", "--- \na"]
+)
+def test_every_command_takes_the_same_for_values(kind: type[click.Command], value: str) -> None:
+    assert parsed(kind, ["/a", value, "-v"]) == {"words": ("/a", value), "v": True}
+    assert parsed(kind, ["/a", "--", value]) == {"words": ("/a", value)}
+
+
+@pytest.mark.parametrize("kind", [_Command, CommandWithValues])
+@pytest.mark.parametrize("value", ["-1", "-0.5", "- a"])
+def test_what_follows_an_option_is_its_value_as_it_is(
+    kind: type[click.Command], value: str
+) -> None:
+    assert parsed(kind, ["-n", value, "/a"]) == {"words": ("/a",), "name": value}
+
+
+def test_an_option_may_stand_alone() -> None:
+    assert parsed(_Command, ["--wait", "/a"]) == {"words": ("/a",), "wait": WITHOUT_END}
+    assert parsed(_Command, ["--wait=2", "/a"]) == {"words": ("/a",), "wait": "2"}
+
+
+def test_the_first_minus_one_is_the_option_of_pub() -> None:
+    assert parsed(CommandWithValues, ["-1", "/a", "-1"]) == {"words": ("/a", "-1"), "once": True}
+    assert parsed(CommandWithValues, ["/a", "-1v"]) == {"words": ("/a",), "once": True, "v": True}
