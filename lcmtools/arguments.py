@@ -16,6 +16,10 @@ from lcmtools.errors import UsageError
 _ASSIGNMENT = re.compile(
     r"([~/A-Za-z_][A-Za-z0-9_/]*|_[A-Za-z][A-Za-z0-9_/.]*):=(.*)", re.ASCII | re.DOTALL
 )
+# What is written in place of it: with blanks, or only one of the two signs.
+_MISSPELT = re.compile(
+    r"([~/A-Za-z_][A-Za-z0-9_/]*)(?:=|:|:=|=:|==)([^:=].*)", re.ASCII | re.DOTALL
+)
 _FLAGS = ("--ns", "--name", "--param", "--remap", "-r", "--lcm-url", "--domain")
 # ROS's own special keys that have no meaning on LCM; accepted so that old command lines work.
 _IGNORED_SPECIALS = ("__log", "__ip", "__hostname", "__master")
@@ -69,6 +73,34 @@ def split_arguments(arguments: Sequence[str]) -> tuple[NodeArguments, list[str]]
         else:
             rest.append(word)
     return said, rest
+
+
+def misspelt(words: Sequence[str], unknown: str, *, of_node: bool = True) -> str:
+    """The hint for an argument that looks like an assignment and is none; "" for others.
+
+    Args:
+        words: The command line.
+        unknown: The word of it that nobody takes: "a=b", or a part of "a := b".
+        of_node: Whether a value that is no name is for a parameter; a launch has arguments only.
+    """
+    if unknown == "--ros-args":
+        return "names and remaps need none: leave it out"
+    place = list(words).index(unknown)
+    before = words[place - 1] if place else ""
+    rest = list(words[place : place + 3])
+    if before.endswith(":="):
+        rest[:0] = [before]
+    for count in range(1, len(rest) + 1):
+        if match := _MISSPELT.fullmatch("".join(rest[:count])):
+            name, value = match.groups()
+            is_topic = not of_node or name[0] in "_~/" or value[0].isalpha() or value[0] in "_~/"
+            return f"did you mean {name if is_topic else f'_{name}'}:={value}?"
+    return ""
+
+
+def looks_special(word: str) -> bool:
+    """Whether a word can only be meant for ``split_arguments``: "__ns=/husky0", ":=b"."""
+    return ":=" in word or bool(re.match(r"__[a-z]+[:=]", word))
 
 
 def _next_value(flag: str, words: Iterator[str]) -> str:

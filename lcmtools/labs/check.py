@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from lcmtools.errors import UsageError
 from lcmtools.labs import dolly, husky, pioneer
-from lcmtools.labs.catalogue import LABS, Lab, Role
+from lcmtools.labs.catalogue import Lab, Role
 from lcmtools.labs.programs import split_command
 from lcmtools.labs.row import Row
 from lcmtools.labs.stage import Stage
@@ -79,8 +79,3 @@ def check(
         with Stage(lab, rate or suits) as stage:
             for found in CHECKS[role.option](stage, words):
                 yield role, found
-
-
-def all_roles() -> list[str]:
-    """The options of all labs, in their order."""
-    return [role.option for lab in LABS.values() for role in lab.roles]

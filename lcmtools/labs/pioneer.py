@@ -19,6 +19,7 @@ PICTURE = "{picture}"
 """Where a viewer's command line has it, the name of the file to save comes in its place."""
 _VELOCITY, _DEPTH = "/RosAria/cmd_vel", "/camera/depth/image_raw"
 _FIRST, _NEXT = 10.0, 2.0  # [s] until a key's command comes
+_PICTURE = 30.0  # [s] until a picture is whole: a program may take seconds for a PNG
 _AGAIN = 0.5  # [s] the first key is pressed again: a program that starts may throw it away
 _COLUMNS, _ROWS = 160, 120  # so many pixels are compared
 
@@ -149,14 +150,14 @@ def check_viewer(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
     stage.listen(Image, _DEPTH, truths.append)
     file = stage.folder / "picture.png"
     program = stage.start(viewer_command(command, str(file)))
-    stage.wait(lambda: _read(file) is not None or program.code() is not None, _FIRST)
+    stage.wait(lambda: _read(file) is not None or program.code() is not None, _PICTURE)
     picture = _read(file)
     what, wanted = "saves a picture", "a PNG file"
     if picture is None:
         yield _no_picture(what, wanted, file, program)
         return
     yield row(what, wanted, f"{picture.width} x {picture.height} pixels", is_ok=True, hint="")
-    truth_came = stage.wait(lambda: truths, _FIRST)
+    truth_came = stage.wait(lambda: truths, _PICTURE)
     part = _likeness(truths[-1], picture) if truth_came else 0.0
     yield row(
         "shows the depth",
@@ -177,7 +178,7 @@ def _no_picture(what: str, wanted: str, file: Path, program: Program) -> Row:
     if program.code() is not None:
         return fate(what, program, wanted)
     hint = f"does it subscribe to {_DEPTH}, and save what comes where --save or {PICTURE} says?"
-    return Row(what, wanted, f"none within {_FIRST:g} s", is_ok=False, hint=hint)
+    return Row(what, wanted, f"none within {_PICTURE:g} s", is_ok=False, hint=hint)
 
 
 def _read(file: Path) -> PngPixels | None:

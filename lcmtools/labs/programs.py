@@ -17,7 +17,6 @@ import termios
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
 
 from lcmtools.errors import UsageError
 
@@ -92,6 +91,8 @@ class Program:
         except OSError as error:
             self._close_keyboard()
             hint = "give the command line as you type it, in quotes"
+            if Path(command[0]).suffix == ".py" and Path(command[0]).is_file():
+                hint = f'did you mean "python {command[0]}"?'
             raise UsageError(f"cannot run '{command[0]}': {error.strerror}", hint) from None
         finally:
             if terminal is not None:
@@ -102,12 +103,7 @@ class Program:
         """It runs."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """End it."""
         self.end()
 

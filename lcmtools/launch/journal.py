@@ -4,7 +4,6 @@ Belongs here: which lines go into which file.
 """
 
 from pathlib import Path
-from types import TracebackType
 from typing import TextIO
 
 from lcmtools.launch.logs import log_path
@@ -23,12 +22,7 @@ class Journal:
         """Nothing is opened yet."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Close all files."""
         for file in self._files.values():
             if file is not None:

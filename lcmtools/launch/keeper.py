@@ -11,7 +11,6 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from types import TracebackType
 
 _PR_SET_PDEATHSIG = 1
 
@@ -36,12 +35,7 @@ class Keeper:
         """It runs already."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Let the warden go; it ends whatever has not been forgotten."""
         assert self._warden.stdin is not None
         with contextlib.suppress(OSError):

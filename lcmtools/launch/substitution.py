@@ -94,7 +94,8 @@ _COMMANDS = ("arg", "env", "optenv", "find", "anon", "dirname", "eval")
 
 def _one(command: str, words: str) -> str:
     if not words or len(words.split()) > 1:
-        raise UsageError(f"'$({command} {words})' needs one name", f"write $({command} NAME)")
+        form = f"optenv {words}" if command == "env" and words else f"{command} NAME"
+        raise UsageError(f"'$({command} {words})' needs one name", f"write $({form})")
     return words
 
 

@@ -8,7 +8,7 @@ import select
 import signal
 import socket
 from collections.abc import Sequence
-from types import FrameType, TracebackType
+from types import FrameType
 
 _ASKING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -31,12 +31,7 @@ class Wakeup:
         self._previous = signal.set_wakeup_fd(self._sender.fileno(), warn_on_full_buffer=False)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Put back what was there."""
         signal.set_wakeup_fd(self._previous)
         for number, handler in self._before.items():

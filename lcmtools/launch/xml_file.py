@@ -52,6 +52,15 @@ class _Reader:
     def read(self, text: bytes) -> None:
         self._parser.Parse(text, True)  # noqa: FBT003 - expat's signature
 
+    def unclosed(self) -> str:
+        """What to close where the text broke off or closes something else; "" for nothing."""
+        if not self._open:
+            return ""
+        last = self._open[-1]
+        return (
+            f"is the <{last.tag}> of line {last.line} closed? </{last.tag}>, or <{last.tag} ... />"
+        )
+
     def _error(self, reason: str, hint: str = "") -> InvalidFile:
         return InvalidFile(f"{self._source}:{self._parser.CurrentLineNumber}: {reason}", hint)
 
@@ -86,7 +95,7 @@ def read_xml(text: bytes, source: str) -> Element:
         reader.read(text)
     except expat.ExpatError as error:
         reason = expat.errors.messages[error.code]
-        hint = _hint(text, error.lineno)
+        hint = _hint(text, error.lineno) or reader.unclosed()
         raise InvalidFile(f"{source}:{error.lineno}: not XML: {reason}", hint) from None
     except (LookupError, ValueError) as error:  # an encoding that is none
         raise InvalidFile(f"{source}:1: not XML: {error}", "write it in UTF-8") from None

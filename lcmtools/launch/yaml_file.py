@@ -93,7 +93,8 @@ def read_yaml(text: str, source: str) -> Element:
         mark = error.problem_mark or error.context_mark
         line = mark.line + 1 if mark else 1
         reason = f"not YAML: {error.problem or error.context}"
-        raise InvalidFile(f"{source}:{line}: {reason}") from None
+        hint = "indent the keys of one entry alike" if "block" in reason else ""
+        raise InvalidFile(f"{source}:{line}: {reason}", hint) from None
     except yaml.reader.ReaderError as error:
         line = text.count("\n", 0, error.position) + 1
         raise InvalidFile(f"{source}:{line}: not YAML: {error.reason}") from None

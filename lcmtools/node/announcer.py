@@ -1,6 +1,7 @@
 """Announcing a process's nodes on the bus: each second, on a change, and when asked."""
 
 import contextlib
+import math
 import random
 import threading
 import time
@@ -20,6 +21,7 @@ from lcmtools.graph.protocol import (
 )
 
 _CHANGE_DELAY = 0.005  # [s]: a node that is being set up changes many times at once
+_REST = 10  # changes wait so many times as long as announcing took: it may take a tenth of the time
 
 
 class Announcer:
@@ -35,6 +37,9 @@ class Announcer:
         self._describe = describe
         self._changed = threading.Condition()
         self._due = time.monotonic() + _CHANGE_DELAY
+        self._rested = 0.0
+        self._asked = math.inf
+        self._is_behind = True
         self._nonce = 0
         self._closed = False
         self._sending = threading.Lock()
@@ -42,12 +47,24 @@ class Announcer:
         self._thread = threading.Thread(target=self._run, name="announcer", daemon=True)
         self._thread.start()
 
-    def announce_soon(self, delay: float = _CHANGE_DELAY, nonce: int = 0) -> None:
-        """Announce all nodes within ``delay`` seconds."""
+    def announce_soon(self) -> None:
+        """Announce all nodes in a moment, because one has changed.
+
+        Nobody waits for it: nodes with hundreds of endpoints rest in between.
+        """
         with self._changed:
-            self._nonce = nonce or self._nonce
-            self._due = min(self._due, time.monotonic() + delay)
+            self._is_behind = True
+            self._due = min(self._due, time.monotonic() + _CHANGE_DELAY)
             self._changed.notify()
+
+    def announce_changes(self) -> None:
+        """Announce what has changed, if it is not announced yet: what is sent next comes after it.
+
+        A simulator that is asked to step must know who listens.
+        """
+        with self._sending:
+            if self._is_behind:
+                self._send_all()
 
     def say_goodbye(self, node: Node) -> None:
         """Tell the bus that a node ends; the last that is announced of it."""
@@ -71,26 +88,42 @@ class Announcer:
         if probe is None:
             return
         if not probe.target:
-            self.announce_soon(random.uniform(0, ANSWER_SPREAD), probe.nonce)  # noqa: S311
+            answer = time.monotonic() + random.uniform(0, ANSWER_SPREAD)  # noqa: S311
+            with self._changed:
+                self._nonce = probe.nonce or self._nonce
+                self._asked = min(self._asked, answer)
+                self._changed.notify()
             return
         self.answer(probe.target, probe.nonce)
 
     def _run(self) -> None:
         while True:
             with self._changed:
-                while not self._closed and (left := self._due - time.monotonic()) > 0:
+                while not self._closed and (left := self._left()) > 0:
                     self._changed.wait(left)
                 if self._closed:
                     return
-                self._due = time.monotonic() + PERIOD
+                began = time.monotonic()
+                self._due, self._asked = began + PERIOD, math.inf
                 nonce, self._nonce = self._nonce, 0
+            work_began = time.thread_time()  # a busy computer makes no node a large one
             self._announce(nonce)
+            worked = time.thread_time() - work_began
+            self._rested = min(time.monotonic() + _REST * worked, began + PERIOD)
+
+    def _left(self) -> float:
+        """The time until the next announcement [s]."""
+        return min(self._asked, max(self._due, self._rested)) - time.monotonic()
 
     def _announce(self, nonce: int, target: str = "") -> None:
         with self._sending:  # so that no node is described before its goodbye and sent after it
-            for node in self._describe():
-                if target in ("", node.name):
-                    self._send(Announcement(node, answers=nonce))
+            self._send_all(nonce, target)
+
+    def _send_all(self, nonce: int = 0, target: str = "") -> None:
+        self._is_behind = self._is_behind and bool(target)
+        for node in self._describe():
+            if target in ("", node.name):
+                self._send(Announcement(node, answers=nonce))
 
     def _send(self, announcement: Announcement) -> None:
         # what cannot be announced now is announced a second later; a closing bus takes none

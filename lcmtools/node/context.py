@@ -17,7 +17,7 @@ from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl
 from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.graph.protocol import SHUTDOWN_CHANNEL, decode_shutdown
-from lcmtools.names import resolve_namespace
+from lcmtools.names import base_name_of, resolve_namespace
 from lcmtools.node.announcer import Announcer
 from lcmtools.node.following import Following
 from lcmtools.node.logger import Logger
@@ -67,12 +67,12 @@ class Context:
         self.wakeup = Wakeup()
         self.declared_parameters: set[str] = set()
         self.notices: list[str] = []
-        """What the first node should log: something on the command line has no effect."""
+        """What the next node should log: something on the command line has no effect, or harms."""
         self.on_asked_to_end: Callable[[], None] = self.stop
         """What another program's request to end does."""
         self.host = socket.gethostname()
         self._records = records
-        self._recorded: dict[str, frozenset[str]] = {}
+        self._recorded: dict[str, frozenset[tuple[str, Role]]] = {}
         self._plain_listeners = PlainListeners(url, self._pids_here) if url else None
         self._participants: list[Participant] = []
         self._stopping = False
@@ -100,7 +100,13 @@ class Context:
     def add(self, participant: Participant) -> None:
         """Take a node in: announce it, and record that it runs."""
         self._participants.append(participant)
-        self._record(participant.describe())
+        node = participant.describe()
+        if self._records and not node.tool and (other := self._records.namesake(node)):
+            self.notices.append(
+                f"pid {other.pid} is a node of this name too: end one of them, "
+                f"or start this one with __name:={base_name_of(node.name)}2"
+            )
+        self._record(node)
         self.announcer.announce_soon()
 
     def remove(self, participant: Participant) -> None:
@@ -109,6 +115,7 @@ class Context:
             self._participants.remove(participant)
             node = participant.describe()
             self.announcer.say_goodbye(node)
+            self._recorded.pop(node.id, None)
             if self._records:
                 self._records.remove(node.id)
 
@@ -167,8 +174,8 @@ class Context:
         return nodes
 
     def _record(self, node: Node) -> None:
-        """Leave a node's record, and renew it when it publishes something else."""
-        topics = frozenset(endpoint.topic for endpoint in node.having(Role.PUBLISHER))
+        """Leave a node's record, and renew it when it has other topics."""
+        topics = frozenset((endpoint.topic, endpoint.role) for endpoint in node.endpoints)
         if self._records and self._recorded.get(node.id) != topics:
             self._recorded[node.id] = topics
             self._records.write(node)

@@ -159,7 +159,7 @@ class Node(Placed, Parametric):
         Raises:
             UsageError: The period is not positive.
         """
-        timer = Timer(seconds, callback, self.__callbacks.time())
+        timer = Timer(seconds, callback, self.__callbacks.time)
         self.__callbacks.timers.append(timer)
         return timer
 
@@ -196,6 +196,7 @@ class Node(Placed, Parametric):
         names.check_length(request_channel(resolved), name)
         client = Client(self.__context.bus, service_type, resolved)
         client.is_interrupted = lambda: not self.__context.ok()
+        client.before_call = self.__context.announcer.announce_changes
         self.__context.bus.subscribe(reply_channel(resolved), client.receive)
         self.__clients.append(client)  # type: ignore[arg-type] # run by what they have in common
         self.__context.announcer.announce_soon()
@@ -205,7 +206,8 @@ class Node(Placed, Parametric):
         """Log the command line's parameters that no node here has declared: likely misspelt."""
         declared = self.__context.declared_parameters
         for name in self.__context.arguments.parameters.keys() - declared:
-            hint = names.did_you_mean(name, declared)
+            special = "did you mean __ns:= or __name:=?" if name in ("ns", "name") else ""
+            hint = names.did_you_mean(name, declared) or special
             self.__logger.warning(f"there is no parameter '{name}'{f'; {hint}' if hint else ''}")
 
     def get_logger(self) -> Logger:
@@ -223,11 +225,18 @@ class Node(Placed, Parametric):
             self.__context.announcer.announce_soon()
 
     def destroy_subscription(self, subscription: Subscription) -> None:
-        """Receive nothing more by a subscription. Does nothing the second time."""
+        """Receive nothing more by it, not even what waits. Does nothing the second time."""
+        subscription.close()
         if subscription in self.__callbacks.subscriptions:
             self.__callbacks.subscriptions.remove(subscription)
             self.__context.bus.unsubscribe(subscription.topic, subscription.receive)
             self.__context.announcer.announce_soon()
+
+    def destroy_timer(self, timer: Timer) -> None:
+        """Call a timer's function no more. Does nothing the second time."""
+        timer.cancel()
+        with contextlib.suppress(ValueError):
+            self.__callbacks.timers.remove(timer)
 
     def destroy_node(self) -> None:
         """Say goodbye and receive nothing any more. Does nothing the second time."""
@@ -275,13 +284,11 @@ class Node(Placed, Parametric):
         """Let the bus reach the parameters, unless the node's name leaves no room for it."""
         with contextlib.suppress(InvalidName):
             service = service_name(self.name)
-            names.check_length(request_channel(service))
             self.create_service(lcmtools_msgs.Parameters, service, self.answer_parameters)
 
     def __keep_time(self) -> None:
         about = "the time is that of /clock, not the computer's"
-        is_simulated = self.declare_parameter("use_sim_time", False, about, read_only=True)  # noqa: FBT003 - the default
-        if is_simulated.value:
+        if self.declare_parameter("use_sim_time", False, about, read_only=True).value:  # noqa: FBT003 - the default
             self.__use_sim_time()
 
     def __use_sim_time(self) -> None:

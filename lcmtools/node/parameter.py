@@ -6,7 +6,7 @@ What a node does with its parameters is ``parameters``' business.
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from lcmtools.messages.setting import Setting, kind_of, read_setting
+from lcmtools.messages.setting import Setting
 
 ParameterValue = Setting
 """What a parameter may be: a boolean, a number, a text, a list of these, or nothing."""
@@ -57,12 +57,3 @@ class SetParametersResult:
 
     successful: bool = True
     reason: str = ""
-
-
-def read_parameter(name: str, text: str, default: ParameterValue) -> ParameterValue:
-    """The value that a text on the command line means, of the default's type.
-
-    Raises:
-        UsageError: The text is no value of that type.
-    """
-    return read_setting(text, kind_of(default), f"parameter {name}")

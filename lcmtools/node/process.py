@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable, Sequence
 from types import FrameType
 
-from lcmtools.arguments import split_arguments
+from lcmtools.arguments import looks_special, misspelt, split_arguments
 from lcmtools.bus.base import Bus
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl, choose_url
@@ -44,7 +44,8 @@ def init(
         args: The command line without the program's name; ``sys.argv`` when None. Names
             (``__ns:=``, ``a:=b``), parameters (``_gain:=2.0``) and the bus are taken from it.
         url: The bus, where the command line says nothing.
-        handle_signals: Let Ctrl-C and SIGTERM make ``spin`` return and ``ok`` False.
+        handle_signals: Let Ctrl-C, SIGTERM and a closed terminal make ``spin`` return and ``ok``
+            False.
 
     Returns:
         The arguments that are the program's own.
@@ -55,7 +56,8 @@ def init(
     """
     if _process.context is not None:
         raise LcmtoolsError("lcmtools.init() was called twice", "call lcmtools.shutdown() between")
-    arguments, rest = split_arguments(sys.argv[1:] if args is None else args)
+    words = sys.argv[1:] if args is None else args
+    arguments, rest = split_arguments(words)
     bus_url, source = choose_url(
         arguments.lcm_url or url, arguments.domain, os.environ, read_user_file(os.environ)
     )
@@ -66,10 +68,14 @@ def init(
     if arguments.domain and source != "--domain":
         notice = f"--domain {arguments.domain} has no effect: {source} wins"
         _process.context.notices.append(notice)
+    for word in filter(looks_special, rest[: rest.index("--")] if "--" in rest else rest):
+        hint = misspelt(words, word) or "write from:=to without blanks"
+        _process.context.notices.append(f"'{word}' names nothing; {hint}")
     if handle_signals and threading.current_thread() is threading.main_thread():
         _process.handlers = {
             number: signal.signal(number, _interrupted)
-            for number in (signal.SIGINT, signal.SIGTERM)
+            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+            if number != signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN  # nohup
         }
     atexit.register(shutdown)
     return rest
@@ -82,10 +88,7 @@ def shutdown() -> None:
         return
     with contextlib.suppress(KeyboardInterrupt):  # impatience does not stop a goodbye
         context.close()
-    for number, handler in _process.handlers.items():
-        if signal.getsignal(number) is _interrupted:
-            signal.signal(number, handler)
-    _process.handlers = {}
+    _give_back_signals()
     atexit.unregister(shutdown)
 
 
@@ -109,6 +112,24 @@ def current_context() -> Context:
     return _process.context
 
 
+def _leave_to_parent() -> None:
+    """In a forked process: the threads are the parent's, and so are the nodes and the goodbye."""
+    if _process.context is not None:
+        _process.context = None
+        _give_back_signals()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_leave_to_parent)
+
+
+def _give_back_signals() -> None:
+    for number, handler in _process.handlers.items():
+        if signal.getsignal(number) is _interrupted:
+            signal.signal(number, handler)
+    _process.handlers = {}
+
+
 def _open_bus(url: BusUrl) -> Bus:
     from lcmtools.bus.liblcm import LcmBus
 
@@ -120,12 +141,14 @@ def _open_bus(url: BusUrl) -> Bus:
     return LcmBus(url)
 
 
-def _interrupted(_number: int, _frame: FrameType | None) -> None:
-    """Ctrl-C or SIGTERM: ask everything to return; interrupt what does not within half a second."""
+def _interrupted(number: int, _frame: FrameType | None) -> None:
+    """A signal to end: ask everything to return; interrupt what does not within half a second."""
     context = _process.context
     if context is None or context.is_closed():
         return
     if not context.ok():
+        if number == signal.SIGHUP:  # a shell that ends and its terminal both send one
+            return
         raise KeyboardInterrupt
     context.stop()
     thread = threading.Timer(_GRACE, _interrupt_again, [context])

@@ -157,6 +157,7 @@ class Client(Generic[RequestT, ResponseT]):
         self.name = name
         self.service_type = service_type
         self.is_interrupted: Callable[[], bool] = lambda: False
+        self.before_call: Callable[[], None] = lambda: None
         self._bus = bus
         self._id = uuid.uuid4().hex
         self._sequence = 0
@@ -177,6 +178,7 @@ class Client(Generic[RequestT, ResponseT]):
             ValueMismatch: A field's value does not fit.
         """
         envelope = self._envelope(request)
+        self.before_call()
         deadline = time.monotonic() + timeout
         with self._changed:
             self._expected.add(envelope.sequence)

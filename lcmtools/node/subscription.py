@@ -50,6 +50,7 @@ class Subscription:
         }
         self._lock = threading.Lock()
         self._queue: deque[bytes] = deque()
+        self._closed = False
         self._messages = 0
         self._bytes = 0
         self._last_time = 0
@@ -58,6 +59,8 @@ class Subscription:
     def receive(self, payload: bytes, time: int) -> None:
         """Queue one message; called on the receiving thread."""
         with self._lock:
+            if self._closed:
+                return
             if len(self._queue) >= self.depth:
                 self._queue.popleft()
                 self.drops += 1
@@ -71,6 +74,12 @@ class Subscription:
         """The oldest payload that waits; None when none does."""
         with self._lock:
             return self._queue.popleft() if self._queue else None
+
+    def close(self) -> None:
+        """Forget what waits, and take nothing more."""
+        with self._lock:
+            self._closed = True
+            self._queue.clear()
 
     def waiting(self) -> int:
         """How many messages wait."""

@@ -16,28 +16,31 @@ class Timer:
     Args:
         seconds: The period [s].
         callback: What to call.
-        now: The present [ns], on the clock that ``is_due`` is asked with.
+        clock: Tells the present [ns]; ``is_due`` is asked with the same clock's time.
 
     Raises:
         UsageError: The period is not positive and finite.
     """
 
-    def __init__(self, seconds: float, callback: Callable[[], object], now: int) -> None:
+    def __init__(
+        self, seconds: float, callback: Callable[[], object], clock: Callable[[], int]
+    ) -> None:
         if not 0 < seconds < math.inf:
             raise UsageError(f"a timer's period must be positive and finite, got {seconds} s")
         self.callback = callback
         self.period = max(1, round(seconds * NANOSECONDS))
-        self._next = now + self.period
+        self._clock = clock
+        self._next = clock() + self.period
         self._cancelled = False
 
     def cancel(self) -> None:
         """Call no more."""
         self._cancelled = True
 
-    def reset(self, now: int) -> None:
-        """Start again, with the next call one period from ``now`` [ns]."""
+    def reset(self) -> None:
+        """Start again, with the next call one period from now; also after ``cancel``."""
         self._cancelled = False
-        self._next = now + self.period
+        self._next = self._clock() + self.period
 
     def is_due(self, now: int) -> bool:
         """Whether it is time to call."""

@@ -7,7 +7,7 @@ can be copied and changed. A file's docstring is also what its ``--help`` prints
 import sys
 from collections.abc import Sequence
 
-from lcmtools.arguments import split_arguments
+from lcmtools.arguments import misspelt, split_arguments
 from lcmtools.errors import UsageError
 
 _EVERY_NODE_TAKES = """\
@@ -39,5 +39,6 @@ def check_command_line(args: Sequence[str] | None, help_text: str) -> bool:
         return False
     _, unknown = split_arguments(words)
     if unknown:
-        raise UsageError(f"unknown argument '{unknown[0]}'", "--help shows what this node takes")
+        hint = misspelt(words, unknown[0]) or "--help shows what this node takes"
+        raise UsageError(f"unknown argument '{unknown[0]}'", hint)
     return True

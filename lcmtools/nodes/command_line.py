@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import NoReturn
 
-from lcmtools.arguments import split_arguments
+from lcmtools.arguments import misspelt, split_arguments
 from lcmtools.errors import UsageError
 from lcmtools.names import did_you_mean
 from lcmtools.nodes import check_command_line
@@ -52,8 +52,10 @@ def read_command_line(
         return None
     options, unknown = parser.parse_known_args(split_arguments(words)[1])
     if unknown:
-        hint = did_you_mean(unknown[0], flags_of(parser)) or "--help shows what this node takes"
-        raise UsageError(f"unknown argument '{unknown[0]}'", hint)
+        hint = misspelt(words, unknown[0]) or did_you_mean(unknown[0], flags_of(parser))
+        raise UsageError(
+            f"unknown argument '{unknown[0]}'", hint or "--help shows what this node takes"
+        )
     return options
 
 

@@ -12,6 +12,7 @@ import json
 import sys
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from math import prod
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -19,6 +20,7 @@ from lcmtools.packages.generated import Generated, generate, move, unknown_type
 from lcmtools.packages.index import INDEX
 from lcmtools.packages.source import Problem
 from lcmtools.packages.type_files import LcmFile
+from lcmtools.wire.datagram import MESSAGE_MAX
 
 SHIPPED = "lcmtools.types"
 
@@ -75,6 +77,15 @@ class _Build:
                 elif one.tables != self.types[one.name].tables:
                     first = self.types[one.name].file
                     self.notes[one.name] = f"{one.name} is in {first} and, other, in {one.file}"
+
+    def drop_too_large(self) -> None:
+        """Take out types with more elements than LCM carries bytes: Python would make them all."""
+        counts: dict[str, int] = {}
+        for one in list(self.types.values()):
+            if self._elements(one.name, counts) > MESSAGE_MAX:
+                what = f"{one.name} is larger than LCM's {MESSAGE_MAX} bytes"
+                self._refuse(one, what, "let a field say the array's size:  double values[size];")
+                self._drop(one.name)
 
     def drop_incomplete(self) -> None:
         """Take out types with fields of types that there are not, until all are complete."""
@@ -133,9 +144,26 @@ class _Build:
     def _drop(self, name: str) -> None:
         self.types.pop(name).module.unlink()
 
+    def _elements(self, name: str, counts: dict[str, int]) -> int:
+        """The fewest elements that a message of a type has; ``counts`` are those known."""
+        one = self.types.get(name)
+        if name not in counts and one and one.tables:
+            counts[name] = 1  # while it is counted: for what contains itself
+            _, kinds, dimensions = one.tables
+            counts[name] = sum(
+                prod(map(int, sizes or ())) * self._elements(self._named(kind), counts)
+                for kind, sizes in zip(kinds, dimensions, strict=True)
+                if not any(isinstance(size, str) for size in sizes or ())
+            )
+        return counts.get(name, 1)
+
+    def _named(self, path: str) -> str:
+        """The name of the type with a module path: "PREFIX.geometry_msgs.Twist"."""
+        return "/".join(path.removeprefix(f"{self.prefix}.").rsplit(".", 1))
+
     def _missing(self, one: Generated) -> tuple[Generated, str] | None:
         for path in one.nested():
-            name = "/".join(path.removeprefix(f"{self.prefix}.").rsplit(".", 1))
+            name = self._named(path)
             there = self.types.get(name)
             if not (there.tables if there else name in self.shipped):
                 return one, name
@@ -183,6 +211,7 @@ def build(files: Sequence[LcmFile], prefix: str, folder: Path, shipped: Mapping[
     making.root.mkdir()
     for file in files:
         making.add(file)
+    making.drop_too_large()
     making.drop_incomplete()
     services = making.write_packages()
     numbers = making.fingerprints()

@@ -10,11 +10,15 @@ import shutil
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import cast
 
 from lcmtools.names import closest
 from lcmtools.packages.lcm_gen import run_lcm_gen
 from lcmtools.packages.source import Problem
 from lcmtools.packages.type_files import LcmFile
+
+Tables = tuple[list[str], list[str], list[list[int | str] | None]]
+"""lcm-gen's tables of a type's fields, as in the class: names, types, and the arrays' sizes."""
 
 _TABLES = ("__slots__", "__typenames__", "__dimensions__")
 _LCM_NAMES = {
@@ -48,20 +52,17 @@ class Generated:
         name: Its type's name: "geometry_msgs/Twist", or "pose_t" outside of any package.
         file: The .lcm file that it is of.
         module: Where it is.
-        tables: lcm-gen's tables of its fields, as in the class; empty for an enum.
+        tables: What fields it has; None for an enum.
     """
 
     name: str
     file: Path
     module: Path
-    tables: tuple[object, ...]
+    tables: Tables | None
 
     def nested(self) -> Iterator[str]:
         """The module paths of the types that its fields have: "PREFIX.geometry_msgs.Twist"."""
-        names = self.tables[1] if self.tables else None
-        for name in names if isinstance(names, list) else ():
-            if isinstance(name, str) and "." in name:
-                yield name
+        return (name for name in (self.tables[1] if self.tables else ()) if "." in name)
 
 
 def generate(source: LcmFile, prefix: str, folder: Path) -> tuple[list[Generated], list[Problem]]:
@@ -150,8 +151,8 @@ def _look(module: Path, name: str, file: Path) -> Generated | Problem:
     members = [node for one in body if isinstance(one, ast.ClassDef) for node in one.body]
     values = dict(_assignments(members))
     if not all(table in values for table in _TABLES):
-        return Generated(name, file, module, ())  # an enum
-    tables = tuple(ast.literal_eval(values[table]) for table in _TABLES)
+        return Generated(name, file, module, None)  # an enum
+    tables = cast("Tables", tuple(ast.literal_eval(values[table]) for table in _TABLES))
     taken = {node.name for node in members if isinstance(node, ast.FunctionDef)} | set(values)
     for field in tables[0]:
         if field in taken:

@@ -100,28 +100,6 @@ def runnables(*starts: Path) -> list[Runnable]:
     return [found[key] for key in sorted(found)]
 
 
-def words_to_run(package: str, name: str, *starts: Path) -> tuple[str, ...]:
-    """What stands after ``lcmtools run`` for a node of somebody's package; () where there is none.
-
-    Args:
-        package: Its package; those that lcmtools brings have no words of their own here.
-        name: Its name, or that of a script that it was once: simple_controller.py.
-        starts: Folders whose workspaces count.
-    """
-    names = {node.name for node in runnables(*starts) if node.package == package != OWN}
-    spellings = (name, name.removesuffix(".py"))
-    return next(((package, one) for one in spellings if one in names), ())
-
-
-def name_of_run(words: Sequence[str], *starts: Path) -> str:
-    """The name of the node that the words after ``lcmtools run`` mean.
-
-    Raises:
-        UsageError: There is no such node, or several packages have it.
-    """
-    return find_node(words, runnables(*starts))[0].name
-
-
 def installed_packages() -> list[str]:
     """The installed packages that have nodes or messages, sorted."""
     found = (entry for group in GROUPS for entry in entry_points(group=group))

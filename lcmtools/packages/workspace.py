@@ -41,10 +41,6 @@ class Package:
         source = self.folder / "src"
         return source if (source / self.name).is_dir() else self.folder
 
-    def module_folder(self) -> Path:
-        """The folder that its code is in."""
-        return self.import_folder() / self.name
-
 
 @dataclass(frozen=True, slots=True)
 class Workspace:

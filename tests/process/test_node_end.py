@@ -39,7 +39,7 @@ def _alive(watch: Watch) -> list[Node]:
     return [node for node in watch.settle(foreign=False).nodes if not node.stale]
 
 
-def _goodbyes(watch: Watch, timeout: float = 1.0) -> list[str]:
+def _goodbyes(watch: Watch, timeout: float = 20.0) -> list[str]:
     """The names of the nodes that say goodbye, until one has."""
     deadline = time.monotonic() + timeout
     while time.monotonic() < deadline:
@@ -133,15 +133,20 @@ with Node("victim") as node:
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
 @pytest.mark.parametrize("doing", _BUSY)
 def test_a_signal_ends_a_node_soon_with_a_goodbye(
-    run: Callable[..., Any], watch: Watch, bus_url: str, doing: str, number: int
+    run: Callable[..., Any],
+    watch: Watch,
+    bus_url: str,
+    stopwatch: Callable[..., Any],
+    doing: str,
+    number: int,
 ) -> None:
     victim = run(_HEAD + _BUSY[doing] + "\nlcmtools.shutdown()\n")
     victim.wait_for("ready")
     assert "/victim" in [node.name for node in _alive(watch)]
-    before = time.monotonic()
+    ending = stopwatch(victim.pid)
     victim.send_signal(number)
+    assert ending.until_end() < SOON
     code = victim.wait()
-    assert time.monotonic() - before < SOON
     assert code == 0, victim.output
     assert "Traceback" not in victim.output
     assert "Exception" not in victim.output
@@ -180,16 +185,16 @@ def test_shutdown_in_a_callback_ends_the_program(run: Callable[..., Any], watch:
 
 
 def test_a_second_ctrl_c_breaks_a_callback_off_at_once_and_the_goodbye_is_said(
-    run: Callable[..., Any], watch: Watch
+    run: Callable[..., Any], watch: Watch, stopwatch: Callable[..., Any]
 ) -> None:
     victim = run(_HEAD + _BUSY["asleep in a callback"] + "\nlcmtools.shutdown()\n")
     victim.wait_for("ready")
-    before = time.monotonic()
+    ending = stopwatch(victim.pid)
     victim.send_signal(signal.SIGINT)
     time.sleep(0.1)  # nobody presses Ctrl-C twice any faster
     victim.send_signal(signal.SIGINT)
+    assert ending.until_end() < 0.45
     assert victim.wait() == 0, victim.output
-    assert time.monotonic() - before < 0.45
     assert "Traceback" not in victim.output
     assert _goodbyes(watch) == ["/victim"]
 

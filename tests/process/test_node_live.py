@@ -59,7 +59,7 @@ client = node.create_client(SetBool, "switch")
 request = SetBool.Request()
 request.data = True
 def ask():
-    response = client.call(request, timeout=10.0)
+    response = client.call(request, timeout=40.0)
     print("answer", response.success, response.message)
     lcmtools.shutdown()
 node.create_timer(0.01, ask)

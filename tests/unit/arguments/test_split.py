@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lcmtools.arguments import NodeArguments, split_arguments
+from lcmtools.arguments import NodeArguments, looks_special, misspelt, split_arguments
 from lcmtools.errors import UsageError
 
 
@@ -120,3 +120,33 @@ def test_any_argument_list_is_refused_or_keeps_its_own_words_in_order(words: lis
         return
     remaining = iter(words)
     assert all(word in remaining for word in rest)
+
+
+@pytest.mark.parametrize(
+    ("typed", "unknown", "hint"),
+    [
+        ("__ns=/husky0", "__ns=/husky0", "did you mean __ns:=/husky0?"),
+        ("__ns:/husky0", "__ns:/husky0", "did you mean __ns:=/husky0?"),
+        ("__ns:= /husky0", "/husky0", "did you mean __ns:=/husky0?"),
+        ("a := b", "a", "did you mean a:=b?"),
+        ("a :=b", "a", "did you mean a:=b?"),
+        ("a = b", "a", "did you mean a:=b?"),
+        ("a: =b", "a:", "did you mean a:=b?"),
+        ("_kp=2", "_kp=2", "did you mean _kp:=2?"),
+        ("kp=-0.5", "kp=-0.5", "did you mean _kp:=-0.5?"),  # no topic begins so
+        ("loudly b", "loudly", ""),
+        ("--fast=1", "--fast=1", ""),
+        (":=b", ":=b", ""),
+        ("--", "--", ""),
+        ("--ros-args a:=b", "--ros-args", "names and remaps need none: leave it out"),
+    ],
+)
+def test_an_assignment_that_is_misspelt_is_told(typed: str, unknown: str, hint: str) -> None:
+    assert misspelt(typed.split(), unknown) == hint
+
+
+@pytest.mark.parametrize(
+    ("word", "expected"), [("__ns=/a", True), (":=b", True), ("a=b", False), ("--ns", False)]
+)
+def test_words_that_are_meant_for_every_node_can_be_told(word: str, *, expected: bool) -> None:
+    assert looks_special(word) is expected

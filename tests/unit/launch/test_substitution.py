@@ -54,6 +54,7 @@ def test_anonymous_name_is_the_same_in_one_launch_and_differs_between_names() ->
         ("$(arg robto)", "there is no argument 'robto'; did you mean robot?"),
         ("$(arg)", "'$(arg )' needs one name"),
         ("$(arg a b)", "'$(arg a b)' needs one name"),
+        ("$(env A b)", "'$(env A b)' needs one name; write $(optenv A b)"),
         ("$(env NOPE)", "the environment variable NOPE is not set; or write $(optenv NOPE DEF"),
         ("$(arg robot", "'$(' is not closed in '$(arg robot'"),
         ("$(ag robot)", "there is no '$(ag ...)'; did you mean arg?"),

@@ -1,5 +1,7 @@
 """Which of the words after ``lcmtools launch`` is what."""
 
+from pathlib import Path
+
 import pytest
 
 from lcmtools.cli.launch.typed import read_words
@@ -27,3 +29,14 @@ def test_what_ros_has_and_lcm_has_not_is_taken_and_left() -> None:
 def test_wrong_word_is_refused(word: str) -> None:
     with pytest.raises(UsageError):
         read_words(["f", word], None, "/")
+
+
+def test_an_argument_that_is_misspelt_is_no_second_file() -> None:
+    with pytest.raises(UsageError, match=r"a=1: this is no argument; did you mean a:=1\?"):
+        read_words(["f", "a=1"], None, "/")
+
+
+def test_a_file_may_have_such_a_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a=1").touch()
+    assert read_words(["f", "a=1"], None, "/").places == ("f", "a=1")

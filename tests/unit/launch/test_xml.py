@@ -296,7 +296,11 @@ def test_file_that_includes_itself_in_many_groups_is_refused(xml: Make) -> None:
     [
         ("", "a.launch:1: the file is empty"),
         ("<launch>\n<node\n</launch>", "a.launch:3: not XML: not well-formed (invalid token)"),
-        ("<launch>", "a.launch:1: not XML: no element found"),
+        ("<launch>", "a.launch:1: not XML: no element found; is the <launch> of line 1 closed?"),
+        (
+            "<launch>\n<node>\n</launch>",
+            "a.launch:3: not XML: mismatched tag; is the <node> of line 2 closed? </node>, or",
+        ),
         ("<robot/>", "a.launch:1: expected <launch>, got <robot>; put all into <launch></launch>"),
         (
             "<launch>\n<node name=\u201cx\u201d/></launch>",

@@ -112,6 +112,8 @@ def test_program_that_is_executable_is_run_itself(yaml: Make, folder: Path) -> N
     [
         ("", 1, "the file is empty"),
         ("nodes: [", 1, "not YAML: "),
+        ("nodes:\n  - run: a\n   ns: b", 3, "; indent the keys of one entry alike"),
+        ("nodes: [{run: sh -c x}]", 1, "a program is written so:  exec: sh,  args: -c x"),
         ("a: b: c", 1, "not YAML: mapping values are not allowed here"),
         ("- run: talker", 1, "the file: expected names and values"),
         ("node:\n  - run: talker", 1, "there is no key 'node' in the file; did you mean nodes?"),

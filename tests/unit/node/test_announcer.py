@@ -10,7 +10,8 @@ import pytest
 
 from lcmtools import Node
 from lcmtools.bus.base import FakeBus
-from lcmtools.errors import BusError
+from lcmtools.errors import BusError, ServiceTimeout
+from lcmtools.graph import model
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PROBE_CHANNEL,
@@ -19,8 +20,10 @@ from lcmtools.graph.protocol import (
     decode_announcement,
     encode_probe,
 )
+from lcmtools.node.announcer import Announcer
 from lcmtools.node.context import Context
 from lcmtools.types.std_msgs import String
+from lcmtools.types.std_srvs import Trigger
 
 Begin = Callable[..., Context]
 WaitUntil = Callable[..., None]
@@ -157,6 +160,47 @@ def test_announcing_goes_on_when_the_network_comes_back(
     node.destroy_node()
 
 
+def test_a_node_that_takes_long_to_describe_is_announced_seldom_while_it_is_set_up(
+    bus: FakeBus,
+) -> None:
+    """A node with a thousand endpoints did little else while they were made."""
+    described: list[None] = []
+
+    def describe() -> list[model.Node]:
+        end = time.thread_time() + 0.02
+        while time.thread_time() < end:
+            pass
+        described.append(None)
+        return []
+
+    announcer = Announcer(bus, describe)
+    end = time.monotonic() + 0.5
+    while time.monotonic() < end:
+        announcer.announce_soon()
+        time.sleep(0.001)
+    announcer.close()
+    assert 1 <= len(described) <= 5
+
+
+def test_a_node_that_rests_after_a_long_description_answers_who_asks(
+    bus: FakeBus, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lcmtools.node.announcer.PERIOD", 600.0)
+    monkeypatch.setattr("lcmtools.node.announcer._REST", 1e9)
+    described: list[None] = []
+
+    def describe() -> list[model.Node]:
+        described.append(None)
+        return []
+
+    announcer = Announcer(bus, describe)
+    wait_until(lambda: described)
+    announcer.announce_soon()
+    _probe(bus)  # without a nonce, as lists ask
+    wait_until(lambda: len(described) > 1)
+    announcer.close()
+
+
 def test_a_command_line_that_is_not_utf8_is_announced(
     begin: Begin, bus: FakeBus, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -176,3 +220,22 @@ def test_a_command_line_without_end_is_announced_in_one_datagram(
     wait_until(lambda: _announced(bus))
     assert _announced(bus)[0].node.command.startswith("node --word --word")
     assert max(len(payload) for channel, payload in bus.published) < 10_000
+
+
+def test_who_is_called_knows_before_what_this_program_listens_to(
+    begin: Begin, bus: FakeBus, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Announcer, "_run", lambda _: None)  # it may always come later
+    begin()
+    node = Node("tester")
+    client = node.create_client(Trigger, "/sim/step")
+    node.create_subscription(String, "odometry", print)
+
+    for _ in range(2):
+        with pytest.raises(ServiceTimeout):
+            client.call(Trigger.Request(), timeout=0.2)
+
+    channels = [channel for channel, _ in bus.published if channel != "/rosout"]
+    assert channels == [NODE_CHANNEL, "/sim/step/_request", "/sim/step/_request"]
+    (announced,) = _announced(bus)
+    assert "/odometry" in [endpoint.topic for endpoint in announced.node.endpoints]

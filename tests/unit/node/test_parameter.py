@@ -6,10 +6,18 @@ import pytest
 
 from lcmtools import Node
 from lcmtools.errors import UsageError
+from lcmtools.messages.setting import kind_of
 from lcmtools.node.context import Context
-from lcmtools.node.parameter import ParameterValue, read_parameter
+from lcmtools.node.parameter import ParameterDescriptor, ParameterValue
+from lcmtools.node.parameters import Parameters
 
 Begin = Callable[..., Context]
+
+
+def _given(text: str, default: ParameterValue) -> ParameterValue:
+    """What a parameter is that the command line gives this text."""
+    given = Parameters("/a", {"p": text})
+    return given.declare("p", default, ParameterDescriptor(kind_of(default)))
 
 
 @pytest.mark.parametrize(
@@ -45,7 +53,7 @@ Begin = Callable[..., Context]
 def test_a_text_is_read_as_its_defaults_type(
     text: str, default: ParameterValue, value: ParameterValue
 ) -> None:
-    read = read_parameter("p", text, default)
+    read = _given(text, default)
     assert read == value
     assert type(read) is type(value)
 
@@ -69,12 +77,12 @@ def test_a_text_of_another_type_is_refused(
     text: str, default: ParameterValue, expected: str
 ) -> None:
     with pytest.raises(UsageError, match=f"parameter p: expected {expected}, got "):
-        read_parameter("p", text, default)
+        _given(text, default)
 
 
 def test_a_text_that_is_no_yaml_is_refused() -> None:
     with pytest.raises(UsageError, match=r"parameter p: bad YAML at line 1"):
-        read_parameter("p", "[1, 2", [])
+        _given("[1, 2", [])
 
 
 def test_the_command_line_beats_the_default(begin: Begin) -> None:

@@ -60,14 +60,14 @@ def test_a_request_is_answered(begin: Begin, serve: Serve, start_switch: StartSw
 
 
 def test_a_lost_request_is_sent_again_and_answered_once(
-    begin: Begin, serve: Serve, start_switch: StartSwitch
+    begin: Begin, serve: Serve, start_switch: StartSwitch, stopwatch: Callable[[], Any]
 ) -> None:
     begin(bus=_Lossy(request_channel("/switch")))
     server = start_switch()
     serve(server.node)
-    before = time.monotonic()
-    response = Node("client").create_client(SetBool, "switch").call(_request(), timeout=5.0)
-    assert time.monotonic() - before < 2.0
+    watch = stopwatch()
+    response = Node("client").create_client(SetBool, "switch").call(_request(), timeout=20.0)
+    assert watch.seconds() < 2.0
     assert response.message == "call 1"
     assert server.calls == [True]
 
@@ -78,7 +78,7 @@ def test_a_lost_reply_is_sent_again_without_a_second_call(
     begin(bus=_Lossy(reply_channel("/switch"), 2))
     server = start_switch()
     serve(server.node)
-    response = Node("client").create_client(SetBool, "switch").call(_request(), timeout=5.0)
+    response = Node("client").create_client(SetBool, "switch").call(_request(), timeout=20.0)
     assert response.message == "call 1"
     assert server.calls == [True]
 
@@ -95,19 +95,19 @@ def test_a_slow_service_is_called_once(begin: Begin, serve: Serve) -> None:
     node.create_service(Trigger, "slow", slow)
     serve(node)
     client = Node("client").create_client(Trigger, "slow")
-    client.call(Trigger.Request(), timeout=5.0)
+    client.call(Trigger.Request(), timeout=20.0)
     assert calls == [1]
-    client.call(Trigger.Request(), timeout=5.0)
+    client.call(Trigger.Request(), timeout=20.0)
     assert calls == [1, 1]
 
 
-def test_no_answer_is_an_error_in_time(begin: Begin) -> None:
+def test_no_answer_is_an_error_in_time(begin: Begin, stopwatch: Callable[[], Any]) -> None:
     begin()
     client = Node("client").create_client(Trigger, "/nobody")
-    before = time.monotonic()
+    watch = stopwatch()
     with pytest.raises(ServiceError, match=r"/nobody did not answer within 0\.1 s") as caught:
         client.call(Trigger.Request(), timeout=0.1)
-    assert time.monotonic() - before < 0.5
+    assert watch.seconds() < 0.5
     assert "lcmtools node list" in caught.value.hint
 
 
@@ -172,14 +172,14 @@ def test_many_clients_at_once_each_get_their_own_answer(
     assert len(server.calls) == 60
 
 
-def test_a_call_ends_when_the_program_should(begin: Begin) -> None:
+def test_a_call_ends_when_the_program_should(begin: Begin, stopwatch: Callable[[], Any]) -> None:
     context = begin()
     client = Node("client").create_client(Trigger, "/nobody")
     threading.Timer(0.05, context.stop).start()
-    before = time.monotonic()
+    watch = stopwatch()
     with pytest.raises(ServiceError):
         client.call(Trigger.Request(), timeout=30.0)
-    assert time.monotonic() - before < 1.0
+    assert watch.seconds() < 1.0
 
 
 def test_services_and_clients_are_announced_with_their_type(begin: Begin) -> None:

@@ -279,3 +279,26 @@ def test_a_destroyed_node_calls_nobody_any_more(begin: Begin, bus: FakeBus) -> N
     bus.publish("/n", _number(4))
     lcmtools.spin_once(node)
     assert heard == [1]
+
+
+def test_a_destroyed_subscription_calls_nobody_though_messages_wait(
+    begin: Begin, bus: FakeBus
+) -> None:
+    begin()
+    node, heard = Node("a"), []
+
+    def last(message: Int32) -> None:
+        heard.append(message.data)
+        for one in (first, second):
+            node.destroy_subscription(one)
+            node.destroy_subscription(one)
+
+    first = node.create_subscription(Int32, "n", last)
+    second = node.create_subscription(Int32, "n", lambda m: heard.append(10 * m.data))
+    for value in (1, 2, 3):
+        bus.publish("/n", _number(value))
+    lcmtools.spin_once(node)
+    second.receive(_number(4), 0)
+    lcmtools.spin_once(node)
+    assert heard == [1]
+    assert second.waiting() == 0

@@ -15,6 +15,11 @@ Begin = Callable[..., Context]
 _S = 1_000_000_000
 
 
+def _at(now: int) -> Callable[[], int]:
+    """A clock that stands."""
+    return lambda: now
+
+
 def _calls(timer: Timer, times: list[float]) -> list[float]:
     """The times at which a timer that is looked at then calls."""
     called = []
@@ -27,13 +32,13 @@ def _calls(timer: Timer, times: list[float]) -> list[float]:
 
 
 def test_a_timer_calls_one_period_after_its_creation() -> None:
-    timer = Timer(0.5, print, 10 * _S)
+    timer = Timer(0.5, print, _at(10 * _S))
     assert timer.remaining(10 * _S) == 0.5
     assert _calls(timer, [10.0, 10.49, 10.5, 10.51, 11.0]) == [10.5, 11.0]
 
 
 def test_a_late_call_does_not_delay_the_next() -> None:
-    assert _calls(Timer(1.0, print, 0), [1.3, 1.9, 2.0, 2.9, 3.4, 3.99, 4.0]) == [
+    assert _calls(Timer(1.0, print, _at(0)), [1.3, 1.9, 2.0, 2.9, 3.4, 3.99, 4.0]) == [
         1.3,
         2.0,
         3.4,
@@ -42,13 +47,13 @@ def test_a_late_call_does_not_delay_the_next() -> None:
 
 
 def test_periods_that_were_missed_are_skipped() -> None:
-    timer = Timer(1.0, print, 0)
+    timer = Timer(1.0, print, _at(0))
     assert _calls(timer, [5.5, 5.6, 5.99, 6.0]) == [5.5, 6.0]
 
 
 def test_a_timer_does_not_drift() -> None:
     """10 000 calls, each up to 3 ms late: the last is due on the first one's grid."""
-    timer, now = Timer(0.01, print, 7), 7
+    timer, now = Timer(0.01, print, _at(7)), 7
     for call in range(10_000):
         now = 7 + (call + 1) * 10_000_000 + (call * 7919) % 3_000_000
         assert timer.is_due(now)
@@ -57,32 +62,36 @@ def test_a_timer_does_not_drift() -> None:
 
 
 def test_a_third_of_a_second_is_kept_to_the_nanosecond() -> None:
-    timer = Timer(1 / 3, print, 0)
+    timer = Timer(1 / 3, print, _at(0))
     assert timer.period == 333_333_333
 
 
 @pytest.mark.parametrize("seconds", [0, 0.0, -1, float("nan"), float("inf"), -float("inf")])
 def test_a_period_that_is_none_is_refused(seconds: float) -> None:
     with pytest.raises(UsageError, match="period must be positive and finite"):
-        Timer(seconds, print, 0)
+        Timer(seconds, print, _at(0))
 
 
 def test_a_cancelled_timer_calls_no_more_until_it_is_reset() -> None:
-    timer = Timer(1.0, print, 0)
+    now = [0]
+    timer = Timer(1.0, print, lambda: now[0])
     timer.cancel()
     assert timer.remaining(0) is None
     assert not timer.is_due(100 * _S)
-    timer.reset(100 * _S)
+    now[0] = 100 * _S
+    timer.reset()
     assert _calls(timer, [100.9, 101.0]) == [101.0]
 
 
 def test_a_timer_starts_anew_when_time_is_set_back() -> None:
-    timer = Timer(1.0, print, 1000 * _S)
+    timer = Timer(1.0, print, _at(1000 * _S))
     assert _calls(timer, [1001.0, 3.0, 3.9, 4.0, 5.0]) == [1001.0, 4.0, 5.0]
 
 
 def test_a_timer_is_late_never_early_when_time_jumps_ahead() -> None:
-    assert _calls(Timer(1.0, print, 0), [1_700_000_000.25, 1_700_000_000.9, 1_700_000_001.0]) == [
+    assert _calls(
+        Timer(1.0, print, _at(0)), [1_700_000_000.25, 1_700_000_000.9, 1_700_000_001.0]
+    ) == [
         1_700_000_000.25,
         1_700_000_001.0,
     ]
@@ -137,6 +146,18 @@ def test_a_timer_may_cancel_itself(begin: Begin, clock: list[int]) -> None:
         lcmtools.spin_once(node)
     assert called == [1]
     assert node.callbacks.time_to_timer() is None
+
+
+def test_a_destroyed_timer_calls_no_more_though_it_was_due(begin: Begin, clock: list[int]) -> None:
+    begin()
+    node, called = Node("a"), []
+    first = node.create_timer(1.0, lambda: node.destroy_timer(second))
+    second = node.create_timer(1.0, lambda: called.append(1))
+    clock[0] = 2 * _S
+    lcmtools.spin_once(node)
+    assert not called
+    assert node.callbacks.timers == [first]
+    node.destroy_timer(second)
 
 
 def test_a_timer_wakes_a_waiting_node_in_time(begin: Begin) -> None:

@@ -3,7 +3,9 @@
 import os
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,13 +19,15 @@ def system(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> N
         monkeypatch.delattr(os, "eventfd", raising=False)
 
 
-def test_a_set_flag_makes_the_next_wait_return_at_once_and_only_that() -> None:
+def test_a_set_flag_makes_the_next_wait_return_at_once_and_only_that(
+    stopwatch: Callable[[], Any],
+) -> None:
     wakeup = Wakeup()
     for _ in range(3):
         wakeup.set()
-    before = time.monotonic()
+    watch = stopwatch()
     wakeup.wait(5.0)
-    assert time.monotonic() - before < 1.0
+    assert watch.seconds() < 1.0
     before = time.monotonic()
     wakeup.wait(0.02)
     assert time.monotonic() - before >= 0.015
@@ -45,11 +49,11 @@ def test_no_wake_up_is_lost_between_threads() -> None:
     seen, longest = 0, 0.0
     while seen < 5000:
         before = time.monotonic()
-        wakeup.wait(5.0)
+        wakeup.wait(60.0)
         longest = max(longest, time.monotonic() - before)
         seen = len(work)
     producer.join()
-    assert longest < 2.0
+    assert longest < 30.0
     wakeup.close()
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from lcmtools.errors import UsageError
-from lcmtools.packages.nodes import Runnable, find_node, name_of_run, runnables, words_to_run
+from lcmtools.packages.nodes import Runnable, find_node, runnables
 from lcmtools.packages.workspace import workspace
 
 Write = Callable[..., Path]
@@ -75,15 +75,6 @@ def test_nodes_come_from_the_workspace_and_from_what_is_installed(write: Write) 
     root = write({"a/pyproject.toml": NODES.format("a", 'go = "a.go:main"')})
     found = {(node.package, node.name) for node in runnables(root)}
     assert {("a", "go"), ("lcmtools", "talker"), ("lcmtools", "sim")} <= found
-
-
-def test_launch_files_find_the_nodes_of_a_package(write: Write) -> None:
-    root = write({"a/pyproject.toml": NODES.format("a", 'talker = "a.go:main"')})
-    assert words_to_run("a", "talker", root) == words_to_run("a", "talker.py", root)
-    assert words_to_run("a", "talker", root) == ("a", "talker")
-    assert words_to_run("a", "listener", root) == ()
-    assert words_to_run("lcmtools", "talker", root) == (), "said by its name alone"
-    assert name_of_run(["a", "talker", "__ns:=/x"], root) == "talker"
 
 
 def test_a_node_that_is_no_function_is_left_out(write: Write) -> None:

@@ -1,0 +1,54 @@
+"""A process that forks: its bus, its nodes and their goodbye stay its own."""
+
+import os
+import signal
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+_SCRIPT = """
+import os, signal, sys, time
+import lcmtools
+lcmtools.init([])
+node = lcmtools.Node("parent")
+heard, told = os.pipe()
+child = os.fork()
+if not child:
+    assert not lcmtools.ok()
+    os.write(told, b"!")
+    {child}
+os.read(heard, 1)
+{parent}
+print("ended with", os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+lcmtools.spin(node)
+"""
+_ENDINGS = {
+    "ends as programs do": ("sys.exit(0)", "", 0),
+    "is terminated": ("time.sleep(60)", "os.kill(child, signal.SIGTERM)", -signal.SIGTERM),
+    "has a node of its own": (
+        "lcmtools.init([]); lcmtools.Node('child'); lcmtools.shutdown(); sys.exit(5)",
+        "",
+        5,
+    ),
+}
+
+
+def _records() -> list[Path]:
+    folder = Path(os.environ["XDG_RUNTIME_DIR"]) / "lcmtools" / "nodes"
+    return [path for path in folder.rglob("*") if path.is_file()]
+
+
+@pytest.mark.parametrize("ending", _ENDINGS)
+def test_a_forked_process_leaves_the_nodes_to_its_parent(
+    start_python: Callable[..., Any], bus_url: str, ending: str
+) -> None:
+    child, parent, code = _ENDINGS[ending]
+    source = _SCRIPT.format(child=child, parent=parent)
+    program = start_python(source, LCM_DEFAULT_URL=bus_url)
+    program.wait_for(f"ended with {code}")
+    assert len(_records()) == 1
+    program.send_signal(signal.SIGTERM)
+    assert program.wait() == 0
+    assert not _records()

@@ -1,0 +1,106 @@
+"""What a node says when it starts, and how a closed terminal ends it, and commands."""
+
+import os
+import signal
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from lcmtools.bus.records import NodeRecords
+from lcmtools.bus.url import parse_url
+
+Start = Callable[..., Any]
+SCRIPT = """
+import lcmtools
+from lcmtools import Node
+lcmtools.init()
+node = Node("own")
+print("ready")
+lcmtools.spin(node)
+print("ended")
+"""
+HANGS_UP = f"""
+import signal
+signal.signal(signal.SIGHUP, signal.SIG_{{}})
+{SCRIPT.replace('print("ready")', 'node.create_timer(0.02, lambda: print("tick"))')}"""
+
+
+@pytest.fixture
+def run(start_python: Start, bus_url: str) -> Start:
+    """Start the script on the test's bus."""
+
+    def start(*arguments: str) -> Any:
+        return start_python(SCRIPT, *arguments, LCM_DEFAULT_URL=bus_url)
+
+    return start
+
+
+def test_a_program_says_which_of_its_words_names_nothing(run: Start) -> None:
+    node = run("__ns=/husky0", "file=1", "--", ":=b")
+    line = node.wait_for("names nothing")
+    assert line.endswith("'__ns=/husky0' names nothing; did you mean __ns:=/husky0?")
+    node.wait_for("ready")
+    assert "file=1" not in node.output
+    assert ":=b" not in node.output
+
+
+def test_a_namespace_given_as_a_parameter_is_told(run: Start) -> None:
+    node = run("_ns:=/husky0")
+    assert node.wait_for("no parameter").endswith("'ns'; did you mean __ns:= or __name:=?")
+
+
+def test_the_second_node_of_a_name_says_so(run: Start) -> None:
+    first = run()
+    first.wait_for("ready")
+    line = run().wait_for("of this name too")
+    assert f"pid {first.pid} is" in line
+    assert line.endswith("or start this one with __name:=own2")
+    other = run("__name:=own2")
+    other.wait_for("ready")
+    assert "too" not in other.output
+
+
+def test_a_node_that_starts_anew_says_nothing(run: Start) -> None:
+    for _ in range(2):
+        node = run()
+        node.wait_for("ready")
+        node.send_signal(signal.SIGKILL)
+        node.wait()
+        assert "too" not in node.output
+
+
+def test_a_closed_terminal_ends_a_node_with_a_goodbye(start_python: Start, bus_url: str) -> None:
+    node = start_python(HANGS_UP.format("DFL"), LCM_DEFAULT_URL=bus_url)
+    records = NodeRecords(parse_url(bus_url), os.environ)
+    node.wait_for("tick")
+    assert [one.name for one in records.read()] == ["/own"]
+    node.send_signal(signal.SIGHUP)
+    node.send_signal(signal.SIGHUP)  # the shell, and the terminal
+    node.wait_for("ended")
+    assert node.wait() == 0
+    assert list(records.read()) == []
+
+
+def test_nohup_lets_a_node_go_on(start_python: Start, bus_url: str) -> None:
+    node = start_python(HANGS_UP.format("IGN"), LCM_DEFAULT_URL=bus_url)
+    node.wait_for("tick")
+    node.send_signal(signal.SIGHUP)
+    for _ in range(20):
+        node.wait_for("tick")
+    assert "ended" not in node.output
+
+
+@pytest.mark.parametrize(("command", "ready"), [("echo", "hello"), ("pub", "latching")])
+def test_a_closed_terminal_ends_a_command_with_a_goodbye(
+    start: Start, lcmtools_path: str, bus_url: str, command: str, ready: str
+) -> None:
+    talker = start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=bus_url)
+    talker.wait_for("hello")
+    words = ["/chatter", *(["std_msgs/String", "a"] if command == "pub" else [])]
+    program = start(lcmtools_path, command, *words, LCM_DEFAULT_URL=bus_url)
+    program.wait_for(ready)
+    program.send_signal(signal.SIGHUP)
+    assert program.wait() == 129
+    records = NodeRecords(parse_url(bus_url), os.environ)
+    assert [one.name for one in records.read()] == ["/talker"]
