@@ -71,6 +71,30 @@ press() { # press NAME "KEYS" COMMAND...: the same with keys from a pipe, until 
     code=$?
 }
 
+keyboard() { # keyboard NAME COMMAND...: begin one that is driven by keys, which "keys" presses
+    local name=$1
+    shift
+    typed "$@"
+    mkfifo "$work/keyboard"
+    "$@" < "$work/keyboard" > "$logs/$name" 2>&1 &
+    printf -v "pid_$name" '%s' $!
+    exec 3> "$work/keyboard"
+    rm "$work/keyboard"
+}
+
+keys() { # keys WORD...: press them, now
+    printf 'keys: %s\n' "$*"
+    echo "$*" >&3
+}
+
+no_more_keys() { # no_more_keys NAME: wait for the end of what "keyboard" has begun
+    local pid="pid_$1"
+    exec 3>&-
+    wait "${!pid}"
+    code=$?
+    cat "$logs/$1"
+}
+
 end() { # press Ctrl-C in the terminal of that name
     local pid="pid_$1"
     kill -INT "${!pid}" 2> /dev/null
@@ -137,6 +161,12 @@ far = [abs(twist["linear"]["x"] - float(sys.argv[1])) > 0.02,
 sys.exit(any(far))' "$2" "$3"
 }
 
+measured() { # measured PATTERN COMMAND...: the last rate that was shown is so, or a new look's
+    tail -n 2 "$logs/shown" | grep -Eq "$1" && return
+    "${@:2}" > "$logs/shown" 2> /dev/null
+    return 1
+}
+
 near() { # near VALUE TARGET TOLERANCE
     awk -v v="$1" -v t="$2" -v e="$3" 'BEGIN { exit !(v != "" && v >= t - e && v <= t + e) }'
 }
@@ -147,11 +177,14 @@ shown() { grep -qF -- "$1" "$logs/shown"; } # in the output of the last "show"
 said() { grep -qF -- "$2" "$logs/$1"; }     # said NAME TEXT: in what a "begin" has printed
 no_nodes() { [ -z "$(lcmtools node list 2> /dev/null)" ]; }
 
+started() { has_node "$1" || ! kill -0 "$pid_sim"; } # or is over
+
 simulate() { # simulate NODE COMMAND...: begin a simulator, and wait until its node is there
     local node=$1
     shift
     begin sim "$@"
-    if ! within 30 has_node "$node"; then
+    within 60 started "$node"
+    if ! has_node "$node"; then
         echo 'the simulator did not start:' >&2
         cat "$logs/sim" >&2
         leave 1

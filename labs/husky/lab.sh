@@ -8,6 +8,7 @@
 
 speed() { number /husky0/odometry twist twist linear x; }
 turn() { number /husky0/odometry twist twist angular z; }
+errs_little() { near "$(number /husky0/evaluation_stat last_error)" 0 0.02; }
 drives_at() { near "$(speed)" "$1" "$2"; }
 turns_at() { near "$(turn)" "$1" "$2"; }
 
@@ -28,17 +29,17 @@ check 'JointState has an effort' shown 'float64[] effort'
 chapter 'Full power on both sides'
 begin pub lcmtools pub /husky0/wheel_cmd sensor_msgs/JointState "name: ['left', 'right']
 effort: [1, 1]"
-check 'effort [1, 1] drives at 1.000 m/s (2 %)' within 8 drives_at 1.0 0.02
+check 'effort [1, 1] drives at 1.000 m/s (2 %)' within 30 drives_at 1.0 0.02
 show lcmtools echo -n 1 /husky0/wheel_velocities
 check 'the wheels turn at 6.06 rad/s (2 %)' near "$(number /husky0/wheel_velocities velocity 0)" 6.06 0.12
 end pub
 check 'it goes on when pub is stopped' drives_at 1.0 0.02
 show lcmtools pub -1 /husky0/wheel_cmd sensor_msgs/JointState "{name: [left, right], effort: [0, 0]}"
-check 'effort [0, 0] stops' within 8 drives_at 0 0.01
+check 'effort [0, 0] stops' within 30 drives_at 0 0.01
 
 chapter 'A controller that is not connected'
 begin controller lcmtools run simple_controller
-within 5 has_node /simple_controller
+within 30 has_node /simple_controller
 show lcmtools wtf
 check 'wtf warns (exit code 1)' test "$code" -eq 1
 check 'wtf names /odometry and /desired_velocity of /simple_controller' \
@@ -52,7 +53,7 @@ end controller
 
 chapter 'A namespace connects its input'
 begin controller lcmtools run simple_controller __ns:=/husky0
-within 5 has_node /husky0/simple_controller
+within 30 has_node /husky0/simple_controller
 show lcmtools node info /husky0/simple_controller
 show lcmtools wtf
 check 'odometry is connected, velocity_cmd is not' \
@@ -61,7 +62,7 @@ end controller
 
 chapter 'A remap connects its output'
 begin controller lcmtools run simple_controller __ns:=/husky0 controlled_velocity:=velocity_cmd
-within 5 has_node /husky0/simple_controller
+within 30 has_node /husky0/simple_controller
 show lcmtools node info /husky0/simple_controller
 check 'node info shows the new name' shown /husky0/velocity_cmd
 show lcmtools wtf
@@ -69,27 +70,27 @@ check 'velocity_cmd is connected too' eval '! shown "   * /husky0/velocity_cmd"'
 begin pub lcmtools pub /husky0/desired_velocity geometry_msgs/Twist \
     "{ linear: [0.1, 0, 0], angular: [0.0, 0, 0.1] }"
 begin evaluate lcmtools run evaluate_controller __ns:=/husky0
-within 5 has_node /husky0/evaluate_controller
-check 'the controller reaches 0.1 m/s (5 %)' within 8 drives_at 0.1 0.005
-check 'the controller reaches 0.1 rad/s (10 %)' within 8 turns_at 0.1 0.01
+within 30 has_node /husky0/evaluate_controller
+check 'the controller reaches 0.1 m/s (5 %)' within 30 drives_at 0.1 0.005
+check 'the controller reaches 0.1 rad/s (10 %)' within 30 turns_at 0.1 0.01
 show lcmtools msg show air_lab0/ControllerEvaluationStat
 check 'the message of one'\''s own is known' shown 'float64 average_error'
 show lcmtools echo -n 2 /husky0/evaluation_stat
-check 'the last error is below 0.02' near "$(number /husky0/evaluation_stat last_error)" 0 0.02
+check 'the last error is below 0.02' within 30 errs_little
 show lcmtools wtf
-check 'wtf finds no errors or warnings (exit code 0)' test "$code" -eq 0
+check 'wtf finds no errors or warnings (exit code 0)' eval '[ "$code" -eq 0 ] || within 30 lcmtools wtf'
 for name in evaluate pub controller; do end "$name"; done
 
 chapter 'The same from a launch file'
 begin launch lcmtools launch air_lab0 simple_controller.launch __ns:=/husky0
-within 10 has_node /husky0/husky_simple_controller
+within 30 has_node /husky0/husky_simple_controller
 check 'launch starts /husky0/husky_simple_controller' has_node /husky0/husky_simple_controller
-press steering 'up up up 6 space' lcmtools run steering /husky0/desired_velocity &
-steering=$!
-check 'steering drives the controller at 0.3 m/s (5 %)' within 8 drives_at 0.3 0.015
-wait "$steering"
-cat "$logs/steering"
-check 'and lets it stand at the end' within 8 drives_at 0 0.01
+keyboard steering lcmtools run steering /husky0/desired_velocity
+keys up up up
+check 'steering drives the controller at 0.3 m/s (5 %)' within 30 drives_at 0.3 0.015
+keys space
+no_more_keys steering
+check 'and lets it stand at the end' within 30 drives_at 0 0.01
 end launch
 check 'Ctrl-C ends the launch and its nodes' eval '! has_node /husky0/husky_simple_controller'
 
@@ -97,7 +98,7 @@ chapter 'A package of one'\''s own'
 show lcmtools pkg create air_lab0 --deps nav_msgs geometry_msgs --node my_controller
 check 'pkg create makes a package' test -f air_lab0/pyproject.toml
 begin controller lcmtools run air_lab0 my_controller __ns:=/husky0
-within 10 has_node /husky0/my_controller
+within 30 has_node /husky0/my_controller
 check 'run finds its node without installing' has_node /husky0/my_controller
 end controller
 

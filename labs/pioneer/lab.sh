@@ -11,13 +11,22 @@ place() { lcmtools sim state / --json | python3 -c 'import json, sys
 place = json.load(sys.stdin)["pose"]["position"]
 print(place[sys.argv[1]])' "$1"; }
 
+drive_a_second() {
+    lcmtools sim set-pose / -1 0 > /dev/null
+    before=$(place x)
+    press path 'i 1 k' lcmtools run pioneer_manual_controller
+    cat "$logs/path"
+}
+is_half_a_metre_on() { near "$(place x)" "$(awk -v x="$before" 'BEGIN { print x + 0.5 }')" 0.15; }
+drives_half_a_metre() { drive_a_second && is_half_a_metre_on; }
+
 chapter 'A talker and a listener'
 show lcmtools node list
 check 'nothing is on the bus: LCM needs no master' no_nodes
 begin listener lcmtools run listener
-within 5 has_node /listener
+within 30 has_node /listener
 begin talker lcmtools run talker
-within 5 said listener 'I heard: [hello world 20]'
+within 30 said listener 'I heard: [hello world 20]'
 cat "$logs/listener"
 check 'the listener hears the talker' said listener 'I heard: [hello world 20]'
 show lcmtools node list
@@ -27,7 +36,8 @@ check 'their topic is listed' shown /chatter
 show lcmtools echo -n 2 /chatter
 check 'echo prints what is said' shown 'data: "hello world'
 show lcmtools hz /chatter -n 1 -w 20
-check 'ten times a second' eval 'grep -Eq "average rate: (9\.[89]|10\.[012])" "$logs/shown"'
+check 'ten times a second' \
+    within 60 measured 'average rate: (9\.[89]|10\.[012])' lcmtools hz /chatter -n 1 -w 20
 end talker
 end listener
 check 'the listener missed nothing' python3 -c 'import re, sys
@@ -64,23 +74,18 @@ chapter 'Driving by keys'
 show lcmtools pub -1 /RosAria/cmd_vel geometry_msgs/Twist "{linear: {x: 0}, angular: {w: 0}}"
 check 'pub says that angular has no w' eval '[ "$code" -eq 2 ] && grep -q "angular.*w" "$logs/complaints"'
 lcmtools sim set-pose / -1 0 > /dev/null
-press keys 'i 3 , 3 j 3 l 3 u 3 o 3 m 3 . 3 k 1' lcmtools run pioneer_manual_controller &
-pressed=$!
+keyboard keys lcmtools run pioneer_manual_controller
 for step in 'i 0.5 0' ', -0.5 0' 'j 0 1.0' 'l 0 -1.0' 'u 0.5 1.0' 'o 0.5 -1.0' 'm -0.5 -1.0' '. -0.5 1.0' 'k 0 0'; do
     read -r key along around <<< "$step"
-    check "key $key: $along m/s, $around rad/s" within 8 moves "$along" "$around"
+    keys "$key"
+    check "key $key: $along m/s, $around rad/s" within 30 moves "$along" "$around"
 done
-wait "$pressed"
-cat "$logs/keys"
-press keys 'q q i 4 k' lcmtools run pioneer_manual_controller &
-pressed=$!
-check 'q twice: 0.605 m/s' within 6 moves 0.605 0
-wait "$pressed"
-lcmtools sim set-pose / -1 0 > /dev/null
-before=$(place x)
-press path 'i 1 k' lcmtools run pioneer_manual_controller
-cat "$logs/path"
-check 'one second forward is half a metre' near "$(place x)" "$(awk -v x="$before" 'BEGIN { print x + 0.5 }')" 0.15
+keys q q i
+check 'q twice: 0.605 m/s' within 30 moves 0.605 0
+keys k
+no_more_keys keys
+drive_a_second
+check 'one second forward is half a metre' eval 'is_half_a_metre_on || within 60 drives_half_a_metre'
 show lcmtools echo -n 1 /RosAria/pose
 
 chapter 'The end'
