@@ -19,13 +19,13 @@ demo: $(VENV)/.installed
 
 # Real processes with real deadlines disturb one another: what fails is tried once more, alone.
 test: $(VENV)/.installed-dev
-	$(BIN)/pytest -n 3 $(ARGS) || { \
+	$(BIN)/pytest -n 3 --dist worksteal $(ARGS) || { \
 	  echo "== what failed, once more, with the computer to itself" && \
 	  $(BIN)/pytest --last-failed --last-failed-no-failures none --maxfail 5 $(ARGS) && \
 	  echo "== all of it passes alone; what it is stands above"; }
 
 faults: $(VENV)/.installed-dev
-	$(BIN)/pytest -n 3 tests/faults $(ARGS)
+	$(BIN)/pytest -n 3 --dist worksteal tests/faults $(ARGS)
 
 check: $(VENV)/.installed-dev
 	$(BIN)/python lcm_types/generate.py --check

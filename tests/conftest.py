@@ -15,7 +15,8 @@ import sysconfig
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,108 @@ _INHERITED = (
         for name in ("DOMAIN", "NAMESPACE", "COLOR", "TIMEOUT", "DEBUG", "TYPE_PATH")
     ),
 )
+
+
+_SECONDS = {"labs": 15, "docs": 15, "faults": 5, "hosts": 4, "process": 1, "physics": 0.3}
+"""About how long a test takes, by its folder; of others it is no matter."""
+_ALONE = {"labs", "docs", "faults"}  # tests there have nothing in common with their neighbours
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Let a test's processes begin as they would in a terminal, however pytest was started.
+
+    A shell lets what runs behind & ignore Ctrl-C, and nohup what it runs the end of the terminal:
+    children inherit that. They inherit too that Python keeps nothing of what it compiles, and then
+    each of thousands compiles the same again.
+    """
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    if config.getoption("numprocesses", None):
+        return  # the workers do the rest, who start the processes
+    for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM):
+        if signal.getsignal(number) is signal.SIG_IGN:
+            own = signal.default_int_handler if number == signal.SIGINT else _go_on
+            signal.signal(number, own)
+
+
+def _go_on(number: int, frame: object) -> None:
+    """Ignore a signal in such a way that no child inherits it."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Order tests for workers that each begin with an equal part (pytest --dist worksteal).
+
+    In every part the long ones come first, so that no worker is alone with them in the end. Files
+    stay together, for their tests may share what they start.
+    """
+    workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
+    parts: list[list[pytest.Item]] = [[] for _ in range(workers)]
+    seconds = [0.0] * workers
+    items.sort(key=_seconds, reverse=True)
+    short = [item for item in items if not _seconds(item)]
+    for _, group in groupby(items[: len(items) - len(short)], _shares_with):
+        together = list(group)
+        least = seconds.index(min(seconds))
+        parts[least] += together
+        seconds[least] += sum(map(_seconds, together))
+    for number, part in enumerate(parts):
+        size = len(items) * (number + 1) // workers - len(items) * number // workers
+        room = max(0, size - len(part))
+        part.extend(short[:room])
+        del short[:room]
+    items[:] = [item for part in (*parts, short) for item in part]
+
+
+def _folder(item: pytest.Item) -> str:
+    return Path(os.path.relpath(item.path, Path(__file__).parent)).parts[0]
+
+
+def _seconds(item: pytest.Item) -> float:
+    return _SECONDS.get(_folder(item), 0)
+
+
+def _shares_with(item: pytest.Item) -> str:
+    return item.nodeid if _folder(item) in _ALONE else str(item.path)
+
+
+class Stopwatch:
+    """How long something takes, whatever else keeps the computer busy.
+
+    It stands still while the thread that has started it, or the first thread of a process, is ready
+    to run and gets no processor. Waiting for anything else counts, as everybody would wait for it.
+
+    Args:
+        pid: The process.
+    """
+
+    def __init__(self, pid: int | None = None) -> None:
+        self._pid = pid
+        self._begin = self._now()
+
+    def seconds(self) -> float:
+        """Since it was made."""
+        return self._now() - self._begin
+
+    def until_end(self, timeout: float = 30.0) -> float:
+        """Seconds until the process has ended; it is still there to be waited for."""
+        deadline = time.monotonic() + timeout
+        options = os.WEXITED | os.WNOHANG | os.WNOWAIT
+        while os.waitid(os.P_PID, self._pid or 0, options) is None:
+            if time.monotonic() > deadline:
+                pytest.fail(f"process {self._pid} still runs after {timeout} s")
+            time.sleep(0.002)
+        return self.seconds()
+
+    def _now(self) -> float:
+        denied = _denied("thread-self") + (_denied(str(self._pid)) if self._pid else 0.0)
+        return time.monotonic() - denied
+
+
+def _denied(process: str) -> float:
+    """How long it has waited for a processor [s]; 0 where the system does not tell."""
+    try:
+        return int(Path(f"/proc/{process}/schedstat").read_text().split()[1]) / 1e9
+    except (OSError, IndexError):
+        return 0.0
 
 
 class Program:
@@ -76,7 +179,7 @@ class Program:
         """Everything it has written so far."""
         return "\n".join(self.lines)
 
-    def wait_for(self, text: str, timeout: float = 15.0) -> str:
+    def wait_for(self, text: str, timeout: float = 40.0) -> str:
         """The next line that contains ``text``; fails the test when none comes in time."""
         deadline = time.monotonic() + timeout
         while (left := deadline - time.monotonic()) > 0:
@@ -94,7 +197,7 @@ class Program:
         """Send a signal to the process."""
         self._process.send_signal(number)
 
-    def wait(self, timeout: float = 15.0) -> int:
+    def wait(self, timeout: float = 30.0) -> int:
         """Its exit code; fails the test when it does not end in time."""
         try:
             code = self._process.wait(timeout)
@@ -151,11 +254,17 @@ def bus_url(free_port: Callable[[], int]) -> str:
     return f"udpm://239.255.76.67:{free_port()}?ttl=0"
 
 
+@pytest.fixture(scope="session")
+def stopwatch() -> type[Stopwatch]:
+    """``stopwatch(pid)``: see Stopwatch."""
+    return Stopwatch
+
+
 @pytest.fixture
 def wait_until() -> Callable[..., None]:
-    """``wait_until(condition, timeout=10.0)``: polls; fails the test at the deadline."""
+    """``wait_until(condition, timeout=40.0)``: polls; fails the test at the deadline."""
 
-    def wait(condition: Callable[[], object], timeout: float = 10.0) -> None:
+    def wait(condition: Callable[[], object], timeout: float = 40.0) -> None:
         deadline = time.monotonic() + timeout
         while not condition():
             if time.monotonic() > deadline:
@@ -205,8 +314,17 @@ def bare_network() -> Iterator[None]:
 def private_network() -> Iterator[None]:
     """A network of the test's own where multicast works: for floods and malformed datagrams."""
     with _own_network():
-        _ip("link", "set", "lo", "up")
-        _ip("route", "add", "224.0.0.0/4", "dev", "lo")
+        _let_multicast_work()
+        yield
+
+
+@pytest.fixture
+def quiet_network() -> Iterator[None]:
+    """The same where it is permitted, else the computer's: for what looks at all that goes on."""
+    with ExitStack() as stack:
+        with suppress(pytest.skip.Exception):
+            stack.enter_context(_own_network())
+            _let_multicast_work()
         yield
 
 
@@ -214,6 +332,11 @@ def private_network() -> Iterator[None]:
 def ip() -> Callable[..., None]:
     """``ip("route", "del", ...)``: changes the network of ``private_network``."""
     return _ip
+
+
+def _let_multicast_work() -> None:
+    _ip("link", "set", "lo", "up")
+    _ip("route", "add", "224.0.0.0/4", "dev", "lo")
 
 
 def _ip(*arguments: str) -> None:
@@ -265,7 +388,7 @@ def lcmtools() -> Callable[..., subprocess.CompletedProcess[str]]:
     """``lcmtools("list", "-v", **environment)``: runs the installed command to its end."""
 
     def run(
-        *arguments: str, stdin: str = "", timeout: float = 20.0, **environment: str
+        *arguments: str, stdin: str = "", timeout: float = 40.0, **environment: str
     ) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
             [COMMAND, *arguments],

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.usefixtures("quiet_network")
 Lcmtools = Callable[..., "subprocess.CompletedProcess[str]"]
 LeftOver = Callable[[], list[str]]
 

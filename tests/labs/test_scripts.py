@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.usefixtures("quiet_network")
 LABS = Path(__file__).parents[2] / "labs"
 LEAST_CHECKS = {"husky": 25, "pioneer": 24, "dolly": 16}
 

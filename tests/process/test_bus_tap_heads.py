@@ -30,7 +30,7 @@ def tap(bus_url: str, request: pytest.FixtureRequest) -> Iterator[Tap]:
 def _until(tap: Tap, channel: str) -> list[Packet]:
     """What comes up to the first message on a channel, without LCM's self tests."""
     packets: list[Packet] = []
-    deadline = time.monotonic() + 10
+    deadline = time.monotonic() + 40
     while not any(packet.channel == channel for packet in packets):
         assert time.monotonic() < deadline, packets
         packets += [p for p in tap.receive(0.1) if p.channel != "LCM_SELF_TEST"]
@@ -162,7 +162,7 @@ def test_a_stream_is_read_to_its_last_message() -> None:
         for seqno in range(500):
             sender.sendto(short_message(seqno, "A", b"x"), _GROUP)
             count += sum(packet.channel == "A" for packet in tap.receive(0.001))
-        deadline = time.monotonic() + 5
+        deadline = time.monotonic() + 40
         while count < 500 and time.monotonic() < deadline:
             count += sum(packet.channel == "A" for packet in tap.receive(0.1))
         assert count == 500

@@ -43,14 +43,16 @@ def context(bus_url: str) -> Iterator[Context]:
 
 
 def test_the_graph_is_complete_at_once(
-    context: Context, open_watch: Callable[[str], Watch]
+    context: Context, open_watch: Callable[[str], Watch], stopwatch: Callable[[], Any]
 ) -> None:
     nodes = [Node(f"n{number}", context=context) for number in range(20)]
     nodes[3].create_publisher(String, "chatter")
-    watch = open_watch("list")
-    before = time.monotonic()
-    graph = watch.settle(foreign=False)
-    assert time.monotonic() - before < 0.35
+    for _ in range(5):  # where the computer is busy the nodes may be late
+        watch, time_taken = open_watch("list"), stopwatch()
+        graph = watch.settle(foreign=False)
+        assert time_taken.seconds() < 0.35
+        if len(graph.nodes) == 20:
+            break
     assert len(graph.nodes) == 20
     (found,) = graph.named("n3")
     assert found.sender is not None
@@ -123,11 +125,11 @@ while True:
 
 
 @pytest.mark.usefixtures("private_network")
-def test_nobody_is_waited_for_on_an_empty_bus() -> None:
+def test_nobody_is_waited_for_on_an_empty_bus(stopwatch: Callable[[], Any]) -> None:
     with Watch(parse_url("udpm://"), "list", os.environ) as watch:
-        before = time.monotonic()
+        time_taken = stopwatch()
         assert watch.settle().nodes == ()
-        assert time.monotonic() - before < 0.5
+        assert time_taken.seconds() < 0.5
 
 
 def test_a_command_that_listens_is_announced_and_says_goodbye(
@@ -166,16 +168,17 @@ def test_a_command_that_only_looks_is_silent(
 
 
 def test_packets_come_as_they_are_pulled_until_the_time_is_over(
-    open_watch: Callable[[str], Watch], bus_url: str
+    open_watch: Callable[[str], Watch], bus_url: str, stopwatch: Callable[[], Any]
 ) -> None:
     watch = open_watch("hz")
     plain = lcm.LCM(bus_url)
     for number in range(5):
         plain.publish("N", b"%d" % number)
-    before = time.monotonic()
+    before, time_taken = time.monotonic(), stopwatch()
     packets = [p for p in watch.packets(0.2) if p.channel == "N"]
     assert [packet.payload for packet in packets] == [b"0", b"1", b"2", b"3", b"4"]
-    assert 0.15 < time.monotonic() - before < 1.0
+    assert time.monotonic() - before > 0.15
+    assert time_taken.seconds() < 1.0
     plain.publish("N", b"6")
     assert next(p for p in watch.packets() if p.channel == "N").payload == b"6"
 

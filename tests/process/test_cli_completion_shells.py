@@ -76,7 +76,7 @@ class Terminal:
 
     def _run(self, *arguments: str) -> str:
         ended = subprocess.run(
-            [*self._tmux, *arguments], capture_output=True, text=True, timeout=10, check=False
+            [*self._tmux, *arguments], capture_output=True, text=True, timeout=40, check=False
         )
         return ended.stdout
 
@@ -119,7 +119,7 @@ def terminal(
     assert lcmtools("completion", "--install", **environment).returncode == 0
     opened = Terminal(shell, tmp_path, environment)
     try:
-        wait_until(lambda: opened.screen().startswith(PROMPT.strip()), timeout=20)
+        wait_until(lambda: opened.screen().startswith(PROMPT.strip()))
         yield opened
     finally:
         opened.close()

@@ -192,7 +192,8 @@ def test_fields_of_an_unknown_type_are_said_to_be_unknown_once(lcmtools: Run) ->
     first, second = result.stderr.splitlines()
     assert first == (
         "lcmtools echo: a message on NOISE has no known fields:"
-        " unknown type, fingerprint 0x0001020304050607"
+        " unknown type, fingerprint 0x0001020304050607;"
+        " LCMTOOLS_TYPE_PATH=FOLDER says where your .lcm files are"
     )
     assert second.startswith("lcmtools echo: nothing that can be shown came on NOISE")
 

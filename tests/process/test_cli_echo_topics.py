@@ -135,7 +135,7 @@ def test_a_channel_that_has_brackets_in_its_name_can_be_reached(lcmtools: Run) -
 
 
 def test_payloads_of_no_known_type_say_their_topic_too(lcmtools: Run) -> None:
-    assert output(lcmtools("echo", "NOIS*", "-1")).splitlines()[:2] == [
+    assert lcmtools("echo", "NOIS*", "-1").stdout.splitlines()[:2] == [
         "# NOISY1",
         "# unknown type, fingerprint 0x0001020304050607",
     ]

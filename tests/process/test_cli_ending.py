@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sysconfig
-import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -21,11 +20,10 @@ pytestmark = pytest.mark.usefixtures("use_module_bus")
 class Ending:
     """How a process ended."""
 
-    def __init__(self, process: subprocess.Popen[str], number: int) -> None:
-        asked = time.monotonic()
+    def __init__(self, process: subprocess.Popen[str], number: int, watch: Any) -> None:
         process.send_signal(number)
+        self.seconds = watch.until_end()
         self.out, self.error = process.communicate(timeout=10)
-        self.seconds = time.monotonic() - asked
         self.code = process.returncode
 
 
@@ -63,7 +61,7 @@ def shell() -> Callable[..., subprocess.CompletedProcess[str]]:
             env={**os.environ, "PATH": _path()},
             capture_output=True,
             text=True,
-            timeout=20,
+            timeout=40,
             check=False,
         )
 
@@ -111,10 +109,11 @@ def test_command_ends_at_once_with_the_signals_code_and_without_a_word(
     arguments: list[str],
     begin: Callable[..., subprocess.Popen[str]],
     wait_until: Callable[..., None],
+    stopwatch: Callable[..., Any],
 ) -> None:
     process = begin(*arguments)
     wait_until(is_on_the_bus(process))
-    ending = Ending(process, number)
+    ending = Ending(process, number, stopwatch(process.pid))
     assert ending.code == 128 + number
     assert ending.seconds < 1.0
     assert set(ending.error.splitlines()) <= {
@@ -129,10 +128,11 @@ def test_pub_that_waits_for_standard_input_ends_with_the_signals_code(
     number: signal.Signals,
     begin: Callable[..., subprocess.Popen[str]],
     wait_until: Callable[..., None],
+    stopwatch: Callable[..., Any],
 ) -> None:
     process = begin("pub", "-f", "-", "/a", "std_msgs/String")
     wait_until(is_on_the_bus(process))
-    ending = Ending(process, number)
+    ending = Ending(process, number, stopwatch(process.pid))
     assert (ending.code, ending.out) == (128 + number, "")
     assert ending.seconds < 1.0
     assert set(ending.error.splitlines()) <= {
@@ -148,10 +148,11 @@ def test_node_ends_within_a_second_quietly_with_0(
     begin: Callable[..., subprocess.Popen[str]],
     lcmtools: Callable[..., subprocess.CompletedProcess[str]],
     wait_until: Callable[..., None],
+    stopwatch: Callable[..., Any],
 ) -> None:
     process = begin("run", node, "__ns:=/ending")
     wait_until(lambda: f"/ending/{node}" in lcmtools("node", "list").stdout)
-    ending = Ending(process, number)
+    ending = Ending(process, number, stopwatch(process.pid))
     assert (ending.code, ending.out) == (0, "")
     assert ending.seconds < 1.0
     assert all(line.startswith("[INFO] ") for line in ending.error.splitlines())
@@ -160,7 +161,10 @@ def test_node_ends_within_a_second_quietly_with_0(
 
 @pytest.mark.parametrize("number", SIGNALS)
 def test_node_that_is_asked_to_end_while_it_starts_ends_with_0(
-    number: signal.Signals, begin: Callable[..., subprocess.Popen[str]], tmp_path: Path
+    number: signal.Signals,
+    begin: Callable[..., subprocess.Popen[str]],
+    tmp_path: Path,
+    stopwatch: Callable[..., Any],
 ) -> None:
     slow = tmp_path / "lcm"  # takes the place of the real one, and never ends to be imported
     slow.mkdir()
@@ -168,7 +172,7 @@ def test_node_that_is_asked_to_end_while_it_starts_ends_with_0(
     process = begin("run", "talker", env={**os.environ, "PYTHONPATH": str(tmp_path)})
     assert process.stdout is not None
     process.stdout.readline()
-    ending = Ending(process, number)
+    ending = Ending(process, number, stopwatch(process.pid))
     assert (ending.code, ending.error) == (0, "")
 
 

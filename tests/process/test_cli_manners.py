@@ -129,7 +129,11 @@ def robot(
 
 @pytest.fixture
 def typed(
-    lcmtools_path: str, robot: Callable[[], None], tmp_path: Path, module_bus_url: str
+    lcmtools_path: str,
+    robot: Callable[[], None],
+    tmp_path: Path,
+    module_bus_url: str,
+    stopwatch: Callable[[int], Any],
 ) -> Iterator[Callable[..., Outcome]]:
     """``typed(line, signal.SIGINT)``: runs a line of bash; ends what goes on by itself."""
     robot()
@@ -158,7 +162,7 @@ def typed(
                 start_new_session=True,
             )
             try:
-                sent = _end(process, Path(out.name), number)
+                sent = _end(process, stopwatch, Path(out.name), number)
             finally:
                 with suppress(ProcessLookupError):
                     os.killpg(process.pid, signal.SIGKILL)
@@ -172,19 +176,23 @@ def typed(
     assert not {name for name in left - of_shells if name.startswith((".", "lcmtools"))}
 
 
-def _end(process: subprocess.Popen[bytes], out: Path, number: int) -> int:
+def _end(
+    process: subprocess.Popen[bytes], stopwatch: Callable[[int], Any], out: Path, number: int
+) -> int:
     """Let a command run until it ends or has printed something; then ask it to end."""
     deadline = time.monotonic() + _PATIENCE
     while time.monotonic() < deadline and not out.stat().st_size:
         with suppress(subprocess.TimeoutExpired):
             process.wait(0.02)
             return 0
-    with suppress(subprocess.TimeoutExpired):
-        process.wait(0.3)
-        return 0
+    watch = stopwatch(process.pid)
+    while watch.seconds() < 0.4:  # [s] in which a process that has printed all comes to its end
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(0.02)
+            return 0
     os.killpg(process.pid, number)
     try:
-        process.wait(5)
+        process.wait(15)
     except subprocess.TimeoutExpired:
         pytest.fail(f"signal {number} does not end {process.args!r}")
     return number

@@ -52,7 +52,7 @@ def on_terminal(lcmtools_path: str) -> Callable[..., str]:
         except OSError:  # Linux says so that the other side has closed
             pass
         os.close(ours)
-        process.wait(10)
+        process.wait(40)
         return text.decode()
 
     return run

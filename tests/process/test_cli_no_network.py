@@ -1,12 +1,14 @@
 """Where multicast does not work, everything says so at once; liblcm would freeze for 10 s."""
 
 import subprocess
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import pytest
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
+Outcome = tuple[int, str, str]
+Timed = Callable[..., tuple[float, Outcome]]
 
 REMEDY = "type: sudo ip link set lo up multicast on && sudo ip route add 224.0.0.0/4 dev lo"
 LINE = f"no multicast route to 239.255.76.67:7667; {REMEDY}"
@@ -14,16 +16,30 @@ LINE = f"no multicast route to 239.255.76.67:7667; {REMEDY}"
 pytestmark = pytest.mark.usefixtures("bare_network")
 
 
-def timed(run: Callable[[], subprocess.CompletedProcess[str]]) -> tuple[float, object]:
-    """The best time of up to eight, for this computer may be busy with something else."""
-    best = 10.0
-    for _ in range(8):
-        begin = time.monotonic()
-        result = run()
-        best = min(best, time.monotonic() - begin)
-        if best < 1.0:
-            break
-    return best, (result.returncode, result.stdout, result.stderr)
+@pytest.fixture
+def timed(lcmtools_path: str, stopwatch: Callable[[int], Any]) -> Timed:
+    """``timed("list")``: the seconds that it takes, its exit code and what it writes.
+
+    Of three attempts the fastest: a computer may be slow for other reasons than no processor.
+    """
+
+    def run_once(arguments: Sequence[str]) -> tuple[float, Outcome]:
+        pipe = subprocess.PIPE
+        process = subprocess.Popen(
+            [lcmtools_path, *arguments], stdin=pipe, stdout=pipe, stderr=pipe, text=True
+        )
+        seconds = stopwatch(process.pid).until_end()
+        out, error = process.communicate()
+        return seconds, (process.returncode, out, error)
+
+    def run(*arguments: str) -> tuple[float, Outcome]:
+        best = run_once(arguments)
+        for _ in range(2):
+            if best[0] >= 1.0:
+                best = min(best, run_once(arguments))
+        return best
+
+    return run
 
 
 @pytest.mark.parametrize(
@@ -42,8 +58,8 @@ def timed(run: Callable[[], subprocess.CompletedProcess[str]]) -> tuple[float, o
         "topic list",
     ],
 )
-def test_command_says_what_to_type_in_under_a_second(command: str, lcmtools: Run) -> None:
-    seconds, result = timed(lambda: lcmtools(*command.split()))
+def test_command_says_what_to_type_in_under_a_second(command: str, timed: Timed) -> None:
+    seconds, result = timed(*command.split())
     name = command.removesuffix(" a").removesuffix(" a std_msgs/String x")
     assert result == (1, "", f"lcmtools {name}: {LINE}\n")
     assert seconds < 1.0
@@ -53,15 +69,14 @@ def test_command_says_what_to_type_in_under_a_second(command: str, lcmtools: Run
     "node",
     ["talker", "listener", "moving_robot", "simple_controller", "evaluate_controller", "sim"],
 )
-def test_node_says_what_to_type_in_under_a_second(node: str, lcmtools: Run) -> None:
-    seconds, result = timed(lambda: lcmtools("run", node))
+def test_node_says_what_to_type_in_under_a_second(node: str, timed: Timed) -> None:
+    seconds, result = timed("run", node)
     assert result == (1, "", f"lcmtools run {node}: {LINE}\n")
     assert seconds < 1.0
 
 
-def test_wtf_finds_the_missing_route_in_under_a_second(lcmtools: Run) -> None:
-    seconds, result = timed(lambda: lcmtools("wtf"))
-    code, out, error = result
+def test_wtf_finds_the_missing_route_in_under_a_second(timed: Timed) -> None:
+    seconds, (code, out, error) = timed("wtf")
     assert (code, error) == (2, "")
     assert out.splitlines()[:4] == [
         "Found 1 error(s).",

@@ -130,6 +130,17 @@ def test_echo_shows_other_payloads_in_hexadecimal(lcmtools: Run) -> None:
 
 
 @on_the_modules_bus
+def test_echo_says_once_where_types_are_looked_for(lcmtools: Run, tmp_path: Path) -> None:
+    before = "lcmtools echo: no type is known for NOISE; "
+    result = lcmtools("echo", "-n", "2", "NOISE")
+    assert result.stderr == f"{before}LCMTOOLS_TYPE_PATH=FOLDER says where your .lcm files are\n"
+    result = lcmtools("echo", "-n", "2", "NOISE", LCMTOOLS_TYPE_PATH=str(tmp_path / "nope"))
+    assert result.stderr.startswith(before)
+    assert result.stderr.endswith("/nope: there is no such folder; see LCMTOOLS_TYPE_PATH\n")
+    assert lcmtools("echo", "-1", "EMPTY").stderr == ""
+
+
+@on_the_modules_bus
 def test_echo_json_has_the_whole_payload(lcmtools: Run) -> None:
     message = json.loads(lcmtools("echo", "-1", "--json", "NOISE").stdout)
     assert bytes.fromhex(message["data"]) == bytes(range(200))

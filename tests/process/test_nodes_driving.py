@@ -77,7 +77,7 @@ class Typist:
             start_new_session=True,
         )
 
-    def wait_for(self, text: str, timeout: float = 15.0) -> None:
+    def wait_for(self, text: str, timeout: float = 40.0) -> None:
         """Read until a text is on the screen."""
         deadline = time.monotonic() + timeout
         while text.encode() not in self.written:
@@ -96,7 +96,7 @@ class Typist:
 
     def end(self) -> int:
         """Read until the program has ended."""
-        deadline = time.monotonic() + 15
+        deadline = time.monotonic() + 40
         while self.process.poll() is None:
             assert time.monotonic() < deadline
             if select.select([self.screen], [], [], 0.02)[0]:
@@ -214,7 +214,7 @@ def test_end_of_the_terminal_stops_the_robot(
     wait_until(lambda: (0.5, 0.0) in robot.heard)
     if last_key == "hang up":
         driver.hang_up()
-        driver.process.wait(15)
+        driver.process.wait(40)
     else:
         driver.type(last_key)
         assert driver.end() == 0

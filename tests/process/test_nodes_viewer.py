@@ -33,7 +33,7 @@ def picture() -> Image:
 def publish_until_end(process: "subprocess.Popen[bytes]", url: str, message: object) -> None:
     """A camera, until whoever looks has had enough."""
     bus = lcm.LCM(url)
-    deadline = time.monotonic() + 15
+    deadline = time.monotonic() + 40
     while process.poll() is None:
         assert time.monotonic() < deadline
         bus.publish(TOPIC, message.encode())
