@@ -77,7 +77,8 @@ def test_all_shows_programs_that_are_no_nodes_under_a_heading(
     assert re.search(
         rf"{HOST}:{source} \t.*lcm-source -m EXAMPLE \(user .+\)\n\tpublishes EXAMPLE\n", others
     )
-    assert re.search(rf"{HOST}:{plain} \t.*\n\tlistens\n", others)
+    # on a busy computer it may have lost something
+    assert re.search(rf"{HOST}:{plain} \t.*\n\tlistens( \(\d+ datagrams .*\))?\n", others)
 
 
 def test_json_marks_them_as_observed(lcmtools: Run, programs: dict[str, Any]) -> None:
