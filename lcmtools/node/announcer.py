@@ -120,7 +120,8 @@ class Announcer:
             self._send_all(nonce, target)
 
     def _send_all(self, nonce: int = 0, target: str = "") -> None:
-        self._is_behind = self._is_behind and bool(target)
+        if not target:
+            self._is_behind = False  # before looking: a change from now on is behind anew
         for node in self._describe():
             if target in ("", node.name):
                 self._send(Announcement(node, answers=nonce))

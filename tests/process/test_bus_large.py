@@ -151,7 +151,7 @@ def _heard(url: str, sent: list[bytes], *, closed_at_once: bool = False) -> list
     A receiver that gets no processor misses some, whatever the sender does; their order stays.
     """
     for _ in range(5):
-        bus, other = LcmBus(parse_url(url)), LcmBus(parse_url(f"{url}&recv_buf_size=4000000"))
+        bus, other = LcmBus(parse_url(url)), LcmBus(parse_url(url))
         heard: list[bytes] = []
         other.subscribe("BIG", lambda payload, _, heard=heard: heard.append(payload))
         for payload in sent:

@@ -17,11 +17,13 @@ TRACK = HUSKY.drive.track
 MASS, INERTIA = HUSKY.body.mass, HUSKY.body.inertia[2]
 LEVER = max(math.hypot(*wheel) for wheel in HUSKY.drive.wheels)  # [m] of the farthest wheel
 
-both_kinds = pytest.mark.parametrize(
-    "tyres", [gripping(HUSKY), skidding(HUSKY)], ids=["gripping", "skidding"]
-)
+KINDS = {"gripping": (gripping(HUSKY), TRACK / 2), "skidding": (skidding(HUSKY), LEVER)}
+"""Tyres, and how far from the middle their pull can be at most [m]."""
+
+both_kinds = pytest.mark.parametrize(("tyres", "lever"), KINDS.values(), ids=KINDS)
 speeds = st.floats(-3, 3)
 rates = st.floats(-5, 5)
+velocities = st.tuples(speeds, speeds, rates)
 
 
 @given(speeds, speeds, rates, speeds, speeds)
@@ -55,26 +57,25 @@ def test_a_little_less_friction_than_is_needed_changes_little(
 
 
 @both_kinds
-@given(speeds, speeds, rates, speeds, speeds)
+@given(velocities, st.builds(SideSpeeds, speeds, speeds))
 def test_tyres_give_no_more_than_friction_allows(
-    tyres: Tyres, forward: float, sideways: float, turn_rate: float, left: float, right: float
+    tyres: Tyres, lever: float, before: tuple[float, float, float], wheels: SideSpeeds
 ) -> None:
-    change = tyres(forward, sideways, turn_rate, SideSpeeds(left, right), LIMIT)
+    change = tyres(*before, wheels, LIMIT)
 
     assert math.hypot(change[0], change[1]) * MASS <= 2 * LIMIT * (1 + 1e-9)
-    assert abs(change[2]) * INERTIA <= 2 * LIMIT * max(LEVER, TRACK / 2) * (1 + 1e-9)
+    assert abs(change[2]) * INERTIA <= 2 * LIMIT * lever * (1 + 1e-9)
 
 
-@both_kinds
-@given(speeds, speeds, rates)
+@pytest.mark.parametrize("tyres", [tyres for tyres, _ in KINDS.values()], ids=KINDS)
+@given(velocities)
 def test_tyres_of_standing_wheels_only_take_energy_away(
-    tyres: Tyres, forward: float, sideways: float, turn_rate: float
+    tyres: Tyres, before: tuple[float, float, float]
 ) -> None:
     def energy(forward: float, sideways: float, turn_rate: float) -> float:
         return MASS * (forward**2 + sideways**2) / 2 + INERTIA * turn_rate**2 / 2
 
-    before = forward, sideways, turn_rate
     change = tyres(*before, STOPPED, LIMIT)
     after = tuple(a + b for a, b in zip(before, change, strict=True))
 
-    assert energy(*after) <= energy(*before) + 1e-9
+    assert energy(*after) <= energy(*before) + 1e-12
