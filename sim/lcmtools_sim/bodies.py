@@ -9,11 +9,18 @@ from types import ModuleType
 
 from lcmtools_sim.pose import Pose
 from lcmtools_sim.robots.model import Body, Mesh
-from lcmtools_sim.rotation import Vector, from_euler
+from lcmtools_sim.rotation import Vector, add, axes, from_euler, scaled, subtract
 from lcmtools_sim.scene import Ground, Thing
 from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part, Shape, Sphere
+from lcmtools_sim.weight import moments_of
 
 _FEET_COLOR: Color = (0.2, 0.2, 0.2)
+_UNTOUCHED = -1
+"""In place of a collision shape."""
+_RIM = 0.002
+"""[m] Length of the discs at a cylinder's ends."""
+_RECESS = 0.0002
+"""[m] By which what is between them is thinner."""
 
 
 class BodyMaker:
@@ -22,13 +29,11 @@ class BodyMaker:
     Args:
         bullet: The engine.
         client: Its connection.
-        has_window: Whether robots are to look like their meshes.
     """
 
-    def __init__(self, bullet: ModuleType, client: int, *, has_window: bool) -> None:
+    def __init__(self, bullet: ModuleType, client: int) -> None:
         self._bullet = bullet
         self._client = client
-        self._has_window = has_window
 
     def ground(self, ground: Ground) -> int:
         """The plane z = 0."""
@@ -40,13 +45,27 @@ class BodyMaker:
         return body
 
     def thing(self, thing: Thing) -> int:
-        """A thing as one rigid body."""
-        body = self._body(thing.mass, self._compound(thing.parts), thing.pose)
+        """A thing as one rigid body, whose origin is its centre of mass."""
+        parts = _able_to_roll(thing.parts) if thing.mass else thing.parts
+        body = self._body(thing.mass, self._compound(parts), thing.pose)
         self._set_surface(body, thing.friction, thing.parts[0].color)
+        if thing.mass:
+            self._bullet.changeDynamics(
+                body,
+                -1,
+                mass=thing.mass,  # without it the engine takes the mass away
+                localInertiaDiagonal=moments_of(thing.parts, thing.mass),
+                # What goes farther than its own size in a step would go through a wall.
+                ccdSweptSphereRadius=min(map(_least_radius, thing.parts)) / 2,
+                physicsClientId=self._client,
+            )
         return body
 
     def robot(self, body: Body, pose: Pose) -> int:
-        """A robot's body, ``pose`` being that of its base_footprint."""
+        """A robot's body, ``pose`` being that of its base_footprint.
+
+        In a window it cannot be seen where the robot has meshes.
+        """
         feet = [
             Part(Sphere(body.foot_radius), (x, y, body.foot_radius), color=_FEET_COLOR)
             for x, y in body.feet
@@ -56,7 +75,6 @@ class BodyMaker:
             self._compound([*body.parts, *feet]),
             pose,
             baseInertialFramePosition=(0.0, 0.0, body.centre_of_mass),
-            **(self._looks(body) if self._has_window else {}),
         )
         self._bullet.changeDynamics(
             number,
@@ -64,21 +82,23 @@ class BodyMaker:
             lateralFriction=0.0,
             linearDamping=0.0,
             angularDamping=0.0,
+            mass=body.mass,  # as above
             localInertiaDiagonal=body.inertia,
             physicsClientId=self._client,
         )
-        if not (self._has_window and body.meshes):
-            self._paint(number, body.parts[0].color)
+        self._paint(number, body.parts[0].color, opacity=0.0 if body.meshes else 1.0)
         return number
 
-    def wheels(self, body: Body) -> list[tuple[int, Mesh]]:
-        """What is seen of a robot's wheels in a window, each a body that nothing touches."""
-        meshes = [mesh for mesh in body.meshes if mesh.is_wheel]
-        untouched = -1
-        return [
-            (self._body(0.0, untouched, Pose(), baseVisualShapeIndex=self._mesh_shape(mesh)), mesh)
-            for mesh in meshes
-        ]
+    def mesh(self, mesh: Mesh) -> int:
+        """What is seen of a robot in a window, as a body that weighs and touches nothing."""
+        folder = import_module("pybullet_data").getDataPath()
+        look = self._bullet.createVisualShape(
+            self._bullet.GEOM_MESH,
+            fileName=f"{folder}/{mesh.file}",
+            rgbaColor=(*mesh.color, 1.0),
+            physicsClientId=self._client,
+        )
+        return self._body(0.0, _UNTOUCHED, Pose(), baseVisualShapeIndex=look)
 
     def _body(self, mass: float, shape: int, pose: Pose, **more: object) -> int:
         """Make a body; ``more`` are createMultiBody's own names."""
@@ -87,6 +107,7 @@ class BodyMaker:
             shape,
             basePosition=pose.position,
             baseOrientation=from_euler(pose.roll, pose.pitch, pose.yaw),
+            useMaximalCoordinates=True,
             physicsClientId=self._client,
             **more,
         )
@@ -98,10 +119,10 @@ class BodyMaker:
         )
         self._paint(body, color)
 
-    def _paint(self, body: int, color: Color) -> None:
+    def _paint(self, body: int, color: Color, opacity: float = 1.0) -> None:
         """Give a body its colour: one body shows only one."""
         self._bullet.changeVisualShape(
-            body, -1, rgbaColor=(*color, 1.0), physicsClientId=self._client
+            body, -1, rgbaColor=(*color, opacity), physicsClientId=self._client
         )
 
     def _compound(self, parts: Sequence[Part]) -> int:
@@ -125,40 +146,28 @@ class BodyMaker:
             return int(self._bullet.GEOM_CYLINDER)
         return int(self._bullet.GEOM_SPHERE)
 
-    def _looks(self, body: Body) -> dict[str, object]:
-        """The first mesh as the body's look, the others as links without mass and collision.
 
-        One body shows only one colour, and without a look it shows its collision shapes.
-        """
-        if not body.meshes:
-            return {}
-        bullet, (base, *links) = self._bullet, [one for one in body.meshes if not one.is_wheel]
-        count = len(links)
-        nowhere, unturned = [(0.0, 0.0, 0.0)] * count, [(0.0, 0.0, 0.0, 1.0)] * count
-        return {
-            "baseVisualShapeIndex": self._mesh_shape(base, base.position),
-            "linkMasses": [0.0] * count,
-            "linkCollisionShapeIndices": [-1] * count,
-            "linkVisualShapeIndices": [self._mesh_shape(mesh) for mesh in links],
-            "linkPositions": [mesh.position for mesh in links],
-            "linkOrientations": [mesh.rotation for mesh in links],
-            "linkInertialFramePositions": nowhere,
-            "linkInertialFrameOrientations": unturned,
-            "linkParentIndices": [0] * count,
-            "linkJointTypes": [bullet.JOINT_FIXED] * count,
-            "linkJointAxis": nowhere,
-        }
+def _able_to_roll(parts: Sequence[Part]) -> list[Part]:
+    """The same with each cylinder as two discs and what is between them.
 
-    def _mesh_shape(self, mesh: Mesh, position: Vector = (0.0, 0.0, 0.0)) -> int:
-        folder = import_module("pybullet_data").getDataPath()
-        number = self._bullet.createVisualShape(
-            self._bullet.GEOM_MESH,
-            fileName=f"{folder}/{mesh.file}",
-            rgbaColor=(*mesh.color, 1.0),
-            visualFramePosition=position,
-            physicsClientId=self._client,
-        )
-        return int(number)
+    Of a whole one that lies the engine finds one end at a time, and leaves the other's contact
+    where it was, behind: that would drive it on.
+    """
+    found = []
+    for part in parts:
+        shape = part.shape
+        if not isinstance(shape, Cylinder) or shape.length < 4 * _RIM:
+            found.append(part)
+            continue
+        inner = Cylinder(shape.radius - _RECESS, shape.length - 2 * _RIM)
+        out = scaled(axes(part.rotation)[2], (shape.length - _RIM) / 2)
+        rim = Cylinder(shape.radius, _RIM)
+        found += [
+            Part(inner, part.position, part.rotation),
+            Part(rim, add(part.position, out), part.rotation),
+            Part(rim, subtract(part.position, out), part.rotation),
+        ]
+    return found
 
 
 def _half_extents(shape: Shape) -> Vector:
@@ -166,3 +175,11 @@ def _half_extents(shape: Shape) -> Vector:
         return 0.0, 0.0, 0.0
     length, width, height = shape.size
     return length / 2, width / 2, height / 2
+
+
+def _least_radius(part: Part) -> float:
+    """Half of the least measure of a shape [m]."""
+    shape = part.shape
+    if isinstance(shape, Cuboid):
+        return min(shape.size) / 2
+    return min(shape.radius, shape.length / 2) if isinstance(shape, Cylinder) else shape.radius

@@ -40,7 +40,7 @@ class Thing:
 
     Attributes:
         name: For messages.
-        parts: Its shapes, in its own frame.
+        parts: Its shapes, in its own frame; the origin is its centre of mass.
         pose: Of that frame in the world.
         mass: [kg]; 0 stands for ever.
         friction: Coulomb coefficient.

@@ -5,12 +5,15 @@ move, and lets sensors look at them. What wheels and tyres do is not known here:
 no friction, drive.py pulls it.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.util import find_spec
 from types import ModuleType
 from typing import NamedTuple, cast
 
 from lcmtools.errors import MissingExtra
 from lcmtools_sim.bodies import BodyMaker
+from lcmtools_sim.meshes_in_view import Angles, MeshesInView, unturned
 from lcmtools_sim.pose import Pose
 from lcmtools_sim.robots.model import Body
 from lcmtools_sim.rotation import Quaternion, Vector, add, chain, turn
@@ -18,7 +21,9 @@ from lcmtools_sim.scene import Scene, Thing
 from lcmtools_sim.sensors.sensor import Contact
 from lcmtools_sim.shapes import Part
 from lcmtools_sim.silence import silenced
-from lcmtools_sim.wheels_in_view import Angles, WheelsInView, unturned
+
+_RECOVERY = 12.0
+"""[1/s] How fast bodies come out of each other; faster, what is pushed is shaken aside."""
 
 
 class Motion(NamedTuple):
@@ -58,7 +63,7 @@ class World:
                 self._bullet.GUI if window else self._bullet.DIRECT
             )
             self._window = window
-            self._make = BodyMaker(self._bullet, self._client, has_window=window)
+            self._make = BodyMaker(self._bullet, self._client)
             self._build(scene)
 
     def __enter__(self) -> "World":
@@ -82,14 +87,14 @@ class World:
     def step(self) -> None:
         """Let one dt pass."""
         self._bullet.stepSimulation(physicsClientId=self._client)
-        if self._wheels:
-            self._wheels.step()
+        if self._meshes:
+            self._meshes.step()
 
     def motion(self, body: int) -> Motion:
         """How a body is and moves now."""
-        position, rotation = self._bullet.getBasePositionAndOrientation(body, self._client)
-        velocity, turning = self._bullet.getBaseVelocity(body, self._client)
-        return Motion(position, rotation, velocity, turning)
+        bullet, client = self._bullet, self._client
+        place = bullet.getBasePositionAndOrientation(body, client)
+        return Motion._make(place + bullet.getBaseVelocity(body, client))
 
     def set_velocity(self, body: int, velocity: Vector, turning: Vector) -> None:
         """Give a body another velocity [m/s] and angular velocity [rad/s], in the world frame."""
@@ -130,28 +135,33 @@ class World:
 
         A window asks by ``angles`` how far its wheels have turned.
         """
-        number = self._make.robot(body, pose)
-        self._names[number] = name
-        centre = body.centre_of_mass  # the engine tells where that is
-        self._moving[number] = tuple(_lowered(part, centre) for part in body.parts)
-        if self._wheels:
-            self._wheels.add(number, self._make.wheels(body), centre, angles)
-            self._look_at(pose)
+        with self._undrawn():
+            number = self._make.robot(body, pose)
+            self._names[number] = name
+            centre = body.centre_of_mass  # the engine tells where that is
+            self._moving[number] = tuple(_lowered(part, centre) for part in body.parts)
+            if self._meshes:
+                self._meshes.add(number, body.meshes, centre, angles)
+                self._look_at(pose)
         return number
 
     def remove(self, body: int) -> None:
-        """Take away a robot or a thing that can move."""
-        self._bullet.removeBody(body, physicsClientId=self._client)
-        if self._wheels:
-            self._wheels.remove(body)
-        del self._names[body], self._moving[body]
+        """Take away a robot."""
+        with self._undrawn():
+            if self._meshes:
+                self._meshes.take_away()
+            self._bullet.removeBody(body, physicsClientId=self._client)
+            del self._names[body], self._moving[body]
+            if self._meshes:
+                self._meshes.forget(body)
+                self._meshes.show_all()
 
     def place(self, body: int, position: Vector, rotation: Quaternion) -> None:
-        """Put a body's centre of mass elsewhere, at rest."""
+        """Put a robot's centre of mass elsewhere, at rest."""
         self._bullet.resetBasePositionAndOrientation(body, position, rotation, self._client)
         self.set_velocity(body, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-        if self._wheels:
-            self._wheels.show(body)
+        if self._meshes:
+            self._meshes.show(body)
 
     def reset(self, scene: Scene) -> None:
         """Begin anew with the ground and the things of a scene; robots are gone."""
@@ -206,18 +216,36 @@ class World:
         bullet, client = self._bullet, self._client
         bullet.setGravity(0.0, 0.0, -scene.gravity, physicsClientId=client)
         bullet.setTimeStep(scene.dt, physicsClientId=client)
-        # Else what starts on the ground falls for a step into the engine's slop, and bounces.
-        bullet.setPhysicsEngineParameter(contactSlop=0.0, physicsClientId=client)
+        bullet.setPhysicsEngineParameter(
+            # Else what starts on the ground falls for a step into the engine's slop, and bounces.
+            contactSlop=0.0,
+            contactERP=_RECOVERY * scene.dt,
+            # The engine's own are so coarse that crates at rest creep.
+            solverResidualThreshold=1e-12,
+            warmStartingFactor=1.0,
+            physicsClientId=client,
+        )
         if self._window:
             bullet.configureDebugVisualizer(bullet.COV_ENABLE_GUI, 0, physicsClientId=client)
         self._names: dict[int, str] = {}
         self._fixed: tuple[Part, ...] = ()
         self._moving: dict[int, tuple[Part, ...]] = {}
         """The shapes of what can move, in the frame that the engine tells of it."""
-        self._wheels = WheelsInView(bullet, client) if self._window else None
+        self._meshes = MeshesInView(bullet, client, self._make.mesh) if self._window else None
         self._ground = self._make.ground(scene.ground)
         self._names[self._ground] = "the ground"
-        self._things = [(thing, self.add(thing)) for thing in scene.things]
+        with self._undrawn():
+            self._things = [(thing, self.add(thing)) for thing in scene.things]
+
+    @contextmanager
+    def _undrawn(self) -> Iterator[None]:
+        """Let the window wait: it would draw all anew for each body that comes or goes."""
+        draw, rendering = self._bullet.configureDebugVisualizer, self._bullet.COV_ENABLE_RENDERING
+        draw(rendering, 0, physicsClientId=self._client)
+        try:
+            yield
+        finally:
+            draw(rendering, 1, physicsClientId=self._client)
 
     def _look_at(self, pose: Pose) -> None:
         """Point the window's camera at a place, from behind and above."""

@@ -8,7 +8,9 @@ from lcmtools_sim.pose import ORIGIN, Pose
 from lcmtools_sim.rotation import Vector
 from lcmtools_sim.scene import FRICTION, WOOD, Thing
 from lcmtools_sim.shapes import GREY, Cuboid, Cylinder, Part, Shape, Sphere
+from lcmtools_sim.weight import centre_of
 from lcmtools_sim.world_file.document import Item
+from lcmtools_sim.world_file.frames import Frame, frame_of
 from lcmtools_sim.world_file.sdf import read_sdf
 from lcmtools_sim.world_file.values import (
     color,
@@ -86,9 +88,9 @@ def _thing(keys: Mapping[str, Item], item: Item, parts: tuple[Part, ...], place:
 
 
 def _table(item: Item) -> list[Thing]:
-    """A table: a top and four legs as one body, whose origin is its middle."""
+    """A table: a top and four legs as one body; the pose is that of its middle."""
     keys = item.fields((*_COMMON_KEYS, "size"), required=["size", "pose"])
-    size = long, wide, high = _size(keys["size"])
+    long, wide, high = _size(keys["size"])
     if min(long, wide) < 2 * _LEG or high <= _TOP:
         raise keys["size"].error(f"'size' is too small for a table with legs of {_LEG} m")
     look = value(keys, "color", color, WOOD)
@@ -97,7 +99,11 @@ def _table(item: Item) -> list[Thing]:
     x, y = (long - _LEG) / 2, (wide - _LEG) / 2
     corners = ((x, y), (x, -y), (-x, y), (-x, -y))
     legs = [Part(leg, (*corner, -_TOP / 2), color=look) for corner in corners]
-    return [_thing(keys, item, (top, *legs), pose(keys["pose"], size[2] / 2))]
+    parts = (top, *legs)
+    centre = Frame(centre_of(parts))
+    place = frame_of(pose(keys["pose"], high / 2)).place(centre)
+    inside = centre.inverse()
+    return [_thing(keys, item, tuple(inside.part(part) for part in parts), place.pose())]
 
 
 def _walls(item: Item) -> list[Thing]:

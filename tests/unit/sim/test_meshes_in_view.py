@@ -1,0 +1,108 @@
+"""What is seen of a robot goes with it, and its wheels turn as its motors do. Metres, radians."""
+
+import math
+from itertools import count
+from types import ModuleType, SimpleNamespace
+from typing import cast
+
+import pytest
+
+from lcmtools_sim.meshes_in_view import MeshesInView
+from lcmtools_sim.robots.model import Mesh
+from lcmtools_sim.rotation import Quaternion, Vector, from_euler, turn
+
+ROBOT, OTHER = 1, 2
+CENTRE = 0.2
+LEFT = Mesh("left.stl", (0.3, 0.25, 0.15), is_wheel=True)
+RIGHT = Mesh("right.stl", (0.3, -0.25, 0.15), is_wheel=True)
+REAR_BUMPER = Mesh("bumper.stl", (-0.4, 0.0, 0.2), (0.0, 0.0, 1.0, 0.0))
+MESHES = (LEFT, RIGHT, REAR_BUMPER)
+
+
+class Engine:
+    """Bodies and where they are."""
+
+    def __init__(self) -> None:
+        self.poses: dict[int, tuple[Vector, Quaternion]] = {}
+        self.looks: dict[str, int] = {}
+        self._numbers = count(10)
+
+    def make(self, mesh: Mesh) -> int:
+        """Another body, the last one of its look."""
+        self.looks[mesh.file] = number = next(self._numbers)
+        return number
+
+    def of(self, mesh: Mesh) -> tuple[Vector, Quaternion]:
+        """Where the last body of a look is."""
+        return self.poses[self.looks[mesh.file]]
+
+    def getBasePositionAndOrientation(self, body: int, _: int) -> tuple[Vector, Quaternion]:  # noqa: N802
+        """As pybullet's."""
+        return self.poses[body]
+
+    def resetBasePositionAndOrientation(  # noqa: N802
+        self, body: int, position: Vector, rotation: Quaternion, _: int
+    ) -> None:
+        """As pybullet's."""
+        self.poses[body] = position, rotation
+
+    def removeBody(self, body: int, *, physicsClientId: int) -> None:  # noqa: N802, N803
+        """As pybullet's."""
+        del physicsClientId, self.poses[body]
+
+
+@pytest.fixture
+def engine() -> Engine:
+    found = Engine()
+    found.poses[ROBOT] = (5.0, 1.0, CENTRE), from_euler(0, 0, math.pi / 2)
+    return found
+
+
+@pytest.fixture
+def view(engine: Engine) -> MeshesInView:
+    return MeshesInView(cast("ModuleType", engine), 0, engine.make)
+
+
+def test_they_stand_where_the_robot_has_them_and_each_side_turns_by_its_own_angle(
+    engine: Engine, view: MeshesInView
+) -> None:
+    angles = SimpleNamespace(now=(0.0, 0.0))
+    view.add(ROBOT, MESHES, CENTRE, lambda: angles.now)
+    assert engine.of(LEFT)[0] == pytest.approx((4.75, 1.3, 0.15))
+    assert engine.of(RIGHT)[0] == pytest.approx((5.25, 1.3, 0.15))
+
+    angles.now = math.pi / 2, 0.0
+    engine.poses[ROBOT] = (5.0, 2.0, CENTRE), from_euler(0, 0, math.pi / 2)
+    for _ in range(24):
+        view.step()
+
+    place, turned = engine.of(LEFT)
+    assert place == pytest.approx((4.75, 2.3, 0.15))
+    assert turn((0.0, 0.0, 1.0), turned) == pytest.approx((0, 1, 0))  # its top went forward
+    assert turn((0.0, 0.0, 1.0), engine.of(RIGHT)[1]) == pytest.approx((0, 0, 1))
+
+
+def test_what_does_not_turn_keeps_its_own_rotation_on_the_robot(
+    engine: Engine, view: MeshesInView
+) -> None:
+    view.add(ROBOT, MESHES, CENTRE, lambda: (1.0, 1.0))
+
+    place, turned = engine.of(REAR_BUMPER)
+
+    assert place == pytest.approx((5.0, 0.6, 0.2))
+    assert turn((1.0, 0.0, 0.0), turned) == pytest.approx((0, -1, 0))  # it faces backwards
+
+
+def test_they_go_with_their_robot_and_the_others_stay(engine: Engine, view: MeshesInView) -> None:
+    engine.poses[OTHER] = (0.0, 0.0, CENTRE), from_euler(0, 0, 0)
+    for robot in (ROBOT, OTHER):
+        view.add(robot, (LEFT, RIGHT), CENTRE, lambda: (0.0, 0.0))
+
+    view.take_away()
+    assert engine.poses.keys() == {ROBOT, OTHER}
+    view.forget(ROBOT)
+    view.show_all()
+    view.step()
+
+    assert len(engine.poses) == 4
+    assert engine.of(LEFT)[0] == pytest.approx((0.3, 0.25, 0.15))
