@@ -10,9 +10,9 @@ from lcmtools.node.publisher import Publisher
 from lcmtools.node.subscription import Subscription
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
-from lcmtools_sim.readings import Interest
+from lcmtools_sim.readings import Interest, Sample
 from lcmtools_sim.robot import Robot
-from lcmtools_sim.simulation import CLOCK_TOPIC, Sample, Simulation
+from lcmtools_sim.simulation import CLOCK_TOPIC, Simulation
 
 Command = JointState | Twist
 
@@ -61,7 +61,7 @@ class Bridge:
     def publish(self, samples: list[Sample]) -> None:
         """Send a step's messages."""
         for sample in samples:
-            self._publishers[sample.topic].publish(sample.message)
+            self._publishers[sample.topic].publish_payload(sample.payload)
 
     def warn(self, text: str) -> None:
         """Log a warning of the simulator."""

@@ -56,81 +56,126 @@ def follow(speeds: SideSpeeds, targets: SideSpeeds, drive: Drive, dt: float) -> 
     return SideSpeeds(speeds.left + gain * left, speeds.right + gain * right)
 
 
-class Wheels:
-    """The wheels of both sides: how fast they turn and how far they have turned.
+def reckon(
+    pose: tuple[float, float, float], way: float, half_turn: float, steps: int = 1
+) -> tuple[float, float, float]:
+    """Where a robot is after so many steps of the same motion: dead reckoning.
 
-    Attributes:
-        speeds: Ground speeds [m/s].
-        left_angle: Since the start [rad].
-        right_angle: Since the start [rad].
+    In each step it goes the chord of its arc, as the engine's bodies do; the sum of the chords has
+    a closed form.
+
+    Args:
+        pose: x, y [m] and yaw [rad] before.
+        way: Of a step [m].
+        half_turn: Half the angle by which it turns in a step [rad].
+        steps: How many.
     """
-
-    __slots__ = ("left_angle", "right_angle", "speeds")
-
-    def __init__(self) -> None:
-        self.speeds = STOPPED
-        self.left_angle = 0.0
-        self.right_angle = 0.0
-
-    def angles(self) -> tuple[float, float]:
-        """How far the left and the right ones have turned since the start [rad]."""
-        return self.left_angle, self.right_angle
-
-    def turn(self, targets: SideSpeeds, drive: Drive, dt: float) -> None:
-        """Turn for one step, the motors following ``targets``."""
-        if self.speeds != targets:
-            self.speeds = follow(self.speeds, targets, drive, dt)
-        left, right = self.speeds
-        gain = dt / drive.wheel_radius
-        self.left_angle += left * gain
-        self.right_angle += right * gain
+    x, y, yaw = pose
+    heading = yaw + steps * half_turn
+    if steps > 1 and half_turn:
+        way *= math.sin(steps * half_turn) / math.sin(half_turn)
+    else:
+        way *= steps
+    return x + way * math.cos(heading), y + way * math.sin(heading), heading + steps * half_turn
 
 
 class Encoders:
     """What the wheels' encoders count: each side's speed, with noise that grows like a random walk.
 
     Args:
-        noise: Standard deviation of a side's way after 1 m [m]; 0 for exact ones.
+        noise: Standard deviation of a side's way after 1 m [m].
         random: Draws that many numbers of the standard normal distribution.
+        dt: Seconds of a step.
     """
 
-    __slots__ = ("_noise", "_random")
+    __slots__ = ("_gain", "_random")
 
-    def __init__(self, noise: float, random: Callable[[int], Iterable[float]]) -> None:
-        self._noise = noise
+    def __init__(self, noise: float, random: Callable[[int], Iterable[float]], dt: float) -> None:
+        self._gain = noise / math.sqrt(dt)
         self._random = random
 
-    def read(self, speeds: SideSpeeds, dt: float) -> SideSpeeds:
+    def read(self, speeds: SideSpeeds) -> SideSpeeds:
         """Each side's speed as it is counted over one step [m/s]."""
-        if not self._noise:
-            return speeds
         left, right = self._random(2)
-        gain = self._noise / math.sqrt(dt)
         return SideSpeeds(
-            speeds.left + gain * math.sqrt(abs(speeds.left)) * left,
-            speeds.right + gain * math.sqrt(abs(speeds.right)) * right,
+            speeds.left + self._gain * math.sqrt(abs(speeds.left)) * left,
+            speeds.right + self._gain * math.sqrt(abs(speeds.right)) * right,
         )
 
 
-class Odometer:
-    """Where the robot would be if its wheels never slipped: dead reckoning from the encoders.
+class Drivetrain:
+    """Both sides' motors and wheels, and what their encoders count.
+
+    As long as the speeds stay the same only steps are counted: where that has led is worked out
+    when it is asked for, which changes nothing.
+
+    Args:
+        drive: The motors.
+        dt: Seconds of a step.
+        encoders: None for exact ones.
 
     Attributes:
-        x: In the frame in which it started [m].
-        y: [m]
-        yaw: [rad], not wrapped.
+        speeds: Ground speeds of the wheels [m/s].
+        mid_turn: Sine and cosine of half the angle by which wheels that do not slip turn the robot
+            in half a step: the quaternion's z and w.
     """
 
-    __slots__ = ("x", "y", "yaw")
+    __slots__ = (
+        "_angles",
+        "_drive",
+        "_dt",
+        "_encoders",
+        "_half_turn",
+        "_pose",
+        "_steps",
+        "_way",
+        "mid_turn",
+        "speeds",
+    )
 
-    def __init__(self) -> None:
-        self.x = 0.0
-        self.y = 0.0
-        self.yaw = 0.0
+    def __init__(self, drive: Drive, dt: float, encoders: Encoders | None = None) -> None:
+        self._drive = drive
+        self._dt = dt
+        self._encoders = encoders
+        self._angles = 0.0, 0.0
+        self._pose = 0.0, 0.0, 0.0
+        self._steps = 0
+        self._change(STOPPED)
 
-    def advance(self, forward: float, turn_rate: float, dt: float) -> None:
-        """Go on for one step [m/s, rad/s] along the chord of its arc."""
-        heading = self.yaw + turn_rate * dt / 2
-        self.x += forward * dt * math.cos(heading)
-        self.y += forward * dt * math.sin(heading)
-        self.yaw += turn_rate * dt
+    def step(self, targets: SideSpeeds) -> None:
+        """Let the motors follow ``targets`` for one step [m/s]."""
+        if self.speeds != targets:
+            self._change(follow(self.speeds, targets, self._drive, self._dt))
+        elif self._encoders and targets != STOPPED:
+            self._change(targets)  # they count another speed in each step
+        self._steps += 1
+
+    def stop(self) -> None:
+        """Stand still at once."""
+        self._change(STOPPED)
+
+    def angles(self) -> tuple[float, float]:
+        """How far the left and the right wheels have turned since the start [rad]."""
+        (left, right), (left_speed, right_speed) = self._angles, self.speeds
+        gain = self._steps * self._dt / self._drive.wheel_radius
+        return left + gain * left_speed, right + gain * right_speed
+
+    def reckoned_pose(self) -> tuple[float, float, float]:
+        """x, y [m] and yaw [rad, not wrapped] by the encoders, where it started as origin."""
+        return reckon(self._pose, self._way, self._half_turn, self._steps)
+
+    def _change(self, speeds: SideSpeeds) -> None:
+        """Go on with other speeds."""
+        if self._steps:
+            self._angles, self._pose = self.angles(), self.reckoned_pose()
+            self._steps = 0
+        self.speeds = speeds
+        self._way, self._half_turn = self._motion(speeds)
+        self.mid_turn = math.sin(self._half_turn / 2), math.cos(self._half_turn / 2)
+        if self._encoders:
+            self._way, self._half_turn = self._motion(self._encoders.read(speeds))
+
+    def _motion(self, speeds: SideSpeeds) -> tuple[float, float]:
+        """What ``reckon`` needs of one step of wheels that do not slip."""
+        left, right = speeds
+        return (left + right) / 2 * self._dt, (right - left) / self._drive.track * self._dt / 2

@@ -11,8 +11,9 @@ from lcmtools import Node, spin_once
 from lcmtools.clock import NANOSECONDS
 from lcmtools.messages.registry import Message
 from lcmtools.types.rosgraph_msgs import Clock
+from lcmtools_sim.readings import Sample
 from lcmtools_sim.schedule import Pacer
-from lcmtools_sim.simulation import CLOCK_TOPIC, Sample, Simulation
+from lcmtools_sim.simulation import CLOCK_TOPIC, Simulation
 
 _LONGEST_WAIT = 0.1  # [s]; how long a request to stop may go unnoticed
 

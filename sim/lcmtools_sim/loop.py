@@ -3,8 +3,9 @@
 from collections.abc import Callable
 from typing import Protocol
 
+from lcmtools_sim.readings import Sample
 from lcmtools_sim.schedule import Pacer
-from lcmtools_sim.simulation import Sample, Simulation
+from lcmtools_sim.simulation import Simulation
 
 _PAUSED_WAIT = 0.1
 """[s] How long a paused loop may overlook a request to end, or a window that was closed."""

@@ -2,7 +2,9 @@
 
 from collections.abc import Callable
 from enum import Enum
+from typing import NamedTuple
 
+from lcmtools.messages.codec import decode
 from lcmtools.messages.registry import Message
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.robots.model import Body
@@ -22,6 +24,19 @@ class Interest(Enum):
     NONE = 0
     POSSIBLE = 1
     SURE = 2
+
+
+class Sample(NamedTuple):
+    """A message as it goes out, its type, and the topic that it belongs on."""
+
+    topic: str
+    message_type: type[Message]
+    payload: bytes
+
+    @property
+    def message(self) -> Message:
+        """What the payload says."""
+        return decode(self.message_type, self.payload)
 
 
 class Reading:
@@ -48,15 +63,18 @@ class Reading:
         self._sensor = sensor
         self._bulky = bulky
         self._always = mount.always
-        self._topics = {name: _topic(robot.namespace, mount, name) for name in sensor.outputs}
-        self.wanted = tuple(self._topics)
+        self._labels = {
+            name: (_topic(robot.namespace, mount, name), kind)
+            for name, kind in sensor.outputs.items()
+        }
+        """The topic and the type of each output."""
+        self.wanted = tuple(self._labels)
         self.seldom: tuple[str, ...] = ()
         self._times = 0
 
     def topics(self) -> dict[str, type[Message]]:
         """Its topics and their types."""
-        outputs = self._sensor.outputs
-        return {topic: outputs[name] for name, topic in self._topics.items()}
+        return dict(self._labels.values())
 
     @property
     def is_idle(self) -> bool:
@@ -65,7 +83,7 @@ class Reading:
 
     def ask(self, interest: Callable[[str], Interest]) -> None:
         """Find out anew who listens to which outputs; from now on no other is measured."""
-        found = {name: interest(topic) for name, topic in self._topics.items()}
+        found = {name: interest(topic) for name, (topic, _) in self._labels.items()}
         if self._always:
             found = dict.fromkeys(found, Interest.SURE)
         maybe = [name for name, how in found.items() if how is Interest.POSSIBLE]
@@ -73,13 +91,13 @@ class Reading:
         unheard = {name for name, how in found.items() if how is Interest.NONE}
         self.wanted = tuple(name for name in found if name not in unheard.union(self.seldom))
 
-    def measure(self, state: RobotState) -> dict[str, Message]:
-        """The messages of one step by their topics."""
+    def measure(self, state: RobotState) -> list[Sample]:
+        """The messages of one step."""
         self._times += 1
         is_their_turn = self.seldom and self._times % max(1, round(self.rate)) == 0
         wanted = self.wanted + self.seldom if is_their_turn else self.wanted
-        messages = self._sensor.sample(state, wanted) if wanted else {}
-        return {self._topics[name]: message for name, message in messages.items()}
+        payloads = self._sensor.sample(state, wanted) if wanted else {}
+        return [Sample(*self._labels[name], payload) for name, payload in payloads.items()]
 
 
 def mount_sensors(robot: Robot, scene: Scene) -> list[Reading]:

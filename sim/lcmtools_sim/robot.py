@@ -1,21 +1,19 @@
 """One robot of the running simulation: its body in the engine, its wheels and its command."""
 
-import math
-
+from lcmtools.clock import split_stamp
 from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.command import interpret
 from lcmtools_sim.drive import (
     STOPPED,
+    Drivetrain,
     Encoders,
-    Odometer,
     SideSpeeds,
-    Wheels,
     body_velocity,
 )
 from lcmtools_sim.pose import Pose
-from lcmtools_sim.robots.model import Drive, RobotModel
+from lcmtools_sim.robots.model import Drive
 from lcmtools_sim.rotation import (
     Quaternion,
     Vector,
@@ -29,11 +27,11 @@ from lcmtools_sim.rotation import (
 )
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.sensors.odometry import OdometrySettings
-from lcmtools_sim.sensors.sensor import Contact, RobotState, WheelState, generator
+from lcmtools_sim.sensors.sensor import Contact, RobotState, Sides, generator
 from lcmtools_sim.shapes import Color, Part
 from lcmtools_sim.skid import skidding
 from lcmtools_sim.tyres import gripping
-from lcmtools_sim.world import Motion, World
+from lcmtools_sim.world import World
 
 _LIFTING_OFF = 0.2  # [m/s] along its own up axis: what stands on its wheels has none
 START_OVERLAP = 0.02
@@ -57,19 +55,15 @@ class Robot:
         self._dt = scene.dt
         self._timeout = placement.cmd_timeout
         self._ground_color = scene.ground.color
-        self._wheels = Wheels()
+        self._train = _drivetrain(placement, scene)
         self._body = world.add_robot(
-            self.namespace, self.model.body, placement.pose, self._wheels.angles
+            self.namespace, self.model.body, placement.pose, self._train.angles
         )
         self._motion = self._before = world.motion(self._body)
         friction = self.model.drive.tyre_friction * scene.ground.friction
         self._fall = scene.gravity * scene.dt  # [m/s] in a step
         self._largest_impulse = friction * self.model.body.mass / 2 * self._fall
         self._tyres = skidding(self.model) if self.model.drive.skids else gripping(self.model)
-        self._half_turn_by_speed = scene.dt / 2 / self.model.drive.track  # [rad s/m]
-        self._odometer = Odometer()
-        noise = generator(scene.seed, f"{self.namespace}/encoders").standard_normal
-        self._encoders = Encoders(_travel_noise(self.model), noise)
         self._targets = STOPPED
         self._command_age = 0.0
 
@@ -98,12 +92,8 @@ class Robot:
 
     def drive(self) -> None:
         """Turn the wheels and let them pull the body, before the engine's step."""
-        drive, dt = self.model.drive, self._dt
-        self._wheels.turn(self._obeyed_targets(), drive, dt)
-        counted = self._encoders.read(self._wheels.speeds, dt)
-        self._odometer.advance(*body_velocity(counted, drive.track), dt)
-        velocity, turning = self._pulled(self._motion)
-        self._world.set_velocity(self._body, velocity, turning)
+        self._train.step(self._targets if self._timeout is None else self._obeyed_targets())
+        self._world.set_velocity(self._body, *self._pulled())
 
     def observe(self) -> None:
         """Look at the body, after the engine's step."""
@@ -127,7 +117,8 @@ class Robot:
                 f"{self.namespace} would stand {depth:.2f} m inside {other}", "choose another place"
             )
         self._world.place(self._body, centre, pose.rotation)
-        self._wheels.speeds = self._targets = STOPPED
+        self._targets = STOPPED
+        self._train.stop()
         self._motion = self._before = self._world.motion(self._body)
 
     def fixed_parts(self) -> tuple[Part, ...]:
@@ -152,43 +143,40 @@ class Robot:
 
     def state(self, time: int) -> RobotState:
         """What its sensors may measure; ``time`` in simulated nanoseconds."""
-        motion, body = self._motion, self.model.body
+        motion, before, body = self._motion, self._before, self.model.body
+        drive, train = self.model.drive, self._train
         frame = axes(motion.rotation)
         base_link = scaled(frame[2], body.base_height - body.centre_of_mass)
-        velocity = add(motion.velocity, cross(motion.turning, base_link))
+        swing = cross(motion.turning, base_link)
+        change = scaled(subtract(motion.velocity, before.velocity), 1 / self._dt)
+        turning_change = scaled(subtract(motion.turning, before.turning), 1 / self._dt)
+        of_lever = add(cross(turning_change, base_link), cross(motion.turning, swing))
+        left, right = train.speeds
         return RobotState(
-            time=time,
-            position=add(motion.position, base_link),
-            rotation=motion.rotation,
-            velocity=components(velocity, frame),
-            turning=components(motion.turning, frame),
-            acceleration=components(self._change_of_velocity(base_link), frame),
-            turning_change=components(self._change_of_turning(), frame),
-            wheels=_wheel_states(self._wheels, self._targets, self.model.drive),
-            reckoned_pose=(self._odometer.x, self._odometer.y, self._odometer.yaw),
-            reckoned_speed=body_velocity(self._wheels.speeds, self.model.drive.track),
+            time,
+            split_stamp(time),
+            add(motion.position, base_link),
+            motion.rotation,
+            components(add(motion.velocity, swing), frame),
+            components(motion.turning, frame),
+            components(add(change, of_lever), frame),
+            components(turning_change, frame),
+            Sides(*train.angles()),
+            Sides(left / drive.wheel_radius, right / drive.wheel_radius),
+            _efforts(self._targets, drive),
+            train.reckoned_pose(),
+            body_velocity(train.speeds, drive.track),
         )
-
-    def _change_of_velocity(self, lever: Vector) -> Vector:
-        """The acceleration of a point, ``lever`` from the centre of mass, in the last step."""
-        motion, before = self._motion, self._before
-        centre = scaled(subtract(motion.velocity, before.velocity), 1 / self._dt)
-        spin = cross(motion.turning, cross(motion.turning, lever))
-        return add(add(centre, cross(self._change_of_turning(), lever)), spin)
-
-    def _change_of_turning(self) -> Vector:
-        """The angular acceleration in the last step, in the world."""
-        return scaled(subtract(self._motion.turning, self._before.turning), 1 / self._dt)
 
     def _obeyed_targets(self) -> SideSpeeds:
         """The last command's, until it is too old."""
-        if self._timeout is not None:
-            if self._command_age >= self._timeout:
-                self._targets = STOPPED
-            self._command_age += self._dt
+        assert self._timeout is not None
+        if self._command_age >= self._timeout:
+            self._targets = STOPPED
+        self._command_age += self._dt
         return self._targets
 
-    def _pulled(self, motion: Motion) -> tuple[Vector, Vector]:
+    def _pulled(self) -> tuple[Vector, Vector]:
         """Velocity and angular velocity in the world after the tyres' pull.
 
         The pull acts along the heading in the middle of the step, so that the engine's straight
@@ -196,48 +184,46 @@ class Robot:
         to do in this step, or the robot would creep down every slope; on a slope the wheels carry
         less.
         """
-        _, rotation, velocity, turning = motion
-        (fx, fy, fz), (lx, ly, lz), (ux, uy, uz) = axes(rotation)
+        _, (x, y, z, w), velocity, turning = self._motion
         (vx, vy, vz), (wx, wy, wz) = velocity, turning
+        s, c = self._train.mid_turn
+        x, y, z, w = c * x + s * y, c * y - s * x, c * z + s * w, c * w - s * z
+        x2, y2, z2 = x + x, y + y, z + z
+        xx, yy, zz, xy, xz, yz = x * x2, y * y2, z * z2, x * y2, x * z2, y * z2
+        wx2, wy2, wz2 = w * x2, w * y2, w * z2
+        ux, uy, uz = xz + wy2, yz - wx2, 1 - xx - yy
         if uz < _UPRIGHT or abs(vx * ux + vy * uy + vz * uz) > _LIFTING_OFF:
             return velocity, turning
-        speeds, falling = self._wheels.speeds, vz - self._fall
-        half_turn = (speeds.right - speeds.left) * self._half_turn_by_speed
-        c, s = math.cos(half_turn), math.sin(half_turn)
-        along = vx * fx + vy * fy + falling * fz
-        aside = vx * lx + vy * ly + falling * lz
+        fx, fy, fz = 1 - yy - zz, xy + wz2, xz - wy2
+        lx, ly, lz = xy - wz2, 1 - xx - zz, yz + wx2
+        falling = vz - self._fall
         forward, sideways, turn_rate = self._tyres(
-            c * along + s * aside,
-            c * aside - s * along,
+            vx * fx + vy * fy + falling * fz,
+            vx * lx + vy * ly + falling * lz,
             wx * ux + wy * uy + wz * uz,
-            speeds,
+            self._train.speeds,
             self._largest_impulse * uz,
         )
-        along, aside = c * forward - s * sideways, s * forward + c * sideways
-        vx, vy, vz = (
-            vx + along * fx + aside * lx,
-            vy + along * fy + aside * ly,
-            vz + along * fz + aside * lz,
+        return (
+            (
+                vx + forward * fx + sideways * lx,
+                vy + forward * fy + sideways * ly,
+                vz + forward * fz + sideways * lz,
+            ),
+            (wx + turn_rate * ux, wy + turn_rate * uy, wz + turn_rate * uz),
         )
-        return (vx, vy, vz), (wx + turn_rate * ux, wy + turn_rate * uy, wz + turn_rate * uz)
 
 
-def _travel_noise(model: RobotModel) -> float:
-    """Of its encoders; they are the same for all that is told from them."""
-    settings = [mount.settings for mount in model.sensors]
-    return max((s.travel_noise for s in settings if isinstance(s, OdometrySettings)), default=0.0)
+def _drivetrain(placement: RobotPlacement, scene: Scene) -> Drivetrain:
+    """A robot's; its encoders are the same for all that is told from them."""
+    settings = [mount.settings for mount in placement.model.sensors]
+    noise = max((s.travel_noise for s in settings if isinstance(s, OdometrySettings)), default=0.0)
+    random = generator(scene.seed, f"{placement.namespace}/encoders").standard_normal
+    encoders = Encoders(noise, random, scene.dt) if noise else None
+    return Drivetrain(placement.model.drive, scene.dt, encoders)
 
 
-def _wheel_states(
-    wheels: Wheels, targets: SideSpeeds, drive: Drive
-) -> tuple[WheelState, WheelState]:
-    """What encoders and motor drivers report of both sides."""
-    left, right = (
-        WheelState(
-            angle, speed / drive.wheel_radius, max(-1.0, min(1.0, target / drive.full_speed))
-        )
-        for angle, speed, target in zip(
-            (wheels.left_angle, wheels.right_angle), wheels.speeds, targets, strict=True
-        )
-    )
-    return left, right
+def _efforts(targets: SideSpeeds, drive: Drive) -> Sides:
+    """What motor drivers report: fractions of full power."""
+    left, right = (max(-1.0, min(1.0, target / drive.full_speed)) for target in targets)
+    return Sides(left, right)

@@ -45,6 +45,12 @@ def axes(rotation: Quaternion) -> tuple[Vector, Vector, Vector]:
     )
 
 
+def upwards(rotation: Quaternion) -> Vector:
+    """Where "up" is for something that is turned so: the third row of the rotation's matrix."""
+    x, y, z, w = rotation
+    return 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
+
+
 def yaw_of(rotation: Quaternion) -> float:
     """The heading [rad]: the angle of the turned x axis in the plane, counter-clockwise."""
     x, y, z, w = rotation

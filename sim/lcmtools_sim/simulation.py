@@ -5,13 +5,13 @@ that are due. bridge.py connects it to the bus, loop.py to the wall clock.
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 
 from lcmtools.clock import NANOSECONDS, split_stamp
 from lcmtools.errors import InvalidFile
 from lcmtools.messages.registry import Message
+from lcmtools.messages.stencil import Stencil
 from lcmtools.types.rosgraph_msgs import Clock
-from lcmtools_sim.readings import Interest, Reading, mount_sensors
+from lcmtools_sim.readings import Interest, Reading, Sample, mount_sensors
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.schedule import Timetable
@@ -24,14 +24,7 @@ CLOCK_RATE = 50.0
 """[Hz] Least rate of the clock; besides, it ticks with every step that publishes something."""
 
 _TICK = None  # what is due when only the clock is
-
-
-@dataclass(frozen=True, slots=True)
-class Sample:
-    """A message, and the topic that it belongs on."""
-
-    topic: str
-    message: Message
+_CLOCK = Stencil(Clock(), "clock")
 
 
 class Simulation:
@@ -81,9 +74,7 @@ class Simulation:
 
     def tick(self) -> Sample:
         """The clock as it stands."""
-        message = Clock()
-        message.clock.sec, message.clock.nsec = split_stamp(self.time)
-        return Sample(CLOCK_TOPIC, message)
+        return Sample(CLOCK_TOPIC, Clock, _CLOCK.fill(split_stamp(self.time)))
 
     def is_open(self) -> bool:
         """Whether it can go on; not after its window was closed."""
@@ -183,8 +174,5 @@ class Simulation:
             namespace = reading.robot.namespace
             if namespace not in states:
                 states[namespace] = reading.robot.state(time)
-            samples += [
-                Sample(topic, message)
-                for topic, message in reading.measure(states[namespace]).items()
-            ]
+            samples += reading.measure(states[namespace])
         return samples

@@ -177,11 +177,11 @@ def test_wheels_turn_at_six_radians_a_second_at_full_effort(
     simulation = simulate()
     simulation.robots[0].command(effort(1, 1))
 
-    left, right = run(simulation, 3.0).wheels
+    state = run(simulation, 3.0)
 
-    assert (left.speed, right.speed) == pytest.approx((6.057, 6.057), rel=0.001)
-    assert (left.effort, right.effort) == (1, 1)
-    assert left.angle == right.angle == pytest.approx(2.8007 / 0.1651, rel=0.001)
+    assert state.wheel_speeds == pytest.approx((6.057, 6.057), rel=0.001)
+    assert state.efforts == (1, 1)
+    assert state.wheel_angles == pytest.approx([2.8007 / 0.1651] * 2, rel=0.001)
 
 
 @pytest.mark.parametrize("dt", [1 / 120, 1 / 240, 1 / 1000])
@@ -227,7 +227,7 @@ def test_on_its_back_its_wheels_pull_nothing(simulate: Simulate, effort: Effort)
     state = run(simulation, 3.0)
 
     assert math.hypot(*state.position[:2]) < 0.05
-    assert state.wheels[0].speed == pytest.approx(6.057, rel=0.001)
+    assert state.wheel_speeds.left == pytest.approx(6.057, rel=0.001)
 
 
 def test_on_ice_it_slips_and_its_encoders_do_not_notice(simulate: Simulate, effort: Effort) -> None:

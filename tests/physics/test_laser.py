@@ -54,7 +54,7 @@ def test_the_scan_says_what_dollys_laser_is(world: Simulate) -> None:
     assert len(message.ranges) == 200
     assert (message.angle_min, message.angle_max) == (-1.0, 1.0)
     assert message.angle_increment == pytest.approx(2 / 199)
-    assert (message.range_min, message.range_max) == (0.05, 10.0)
+    assert (message.range_min, message.range_max) == pytest.approx((0.05, 10.0))
     assert message.scan_time == pytest.approx(0.01)
     assert message.time_increment == 0
     assert message.header.frame_id == "dolly/laser"

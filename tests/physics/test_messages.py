@@ -210,7 +210,7 @@ def test_wheel_velocities_are_left_then_right(simulate: Simulate, effort: Effort
     assert message.header.frame_id == "husky0/base_link"
     assert message.name == ["left", "right"]
     assert message.velocity == pytest.approx([3.028, 6.057], rel=0.001)
-    assert message.effort == [0.5, 1.0]
+    assert message.effort == (0.5, 1.0)
     assert message.position[1] == pytest.approx(2 * message.position[0], rel=0.001)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 
+from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
 from lcmtools.types.gazebo_msgs import ContactsState, ContactState
 from lcmtools.types.geometry_msgs import Vector3, Wrench
@@ -28,7 +29,7 @@ class BumperSensor:
         self._name = carrier.namespace
         self._frame = carrier.frame("base_link")
 
-    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """What is touched after one step."""
         del wanted
         message = ContactsState()
@@ -37,7 +38,7 @@ class BumperSensor:
         for contact in self._around.touching():
             touched.setdefault(contact.name, []).append(contact)
         message.states = [self._touch(name, contacts, state) for name, contacts in touched.items()]
-        return {"": message}
+        return {"": encode(message)}
 
     def _touch(self, name: str, contacts: Sequence[Contact], state: RobotState) -> ContactState:
         """Everything about one thing that is touched."""

@@ -5,6 +5,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import cast
 
+from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
 from lcmtools.types.sensor_msgs import CameraInfo, CompressedImage, Image
 from lcmtools_sim.sensors.eye import Eye
@@ -54,7 +55,7 @@ class CameraSensor:
         camera = Camera(settings.width, settings.height, settings.field_of_view)
         self._eye = Eye(camera, mount, carrier, "camera_optical_frame")
 
-    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The pictures of one step."""
         made: dict[str, Image | CompressedImage | CameraInfo] = {}
         if INFO in wanted:
@@ -67,4 +68,4 @@ class CameraSensor:
                 made[COMPRESSED] = compressed_message(picture)
         for message in made.values():
             fill_header(message.header, state.time, self._eye.frame)
-        return made
+        return {name: encode(message) for name, message in made.items()}

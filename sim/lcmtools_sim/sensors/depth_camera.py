@@ -5,6 +5,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import cast
 
+from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
 from lcmtools.types.sensor_msgs import CameraInfo, CompressedImage, Image, PointCloud2
 from lcmtools.types.std_msgs import Header
@@ -97,7 +98,7 @@ class DepthCameraSensor:
         self._noise = DepthNoise(settings.noise, settings.step, settings.dropout)
         self._generator = carrier.generator(mount)
 
-    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The pictures of one step; what they have in common is computed once."""
         camera = self._eye.camera
         made: dict[str, Image | CompressedImage | CameraInfo | PointCloud2] = {}
@@ -110,7 +111,7 @@ class DepthCameraSensor:
         made.update({name: camera.info() for name in (INFO, COLOR_INFO) if name in wanted})
         for message in made.values():
             self._stamp(message.header, state)
-        return made
+        return {name: encode(message) for name, message in made.items()}
 
     def _depth_messages(
         self, sight: Sight, color: Pixels | None, wanted: Collection[str]

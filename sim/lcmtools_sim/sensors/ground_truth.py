@@ -5,10 +5,11 @@ from dataclasses import dataclass
 from typing import cast
 
 from lcmtools.messages.registry import Message
+from lcmtools.messages.stencil import Stencil
 from lcmtools.types.nav_msgs import Odometry
-from lcmtools_sim.rotation import Vector, add, chain, from_euler
+from lcmtools_sim.rotation import Quaternion, Vector, add, chain, from_euler, scaled
 from lcmtools_sim.sensors.mount import SensorMount, Settings
-from lcmtools_sim.sensors.sensor import Carrier, RobotState, fill_header, fill_quaternion
+from lcmtools_sim.sensors.sensor import Carrier, RobotState
 from lcmtools_sim.sensors.settings import deviation
 
 
@@ -40,32 +41,32 @@ class GroundTruthSensor:
     def __init__(self, mount: SensorMount, carrier: Carrier) -> None:
         self._settings = cast("GroundTruthSettings", mount.settings or GroundTruthSettings())
         self._generator = carrier.generator(mount)
-        self._child_frame = carrier.frame("base_link")
-        place, turned = self._settings.position_noise**2, self._settings.heading_noise**2
-        self._covariance = [0.0] * 36
-        self._covariance[::7] = place, place, place, 0.0, 0.0, turned
+        self._fill = _stencil(carrier, self._settings).fill
 
-    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The message of one step."""
         del wanted
-        message = Odometry()
-        fill_header(message.header, state.time, "world")
-        message.child_frame_id = self._child_frame
-        message.pose.covariance = self._covariance
-        pose, twist = message.pose.pose, message.twist.twist
-        error, turned = self._errors()
-        pose.position.x, pose.position.y, pose.position.z = add(state.position, error)
-        rotation = chain(from_euler(0.0, 0.0, turned), state.rotation) if turned else state.rotation
-        fill_quaternion(pose.orientation, rotation)
-        twist.linear.x, twist.linear.y, twist.linear.z = state.velocity
-        twist.angular.x, twist.angular.y, twist.angular.z = state.turning
-        return {"": message}
+        position, rotation = self._disturbed(state.position, state.rotation)
+        return {"": self._fill(state.stamp, position, rotation, state.velocity, state.turning)}
 
-    def _errors(self) -> tuple[Vector, float]:
-        """How far one measurement is off [m], and by what angle about the vertical [rad]."""
+    def _disturbed(self, position: Vector, rotation: Quaternion) -> tuple[Vector, Quaternion]:
+        """A pose as it is measured: moved, and turned about the vertical."""
         settings = self._settings
         if not (settings.position_noise or settings.heading_noise):
-            return (0.0, 0.0, 0.0), 0.0
+            return position, rotation
         x, y, z, yaw = self._generator.normal(size=4).tolist()
-        spread = settings.position_noise
-        return (x * spread, y * spread, z * spread), yaw * settings.heading_noise
+        error = scaled((x, y, z), settings.position_noise)
+        turned = from_euler(0.0, 0.0, yaw * settings.heading_noise)
+        return add(position, error), chain(turned, rotation)
+
+
+def _stencil(carrier: Carrier, settings: GroundTruthSettings) -> Stencil:
+    """A robot's truth but for its time, pose and twist."""
+    place, turned = settings.position_noise**2, settings.heading_noise**2
+    message = Odometry()
+    message.header.frame_id = "world"
+    message.child_frame_id = carrier.frame("base_link")
+    message.pose.covariance = [0.0] * 36
+    message.pose.covariance[::7] = place, place, place, 0.0, 0.0, turned
+    pose, twist = ("pose.pose.position", "pose.pose.orientation"), ("linear", "angular")
+    return Stencil(message, "header.stamp", *pose, *(f"twist.twist.{part}" for part in twist))

@@ -4,16 +4,22 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import cast
 
-import numpy as np
-
 from lcmtools.messages.registry import Message
-from lcmtools.types.geometry_msgs import Vector3
+from lcmtools.messages.stencil import Stencil
 from lcmtools.types.sensor_msgs import Imu
-from lcmtools_sim.rotation import Vector, add, axes, components, cross, scaled
+from lcmtools_sim.rotation import (
+    Vector,
+    add,
+    axes,
+    chain,
+    components,
+    cross,
+    scaled,
+    upwards,
+)
 from lcmtools_sim.sensors.mount import SensorMount, Settings
-from lcmtools_sim.sensors.sensor import Carrier, RobotState, fill_header, fill_quaternion, placed
+from lcmtools_sim.sensors.sensor import Carrier, RobotState
 from lcmtools_sim.sensors.settings import deviation
-from lcmtools_sim.vision.solids import Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,49 +49,52 @@ class ImuSensor:
     outputs: Mapping[str, type[Message]] = {"": Imu}
 
     def __init__(self, mount: SensorMount, carrier: Carrier) -> None:
-        self._pose = mount.pose
+        self._lever = mount.pose.position
+        self._rotation = mount.pose.rotation
+        self._axes = axes(mount.pose.rotation)
         self._gravity = carrier.gravity
         self._settings = cast("ImuSettings", mount.settings or ImuSettings())
         self._generator = carrier.generator(mount)
-        self._frame = carrier.put_frame(mount, "imu_link", mount.pose.rotation)
+        frame = carrier.put_frame(mount, "imu_link", mount.pose.rotation)
+        self._fill = _stencil(frame, self._settings).fill
 
-    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The measurement of one step."""
         del wanted
-        message = Imu()
-        fill_header(message.header, state.time, self._frame)
-        _, rotation = placed(state, self._pose)
-        fill_quaternion(message.orientation, rotation)
-        own = axes(self._pose.rotation)
-        settings = self._settings
-        turning = self._disturbed(components(state.turning, own), settings.turning_noise)
-        felt = self._disturbed(components(self._felt(state), own), settings.acceleration_noise)
-        _fill(message.angular_velocity, turning)
-        _fill(message.linear_acceleration, felt)
-        message.angular_velocity_covariance = _covariance(settings.turning_noise)
-        message.linear_acceleration_covariance = _covariance(settings.acceleration_noise)
-        return {"": message}
+        rotation = chain(state.rotation, self._rotation)
+        turning = components(state.turning, self._axes)
+        felt = components(self._felt(state), self._axes)
+        turning = self._disturbed(turning, self._settings.turning_noise)
+        felt = self._disturbed(felt, self._settings.acceleration_noise)
+        return {"": self._fill(state.stamp, rotation, turning, felt)}
 
     def _felt(self, state: RobotState) -> Vector:
         """The proper acceleration where the sensor is, in base_link [m/s^2].
 
         That of base_link, of a lever that turns (Euler and centripetal), and what holds it up.
         """
-        lever = self._pose.position
+        lever = self._lever
         turning = add(
             cross(state.turning_change, lever), cross(state.turning, cross(state.turning, lever))
         )
-        up = tuple(axis[2] for axis in axes(state.rotation))
-        held = scaled(cast("Vector", up), self._gravity)
+        held = scaled(upwards(state.rotation), self._gravity)
         return add(add(state.acceleration, turning), held)
 
-    def _disturbed(self, vector: Vector, noise: float) -> Floats:
-        exact = np.array(vector)
-        return exact + self._generator.normal(0.0, noise, 3) if noise else exact
+    def _disturbed(self, vector: Vector, noise: float) -> Vector:
+        if not noise:
+            return vector
+        x, y, z = self._generator.normal(vector, noise).tolist()
+        return x, y, z
 
 
-def _fill(message: Vector3, vector: Floats) -> None:
-    message.x, message.y, message.z = vector.tolist()
+def _stencil(frame: str, settings: ImuSettings) -> Stencil:
+    """The message but for its time and what is measured."""
+    message = Imu()
+    message.header.frame_id = frame
+    message.angular_velocity_covariance = _covariance(settings.turning_noise)
+    message.linear_acceleration_covariance = _covariance(settings.acceleration_noise)
+    measured = "orientation", "angular_velocity", "linear_acceleration"
+    return Stencil(message, "header.stamp", *measured)
 
 
 def _covariance(noise: float) -> tuple[float, ...]:

@@ -1,6 +1,5 @@
 """A laser scanner that turns in its own x-y plane."""
 
-import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import cast
@@ -8,16 +7,17 @@ from typing import cast
 import numpy as np
 
 from lcmtools.messages.registry import Message
+from lcmtools.messages.stencil import Stencil
 from lcmtools.types.sensor_msgs import LaserScan
-from lcmtools_sim.rotation import Vector, axes
 from lcmtools_sim.sensors.mount import SensorMount, Settings
-from lcmtools_sim.sensors.sensor import Carrier, RobotState, fill_header, placed
+from lcmtools_sim.sensors.sensor import Carrier, RobotState, placed
 from lcmtools_sim.sensors.settings import deviation, number
 from lcmtools_sim.shapes import Part
-from lcmtools_sim.vision.scan import Scannable, scan, scannable
-from lcmtools_sim.vision.solids import Floats, matrix, solids_of
+from lcmtools_sim.vision.scan import Scannable, Scanner, Standing, scannable
+from lcmtools_sim.vision.solids import Floats, solids_of
 
 _MOST_KNOWN = 10_000  # bodies
+_IN_THE_WORLD = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,43 +58,34 @@ class LaserSensor:
         self._around = carrier.around
         self._settings = settings = cast("LaserSettings", mount.settings or LaserSettings())
         self._generator = carrier.generator(mount)
-        self._frame = carrier.put_frame(mount, "laser", mount.pose.rotation)
+        frame = carrier.put_frame(mount, "laser", mount.pose.rotation)
+        self._fill = _stencil(frame, settings, mount.rate).fill
         angles = np.linspace(settings.first_angle, settings.last_angle, settings.rays)
-        self._rays = np.stack((np.cos(angles), np.sin(angles), np.zeros_like(angles)), axis=1)
+        self._scanner = Scanner(angles, settings.longest)
         self._known: dict[int, tuple[tuple[Part, ...], Scannable]] = {}
 
-    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The scan of one step."""
         del wanted
-        settings, message = self._settings, LaserScan()
-        fill_header(message.header, state.time, self._frame)
-        message.angle_min, message.angle_max = settings.first_angle, settings.last_angle
-        message.angle_increment = (settings.last_angle - settings.first_angle) / (settings.rays - 1)
-        message.scan_time = 1 / self._mount.rate
-        message.range_min, message.range_max = settings.shortest, settings.longest
-        message.ranges = self._ranges(state).tolist()
-        return {"": message}
+        return {"": self._fill(state.stamp, self._ranges(state).tolist())}
 
     def _ranges(self, state: RobotState) -> Floats:
         """Distances along all rays [m], with inf as the message has it."""
-        place, rotation = placed(state, self._mount.pose)
-        settings, (_, _, up) = self._settings, axes(rotation)
-        rays = self._rays @ matrix(rotation).T
-        ranges = scan(self._groups(place), place, rays, up, settings.longest)
+        settings = self._settings
+        ranges = self._scanner.scan(*placed(state, self._mount.pose), self._standing())
         if settings.noise:
             ranges += self._generator.normal(0.0, settings.noise, len(ranges))
+            ranges[ranges > settings.longest] = np.inf
         ranges[ranges < settings.shortest] = -np.inf
-        ranges[ranges > settings.longest] = np.inf
         return ranges
 
-    def _groups(self, eye: Vector) -> list[Scannable]:
-        """What is around and not too far; shapes are prepared when they are seen first."""
-        groups = [self._prepared(self._around.fixed_parts())]
-        for parts, position, rotation in self._around.moving_bodies():
-            group = self._prepared(parts)
-            if math.dist(position, eye) <= self._settings.longest + group.reach:
-                groups.append(group.placed(position, rotation))
-        return groups
+    def _standing(self) -> list[Standing]:
+        """What is around, and where; shapes are prepared when they are seen first."""
+        prepared, around = self._prepared, self._around
+        return [
+            (prepared(around.fixed_parts()), *_IN_THE_WORLD),
+            *[(prepared(parts), place, turn) for parts, place, turn in around.moving_bodies()],
+        ]
 
     def _prepared(self, parts: tuple[Part, ...]) -> Scannable:
         """These shapes, which are the same as long as they are the same object."""
@@ -104,3 +95,15 @@ class LaserSensor:
                 self._known.clear()
             known = self._known[id(parts)] = parts, scannable(solids_of(parts))
         return known[1]
+
+
+def _stencil(frame: str, settings: LaserSettings, rate: float) -> Stencil:
+    """The message but for its time and the ranges."""
+    message = LaserScan()
+    message.header.frame_id = frame
+    message.angle_min, message.angle_max = settings.first_angle, settings.last_angle
+    message.angle_increment = (settings.last_angle - settings.first_angle) / (settings.rays - 1)
+    message.scan_time = 1 / rate
+    message.range_min, message.range_max = settings.shortest, settings.longest
+    message.ranges = [0.0] * settings.rays
+    return Stencil(message, "header.stamp", "ranges")

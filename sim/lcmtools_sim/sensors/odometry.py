@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import cast
 
 from lcmtools.messages.registry import Message
+from lcmtools.messages.stencil import Stencil
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools_sim.sensors.mount import SensorMount, Settings
-from lcmtools_sim.sensors.sensor import Carrier, RobotState, fill_header
+from lcmtools_sim.sensors.sensor import Carrier, RobotState
 from lcmtools_sim.sensors.settings import deviation
 
 _DIAGONAL = (0.001, 0.001, 0.001, 0.001, 0.001, 0.03)  # as Clearpath's husky_control says
@@ -47,25 +48,28 @@ class OdometrySensor:
         settings = cast("OdometrySettings", mount.settings or OdometrySettings())
         self._noise = settings.speed_noise, settings.turning_noise
         self._generator = carrier.generator(mount)
-        self._frame = carrier.frame("odom")
-        self._child_frame = carrier.frame("base_link")
+        self._fill = _stencil(carrier).fill
 
-    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The message of one step."""
         del wanted
-        message = Odometry()
-        fill_header(message.header, state.time, self._frame)
-        message.child_frame_id = self._child_frame
         x, y, yaw = state.reckoned_pose
-        pose, twist = message.pose.pose, message.twist.twist
-        pose.position.x, pose.position.y = x, y
-        pose.orientation.z, pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
-        twist.linear.x, twist.angular.z = self._disturbed(state.reckoned_speed)
-        message.pose.covariance = message.twist.covariance = COVARIANCE
-        return {"": message}
+        place = x, y, 0.0, 0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)
+        forward, turn_rate = self._disturbed(state.reckoned_speed)
+        return {"": self._fill(state.stamp, place, (forward,), (turn_rate,))}
 
     def _disturbed(self, speed: tuple[float, float]) -> tuple[float, float]:
         if not any(self._noise):
             return speed
         forward, turn_rate = self._generator.normal(speed, self._noise).tolist()
         return forward, turn_rate
+
+
+def _stencil(carrier: Carrier) -> Stencil:
+    """A robot's odometry but for its time, pose, forward speed and turn rate."""
+    message = Odometry()
+    message.header.frame_id = carrier.frame("odom")
+    message.child_frame_id = carrier.frame("base_link")
+    message.pose.covariance = message.twist.covariance = COVARIANCE
+    numbers = "pose.pose", "twist.twist.linear.x", "twist.twist.angular.z"
+    return Stencil(message, "header.stamp", *numbers)

@@ -1,13 +1,14 @@
 """What every sensor is given and what it gives back.
 
-A sensor turns the state of one robot after one step, and what it sees around it, into messages.
+A sensor turns the state of one robot after one step, and what it sees around it, into messages,
+encoded as they go out: what is measured often fills a stencil instead of making a message anew.
 It knows no bus, no engine and no schedule; one sensor, one file.
 """
 
 import zlib
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -21,40 +22,43 @@ from lcmtools_sim.sensors.mount import SensorMount, Settings
 from lcmtools_sim.shapes import Color, Part
 
 
-@dataclass(frozen=True, slots=True)
-class WheelState:
-    """One side's wheels: angle [rad], speed [rad/s] and effort (fraction of full power)."""
+class Sides(NamedTuple):
+    """A number for the left and one for the right wheels."""
 
-    angle: float
-    speed: float
-    effort: float
+    left: float
+    right: float
 
 
-@dataclass(frozen=True, slots=True)
-class RobotState:
-    """A robot after a step, as its sensors may measure it.
+class RobotState(NamedTuple):
+    """A robot after a step, as its sensors may measure it. A tuple, for many are made.
 
     Attributes:
         time: Simulated nanoseconds since the start.
+        stamp: The same, as messages have it: seconds and nanoseconds.
         position: Of base_link in the world [m].
         rotation: Of base_link in the world.
         velocity: Of base_link, in its own frame [m/s].
         turning: Angular velocity in its own frame [rad/s].
         acceleration: Of base_link, in its own frame, gravity not counted [m/s^2].
         turning_change: Angular acceleration in its own frame [rad/s^2].
-        wheels: Left and right.
+        wheel_angles: Since the start [rad].
+        wheel_speeds: [rad/s]
+        efforts: What the motors are told to, as fractions of their full power.
         reckoned_pose: x, y [m] and yaw [rad] by the wheels' encoders, where it started as origin.
         reckoned_speed: Forward speed [m/s] and turn rate [rad/s] by the wheels' encoders.
     """
 
     time: int
+    stamp: tuple[int, int]
     position: Vector
     rotation: Quaternion
     velocity: Vector
     turning: Vector
     acceleration: Vector
     turning_change: Vector
-    wheels: tuple[WheelState, WheelState]
+    wheel_angles: Sides
+    wheel_speeds: Sides
+    efforts: Sides
     reckoned_pose: tuple[float, float, float]
     reckoned_speed: tuple[float, float]
 
@@ -160,8 +164,8 @@ class Sensor(Protocol):
         """What it publishes: a type for each name behind the mount's topic ("" for that itself)."""
         ...
 
-    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
-        """The messages of one step, of those outputs that are wanted."""
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
+        """The payloads of one step, of those outputs that are wanted."""
         ...
 
 

@@ -4,11 +4,13 @@ import math
 from collections.abc import Collection, Mapping
 
 from lcmtools.messages.registry import Message
+from lcmtools.messages.stencil import Stencil
 from lcmtools.types.geometry_msgs import TransformStamped
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools_sim.rotation import Quaternion, Vector
 from lcmtools_sim.sensors.mount import SensorMount
-from lcmtools_sim.sensors.sensor import Carrier, RobotState, fill_header, fill_quaternion
+from lcmtools_sim.sensors.sensor import Carrier, RobotState, fill_quaternion
+from lcmtools_sim.shapes import UNTURNED
 
 
 class TransformsSensor:
@@ -28,28 +30,34 @@ class TransformsSensor:
         self._carrier = carrier
         self._odom = carrier.frame("odom")
         self._base = carrier.frame("base_link")
+        self._stencil: Stencil | None = None
 
-    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The transforms of one step."""
         del wanted
+        stencil = self._stencil = self._stencil or self._prepare()
         x, y, yaw = state.reckoned_pose
-        turned = (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
+        place = x, y, 0.0, 0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)
+        stamps = [state.stamp] * (1 + len(self._carrier.frames))
+        return {"": stencil.fill(place, *stamps)}
+
+    def _prepare(self) -> Stencil:
+        """The message but for where the robot is and all stamps."""
         message = TFMessage()
         message.transforms = [
-            _transform(state.time, self._odom, self._base, (x, y, 0.0), turned),
+            _transform(self._odom, self._base, (0.0, 0.0, 0.0), UNTURNED),
             *(
-                _transform(state.time, self._base, frame, position, rotation)
+                _transform(self._base, frame, position, rotation)
                 for frame, (position, rotation) in self._carrier.frames.items()
             ),
         ]
-        return {"": message}
+        stamps = (f"transforms[{index}].header.stamp" for index in range(len(message.transforms)))
+        return Stencil(message, "transforms[0].transform", *stamps)
 
 
-def _transform(
-    time: int, parent: str, child: str, position: Vector, rotation: Quaternion
-) -> TransformStamped:
+def _transform(parent: str, child: str, position: Vector, rotation: Quaternion) -> TransformStamped:
     message = TransformStamped()
-    fill_header(message.header, time, parent)
+    message.header.frame_id = parent
     message.child_frame_id = child
     place = message.transform.translation
     place.x, place.y, place.z = position

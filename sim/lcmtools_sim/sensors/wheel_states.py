@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from typing import cast
 
 from lcmtools.messages.registry import Message
+from lcmtools.messages.stencil import Stencil
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.sensors.mount import SensorMount, Settings
-from lcmtools_sim.sensors.sensor import Carrier, RobotState, fill_header
+from lcmtools_sim.sensors.sensor import Carrier, RobotState, Sides
 from lcmtools_sim.sensors.settings import deviation
 
 
@@ -37,20 +38,23 @@ class WheelStatesSensor:
     def __init__(self, mount: SensorMount, carrier: Carrier) -> None:
         self._settings = cast("WheelStatesSettings", mount.settings or WheelStatesSettings())
         self._generator = carrier.generator(mount)
-        self._frame = carrier.frame("base_link")
+        self._fill = _stencil(carrier).fill
 
-    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, Message]:
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The message of one step."""
         del wanted
-        message = JointState()
-        fill_header(message.header, state.time, self._frame)
-        message.name = ["left", "right"]
-        noise = self._settings
-        angles, speeds = zip(*((wheel.angle, wheel.speed) for wheel in state.wheels), strict=True)
-        message.position = self._disturbed(angles, noise.angle_noise)
-        message.velocity = self._disturbed(speeds, noise.speed_noise)
-        message.effort = [wheel.effort for wheel in state.wheels]
-        return {"": message}
+        angles = self._disturbed(state.wheel_angles, self._settings.angle_noise)
+        speeds = self._disturbed(state.wheel_speeds, self._settings.speed_noise)
+        return {"": self._fill(state.stamp, angles, speeds, state.efforts)}
 
-    def _disturbed(self, values: tuple[float, ...], noise: float) -> list[float]:
-        return self._generator.normal(values, noise).tolist() if noise else list(values)
+    def _disturbed(self, values: Sides, noise: float) -> Sides:
+        return Sides(*self._generator.normal(values, noise).tolist()) if noise else values
+
+
+def _stencil(carrier: Carrier) -> Stencil:
+    """The joints' message but for its time and all numbers."""
+    message = JointState()
+    message.header.frame_id = carrier.frame("base_link")
+    message.name = ["left", "right"]
+    message.position = message.velocity = message.effort = [0.0, 0.0]
+    return Stencil(message, "header.stamp", "position", "velocity", "effort")

@@ -7,15 +7,15 @@ from dataclasses import dataclass, field
 import pytest
 
 from lcmtools.errors import ValueMismatch
+from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.command import interpret
-from lcmtools_sim.readings import Interest
+from lcmtools_sim.readings import Interest, Sample
 from lcmtools_sim.robots.husky import HUSKY
-from lcmtools_sim.simulation import Sample
 
 
 @dataclass
@@ -23,11 +23,11 @@ class FakePublisher:
     """Keeps what is published."""
 
     topic: str
-    sent: list[Message] = field(default_factory=list)
+    sent: list[bytes] = field(default_factory=list)
 
-    def publish(self, message: Message) -> None:
+    def publish_payload(self, payload: bytes) -> None:
         """Keep it."""
-        self.sent.append(message)
+        self.sent.append(payload)
 
 
 @dataclass
@@ -116,7 +116,7 @@ class FakeSimulation:
         """The clock."""
         clock = Clock()
         clock.clock.nsec = self.time
-        return Sample("/clock", clock)
+        return Sample("/clock", Clock, encode(clock))
 
     def topics(self) -> dict[str, type[Message]]:
         """One topic."""
@@ -204,11 +204,11 @@ def test_a_bad_command_is_warned_of_once_until_a_good_one_comes(
 
 
 def test_samples_go_out_on_their_topics(bridge: Bridge, node: FakeNode) -> None:
-    clock = Clock()
+    payload = encode(Clock())
 
-    bridge.publish([Sample("/clock", clock)])
+    bridge.publish([Sample("/clock", Clock, payload)])
 
-    assert node.publishers["/clock"].sent == [clock]
+    assert node.publishers["/clock"].sent == [payload]
 
 
 def test_the_fake_robot_refuses_as_the_real_one_does() -> None:
@@ -262,7 +262,7 @@ def test_a_clock_that_nobody_hears_is_shown_now_and_then_while_time_passes(
         simulation.time = simulated
         bridge.receive()
 
-    sent = [message.clock.nsec for message in node.publishers["/clock"].sent]
+    sent = [decode(Clock, payload).clock.nsec for payload in node.publishers["/clock"].sent]
     assert sent == [1, 3, 4]
 
 

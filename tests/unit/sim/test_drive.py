@@ -8,11 +8,12 @@ from hypothesis import strategies as st
 
 from lcmtools_sim.drive import (
     STOPPED,
-    Odometer,
+    Drivetrain,
+    Encoders,
     SideSpeeds,
-    Wheels,
     body_velocity,
     follow,
+    reckon,
     side_speeds,
 )
 from lcmtools_sim.robots.husky import HUSKY
@@ -75,29 +76,91 @@ def test_the_effective_track_of_a_husky_is_the_one_of_the_text() -> None:
 
 
 def test_wheels_turn_by_the_way_over_the_radius() -> None:
-    wheels = Wheels()
-    wheels.speeds = SideSpeeds(1.0, 0.5)
+    train = Drivetrain(DRIVE, DT)
+    for _ in range(2400):
+        train.step(SideSpeeds(1.0, 0.5))
+    before = train.angles()
     for _ in range(240):
-        wheels.turn(SideSpeeds(1.0, 0.5), DRIVE, DT)
+        train.step(SideSpeeds(1.0, 0.5))
 
-    assert wheels.left_angle == pytest.approx(1 / 0.1651)
-    assert wheels.right_angle == pytest.approx(0.5 / 0.1651)
+    turned = [after - angle for after, angle in zip(train.angles(), before, strict=True)]
+    assert turned == pytest.approx([1 / 0.1651, 0.5 / 0.1651])
 
 
 def test_dead_reckoning_closes_a_circle() -> None:
     # Twist (0.5, 0.3): radius 1.6667 m, period 20.944 s.
-    odometer = Odometer()
-    steps = 5000
-    for _ in range(steps):
-        odometer.advance(0.5, 0.3, 2 * math.pi / 0.3 / steps)
+    dt = 2 * math.pi / 0.3 / 5000
 
-    assert (odometer.x, odometer.y) == pytest.approx((0, 0), abs=1e-9)
-    assert odometer.yaw == pytest.approx(2 * math.pi)
+    x, y, yaw = reckon((0.0, 0.0, 0.0), 0.5 * dt, 0.3 * dt / 2, 5000)
+
+    assert (x, y) == pytest.approx((0, 0), abs=1e-9)
+    assert yaw == pytest.approx(2 * math.pi)
 
 
 def test_dead_reckoning_is_half_a_circle_away_after_half_the_time() -> None:
-    odometer = Odometer()
-    for _ in range(5000):
-        odometer.advance(0.5, 0.3, math.pi / 0.3 / 5000)
+    dt = math.pi / 0.3 / 5000
 
-    assert (odometer.x, odometer.y) == pytest.approx((0, 2 * 0.5 / 0.3), abs=1e-6)
+    x, y, _ = reckon((0.0, 0.0, 0.0), 0.5 * dt, 0.3 * dt / 2, 5000)
+
+    assert (x, y) == pytest.approx((0, 2 * 0.5 / 0.3), abs=1e-6)
+
+
+@given(
+    st.floats(-0.02, 0.02), st.one_of(st.just(0.0), st.floats(-0.02, 0.02)), st.integers(0, 2000)
+)
+def test_many_steps_at_once_lead_where_they_lead_one_by_one(
+    way: float, half_turn: float, steps: int
+) -> None:
+    pose = start = 1.0, -2.0, 0.5
+    for _ in range(steps):
+        pose = reckon(pose, way, half_turn)
+
+    assert reckon(start, way, half_turn, steps) == pytest.approx(pose, abs=1e-9)
+
+
+def test_looking_at_the_wheels_changes_nothing() -> None:
+    seen, unseen = Drivetrain(DRIVE, DT), Drivetrain(DRIVE, DT)
+    for step in range(3000):
+        targets = SideSpeeds(1.0, 0.4) if step < 2000 else STOPPED
+        seen.step(targets)
+        unseen.step(targets)
+        seen.angles(), seen.reckoned_pose()
+
+    assert (seen.angles(), seen.reckoned_pose()) == (unseen.angles(), unseen.reckoned_pose())
+
+
+def test_stopped_wheels_stay_where_they_have_come() -> None:
+    train = Drivetrain(DRIVE, DT)
+    for _ in range(1000):
+        train.step(SideSpeeds(1.0, 0.4))
+    before = train.angles(), train.reckoned_pose()
+
+    train.stop()
+    for _ in range(10):
+        train.step(STOPPED)
+
+    assert train.speeds == STOPPED
+    assert (train.angles(), train.reckoned_pose()) == before
+
+
+def test_noisy_encoders_count_anew_in_each_step_but_not_at_rest() -> None:
+    drawn: list[int] = []
+
+    def random(count: int) -> list[float]:
+        drawn.append(count)
+        return [1.0, 1.0]
+
+    train = Drivetrain(DRIVE, DT, Encoders(0.01, random, DT))
+    for _ in range(2000):
+        train.step(SideSpeeds(0.5, 0.5))
+    moving = len(drawn)
+    train.stop()
+    for _ in range(100):
+        train.step(STOPPED)
+
+    way = train.angles()[0] * DRIVE.wheel_radius
+    assert moving == 2001  # the start's too
+    assert len(drawn) == moving + 1
+    assert train.reckoned_pose()[0] - way == pytest.approx(
+        0.01 / math.sqrt(DT) * math.sqrt(0.5) * 2000 * DT, rel=0.05
+    )

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
 from lcmtools.types.std_msgs import String
 from lcmtools_sim.readings import Interest, Reading
@@ -16,10 +17,10 @@ class Outputs:
 
     outputs: Mapping[str, type[Message]] = {"small": String, "large": String}
 
-    def sample(self, state: object, wanted: Collection[str]) -> Mapping[str, Message]:
+    def sample(self, state: object, wanted: Collection[str]) -> Mapping[str, bytes]:
         """An empty text for each."""
         del state
-        return {name: String() for name in wanted}
+        return {name: encode(String()) for name in wanted}
 
 
 @pytest.fixture
@@ -28,7 +29,7 @@ def robot() -> SimpleNamespace:
 
 
 def measured(reading: Reading, times: int) -> list[str]:
-    return [topic for _ in range(times) for topic in reading.measure(None)]  # type: ignore[arg-type] # no state is needed
+    return [sample.topic for _ in range(times) for sample in reading.measure(None)]  # type: ignore[arg-type] # no state is needed
 
 
 def make(robot: SimpleNamespace, *, always: bool = False) -> Reading:
