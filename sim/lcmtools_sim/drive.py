@@ -6,8 +6,8 @@ to Autonomous Mobile Robots, section 3.2): v [m/s] forward, w [rad/s] counter-cl
 speeds v -+ w track / 2.
 """
 
-import math
 from collections.abc import Callable, Iterable
+from math import cos, sin, sqrt
 from typing import NamedTuple
 
 from lcmtools_sim.robots.model import Drive
@@ -47,13 +47,13 @@ def follow(speeds: SideSpeeds, targets: SideSpeeds, drive: Drive, dt: float) -> 
     First-order motors, implicit Euler (stable for any dt). Both sides are slowed together at the
     acceleration limit, so that the robot keeps its circle while it speeds up.
     """
-    gain = dt / (drive.time_constant + dt)
-    left, right = targets.left - speeds.left, targets.right - speeds.right
-    largest = max(abs(left), abs(right))
+    (left, right), (left_target, right_target) = speeds, targets
+    left_lag, right_lag = left_target - left, right_target - right
+    largest = max(abs(left_lag), abs(right_lag))
     if largest < _STANDSTILL:
         return targets
-    gain = min(gain, drive.max_acceleration * dt / largest)
-    return SideSpeeds(speeds.left + gain * left, speeds.right + gain * right)
+    gain = min(dt / (drive.time_constant + dt), drive.max_acceleration * dt / largest)
+    return SideSpeeds(left + gain * left_lag, right + gain * right_lag)
 
 
 def reckon(
@@ -73,10 +73,10 @@ def reckon(
     x, y, yaw = pose
     heading = yaw + steps * half_turn
     if steps > 1 and half_turn:
-        way *= math.sin(steps * half_turn) / math.sin(half_turn)
+        way *= sin(steps * half_turn) / sin(half_turn)
     else:
         way *= steps
-    return x + way * math.cos(heading), y + way * math.sin(heading), heading + steps * half_turn
+    return x + way * cos(heading), y + way * sin(heading), heading + steps * half_turn
 
 
 class Encoders:
@@ -91,15 +91,15 @@ class Encoders:
     __slots__ = ("_gain", "_random")
 
     def __init__(self, noise: float, random: Callable[[int], Iterable[float]], dt: float) -> None:
-        self._gain = noise / math.sqrt(dt)
+        self._gain = noise / sqrt(dt)
         self._random = random
 
     def read(self, speeds: SideSpeeds) -> SideSpeeds:
         """Each side's speed as it is counted over one step [m/s]."""
         left, right = self._random(2)
         return SideSpeeds(
-            speeds.left + self._gain * math.sqrt(abs(speeds.left)) * left,
-            speeds.right + self._gain * math.sqrt(abs(speeds.right)) * right,
+            speeds.left + self._gain * sqrt(abs(speeds.left)) * left,
+            speeds.right + self._gain * sqrt(abs(speeds.right)) * right,
         )
 
 
@@ -121,11 +121,13 @@ class Drivetrain:
     """
 
     __slots__ = (
+        "_angle_by_speed",
         "_angles",
         "_drive",
         "_dt",
         "_encoders",
         "_half_turn",
+        "_half_turn_by_speed",
         "_pose",
         "_steps",
         "_way",
@@ -136,6 +138,8 @@ class Drivetrain:
     def __init__(self, drive: Drive, dt: float, encoders: Encoders | None = None) -> None:
         self._drive = drive
         self._dt = dt
+        self._angle_by_speed = dt / drive.wheel_radius  # [rad s/m] in a step
+        self._half_turn_by_speed = dt / drive.track / 2  # [rad s/m]
         self._encoders = encoders
         self._angles = 0.0, 0.0
         self._pose = 0.0, 0.0, 0.0
@@ -157,7 +161,7 @@ class Drivetrain:
     def angles(self) -> tuple[float, float]:
         """How far the left and the right wheels have turned since the start [rad]."""
         (left, right), (left_speed, right_speed) = self._angles, self.speeds
-        gain = self._steps * self._dt / self._drive.wheel_radius
+        gain = self._steps * self._angle_by_speed
         return left + gain * left_speed, right + gain * right_speed
 
     def reckoned_pose(self) -> tuple[float, float, float]:
@@ -170,12 +174,10 @@ class Drivetrain:
             self._angles, self._pose = self.angles(), self.reckoned_pose()
             self._steps = 0
         self.speeds = speeds
-        self._way, self._half_turn = self._motion(speeds)
-        self.mid_turn = math.sin(self._half_turn / 2), math.cos(self._half_turn / 2)
-        if self._encoders:
-            self._way, self._half_turn = self._motion(self._encoders.read(speeds))
-
-    def _motion(self, speeds: SideSpeeds) -> tuple[float, float]:
-        """What ``reckon`` needs of one step of wheels that do not slip."""
         left, right = speeds
-        return (left + right) / 2 * self._dt, (right - left) / self._drive.track * self._dt / 2
+        quarter_turn = (right - left) * self._half_turn_by_speed / 2
+        self.mid_turn = sin(quarter_turn), cos(quarter_turn)
+        if self._encoders:
+            left, right = self._encoders.read(speeds)
+        self._way = (left + right) / 2 * self._dt
+        self._half_turn = (right - left) * self._half_turn_by_speed

@@ -1,5 +1,7 @@
 """One robot of the running simulation: its body in the engine, its wheels and its command."""
 
+import math
+
 from lcmtools.clock import split_stamp
 from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.types.geometry_msgs import Twist
@@ -9,7 +11,6 @@ from lcmtools_sim.drive import (
     STOPPED,
     Drivetrain,
     Encoders,
-    SideSpeeds,
     body_velocity,
 )
 from lcmtools_sim.pose import Pose
@@ -53,7 +54,7 @@ class Robot:
         self.namespace = placement.namespace
         self._world = world
         self._dt = scene.dt
-        self._timeout = placement.cmd_timeout
+        self._timeout = math.inf if placement.cmd_timeout is None else placement.cmd_timeout
         self._ground_color = scene.ground.color
         self._train = _drivetrain(placement, scene)
         self._body = world.add_robot(
@@ -92,7 +93,10 @@ class Robot:
 
     def drive(self) -> None:
         """Turn the wheels and let them pull the body, before the engine's step."""
-        self._train.step(self._targets if self._timeout is None else self._obeyed_targets())
+        if self._command_age >= self._timeout:
+            self._targets = STOPPED
+        self._command_age += self._dt
+        self._train.step(self._targets)
         self._world.set_velocity(self._body, *self._pulled())
 
     def observe(self) -> None:
@@ -151,30 +155,22 @@ class Robot:
         change = scaled(subtract(motion.velocity, before.velocity), 1 / self._dt)
         turning_change = scaled(subtract(motion.turning, before.turning), 1 / self._dt)
         of_lever = add(cross(turning_change, base_link), cross(motion.turning, swing))
-        left, right = train.speeds
+        (left, right), (left_target, right_target) = train.speeds, self._targets
         return RobotState(
-            time,
-            split_stamp(time),
-            add(motion.position, base_link),
-            motion.rotation,
-            components(add(motion.velocity, swing), frame),
-            components(motion.turning, frame),
-            components(add(change, of_lever), frame),
-            components(turning_change, frame),
-            Sides(*train.angles()),
-            Sides(left / drive.wheel_radius, right / drive.wheel_radius),
-            _efforts(self._targets, drive),
-            train.reckoned_pose(),
-            body_velocity(train.speeds, drive.track),
+            time=time,
+            stamp=split_stamp(time),
+            position=add(motion.position, base_link),
+            rotation=motion.rotation,
+            velocity=components(add(motion.velocity, swing), frame),
+            turning=components(motion.turning, frame),
+            acceleration=components(add(change, of_lever), frame),
+            turning_change=components(turning_change, frame),
+            wheel_angles=Sides(*train.angles()),
+            wheel_speeds=Sides(left / drive.wheel_radius, right / drive.wheel_radius),
+            efforts=Sides(_effort(left_target, drive), _effort(right_target, drive)),
+            reckoned_pose=train.reckoned_pose(),
+            reckoned_speed=body_velocity(train.speeds, drive.track),
         )
-
-    def _obeyed_targets(self) -> SideSpeeds:
-        """The last command's, until it is too old."""
-        assert self._timeout is not None
-        if self._command_age >= self._timeout:
-            self._targets = STOPPED
-        self._command_age += self._dt
-        return self._targets
 
     def _pulled(self) -> tuple[Vector, Vector]:
         """Velocity and angular velocity in the world after the tyres' pull.
@@ -223,7 +219,6 @@ def _drivetrain(placement: RobotPlacement, scene: Scene) -> Drivetrain:
     return Drivetrain(placement.model.drive, scene.dt, encoders)
 
 
-def _efforts(targets: SideSpeeds, drive: Drive) -> Sides:
-    """What motor drivers report: fractions of full power."""
-    left, right = (max(-1.0, min(1.0, target / drive.full_speed)) for target in targets)
-    return Sides(left, right)
+def _effort(target: float, drive: Drive) -> float:
+    """What a motor driver reports: the fraction of full power."""
+    return max(-1.0, min(1.0, target / drive.full_speed))

@@ -88,7 +88,8 @@ def scaled(vector: Vector, factor: float) -> Vector:
 
 def components(vector: Vector, frame: tuple[Vector, Vector, Vector]) -> Vector:
     """A vector of the world as seen in a frame with these axes."""
-    return dot(vector, frame[0]), dot(vector, frame[1]), dot(vector, frame[2])
+    (x, y, z), ((a, b, c), (d, e, f), (g, h, i)) = vector, frame
+    return a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z
 
 
 def turn(vector: Vector, rotation: Quaternion) -> Vector:

@@ -42,7 +42,8 @@ def gripping(model: RobotModel) -> Tyres:
         missing_turn = (right_speed - left_speed) / track - turn_rate
         along, across = half_mass * missing, -half_mass * sideways
         twist = inertia_by_track * missing_turn
-        if math.hypot(abs(along) + abs(twist), across) <= largest:  # the larger side's impulse
+        greater = abs(along) + abs(twist)  # of the two sides
+        if greater * greater + across * across <= largest * largest:
             return missing, -sideways, missing_turn
         left = _slip(along - twist, across, largest)
         right = _slip(along + twist, across, largest)
