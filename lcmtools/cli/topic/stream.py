@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from lcmtools.bus.watch import Watch
 from lcmtools.cli.find import known_spelling, near_topic
 from lcmtools.cli.output import talk
-from lcmtools.cli.topic.arrival import ArrivalClock, is_simulated
+from lcmtools.cli.topic.arrival import CLOCK, ArrivalClock, is_simulated
 from lcmtools.cli.topic.wanted import OneTopic, Pattern
 from lcmtools.errors import LcmtoolsError, NothingReceived
 from lcmtools.graph.model import Graph
@@ -140,7 +140,9 @@ class Stream:
         self._clock.is_simulated = is_simulated(graph)
         for one in self._wanted:
             one.learn(graph)
-        channels = sorted({channel for one in self._wanted for channel in one.channels()})
+        wanted = {channel for one in self._wanted for channel in one.channels()}
+        # A simulator tells the time seldom where nobody says that he listens to it.
+        channels = sorted(wanted | {CLOCK} if self._clock.is_simulated else wanted)
         if channels != self._announced:
             self._announced = channels
             self._watch.listen_to(channels)

@@ -157,7 +157,9 @@ class _Sorter:
     def _subscribe(self) -> None:
         graph = ask_nodes(self._watch)
         self._clock.is_simulated = not self._how.wall_time and is_simulated(graph)
-        self._watch.listen_to([name for names in self._spellings.values() for name in names])
+        listened = [name for names in self._spellings.values() for name in names]
+        # A simulator tells the time seldom where nobody says that he listens to it.
+        self._watch.listen_to([*listened, CLOCK] if self._clock.is_simulated else listened)
         for topic in self._spellings:
             spelling = known_spelling(graph, topic) or topic_spellings(topic)[-1]
             self._check(graph, spelling)
