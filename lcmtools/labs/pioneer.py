@@ -150,8 +150,14 @@ def check_viewer(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
     stage.listen(Image, _DEPTH, truths.append)
     file = stage.folder / "picture.png"
     program = stage.start(viewer_command(command, str(file)))
-    stage.wait(lambda: _read(file) is not None or program.code() is not None, _PICTURE)
-    picture = _read(file)
+    seen: list[PngPixels] = []  # a viewer may write anew with each message: a look later is another
+
+    def has_come() -> bool:
+        seen.extend(filter(None, [_read(file)]))
+        return bool(seen)
+
+    stage.wait(lambda: has_come() or program.code() is not None, _PICTURE)
+    picture = seen[0] if has_come() else None
     what, wanted = "saves a picture", "a PNG file"
     if picture is None:
         yield _no_picture(what, wanted, file, program)
