@@ -5,13 +5,13 @@ processor time
   bare        of Bullet's stepSimulation alone
   engine      of stepSimulation, and of reading and setting how every robot moves
   drive       of the simulation without its sensors: commands, motors, tyres and encoders too
-  sensors     of the simulation with all its sensors
+  sensors     of the simulation with all its sensors, whose messages come encoded
   unheard     of the whole node on a bus where nobody listens
   heard       of the whole node with a plain LCM program that hears everything, so that all is sent
 and what part of a whole node's time is not the engine's or the sensors':
   tyres       motors, tyres and encoders, unheard: the physics that Bullet does not do
   loop        the rest, unheard: the schedule, the clock, the bus
-  sending     encoding and sending, heard
+  sending     handing the messages to LCM, heard
 Then the time from the start to the first odometry, and memory.
 
     python bench/sim.py [--seconds SIMULATED] [--hours SIMULATED]

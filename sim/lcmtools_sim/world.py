@@ -2,7 +2,7 @@
 
 It builds the ground, things and robot bodies (by bodies.py), steps them, tells and sets how they
 move, and lets sensors look at them. What wheels and tyres do is not known here: a robot's body has
-no friction, drive.py pulls it.
+no friction, the tyres (tyres.py) pull it.
 """
 
 from collections.abc import Iterator

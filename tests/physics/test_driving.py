@@ -181,7 +181,8 @@ def test_wheels_turn_at_six_radians_a_second_at_full_effort(
 
     assert state.wheel_speeds == pytest.approx((6.057, 6.057), rel=0.001)
     assert state.efforts == (1, 1)
-    assert state.wheel_angles == pytest.approx([2.8007 / 0.1651] * 2, rel=0.001)
+    left, right = state.wheel_angles
+    assert left == right == pytest.approx(2.8007 / 0.1651, rel=0.001)
 
 
 @pytest.mark.parametrize("dt", [1 / 120, 1 / 240, 1 / 1000])

@@ -12,12 +12,12 @@ from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools_sim.sensors.mount import SensorMount, Settings
 from lcmtools_sim.sensors.sensor import Carrier, RobotState, placed
 from lcmtools_sim.sensors.settings import deviation, number
-from lcmtools_sim.shapes import Part
+from lcmtools_sim.shapes import UNTURNED, Part
 from lcmtools_sim.vision.scan import Scannable, Scanner, Standing, scannable
 from lcmtools_sim.vision.solids import Floats, solids_of
 
 _MOST_KNOWN = 10_000  # bodies
-_IN_THE_WORLD = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
+_IN_THE_WORLD = (0.0, 0.0, 0.0), UNTURNED
 
 
 @dataclass(frozen=True, slots=True)
