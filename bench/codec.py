@@ -17,9 +17,9 @@ import yaml
 from common import rounds_asked, show
 
 from lcmtools.messages.codec import decode, encode
+from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import Message, type_name
-from lcmtools.messages.stencil import Stencil
 from lcmtools.messages.text import format_message
 from lcmtools.types.geometry_msgs import TransformStamped, Twist
 from lcmtools.types.nav_msgs import Odometry
@@ -98,7 +98,9 @@ def row(label: str, message: Generated, rounds: int) -> list[object]:
 def stencil_row(rounds: int) -> list[object]:
     """An odometry of new numbers: made anew, and filled into a stencil."""
     pose, twist = (1.5, 2.0, 0.0, 0.0, 0.0, 0.6, 0.8), (0.5, 0.0, 0.0, 0.0, 0.0, 0.3)
-    stencil = Stencil(_odometry((0,) * 7, (0,) * 6), "header.stamp", "pose.pose", "twist.twist")
+    stencil = PayloadTemplate(
+        _odometry((0,) * 7, (0,) * 6), "header.stamp", "pose.pose", "twist.twist"
+    )
     filled, made = measure(
         rounds, lambda: stencil.fill((3, 5), pose, twist), lambda: encode(_odometry(pose, twist))
     )

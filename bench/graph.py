@@ -20,7 +20,6 @@ from common import bus, child, isolate, rounds_asked, show
 import lcmtools
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
-from lcmtools.bus.watch import Watch
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PROBE_CHANNEL,
@@ -28,6 +27,7 @@ from lcmtools.graph.protocol import (
     decode_announcement,
     encode_probe,
 )
+from lcmtools.observe.monitor import BusMonitor
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 
@@ -76,7 +76,7 @@ def last_answer(tap: Tap, nonce: int) -> tuple[float, int]:
 
 def settled() -> tuple[float, int]:
     """Seconds that ``settle`` takes, and how many nodes are in its graph."""
-    with Watch(parse_url(_URL), "bench", os.environ) as watch:
+    with BusMonitor(parse_url(_URL), "bench", os.environ) as watch:
         start = time.perf_counter()
         graph = watch.settle(foreign=False)
         taken = time.perf_counter() - start

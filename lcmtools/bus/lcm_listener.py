@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable
 
 from lcmtools.bus.liblcm import QUEUE_CAPACITY, Instance, open_lcm
-from lcmtools.bus.outage import Outage
+from lcmtools.bus.reconnect import ReconnectBackoff
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire.packet import Packet
@@ -30,7 +30,7 @@ class LcmListener:
     ) -> None:
         self._url = url
         self._on_outage = on_outage
-        self._outage = Outage()
+        self._backoff = ReconnectBackoff()
         self._packets: list[Packet] = []
         self._lcm: Instance | None = self._open()
 
@@ -45,7 +45,7 @@ class LcmListener:
     def close(self) -> None:
         """Leave the bus."""
         self._lcm = None
-        self._outage.end()
+        self._backoff.end()
 
     port = 0
 
@@ -60,7 +60,7 @@ class LcmListener:
         if self._lcm is None:
             raise BusError(
                 f"the connection to {self._url} is lost"
-                if self._outage.is_on
+                if self._backoff.is_on
                 else "the bus is closed"
             )
         try:
@@ -74,7 +74,7 @@ class LcmListener:
         Raises:
             EOFError: The log has ended, or the bus is closed.
         """
-        if self._outage.is_on:
+        if self._backoff.is_on:
             self._try_again(timeout)
             return []
         if self._lcm is None:
@@ -96,22 +96,22 @@ class LcmListener:
         """Let go of a connection that broke, or of a log that has ended."""
         self._lcm = None
         if self._url.provider == "tcpq":
-            self._outage.begin(time.monotonic())
+            self._backoff.begin(time.monotonic())
             text = f"the connection to {self._url} is lost; it is tried again until it is back"
             self._on_outage(text, text)
 
     def _try_again(self, timeout: float) -> None:
         """Wait for the next attempt, or for the timeout; make the attempt where it is due."""
-        left = self._outage.left(time.monotonic()) or 0.0
+        left = self._backoff.left(time.monotonic()) or 0.0
         time.sleep(max(0.0, min(left, timeout)))
         if left > timeout:
             return
         try:
             self._lcm = self._open()
         except (BusError, OSError):
-            self._outage.put_off(time.monotonic())
+            self._backoff.put_off(time.monotonic())
             return
-        self._outage.end()
+        self._backoff.end()
         self._on_outage(f"the connection to {self._url} is back", "")
 
     def _collect(self, channel: str, payload: bytes) -> None:

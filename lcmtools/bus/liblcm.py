@@ -5,7 +5,7 @@ What the binding does not forgive, and is therefore kept here:
 - ``subscribe`` freezes the whole process for ten seconds where multicast does not work, and then
   returns None: the bus is checked before (``lcmtools.bus.preflight``).
 - Channel names are regular expressions there: they are escaped.
-- Malformed datagrams can crash it: a filter keeps them out (``lcmtools.bus.shield``).
+- Malformed datagrams can crash it: a filter keeps them out (``lcmtools.bus.datagram_filter``).
 - ``.*`` on udpm can crash on a malformed datagram: never used there (the tap is).
 - ``unsubscribe`` while another thread handles crashes: both happen on the receiving thread only.
 - ``handle_timeout`` crashes with file descriptors from 1024 on: refused before.
@@ -30,11 +30,11 @@ from collections.abc import Callable
 import lcm
 
 from lcmtools.bus.base import Handler
+from lcmtools.bus.datagram_filter import open_descriptors, protect
 from lcmtools.bus.multicast import receive_buffer_bytes
-from lcmtools.bus.outage import Outage
 from lcmtools.bus.paced import PACED_ABOVE_BYTES, PacedSender
 from lcmtools.bus.preflight import check_bus
-from lcmtools.bus.shield import open_descriptors, protect
+from lcmtools.bus.reconnect import ReconnectBackoff
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.names import check_channel
@@ -66,7 +66,7 @@ class LcmBus:
         self.on_outage: Callable[[str], None] = lambda _: None
         self._lcm: lcm.LCM | None = open_lcm(url)
         self._can_come_back = url.provider == "tcpq"
-        self._outage = Outage()
+        self._backoff = ReconnectBackoff()
         self._is_broken = False  # as somebody found who tried to send
         self._paced = PacedSender(url) if url.is_multicast else None
         self._handlers: dict[str, list[Handler]] = {}
@@ -172,7 +172,7 @@ class LcmBus:
             raise error
 
     def _subscribe(self, channel: str, handler: Handler) -> None:
-        if channel not in self._subscriptions and not self._outage.is_on:
+        if channel not in self._subscriptions and not self._backoff.is_on:
             self._listen_to(channel)
         self._handlers.setdefault(channel, []).append(handler)
 
@@ -220,7 +220,7 @@ class LcmBus:
             if self._can_come_back and not self._closed:
                 self._lose()
             return None  # requests are served still
-        if self._outage.left(time.monotonic()) == 0.0:
+        if self._backoff.left(time.monotonic()) == 0.0:
             return self._reconnect()
         return None
 
@@ -228,7 +228,7 @@ class LcmBus:
         """Wait for messages, requests and attempts; whether that works, and what can be read."""
         sources = [self._wake_read, *([] if descriptor is None else [descriptor])]
         is_watched = self._can_come_back and descriptor is not None
-        longest = _LOOK_PERIOD if is_watched else self._outage.left(time.monotonic())
+        longest = _LOOK_PERIOD if is_watched else self._backoff.left(time.monotonic())
         try:
             return True, select.select(sources, [], [], longest)[0]
         except OSError:  # a connection that broke was closed by whoever tried to publish
@@ -236,7 +236,7 @@ class LcmBus:
 
     def _lose(self) -> None:
         """Let go of a connection that broke."""
-        self._outage.begin(time.monotonic())
+        self._backoff.begin(time.monotonic())
         with self._sending:
             self._subscriptions.clear()
             self._lcm = None
@@ -253,9 +253,9 @@ class LcmBus:
         except (BusError, OSError):
             self._subscriptions.clear()
             self._lcm = None
-            self._outage.put_off(time.monotonic())
+            self._backoff.put_off(time.monotonic())
             return None
-        self._outage.end()
+        self._backoff.end()
         self.on_outage(f"the connection to {self.url} is back")
         return int(instance.fileno())
 

@@ -40,7 +40,7 @@ def receive_buffers() -> dict[int, int]:
 def selective_sockets() -> frozenset[int]:
     """The inodes of the sockets whose filter drops most of what comes, on purpose.
 
-    Those of lcmtools.bus.mailbox; empty where nobody tells.
+    Those of lcmtools.bus.channel_socket; empty where nobody tells.
     """
     return _marked(SELECTIVE)
 

@@ -80,7 +80,7 @@ SIM_COMMANDS = {
     "delete": Entry(f"{_SIM}.delete:command", "Take a robot away."),
     "snapshot": Entry(f"{_SIM}.snapshot:command", "Write a picture of the world into a file."),
 }
-_LAB = "lcmtools.cli.lab"
+_LAB = "lcmtools.labs.commands"
 LAB_COMMANDS = {
     "list": Entry(f"{_LAB}.list:command", "List the labs."),
     "start": Entry(f"{_LAB}.start:command", "Run a lab's simulator, and say what to type."),

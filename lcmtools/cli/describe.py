@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from lcmtools.graph.callbacks import duration_text
 from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
 from lcmtools.messages.registry import candidates
+from lcmtools.observe.callbacks import duration_text
 
 if TYPE_CHECKING:  # most commands do without
     from lcmtools.bus.processes import Process
@@ -62,7 +62,7 @@ def node_text(node: Node) -> str:
 
 def host_text(node: Node) -> str:
     """The computer that a node runs on; of another one also the address: "ada at 10.0.0.1"."""
-    from lcmtools.cli.computers import address_of
+    from lcmtools.observe.computers import address_of
 
     address = address_of(node)
     return f"{node.host} at {address}" if address else node.host

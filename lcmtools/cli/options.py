@@ -14,7 +14,7 @@ from lcmtools.settings import COLORS, parse_duration, read_user_file, usual_name
 
 if TYPE_CHECKING:  # lcmtools --help and usage errors do without the bus
     from lcmtools.bus.url import BusUrl
-    from lcmtools.bus.watch import Watch
+    from lcmtools.observe.monitor import BusMonitor
 
 CommandT = TypeVar("CommandT", bound=Callable[..., object])
 
@@ -166,7 +166,7 @@ def chosen_url() -> "BusUrl":
     return url
 
 
-def open_watch(tool: str, *, whole: bool = False) -> "Watch":
+def open_monitor(tool: str, *, whole: bool = False) -> "BusMonitor":
     """A look at the bus that the command line means.
 
     Args:
@@ -177,12 +177,12 @@ def open_watch(tool: str, *, whole: bool = False) -> "Watch":
         UsageError: The URL or the domain is wrong.
         BusError: The bus cannot be reached, with what to type.
     """
-    from lcmtools.bus.watch import Watch
+    from lcmtools.observe.monitor import BusMonitor
 
     def tell(text: str) -> None:
         talk(f"lcmtools {tool}: {text}")
 
-    return Watch(chosen_url(), tool, os.environ, whole=whole, on_outage=tell)
+    return BusMonitor(chosen_url(), tool, os.environ, whole=whole, on_outage=tell)
 
 
 def topic_spellings(name: str) -> list[str]:

@@ -96,7 +96,7 @@ def command(  # noqa: PLR0913 - one parameter an option
         raise UsageError("no rule is left", "lcmtools wtf --list shows them")
     look = _evidence if as_json else _evidence_of_good_url
     if forever:
-        _watch(lambda: list(examine(look(wait, at_least=wait), rules)), as_json=as_json)
+        _monitor(lambda: list(examine(look(wait, at_least=wait), rules)), as_json=as_json)
     evidence = look(wait)
     findings = list(examine(evidence, rules))
     if as_json:
@@ -134,7 +134,7 @@ def _evidence_of_good_url(listen: float, at_least: float = 0.0) -> Evidence:
     return evidence
 
 
-def _watch(look: Callable[[], list[Finding]], *, as_json: bool) -> None:
+def _monitor(look: Callable[[], list[Finding]], *, as_json: bool) -> None:
     """Look again and again, without end."""
     known: dict[str, Finding] = {}
     is_first = True

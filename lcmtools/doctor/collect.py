@@ -11,16 +11,12 @@ from pathlib import Path
 
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import Process, UdpSocket, is_local, owners, senders_from, udp_sockets
-from lcmtools.bus.programs import is_here, user_name
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.socket_memory import receive_buffers, selective_sockets
 from lcmtools.bus.url import BusUrl
-from lcmtools.bus.watch import Watch
 from lcmtools.doctor.computers import HostClock
 from lcmtools.doctor.elsewhere import with_topics
-from lcmtools.doctor.listening import Listening
-from lcmtools.doctor.model import Evidence, Listener, SenderFacts, SimClock
-from lcmtools.doctor.surroundings import (
+from lcmtools.doctor.host import (
     busy_time,
     host,
     lcm_processes,
@@ -29,9 +25,13 @@ from lcmtools.doctor.surroundings import (
     state_of,
     waited_time,
 )
+from lcmtools.doctor.listening import Listening
+from lcmtools.doctor.model import Evidence, Listener, SenderFacts, SimClock
 from lcmtools.errors import BusError
 from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.graph.protocol import PERIOD
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.programs import is_here, user_name
 from lcmtools.wire.packet import Sender
 
 _NAME_CHARACTERS = 60
@@ -45,8 +45,8 @@ def collect(url: BusUrl, environment: Mapping[str, str], listen: float) -> Evide
     evidence = Evidence(url=str(url), ttl=url.ttl if url.is_multicast else 0, host=here)
     failures = reassembly_failures()
     try:
-        with Watch(url, "wtf", environment, whole=True) as watch:
-            evidence = _look(watch, evidence, listen)
+        with BusMonitor(url, "wtf", environment, whole=True) as monitor:
+            evidence = _look(monitor, evidence, listen)
     except BusError as error:
         return replace(evidence, bus_problem=error.what, bus_remedy=error.hint)
     stale = {node.id for node in evidence.graph.nodes if node.stale}
@@ -60,16 +60,16 @@ def collect(url: BusUrl, environment: Mapping[str, str], listen: float) -> Evide
     return replace(evidence, host=replace(here, reassembly_failures=failed))
 
 
-def _look(watch: Watch, evidence: Evidence, listen: float) -> Evidence:
-    before = watch.settle(foreign=False)
-    table, busy_before, start = _Table.read(watch.url), _busy_nodes(before), time.monotonic()
+def _look(monitor: BusMonitor, evidence: Evidence, listen: float) -> Evidence:
+    before = monitor.settle(foreign=False)
+    table, busy_before, start = _Table.read(monitor.url), _busy_nodes(before), time.monotonic()
     waited_before = {one.pid: waited_time(one.pid) for one in table.holders.values()}
-    listening = Listening(lambda topic: watch.graph().topic(topic).types)
+    listening = Listening(lambda topic: monitor.graph().topic(topic).types)
     with contextlib.suppress(EOFError):  # a log has ended
-        for packet in watch.packets(listen):
+        for packet in monitor.packets(listen):
             listening.hear(packet)
-    after = _counted_again(watch, listening, listen)
-    later, seconds = _Table.read(watch.url), time.monotonic() - start
+    after = _counted_again(monitor, listening, listen)
+    later, seconds = _Table.read(monitor.url), time.monotonic() - start
     busy = {
         pid: (spent - busy_before.get(pid, spent)) / 1e9 / seconds
         for pid, spent in _busy_nodes(after).items()
@@ -80,15 +80,16 @@ def _look(watch: Watch, evidence: Evidence, listen: float) -> Evidence:
         before=before,
         graph=after,
         listened=listen,
-        malformed=_malformed(watch, names),
-        own_drops=(watch.tap.drops() if watch.tap else None) or 0,
-        senders=_senders(watch, names),
+        malformed=_malformed(monitor, names),
+        own_drops=(monitor.tap.drops() if monitor.tap else None) or 0,
+        senders=_senders(monitor, names),
         streams=tuple(replace(s, pid=names.pid(s.sender)) for s in listening.streams(names.of)),
         listeners=_listeners(table, later, names),
         oddities=listening.oddities(names.of),
         clock=_clock(listening, after, names, busy),
         processes=with_topics(
-            lcm_processes(watch.url, later.rows.values(), later.holders, _heard_ports(watch)), after
+            lcm_processes(monitor.url, later.rows.values(), later.holders, _heard_ports(monitor)),
+            after,
         ),
         waited=_longest_wait(waited_before),
         users={uid: user_name(uid) for uid in {row.uid for row in later.rows.values()}},
@@ -97,19 +98,19 @@ def _look(watch: Watch, evidence: Evidence, listen: float) -> Evidence:
     )
 
 
-def _counted_again(watch: Watch, listening: Listening, listen: float) -> Graph:
+def _counted_again(monitor: BusMonitor, listening: Listening, listen: float) -> Graph:
     """The graph with the nodes' counters as they are at the end, where it was long enough."""
     if listen >= PERIOD / 10:
-        watch.probe()
+        monitor.probe()
         with contextlib.suppress(EOFError):
-            for packet in watch.packets(0.05):
+            for packet in monitor.packets(0.05):
                 listening.hear(packet)
-    return watch.graph()
+    return monitor.graph()
 
 
-def _heard_ports(watch: Watch) -> set[int]:
+def _heard_ports(monitor: BusMonitor) -> set[int]:
     """The ports that messages have come from."""
-    return {sender.port for sender in watch.tap.sequences} if watch.tap else set()
+    return {sender.port for sender in monitor.tap.sequences} if monitor.tap else set()
 
 
 def _longest_wait(before: Mapping[int, int]) -> float:
@@ -195,8 +196,8 @@ class _Names:
         return f"{called} (pid {process.pid})"
 
 
-def _malformed(watch: Watch, names: _Names) -> tuple[tuple[str, str], ...]:
-    found = watch.tap.malformed if watch.tap else {}
+def _malformed(monitor: BusMonitor, names: _Names) -> tuple[tuple[str, str], ...]:
+    found = monitor.tap.malformed if monitor.tap else {}
     rows = []
     for sender, reason in found.items():
         process = names.process(sender)
@@ -205,8 +206,8 @@ def _malformed(watch: Watch, names: _Names) -> tuple[tuple[str, str], ...]:
     return tuple(rows)
 
 
-def _senders(watch: Watch, names: _Names) -> tuple[SenderFacts, ...]:
-    tap = watch.tap
+def _senders(monitor: BusMonitor, names: _Names) -> tuple[SenderFacts, ...]:
+    tap = monitor.tap
     if tap is None:
         return ()
     facts, numbered = [], tap.numbered

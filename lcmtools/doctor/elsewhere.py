@@ -8,7 +8,7 @@ import time
 from collections.abc import Iterable
 from dataclasses import replace
 
-from lcmtools.bus.glance import Glance
+from lcmtools.bus.quick_probe import QuickProbe
 from lcmtools.bus.url import parse_url
 from lcmtools.doctor.connecting import loose_ends
 from lcmtools.doctor.model import LcmProcess
@@ -38,9 +38,12 @@ def with_topics(processes: Iterable[LcmProcess], graph: Graph) -> tuple[LcmProce
 
 def _topics(bus: str) -> tuple[str, ...]:
     """What is published on another bus."""
-    with contextlib.suppress(LcmtoolsError), Glance(parse_url(f"udpm://{bus}?ttl=0")) as glance:
+    with (
+        contextlib.suppress(LcmtoolsError),
+        QuickProbe(parse_url(f"udpm://{bus}?ttl=0")) as quick_probe,
+    ):
         time.sleep(_LISTEN)
-        graph = glance.graph()
+        graph = quick_probe.graph()
         announced = {e.topic for node in graph.nodes for e in node.having(Role.PUBLISHER)}
         seen = {traffic.channel for traffic in graph.traffic}
         return tuple(sorted(name for name in announced | seen if not is_hidden(name)))

@@ -8,7 +8,7 @@ from typing import TextIO
 
 from lcmtools.launch.logs import log_path
 from lcmtools.launch.plan import Output
-from lcmtools.launch.process import Process
+from lcmtools.processes.process import Process
 
 
 class Journal:

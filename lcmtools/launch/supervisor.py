@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Protocol
 
 from lcmtools.launch.journal import Journal
-from lcmtools.launch.keeper import Keeper
 from lcmtools.launch.plan import NodePlan
-from lcmtools.launch.process import Process, Times
-from lcmtools.launch.wakeup import Wakeup
+from lcmtools.processes.process import Process, Times
+from lcmtools.processes.process_guard import ProcessGuard
+from lcmtools.processes.signals import Wakeup
 
 _LOOK_AGAIN = 0.02
 """Seconds between looks at a group whose first process has ended."""
@@ -102,20 +102,20 @@ class Supervisor:
 
     def run(self) -> list[Outcome]:
         """Run everything; what has become of each."""
-        with self._wakeup, Keeper() as keeper, self._journal:
+        with self._wakeup, ProcessGuard() as keeper, self._journal:
             self._start_all(keeper)
             while self._due or self._draining or any(p.is_running for p in self._processes):
                 self._turn(keeper)
         return [self._outcome(process) for process in self._processes]
 
-    def _start_all(self, keeper: Keeper) -> None:
+    def _start_all(self, keeper: ProcessGuard) -> None:
         for process in self._processes:
             self._heed()
             if self._is_stopping:
                 return
             self._start(process, keeper)
 
-    def _turn(self, keeper: Keeper) -> None:
+    def _turn(self, keeper: ProcessGuard) -> None:
         """Wait until something happens, and do what it takes."""
         of = {stream: process for process in self._processes for stream in process.streams()}
         for stream in self._wakeup.wait([*of], self._patience()):
@@ -142,7 +142,7 @@ class Supervisor:
         first = min(times, default=math.inf)
         return None if math.isinf(first) else first - time.monotonic()
 
-    def _start(self, process: Process, keeper: Keeper) -> None:
+    def _start(self, process: Process, keeper: ProcessGuard) -> None:
         self._due.pop(process, None)
         if failure := self._journal.begin(process):
             self._tell(f"[{label(process)}] {failure}", is_bad=True)
@@ -194,7 +194,7 @@ class Supervisor:
             self._tell(f"[{label(process)}] is required: asking all nodes to end")
             self._stop()
 
-    def _drain(self, process: Process, keeper: Keeper, now: float) -> None:
+    def _drain(self, process: Process, keeper: ProcessGuard, now: float) -> None:
         """See to the end of a group."""
         if not process.group_is_gone():
             return

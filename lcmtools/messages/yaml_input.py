@@ -11,8 +11,8 @@ from typing import TypeVar
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.documents import Document, Documents, parse
-from lcmtools.messages.draft import Draft, draft
 from lcmtools.messages.fields import visible_fields
+from lcmtools.messages.message_template import MessageTemplate, draft
 from lcmtools.messages.plain import Value, fill
 from lcmtools.messages.registry import Message
 
@@ -35,7 +35,7 @@ def message_from_values(cls: type[M], texts: Sequence[str]) -> M:
     return message
 
 
-def draft_from_values(cls: type[M], texts: Sequence[str]) -> Draft[M]:
+def draft_from_values(cls: type[M], texts: Sequence[str]) -> MessageTemplate[M]:
     """As ``message_from_values``; times may be ``now`` and headers ``auto``.
 
     Raises:
@@ -49,7 +49,9 @@ def draft_from_values(cls: type[M], texts: Sequence[str]) -> Draft[M]:
         raise ValueMismatch(mismatch.what, hint) from None
 
 
-def drafts_from_lines(cls: type[M], lines: Iterable[str | None]) -> Iterator[Draft[M] | None]:
+def drafts_from_lines(
+    cls: type[M], lines: Iterable[str | None]
+) -> Iterator[MessageTemplate[M] | None]:
     """The messages in a text of YAML documents between lines of ``---``, or of JSON.
 
     Args:
@@ -80,7 +82,9 @@ def parse_values(texts: Sequence[str]) -> Value:
     return values[0] if len(values) == 1 else values or {}
 
 
-def _drafts(cls: type[M], documents: Documents, found: Iterator[Document]) -> Iterator[Draft[M]]:
+def _drafts(
+    cls: type[M], documents: Documents, found: Iterator[Document]
+) -> Iterator[MessageTemplate[M]]:
     where = ""
     try:
         for document in found:

@@ -130,7 +130,7 @@ class Context:
         """
         return self._following.graph()
 
-    def heard_topics(self) -> frozenset[str]:
+    def subscribed_topics(self) -> frozenset[str]:
         """The topics that nodes announce to listen to."""
         return frozenset(
             endpoint.topic

@@ -11,7 +11,7 @@ import time
 from collections.abc import Iterable
 
 from lcmtools.bus.base import Bus
-from lcmtools.bus.mailbox import Mailbox
+from lcmtools.bus.channel_socket import ChannelSocket
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.graph.builder import GraphBuilder
@@ -48,7 +48,7 @@ class Following:
         self._builder: GraphBuilder | None = None
         self._announced_lock = threading.Lock()  # held for a moment only, on the receiving thread
         self._announced: dict[bytes, tuple[Head, bytes, int]] = {}
-        self._mailbox: Mailbox | None = None
+        self._channel_socket: ChannelSocket | None = None
         self._mailbox_lock = threading.Lock()
         self._closed = threading.Event()
         self._thread: threading.Thread | None = None
@@ -73,12 +73,12 @@ class Following:
         if self._thread is not None:
             self._thread.join(timeout=1.0)
         with self._mailbox_lock:
-            if self._mailbox is not None:
-                self._mailbox.close()
+            if self._channel_socket is not None:
+                self._channel_socket.close()
 
     def _start(self) -> None:
-        self._mailbox = self._open_mailbox()
-        if self._mailbox is None:
+        self._channel_socket = self._open_mailbox()
+        if self._channel_socket is None:
             self._bus.subscribe(NODE_CHANNEL, self._hear)
         else:
             self._thread = threading.Thread(target=self._run, name="follower", daemon=True)
@@ -86,28 +86,28 @@ class Following:
         with contextlib.suppress(BusError):  # without it, they announce within a second
             self._bus.publish(PROBE_CHANNEL, encode_probe(Probe()))
 
-    def _open_mailbox(self) -> Mailbox | None:
+    def _open_mailbox(self) -> ChannelSocket | None:
         if self._url is None or not self._url.is_multicast or self._closed.is_set():
             return None
         with contextlib.suppress(BusError):
-            return Mailbox(self._url, NODE_CHANNEL)
+            return ChannelSocket(self._url, NODE_CHANNEL)
         return None
 
     def _run(self) -> None:
-        while self._mailbox is not None and not self._closed.wait(_LOOK_PERIOD):
+        while self._channel_socket is not None and not self._closed.wait(_LOOK_PERIOD):
             self._empty_mailbox()
 
     def _empty_mailbox(self) -> None:
         with self._mailbox_lock:
-            if self._mailbox is None:
+            if self._channel_socket is None:
                 return
-            for payload, arrival in self._mailbox.take():
+            for payload, arrival in self._channel_socket.take():
                 self._hear(payload, arrival)
-            if self._mailbox.has_large:  # a node with hundreds of endpoints
-                mailbox, self._mailbox = self._mailbox, None
+            if self._channel_socket.has_large:  # a node with hundreds of endpoints
+                channel_socket, self._channel_socket = self._channel_socket, None
                 with contextlib.suppress(BusError):  # it closes
                     self._bus.subscribe(NODE_CHANNEL, self._hear)
-                mailbox.close()
+                channel_socket.close()
 
     def _hear(self, payload: bytes, arrival: int) -> None:
         """Keep each node's latest announcement; decoding all would be most of the work."""

@@ -53,9 +53,9 @@ class Placed:
         """The announced nodes of the bus; the first call starts listening to them."""
         return self.__context.graph()
 
-    def heard_topics(self) -> frozenset[str]:
+    def subscribed_topics(self) -> frozenset[str]:
         """The topics that nodes announce to listen to, so that others need not be computed."""
-        return self.__context.heard_topics()
+        return self.__context.subscribed_topics()
 
     def has_plain_listeners(self, *, at_once: bool = False) -> bool:
         """Whether programs that are no nodes can be listening, to any topic.

@@ -85,7 +85,7 @@ class Bridge:
 
     def _take_in(self, may_be_overheard: bool) -> None:  # noqa: FBT001 - what the node says
         """Measure what is heard now."""
-        heard = self._node.heard_topics(), may_be_overheard
+        heard = self._node.subscribed_topics(), may_be_overheard
         if heard != self._heard:
             self._heard = heard
             self._simulation.ask(self._interest)

@@ -114,7 +114,7 @@ class Control:
         place.x, place.y, place.z = state.position
         turned.x, turned.y, turned.z, turned.w = state.rotation
         twist.linear.x, twist.linear.y, twist.linear.z = state.velocity
-        twist.angular.x, twist.angular.y, twist.angular.z = state.turning
+        twist.angular.x, twist.angular.y, twist.angular.z = state.angular_velocity
 
     def _spawn(self, request: sim_msgs.Spawn_Request, response: sim_msgs.Spawn_Response) -> None:
         if request.model not in MODELS:

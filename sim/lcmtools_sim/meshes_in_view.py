@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from types import ModuleType
 
 from lcmtools_sim.robots.model import Mesh
-from lcmtools_sim.rotation import Vector, add, chain, from_euler, turn
+from lcmtools_sim.rotation import Vector, add, from_euler, multiply, turn
 
 Angles = Callable[[], tuple[float, float]]
 """How far the left and the right wheels have turned [rad]."""
@@ -103,7 +103,7 @@ class MeshesInView:
             place, turned = add(robot.to_footprint, mesh.position), mesh.rotation
             if mesh.is_wheel:
                 angle = left if mesh.position[1] > 0 else right
-                turned = chain(from_euler(0.0, angle, 0.0), turned)
+                turned = multiply(from_euler(0.0, angle, 0.0), turned)
             self._bullet.resetBasePositionAndOrientation(
-                body, add(position, turn(place, rotation)), chain(rotation, turned), self._client
+                body, add(position, turn(place, rotation)), multiply(rotation, turned), self._client
             )

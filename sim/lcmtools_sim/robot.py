@@ -151,10 +151,14 @@ class Robot:
         drive, train = self.model.drive, self._train
         frame = axes(motion.rotation)
         base_link = scaled(frame[2], body.base_height - body.centre_of_mass)
-        swing = cross(motion.turning, base_link)
+        swing = cross(motion.angular_velocity, base_link)
         change = scaled(subtract(motion.velocity, before.velocity), 1 / self._dt)
-        turning_change = scaled(subtract(motion.turning, before.turning), 1 / self._dt)
-        of_lever = add(cross(turning_change, base_link), cross(motion.turning, swing))
+        angular_acceleration = scaled(
+            subtract(motion.angular_velocity, before.angular_velocity), 1 / self._dt
+        )
+        of_lever = add(
+            cross(angular_acceleration, base_link), cross(motion.angular_velocity, swing)
+        )
         (left, right), (left_target, right_target) = train.speeds, self._targets
         return RobotState(
             time=time,
@@ -162,9 +166,9 @@ class Robot:
             position=add(motion.position, base_link),
             rotation=motion.rotation,
             velocity=components(add(motion.velocity, swing), frame),
-            turning=components(motion.turning, frame),
+            angular_velocity=components(motion.angular_velocity, frame),
             acceleration=components(add(change, of_lever), frame),
-            turning_change=components(turning_change, frame),
+            angular_acceleration=components(angular_acceleration, frame),
             wheel_angles=Sides(*train.angles()),
             wheel_speeds=Sides(left / drive.wheel_radius, right / drive.wheel_radius),
             efforts=Sides(_effort(left_target, drive), _effort(right_target, drive)),
@@ -180,8 +184,8 @@ class Robot:
         to do in this step, or the robot would creep down every slope; on a slope the wheels carry
         less.
         """
-        _, (x, y, z, w), velocity, turning = self._motion
-        (vx, vy, vz), (wx, wy, wz) = velocity, turning
+        _, (x, y, z, w), velocity, angular_velocity = self._motion
+        (vx, vy, vz), (wx, wy, wz) = velocity, angular_velocity
         s, c = self._train.mid_turn
         x, y, z, w = c * x + s * y, c * y - s * x, c * z + s * w, c * w - s * z
         x2, y2, z2 = x + x, y + y, z + z
@@ -189,7 +193,7 @@ class Robot:
         wx2, wy2, wz2 = w * x2, w * y2, w * z2
         ux, uy, uz = xz + wy2, yz - wx2, 1 - xx - yy
         if uz < _UPRIGHT or abs(vx * ux + vy * uy + vz * uz) > _LIFTING_OFF:
-            return velocity, turning
+            return velocity, angular_velocity
         fx, fy, fz = 1 - yy - zz, xy + wz2, xz - wy2
         lx, ly, lz = xy - wz2, 1 - xx - zz, yz + wx2
         falling = vz - self._fall

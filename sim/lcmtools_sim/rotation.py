@@ -98,7 +98,7 @@ def turn(vector: Vector, rotation: Quaternion) -> Vector:
     return add(add(scaled(forward, vector[0]), scaled(left, vector[1])), scaled(up, vector[2]))
 
 
-def chain(outer: Quaternion, inner: Quaternion) -> Quaternion:
+def multiply(outer: Quaternion, inner: Quaternion) -> Quaternion:
     """The rotation of a frame that is turned by ``inner`` in one that is turned by ``outer``."""
     x1, y1, z1, w1 = outer
     x2, y2, z2, w2 = inner

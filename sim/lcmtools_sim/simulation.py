@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable
 
 from lcmtools.clock import NANOSECONDS, split_stamp
 from lcmtools.errors import InvalidFile
+from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.registry import Message
-from lcmtools.messages.stencil import Stencil
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools_sim.readings import Interest, Reading, Sample, mount_sensors
 from lcmtools_sim.robot import Robot
@@ -24,7 +24,7 @@ CLOCK_RATE = 50.0
 """[Hz] Least rate of the clock; besides, it ticks with every step that publishes something."""
 
 _TICK = None  # what is due when only the clock is
-_CLOCK = Stencil(Clock(), "clock")
+_CLOCK = PayloadTemplate(Clock(), "clock")
 
 
 class Simulation:

@@ -16,7 +16,7 @@ from lcmtools_sim.bodies import BodyMaker
 from lcmtools_sim.meshes_in_view import Angles, MeshesInView, unturned
 from lcmtools_sim.pose import Pose
 from lcmtools_sim.robots.model import Body
-from lcmtools_sim.rotation import Quaternion, Vector, add, chain, turn
+from lcmtools_sim.rotation import Quaternion, Vector, add, multiply, turn
 from lcmtools_sim.scene import Scene, Thing
 from lcmtools_sim.sensors.sensor import Contact
 from lcmtools_sim.shapes import Part
@@ -33,13 +33,13 @@ class Motion(NamedTuple):
         position: Of the centre of mass [m].
         rotation: Of the body.
         velocity: Of the centre of mass [m/s].
-        turning: Angular velocity [rad/s].
+        angular_velocity: Angular velocity [rad/s].
     """
 
     position: Vector
     rotation: Quaternion
     velocity: Vector
-    turning: Vector
+    angular_velocity: Vector
 
 
 class World:
@@ -96,9 +96,9 @@ class World:
         place = bullet.getBasePositionAndOrientation(body, client)
         return Motion._make(place + bullet.getBaseVelocity(body, client))
 
-    def set_velocity(self, body: int, velocity: Vector, turning: Vector) -> None:
+    def set_velocity(self, body: int, velocity: Vector, angular_velocity: Vector) -> None:
         """Give a body another velocity [m/s] and angular velocity [rad/s], in the world frame."""
-        self._bullet.resetBaseVelocity(body, velocity, turning, self._client)
+        self._bullet.resetBaseVelocity(body, velocity, angular_velocity, self._client)
 
     def overlap(self, body: int) -> tuple[float, str]:
         """How deep a body stands in another one [m], and the other's name; (0, "") in none."""
@@ -117,7 +117,7 @@ class World:
         self.place(body, position, rotation)
         found = self.overlap(body)
         self.place(body, now.position, now.rotation)
-        self.set_velocity(body, now.velocity, now.turning)
+        self.set_velocity(body, now.velocity, now.angular_velocity)
         return found
 
     def add(self, thing: Thing) -> int:
@@ -265,7 +265,7 @@ def _placed(part: Part, pose: Pose) -> Part:
 
 def _carried(part: Part, position: Vector, rotation: Quaternion) -> Part:
     place = add(position, turn(part.position, rotation))
-    return Part(part.shape, place, chain(rotation, part.rotation), part.color)
+    return Part(part.shape, place, multiply(rotation, part.rotation), part.color)
 
 
 def _lowered(part: Part, height: float) -> Part:

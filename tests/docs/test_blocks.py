@@ -26,8 +26,8 @@ from pathlib import Path
 import pytest
 
 from lcmtools.bus.url import parse_url
-from lcmtools.bus.watch import Watch
 from lcmtools.cli import main
+from lcmtools.observe.monitor import BusMonitor
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = [
@@ -138,7 +138,9 @@ class Shell:
         """Wait until commands that run beside a block are on the bus: nodes, or other programs."""
         nodes = sum(command.startswith("lcmtools ") for command in commands)
         deadline = time.monotonic() + 60
-        with Watch(parse_url(self._environment["LCM_DEFAULT_URL"]), "test", os.environ) as watch:
+        with BusMonitor(
+            parse_url(self._environment["LCM_DEFAULT_URL"]), "test", os.environ
+        ) as watch:
             while time.monotonic() < deadline:
                 named = [node for node in watch.settle(foreign=False).nodes if not node.stale]
                 others = self._others() if len(commands) > nodes else 0

@@ -24,7 +24,7 @@ from typing import Any
 
 import pytest
 
-from lcmtools.bus.glance import Glance
+from lcmtools.bus.quick_probe import QuickProbe
 from lcmtools.bus.url import choose_url
 from lcmtools.graph.model import Graph
 
@@ -265,7 +265,7 @@ class World:
     def graph(self, **environment: str) -> Graph:
         """What is on a bus."""
         url, _ = choose_url("", "", {**os.environ, **environment})
-        with Glance(url) as glance:
+        with QuickProbe(url) as glance:
             return glance.graph()
 
     def pids(self, **environment: str) -> set[int]:

@@ -63,7 +63,7 @@ import sys
 from array import array
 import lcmtools
 from lcmtools import Node
-from lcmtools.nodes.picture.png import PngPixels, encode_png
+from lcmtools.labs.nodes.picture.png import PngPixels, encode_png
 from lcmtools.types.sensor_msgs import Image
 
 

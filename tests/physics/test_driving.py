@@ -74,7 +74,7 @@ def test_opposite_efforts_turn_it_on_the_spot(
 
     state = run(simulation, 4.0)
 
-    assert state.turning[2] == pytest.approx(share * 1.87, rel=0.05)
+    assert state.angular_velocity[2] == pytest.approx(share * 1.87, rel=0.05)
     assert math.hypot(*state.position[:2]) < 0.001
 
 
@@ -85,7 +85,7 @@ def test_unequal_efforts_drive_a_curve(simulate: Simulate, effort: Effort) -> No
     state = run(simulation, 3.0)
 
     assert state.velocity[0] == pytest.approx(0.6, rel=0.02)
-    assert state.turning[2] == pytest.approx(0.8 / 1.07025, rel=0.02)
+    assert state.angular_velocity[2] == pytest.approx(0.8 / 1.07025, rel=0.02)
 
 
 @pytest.mark.parametrize(
@@ -168,7 +168,7 @@ def test_encoder_odometry_agrees_with_the_truth_to_a_thousandth_of_the_way(
     error = math.remainder(yaw - yaw_of(state.rotation), 2 * math.pi)
     assert abs(error) <= 0.001 * max(turned, 0.1)
     assert state.reckoned_speed[0] == pytest.approx(state.velocity[0], abs=0.001)
-    assert state.reckoned_speed[1] == pytest.approx(state.turning[2], abs=0.001)
+    assert state.reckoned_speed[1] == pytest.approx(state.angular_velocity[2], abs=0.001)
 
 
 def test_wheels_turn_at_six_radians_a_second_at_full_effort(
@@ -255,5 +255,5 @@ def test_a_skidding_husky_turns_on_the_spot_as_the_balance_of_moments_says(
 
     state = run(simulation, 3.0)
 
-    assert state.turning[2] == pytest.approx(wheel_speed * b / (a * a + b * b), rel=1e-3)
+    assert state.angular_velocity[2] == pytest.approx(wheel_speed * b / (a * a + b * b), rel=1e-3)
     assert state.reckoned_speed[1] == pytest.approx(turn_rate)  # which encoders cannot know

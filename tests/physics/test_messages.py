@@ -253,4 +253,4 @@ def test_absurdly_large_commands_are_obeyed_within_the_limits(
 
     state = simulation.robots[0].state(simulation.time)
     assert state.velocity[0] == pytest.approx(1.0, rel=0.02)
-    assert state.turning[2] == pytest.approx(-1.0, rel=0.02)
+    assert state.angular_velocity[2] == pytest.approx(-1.0, rel=0.02)

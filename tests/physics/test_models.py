@@ -63,7 +63,7 @@ def test_a_commanded_circle_has_its_radius_and_closes(
         assert (max(values) - min(values)) / 2 == pytest.approx(abs(forward / turn_rate), rel=0.001)
     assert math.dist(circle[-1].position, start.position) < 0.003  # a step's way
     assert circle[-1].velocity[0] == pytest.approx(forward, rel=0.001)
-    assert circle[-1].turning[2] == pytest.approx(turn_rate, rel=0.001)
+    assert circle[-1].angular_velocity[2] == pytest.approx(turn_rate, rel=0.001)
 
 
 @pytest.mark.parametrize("model", ["husky", "pioneer", "dolly"])
@@ -94,7 +94,7 @@ def test_turning_on_the_spot_does_not_drift(
     run = states(simulation, 20.0)
 
     assert max(math.dist(state.position[:2], (1, 2)) for state in run) < 0.001
-    assert run[-1].turning[2] == pytest.approx(turn_rate, rel=0.001)
+    assert run[-1].angular_velocity[2] == pytest.approx(turn_rate, rel=0.001)
 
 
 @pytest.mark.parametrize(
@@ -141,7 +141,7 @@ def test_what_is_beyond_its_limits_is_obeyed_up_to_them(
     turning.robots[0].command(twist(0.0, -50.0))
 
     assert states(straight, 5.0)[-1].velocity[0] == pytest.approx(speed, rel=0.001)
-    assert states(turning, 5.0)[-1].turning[2] == pytest.approx(-turn_rate, rel=0.001)
+    assert states(turning, 5.0)[-1].angular_velocity[2] == pytest.approx(-turn_rate, rel=0.001)
 
 
 def test_dolly_turns_as_gazebo_turned_it_where_its_quirks_are_wanted(
@@ -153,8 +153,8 @@ def test_dolly_turns_as_gazebo_turned_it_where_its_quirks_are_wanted(
 
     end = states(simulation, 4.0)[-1]
 
-    assert end.turning[2] == pytest.approx(0.3 * 1.25 / 0.6, rel=0.001)
-    assert end.velocity[0] / end.turning[2] == pytest.approx(0.8, rel=0.001)
+    assert end.angular_velocity[2] == pytest.approx(0.3 * 1.25 / 0.6, rel=0.001)
+    assert end.velocity[0] / end.angular_velocity[2] == pytest.approx(0.8, rel=0.001)
 
 
 @pytest.mark.parametrize("model", ["pioneer", "dolly"])

@@ -84,7 +84,7 @@ def test_nothing_slows_what_flies_and_its_angular_momentum_stays(put: Put) -> No
     def momentum() -> Vector:
         motion = world.motion(body(world))
         frame = axes(motion.rotation)
-        x, y, z = components(motion.turning, frame)
+        x, y, z = components(motion.angular_velocity, frame)
         own = moments[0] * x, moments[1] * y, moments[2] * z
         return add(
             add(scaled(frame[0], own[0]), scaled(frame[1], own[1])), scaled(frame[2], own[2])

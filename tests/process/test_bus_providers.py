@@ -16,8 +16,8 @@ from lcmtools.bus.lcm_listener import LcmListener
 from lcmtools.bus.liblcm import LcmBus
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
-from lcmtools.bus.watch import Watch, open_observer
 from lcmtools.errors import BusError
+from lcmtools.observe.monitor import BusMonitor, open_observer
 
 WaitUntil = Callable[..., None]
 
@@ -253,7 +253,7 @@ def test_a_listener_on_a_log_hears_all_of_it_and_then_its_end(log: Path) -> None
 
 
 def test_a_watch_on_a_log_sees_its_topics(log: Path) -> None:
-    with Watch(parse_url(f"file://{log}?speed=0"), "list", {}) as watch:
+    with BusMonitor(parse_url(f"file://{log}?speed=0"), "list", {}) as watch:
         graph = watch.settle()
     assert graph.topic_names() == ["/n"]
     assert graph.topic("/n").traffic[0].messages == 5

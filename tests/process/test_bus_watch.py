@@ -16,11 +16,11 @@ from lcmtools import Node
 from lcmtools.arguments import split_arguments
 from lcmtools.bus.liblcm import LcmBus
 from lcmtools.bus.url import parse_url
-from lcmtools.bus.watch import Watch
 from lcmtools.graph.model import Role
 from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement
 from lcmtools.messages.codec import encode
 from lcmtools.node.context import Context
+from lcmtools.observe.monitor import BusMonitor
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Packet
 
@@ -28,9 +28,9 @@ WaitUntil = Callable[..., None]
 
 
 @pytest.fixture
-def open_watch(bus_url: str) -> Iterator[Callable[[str], Watch]]:
+def open_monitor(bus_url: str) -> Iterator[Callable[[str], BusMonitor]]:
     with ExitStack() as stack:
-        yield lambda tool: stack.enter_context(Watch(parse_url(bus_url), tool, os.environ))
+        yield lambda tool: stack.enter_context(BusMonitor(parse_url(bus_url), tool, os.environ))
 
 
 @pytest.fixture
@@ -43,12 +43,12 @@ def context(bus_url: str) -> Iterator[Context]:
 
 
 def test_the_graph_is_complete_at_once(
-    context: Context, open_watch: Callable[[str], Watch], stopwatch: Callable[[], Any]
+    context: Context, open_monitor: Callable[[str], BusMonitor], stopwatch: Callable[[], Any]
 ) -> None:
     nodes = [Node(f"n{number}", context=context) for number in range(20)]
     nodes[3].create_publisher(String, "chatter")
     for _ in range(5):  # where the computer is busy the nodes may be late
-        watch, time_taken = open_watch("list"), stopwatch()
+        watch, time_taken = open_monitor("list"), stopwatch()
         graph = watch.settle(foreign=False)
         assert time_taken.seconds() < 0.35
         if len(graph.nodes) == 20:
@@ -61,9 +61,9 @@ def test_the_graph_is_complete_at_once(
 
 
 def test_all_that_a_node_sends_is_known_to_be_its_own(
-    context: Context, open_watch: Callable[[str], Watch], wait_until: WaitUntil
+    context: Context, open_monitor: Callable[[str], BusMonitor], wait_until: WaitUntil
 ) -> None:
-    watch = open_watch("list")
+    watch = open_monitor("list")
     node = Node("a", context=context)
     small, large = node.create_publisher(String, "small"), node.create_publisher(String, "large")
     message = String()
@@ -83,7 +83,7 @@ def test_all_that_a_node_sends_is_known_to_be_its_own(
 
 
 def test_a_program_that_is_no_node_is_waited_for(
-    open_watch: Callable[[str], Watch], start_python: Callable[..., Any], bus_url: str
+    open_monitor: Callable[[str], BusMonitor], start_python: Callable[..., Any], bus_url: str
 ) -> None:
     program = start_python(
         """
@@ -98,14 +98,14 @@ while True:
         bus_url,
     )
     program.wait_for("ready")
-    graph = open_watch("list").settle()
+    graph = open_monitor("list").settle()
     assert graph.topic_names() == ["EXAMPLE"]
     (seen,) = graph.topic("EXAMPLE").foreign
     assert seen.sender is not None
 
 
 def test_every_channel_of_a_program_is_known_not_just_its_first(
-    bus_url: str, start_python: Callable[..., Any], open_watch: Callable[[str], Watch]
+    bus_url: str, start_python: Callable[..., Any], open_monitor: Callable[[str], BusMonitor]
 ) -> None:
     program = start_python(
         """
@@ -120,28 +120,28 @@ while True:
         bus_url,
     )
     program.wait_for("ready")
-    graph = open_watch("list").settle()
+    graph = open_monitor("list").settle()
     assert graph.topic_names() == [f"CHANNEL_{number}" for number in range(10)]
 
 
 @pytest.mark.usefixtures("private_network")
 def test_nobody_is_waited_for_on_an_empty_bus(stopwatch: Callable[[], Any]) -> None:
-    with Watch(parse_url("udpm://"), "list", os.environ) as watch:
+    with BusMonitor(parse_url("udpm://"), "list", os.environ) as watch:
         time_taken = stopwatch()
         assert watch.settle().nodes == ()
         assert time_taken.seconds() < 0.5
 
 
 def test_a_command_that_listens_is_announced_and_says_goodbye(
-    context: Context, open_watch: Callable[[str], Watch], bus_url: str, wait_until: WaitUntil
+    context: Context, open_monitor: Callable[[str], BusMonitor], bus_url: str, wait_until: WaitUntil
 ) -> None:
     node = Node("a", context=context)
     publisher = node.create_publisher(String, "chatter")
     assert publisher.subscriber_count() == 0
-    with Watch(parse_url(bus_url), "echo", os.environ) as echo:
+    with BusMonitor(parse_url(bus_url), "echo", os.environ) as echo:
         echo.listen_to(["/chatter"])
         wait_until(lambda: publisher.subscriber_count() == 1)
-        other = open_watch("list")
+        other = open_monitor("list")
         other.probe()
 
         def answered() -> bool:
@@ -158,19 +158,19 @@ def test_a_command_that_listens_is_announced_and_says_goodbye(
 
 
 def test_a_command_that_only_looks_is_silent(
-    open_watch: Callable[[str], Watch],
+    open_monitor: Callable[[str], BusMonitor],
 ) -> None:
-    other = open_watch("list")
+    other = open_monitor("list")
     with ExitStack() as stack:
-        watch = stack.enter_context(open_watch("info"))
+        watch = stack.enter_context(open_monitor("info"))
         watch.settle(foreign=False)
     assert not any(p.channel == NODE_CHANNEL for p in other.receive(0.1))
 
 
 def test_packets_come_as_they_are_pulled_until_the_time_is_over(
-    open_watch: Callable[[str], Watch], bus_url: str, stopwatch: Callable[[], Any]
+    open_monitor: Callable[[str], BusMonitor], bus_url: str, stopwatch: Callable[[], Any]
 ) -> None:
-    watch = open_watch("hz")
+    watch = open_monitor("hz")
     plain = lcm.LCM(bus_url)
     for number in range(5):
         plain.publish("N", b"%d" % number)
@@ -184,11 +184,11 @@ def test_packets_come_as_they_are_pulled_until_the_time_is_over(
 
 
 def test_a_node_answers_a_targeted_probe_with_its_nonce(
-    context: Context, open_watch: Callable[[str], Watch], wait_until: WaitUntil
+    context: Context, open_monitor: Callable[[str], BusMonitor], wait_until: WaitUntil
 ) -> None:
     Node("a", context=context)
     Node("b", context=context)
-    watch = open_watch("ping")
+    watch = open_monitor("ping")
     answers: list[tuple[str, int]] = []
 
     def answered() -> bool:
@@ -208,7 +208,7 @@ def test_a_node_answers_a_targeted_probe_with_its_nonce(
 def test_malformed_datagrams_are_told_of(wait_until: WaitUntil) -> None:
     url = parse_url("udpm://239.255.76.67:7667?ttl=0")
     with (
-        Watch(url, "wtf", os.environ) as watch,
+        BusMonitor(url, "wtf", os.environ) as watch,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger,
     ):
         stranger.sendto(b"nonsense", (url.host, url.port))
@@ -218,13 +218,13 @@ def test_malformed_datagrams_are_told_of(wait_until: WaitUntil) -> None:
 
 
 def test_a_nodes_counters_are_announced(
-    context: Context, open_watch: Callable[[str], Watch]
+    context: Context, open_monitor: Callable[[str], BusMonitor]
 ) -> None:
     node = Node("a", context=context)
     publisher = node.create_publisher(String, "chatter")
     for _ in range(3):
         publisher.publish(String())
-    graph = open_watch("info").settle(foreign=False)
+    graph = open_monitor("info").settle(foreign=False)
     ((_, endpoint),) = graph.topic("/chatter").publishers
     assert (endpoint.messages, endpoint.bytes) == (3, 3 * len(encode(String())))
 
@@ -235,13 +235,13 @@ def test_a_watch_goes_on_while_the_network_is_gone(
 ) -> None:
     ip = str(shutil.which("ip"))
     route = ["224.0.0.0/4", "dev", "lo"]
-    with Watch(parse_url(bus_url), "test", os.environ) as watch, ExitStack() as network:
+    with BusMonitor(parse_url(bus_url), "test", os.environ) as watch, ExitStack() as network:
         subprocess.run([ip, "route", "del", *route], check=True)
         network.callback(subprocess.run, [ip, "route", "add", *route], check=True)
         watch.listen_to(["/chatter"])  # announced when there is a network again
         assert watch.receive(0.0) == []
         network.close()
-        with Watch(parse_url(bus_url), "other", os.environ) as other:
+        with BusMonitor(parse_url(bus_url), "other", os.environ) as other:
 
             def is_seen() -> object:
                 watch.receive(0.1)  # in which it announces itself each second
@@ -258,7 +258,7 @@ def test_a_watch_that_was_held_up_still_hears_who_has_answered(
     bus_url: str, context: Context, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     Node("talker", context=context)
-    with Watch(parse_url(bus_url), "test", os.environ) as watch:
+    with BusMonitor(parse_url(bus_url), "test", os.environ) as watch:
         receive = watch.receive
 
         def be_held_up(_timeout: float) -> list[Packet]:

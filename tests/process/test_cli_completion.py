@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from lcmtools.bus.glance import Glance
 from lcmtools.bus.multicast import sending_socket
+from lcmtools.bus.quick_probe import QuickProbe
 from lcmtools.bus.url import parse_url
 from lcmtools.wire.datagram import fragments, short_message
 
@@ -200,7 +200,7 @@ def test_a_bus_full_of_images_hides_no_node(
     talker.wait_for("hello")
     url = parse_url(bus_url)
     for _ in range(10):  # a talker without a processor answers too late for a glance
-        with Glance(url) as glance, sending_socket(url) as camera:
+        with QuickProbe(url) as glance, sending_socket(url) as camera:
             for seqno in range(30):
                 for datagram in fragments(seqno, "/camera", bytes(300_000)):
                     camera.sendto(datagram, (url.host, url.port))

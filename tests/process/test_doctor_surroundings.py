@@ -14,8 +14,8 @@ from lcmtools.bus.socket_memory import receive_buffers
 from lcmtools.bus.url import parse_url
 from lcmtools.doctor import self_test
 from lcmtools.doctor.firewall import firewall
+from lcmtools.doctor.host import busy_time, host, lcm_processes, silent_bridge, state_of
 from lcmtools.doctor.self_test import large_problem, send_problem
-from lcmtools.doctor.surroundings import busy_time, host, lcm_processes, silent_bridge, state_of
 
 
 def test_the_size_of_a_receive_buffer_is_known_by_inode() -> None:
@@ -163,7 +163,7 @@ def test_what_forbids_sending_is_told_with_what_helps(ip: Callable[..., None]) -
 @pytest.fixture
 def interfaces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Two bridges, br0 with the port eth0, and wlan0, in place of /sys/class/net."""
-    monkeypatch.setattr("lcmtools.doctor.surroundings._NET", tmp_path)
+    monkeypatch.setattr("lcmtools.doctor.host._NET", tmp_path)
     for name, querier in (("br0", 0), ("br1", 1)):
         settings = tmp_path / name / "bridge"
         settings.mkdir(parents=True)

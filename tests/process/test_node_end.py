@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from lcmtools.bus.url import parse_url
-from lcmtools.bus.watch import Watch
 from lcmtools.graph.model import Node
 from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement
+from lcmtools.observe.monitor import BusMonitor
 
 WaitUntil = Callable[..., None]
 SOON = 1.5
@@ -20,8 +20,8 @@ SOON = 1.5
 
 
 @pytest.fixture
-def watch(bus_url: str) -> Iterator[Watch]:
-    with Watch(parse_url(bus_url), "test", os.environ) as watch:
+def watch(bus_url: str) -> Iterator[BusMonitor]:
+    with BusMonitor(parse_url(bus_url), "test", os.environ) as watch:
         yield watch
 
 
@@ -35,11 +35,11 @@ def run(start_python: Callable[..., Any], bus_url: str) -> Callable[..., Any]:
     return start
 
 
-def _alive(watch: Watch) -> list[Node]:
+def _alive(watch: BusMonitor) -> list[Node]:
     return [node for node in watch.settle(foreign=False).nodes if not node.stale]
 
 
-def _goodbyes(watch: Watch, timeout: float = 20.0) -> list[str]:
+def _goodbyes(watch: BusMonitor, timeout: float = 20.0) -> list[str]:
     """The names of the nodes that say goodbye, until one has."""
     deadline = time.monotonic() + timeout
     while time.monotonic() < deadline:
@@ -134,7 +134,7 @@ with Node("victim") as node:
 @pytest.mark.parametrize("doing", _BUSY)
 def test_a_signal_ends_a_node_soon_with_a_goodbye(
     run: Callable[..., Any],
-    watch: Watch,
+    watch: BusMonitor,
     bus_url: str,
     stopwatch: Callable[..., Any],
     doing: str,
@@ -156,7 +156,7 @@ def test_a_signal_ends_a_node_soon_with_a_goodbye(
 
 
 def test_a_node_without_shutdown_says_goodbye_all_the_same(
-    run: Callable[..., Any], watch: Watch, bus_url: str
+    run: Callable[..., Any], watch: BusMonitor, bus_url: str
 ) -> None:
     victim = run(_HEAD + 'Node("victim")\nprint("ready")\n')
     assert victim.wait() == 0
@@ -165,7 +165,7 @@ def test_a_node_without_shutdown_says_goodbye_all_the_same(
 
 
 def test_a_program_that_fails_says_goodbye_and_shows_why(
-    run: Callable[..., Any], watch: Watch, bus_url: str
+    run: Callable[..., Any], watch: BusMonitor, bus_url: str
 ) -> None:
     victim = run(_HEAD + 'node = Node("victim")\n1 / 0\n')
     assert victim.wait() == 1
@@ -174,7 +174,9 @@ def test_a_program_that_fails_says_goodbye_and_shows_why(
     assert _records(bus_url) == []
 
 
-def test_shutdown_in_a_callback_ends_the_program(run: Callable[..., Any], watch: Watch) -> None:
+def test_shutdown_in_a_callback_ends_the_program(
+    run: Callable[..., Any], watch: BusMonitor
+) -> None:
     victim = run(
         _HEAD + 'node = Node("victim")\nnode.create_timer(0.01, lcmtools.shutdown)\n'
         "lcmtools.spin(node)\nprint('end', lcmtools.ok())\n"
@@ -185,7 +187,7 @@ def test_shutdown_in_a_callback_ends_the_program(run: Callable[..., Any], watch:
 
 
 def test_a_second_ctrl_c_breaks_a_callback_off_at_once_and_the_goodbye_is_said(
-    run: Callable[..., Any], watch: Watch, stopwatch: Callable[..., Any]
+    run: Callable[..., Any], watch: BusMonitor, stopwatch: Callable[..., Any]
 ) -> None:
     victim = run(_HEAD + _BUSY["asleep in a callback"] + "\nlcmtools.shutdown()\n")
     victim.wait_for("ready")
@@ -256,11 +258,11 @@ def test_a_killed_node_is_known_to_have_ended_until_it_is_forgotten(
     victim.send_signal(signal.SIGKILL)
     victim.wait()
     for _ in range(2):
-        with Watch(url, "test", os.environ) as later:
+        with BusMonitor(url, "test", os.environ) as later:
             (node,) = later.settle(foreign=False).nodes
             assert (node.name, node.stale) == ("/victim", "ended without saying goodbye")
             assert node.pid == victim.pid
-    with Watch(url, "test", os.environ) as cleaner:
+    with BusMonitor(url, "test", os.environ) as cleaner:
         (node,) = cleaner.settle(foreign=False).nodes
         cleaner.forget(node)
         assert cleaner.graph().nodes == ()
@@ -274,7 +276,7 @@ def test_a_stopped_node_is_known_to_run_but_not_to_answer(
     victim.wait_for("ready")
     victim.send_signal(signal.SIGSTOP)
     wait_until(lambda: _is_stopped(victim.pid))
-    with Watch(parse_url(bus_url), "test", os.environ) as later:
+    with BusMonitor(parse_url(bus_url), "test", os.environ) as later:
         (node,) = later.settle(foreign=False).nodes
         assert node.stale == "runs but does not answer"
         victim.send_signal(signal.SIGCONT)

@@ -10,9 +10,9 @@ import pytest
 
 from lcmtools import Node
 from lcmtools.arguments import split_arguments
+from lcmtools.bus.channel_socket import ChannelSocket
 from lcmtools.bus.liblcm import LcmBus
 from lcmtools.bus.listeners import listening_sockets
-from lcmtools.bus.mailbox import Mailbox
 from lcmtools.bus.processes import udp_sockets
 from lcmtools.bus.socket_memory import selective_sockets
 from lcmtools.bus.url import parse_url
@@ -70,9 +70,9 @@ def test_a_follower_knows_who_comes_changes_and_goes(join: Join, wait_until: Wai
     other = Node("other", context=join())
     wait_until(lambda: _names(follower) == ["/follower", "/other"])
     subscription = other.create_subscription(String, "chatter", print)
-    wait_until(lambda: "/chatter" in follower.heard_topics())
+    wait_until(lambda: "/chatter" in follower.subscribed_topics())
     other.destroy_subscription(subscription)
-    wait_until(lambda: "/chatter" not in follower.heard_topics())
+    wait_until(lambda: "/chatter" not in follower.subscribed_topics())
     other.destroy_node()
     wait_until(lambda: _names(follower) == ["/follower"])
 
@@ -150,7 +150,7 @@ def test_a_mailbox_takes_one_channel_whatever_else_comes(
     bus_url: str, wait_until: WaitUntil
 ) -> None:
     url = parse_url(bus_url)
-    mailbox, bus = Mailbox(url, "/a"), LcmBus(url)
+    mailbox, bus = ChannelSocket(url, "/a"), LcmBus(url)
     for channel, payload in (("/b", b"no"), ("/a", b"1"), ("/ab", b"no"), ("/", b""), ("/a", b"2")):
         bus.publish(channel, payload)
     taken: list[bytes] = []
@@ -169,7 +169,7 @@ def test_a_mailbox_takes_one_channel_whatever_else_comes(
 def test_what_waited_in_a_mailbox_came_before_it_was_taken(
     bus_url: str, mailbox: Callable[[], int], wait_until: WaitUntil
 ) -> None:
-    taker, bus = Mailbox(parse_url(bus_url), "/a"), LcmBus(parse_url(bus_url))
+    taker, bus = ChannelSocket(parse_url(bus_url), "/a"), LcmBus(parse_url(bus_url))
     bus.publish("/a", b"1")
     wait_until(lambda: _waiting_bytes(mailbox()) > 0)
     before = time.time_ns()

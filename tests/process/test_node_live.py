@@ -8,8 +8,8 @@ import lcm
 import pytest
 
 from lcmtools.bus.url import parse_url
-from lcmtools.bus.watch import Watch
 from lcmtools.messages.codec import decode, encode
+from lcmtools.observe.monitor import BusMonitor
 from lcmtools.types.rosgraph_msgs import Log
 from lcmtools.types.std_msgs import String
 
@@ -87,7 +87,7 @@ def test_a_plain_lcm_program_and_a_node_talk(
 def test_a_node_gets_another_name(start_python: Callable[..., Any], bus_url: str) -> None:
     node = start_python(_ECHOER, "__name:=bob", LCM_DEFAULT_URL=bus_url)
     node.wait_for("ready")
-    with Watch(parse_url(bus_url), "test", os.environ) as watch:
+    with BusMonitor(parse_url(bus_url), "test", os.environ) as watch:
         (found,) = watch.settle(foreign=False).nodes
     assert found.name == "/bob"
     assert found.pid == node.pid
@@ -97,7 +97,7 @@ def test_a_node_gets_another_name(start_python: Callable[..., Any], bus_url: str
 
 
 def test_rosout_has_what_was_logged(start_python: Callable[..., Any], bus_url: str) -> None:
-    with Watch(parse_url(bus_url), "test", os.environ) as watch:
+    with BusMonitor(parse_url(bus_url), "test", os.environ) as watch:
         start_python(_ECHOER, LCM_DEFAULT_URL=bus_url)
         packet = next(p for p in watch.packets(15.0) if p.channel == "/rosout")
     entry = decode(Log, packet.payload)
@@ -147,7 +147,7 @@ def test_a_node_on_tcpq_works_without_multicast(
     caller = start_python(_CALLER, LCM_DEFAULT_URL=url)
     assert caller.wait() == 0, caller.output
     assert "answer True done" in caller.lines
-    with Watch(parse_url(url), "test", os.environ) as watch:
+    with BusMonitor(parse_url(url), "test", os.environ) as watch:
         wait_until(lambda: [n.name for n in watch.settle().nodes if not n.stale] == ["/server"])
     server.send_signal(2)
     assert server.wait() == 0

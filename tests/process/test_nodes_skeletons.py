@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from lcmtools.nodes.skeletons import NAMES
+from lcmtools.labs.skeletons import NAMES
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 

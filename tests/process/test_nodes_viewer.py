@@ -16,7 +16,7 @@ from pathlib import Path
 import lcm
 import pytest
 
-from lcmtools.nodes.picture.png import PngPixels, decode_png, encode_png
+from lcmtools.labs.nodes.picture.png import PngPixels, decode_png, encode_png
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
 TOPIC = "/camera/depth/image_raw"

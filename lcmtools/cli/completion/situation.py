@@ -47,13 +47,13 @@ class Situation:
     @cached_property
     def graph(self) -> "Graph":
         """What is on the bus; nothing where it cannot be reached."""
-        from lcmtools.bus.glance import Glance
+        from lcmtools.bus.quick_probe import QuickProbe
 
         try:
-            with Glance(self.url) as glance:
+            with QuickProbe(self.url) as quick_probe:
                 from lcmtools.cli.completion.heard import with_heard
 
-                seen = glance.graph(self._running())
+                seen = quick_probe.graph(self._running())
                 return with_heard(seen, f"{self.url.host}-{self.url.port}", self.environment)
         except (LcmtoolsError, OSError):
             from lcmtools.graph.model import Graph

@@ -4,15 +4,15 @@ from dataclasses import replace
 
 import click
 
-from lcmtools.bus.programs import programs
 from lcmtools.cli.graph.seen import diagram_of
 from lcmtools.cli.graph.written import FORMS, STDOUT, chosen
-from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_watch
+from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_monitor
 from lcmtools.cli.output import talk
-from lcmtools.cli.topic.settled import Rates, settled
 from lcmtools.errors import UsageError
 from lcmtools.graph.drawing.diagram import Diagram
 from lcmtools.graph.drawing.selection import Selection, members_only, select
+from lcmtools.observe.programs import programs
+from lcmtools.observe.settled import Rates, settled
 
 _MEASURED = 1.0  # [s]
 
@@ -94,9 +94,9 @@ def command(  # noqa: PLR0913 - one parameter an option
         raise UsageError("a name is empty", "lcmtools list and node list show the names")
     wanted = Selection(namespace, topics, excluded, show_all, leaf_topics, tools, with_services)
     heard = Rates()
-    with open_watch("graph") as watch:
-        graph = settled(watch, _MEASURED if hz and wait is None else wait, heard)
-        url = watch.url
+    with open_monitor("graph") as monitor:
+        graph = settled(monitor, _MEASURED if hz and wait is None else wait, heard)
+        url = monitor.url
     whole = diagram_of(graph, programs(graph, url), heard.by_channel() if hz else None)
     diagram, left = select(whole, wanted)
     diagram = replace(members_only(diagram) if nodes_only else diagram, is_grouped=is_grouped)

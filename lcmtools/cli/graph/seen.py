@@ -8,10 +8,10 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from lcmtools.bus.programs import Program, is_here
 from lcmtools.cli.describe import seen_types
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Topic, Traffic
+from lcmtools.observe.programs import Program, is_here
 
 _FLOWS = {
     Role.PUBLISHER: Flow.PUBLISHES,

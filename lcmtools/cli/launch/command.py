@@ -27,10 +27,10 @@ from lcmtools.launch.file import STANDARD_INPUT, File, read_file, read_standard_
 from lcmtools.launch.logs import make_folder
 from lcmtools.launch.packages import find_files, lab_files
 from lcmtools.launch.plan import NodePlan, Output, Plan
-from lcmtools.launch.process import Times
 from lcmtools.launch.reading import Given, make_plan
 from lcmtools.launch.supervisor import Supervisor, base_environment
 from lcmtools.names import base_name_of, did_you_mean
+from lcmtools.processes.process import Times
 from lcmtools.settings import usual_namespace
 
 _QUESTIONS = (

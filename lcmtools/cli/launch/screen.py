@@ -10,8 +10,8 @@ import sys
 
 from lcmtools.cli.output import data, talk
 from lcmtools.color import BOLD_RED, paint, stream_wants_color
-from lcmtools.launch.process import Process
 from lcmtools.launch.supervisor import label
+from lcmtools.processes.process import Process
 
 _COLORS = ("36", "32", "35", "34", "33")  # of nodes in turn: red is for what is wrong
 

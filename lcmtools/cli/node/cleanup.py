@@ -2,7 +2,7 @@
 
 import click
 
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.graph.model import Staleness
 
@@ -23,11 +23,11 @@ def command(*, as_json: bool) -> None:
       lcmtools node cleanup
       lcmtools node cleanup --domain 3
     """  # noqa: D301 - \b is click's mark
-    with open_watch("node_cleanup") as watch:
-        nodes = watch.settle(foreign=False).nodes
+    with open_monitor("node_cleanup") as monitor:
+        nodes = monitor.settle(foreign=False).nodes
         ended = [node for node in nodes if node.stale is Staleness.ENDED]
         for node in ended:
-            watch.forget(node)
+            monitor.forget(node)
     names = [node.name for node in ended]
     document(names) if as_json else lines(names)
     if not ended:

@@ -5,10 +5,10 @@ import time
 from dataclasses import dataclass
 
 from lcmtools.bus.processes import process_of
-from lcmtools.bus.programs import is_here
-from lcmtools.bus.watch import Watch
 from lcmtools.graph.model import Node
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, decode_announcement
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.programs import is_here
 
 _ASK_AGAIN = 0.5  # [s]; any message on LCM may be lost
 
@@ -57,9 +57,9 @@ def place_of(node: Node) -> tuple[str, str, int]:
     return node.host, node.sender.address if node.sender else "", node.pid
 
 
-def end_nodes(watch: Watch, nodes: list[Node], timeout: float) -> list[Ending]:
+def end_nodes(monitor: BusMonitor, nodes: list[Node], timeout: float) -> list[Ending]:
     """Ask nodes to end and wait until they have, for ``timeout`` seconds at most."""
-    known = watch.graph().nodes
+    known = monitor.graph().nodes
     endings = [Ending(node, secrets.randbits(62) | 1, others=_with(node, known)) for node in nodes]
     deadline, ask = time.monotonic() + timeout, 0.0
     while (now := time.monotonic()) < deadline and (left := _left(endings)):
@@ -67,8 +67,8 @@ def end_nodes(watch: Watch, nodes: list[Node], timeout: float) -> list[Ending]:
             ask = now + _ASK_AGAIN
             for ending in left:
                 ending.look_at_process()
-                watch.ask_to_end(ending.node, ending.nonce)
-        _listen(watch, endings, min(ask, deadline) - now)
+                monitor.ask_to_end(ending.node, ending.nonce)
+        _listen(monitor, endings, min(ask, deadline) - now)
     for ending in _left(endings):
         ending.look_at_process()
     return endings
@@ -78,8 +78,8 @@ def _left(endings: list[Ending]) -> list[Ending]:
     return [ending for ending in endings if not ending.ended]
 
 
-def _listen(watch: Watch, endings: list[Ending], seconds: float) -> None:
-    for packet in watch.receive(seconds):
+def _listen(monitor: BusMonitor, endings: list[Ending], seconds: float) -> None:
+    for packet in monitor.receive(seconds):
         if packet.channel == NODE_CHANNEL and (said := decode_announcement(packet.payload)):
             for ending in endings:
                 ending.learn(said)

@@ -8,17 +8,17 @@ import time
 
 import click
 
-from lcmtools.bus.programs import Program, programs
-from lcmtools.bus.watch import Watch
 from lcmtools.cli.describe import node_record
-from lcmtools.cli.find import find_nodes
 from lcmtools.cli.node import parameters, sections
 from lcmtools.cli.node.programs import command as command_of
 from lcmtools.cli.node.programs import is_meant, listening, place, program_record, seen_type
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node
+from lcmtools.observe.find import find_nodes
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.programs import Program, programs
 
 
 @click.command("info", context_settings=CONTEXT)
@@ -37,10 +37,10 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
       lcmtools node info simple_controller
       lcmtools node info /husky0/simple_controller lcm-source
     """  # noqa: D301 - \b is click's mark
-    with open_watch("node_info") as watch:
-        graph = watch.settle(foreign=False)
-        found = [one for word in nodes for one in _find(watch, graph, word)]
-        graph = watch.graph()
+    with open_monitor("node_info") as monitor:
+        graph = monitor.settle(foreign=False)
+        found = [one for word in nodes for one in _find(monitor, graph, word)]
+        graph = monitor.graph()
     asked = [] if quiet and not as_json else [one for one in found if isinstance(one, Node)]
     known = parameters.ask(asked, graph)
     now = time.time_ns()
@@ -60,7 +60,7 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
             lines(_program_text(one, now, quiet=quiet))
 
 
-def _find(watch: Watch, graph: Graph, word: str) -> list[Node] | list[Program]:
+def _find(monitor: BusMonitor, graph: Graph, word: str) -> list[Node] | list[Program]:
     """The nodes that a word means, else the programs.
 
     Raises:
@@ -72,7 +72,7 @@ def _find(watch: Watch, graph: Graph, word: str) -> list[Node] | list[Program]:
     except UsageError:
         raise
     except LcmtoolsError as unknown:
-        seen = programs(watch.settle(), watch.url)
+        seen = programs(monitor.settle(), monitor.url)
         if found := [program for program in seen if is_meant(program, word)]:
             return found
         raise unknown  # noqa: TRY201 - the first error, not that of looking further

@@ -4,17 +4,17 @@ import sys
 
 import click
 
-from lcmtools.bus.programs import programs
-from lcmtools.bus.watch import Watch
 from lcmtools.cli.describe import host_text
-from lcmtools.cli.find import find_nodes
 from lcmtools.cli.node.ending import Ending, end_nodes, place_of
 from lcmtools.cli.node.programs import command as command_of
 from lcmtools.cli.node.programs import is_meant
-from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_watch
+from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_monitor
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node, Staleness
+from lcmtools.observe.find import find_nodes
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.programs import programs
 
 
 @click.command("kill", context_settings=CONTEXT)
@@ -42,16 +42,16 @@ def command(
         raise UsageError("--all takes no node's name", "leave out one of them")
     if not (kill_all or nodes or sys.stdin.isatty()):  # there is nobody to choose from a list
         raise click.MissingParameter(param_hint="'NODES...'", param_type="argument")
-    with open_watch("node_kill") as watch:
-        graph = watch.settle(foreign=False)
-        found = _everybody(graph) if kill_all or not nodes else _named(watch, graph, nodes)
+    with open_monitor("node_kill") as monitor:
+        graph = monitor.settle(foreign=False)
+        found = _everybody(graph) if kill_all or not nodes else _named(monitor, graph, nodes)
         if not found:
             talk("no nodes running")
         elif not nodes:
             found = _agreed(found, yes=yes) if kill_all else _chosen(found)
         if not as_json and found:
             lines(_announcing(found))
-        endings = end_nodes(watch, found, timeout)
+        endings = end_nodes(monitor, found, timeout)
     if as_json:
         document([_record(ending) for ending in endings])
     elif found:
@@ -68,18 +68,18 @@ def _everybody(graph: Graph) -> list[Node]:
     ]
 
 
-def _named(watch: Watch, graph: Graph, words: tuple[str, ...]) -> list[Node]:
+def _named(monitor: BusMonitor, graph: Graph, words: tuple[str, ...]) -> list[Node]:
     """The nodes that are meant, each once; none is asked unless all are found."""
-    return list({node.id: node for word in words for node in [_one(watch, graph, word)]}.values())
+    return list({node.id: node for word in words for node in [_one(monitor, graph, word)]}.values())
 
 
-def _one(watch: Watch, graph: Graph, word: str) -> Node:
+def _one(monitor: BusMonitor, graph: Graph, word: str) -> Node:
     try:
         found = find_nodes(graph, word)
     except UsageError:
         raise
     except LcmtoolsError:
-        _explain_program(watch, word)
+        _explain_program(monitor, word)
         raise
     if len({place_of(node) for node in found}) > 1:
         what = "pid" if word.isdecimal() else "name"
@@ -103,9 +103,9 @@ def _distinction(nodes: list[Node]) -> str:
     )
 
 
-def _explain_program(watch: Watch, word: str) -> None:
+def _explain_program(monitor: BusMonitor, word: str) -> None:
     """Raise what to type where a word means a program that is no node."""
-    others = programs(watch.settle(), watch.url)
+    others = programs(monitor.settle(), monitor.url)
     meant = next((p for p in others if is_meant(p, word)), None)
     if meant and meant.process is None:
         raise LcmtoolsError(

@@ -4,13 +4,13 @@ import contextlib
 
 import click
 
-from lcmtools.bus.programs import Program, programs
 from lcmtools.cli.describe import listed_node, node_record
-from lcmtools.cli.find import below_or_like
 from lcmtools.cli.node.programs import HEADING, listed_program, program_record
-from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_watch
+from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_monitor
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.graph.model import Graph, Node
+from lcmtools.observe.find import below_or_like
+from lcmtools.observe.programs import Program, programs
 
 
 @click.command("list", context_settings=CONTEXT)
@@ -39,14 +39,14 @@ def command(
       lcmtools node list
       lcmtools node list -a /husky0
     """  # noqa: D301 - \b is click's mark
-    with open_watch("node_list") as watch:
-        graph = watch.settle(foreign=show_all and wait is None)
+    with open_monitor("node_list") as monitor:
+        graph = monitor.settle(foreign=show_all and wait is None)
         if show_all and wait is not None:
             with contextlib.suppress(EOFError):  # a log has ended
-                for _ in watch.packets(wait):
+                for _ in monitor.packets(wait):
                     pass
-            graph = watch.graph()
-        url = watch.url
+            graph = monitor.graph()
+        url = monitor.url
     nodes = _nodes(graph, namespace, show_all=show_all)
     others = programs(graph, url) if show_all and not namespace else []
     if as_json:

@@ -4,13 +4,13 @@ import socket
 
 import click
 
-from lcmtools.cli.computers import Computers
 from lcmtools.cli.describe import listed_node
-from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_watch
+from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Node
 from lcmtools.names import did_you_mean
+from lcmtools.observe.computers import Computers
 
 
 @click.command("machine", context_settings=CONTEXT)
@@ -28,8 +28,8 @@ def command(host: str | None, *, show_all: bool, as_json: bool) -> None:
       lcmtools node machine
       lcmtools node machine husky0-pc
     """  # noqa: D301 - \b is click's mark
-    with open_watch("node_machine") as watch:
-        graph, url = watch.settle(foreign=False), watch.url
+    with open_monitor("node_machine") as monitor:
+        graph, url = monitor.settle(foreign=False), monitor.url
     nodes = [node for node in graph.nodes if show_all or not node.is_hidden]
     computers = Computers(graph.nodes)
     hosts = sorted({computers.of(node) for node in nodes})

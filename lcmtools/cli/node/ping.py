@@ -5,20 +5,20 @@ import time
 
 import click
 
-from lcmtools.bus.watch import Watch
-from lcmtools.cli.find import find_node
 from lcmtools.cli.options import (
     CONTEXT,
     bus_options,
     duration,
     json_option,
-    open_watch,
+    open_monitor,
     whole_number,
 )
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.errors import NothingReceived, UsageError
 from lcmtools.graph.model import Node, Staleness
 from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement
+from lcmtools.observe.find import find_node
+from lcmtools.observe.monitor import BusMonitor
 
 _PERIOD = 1.0  # [s] between two pings
 
@@ -43,12 +43,12 @@ def command(
       lcmtools node ping --all
     """  # noqa: D301 - \b is click's mark
     _check(node, ping_all=ping_all, count=count)
-    with open_watch("node_ping") as watch:
-        graph = watch.settle(foreign=False)
+    with open_monitor("node_ping") as monitor:
+        graph = monitor.settle(foreign=False)
         if node is None:
             nodes = [one for one in graph.nodes if not one.is_hidden]
-            return _ping_all(watch, nodes, timeout, as_json=as_json)
-        _ping_one(watch, find_node(graph, node), count, timeout, as_json=as_json)
+            return _ping_all(monitor, nodes, timeout, as_json=as_json)
+        _ping_one(monitor, find_node(graph, node), count, timeout, as_json=as_json)
     return 0
 
 
@@ -68,7 +68,7 @@ def _check(node: str | None, *, ping_all: bool, count: int | None) -> None:
 
 
 def _ping_one(
-    watch: Watch, node: Node, count: int | None, timeout: float, *, as_json: bool
+    monitor: BusMonitor, node: Node, count: int | None, timeout: float, *, as_json: bool
 ) -> None:
     """Ping a node again and again, and sum up, on Ctrl-C too."""
     times: list[float] = []
@@ -76,7 +76,7 @@ def _ping_one(
         data(f"pinging {node.name} with a timeout of {timeout}s")
     try:
         while count is None or len(times) < count:
-            times.append(_ping(watch, node, timeout))
+            times.append(_ping(monitor, node, timeout))
             if not as_json:
                 lines([_reply(node, times[-1])])
             if len(times) != count:
@@ -88,16 +88,16 @@ def _ping_one(
             lines(_summary(times))
 
 
-def _ping_all(watch: Watch, nodes: list[Node], timeout: float, *, as_json: bool) -> int:
+def _ping_all(monitor: BusMonitor, nodes: list[Node], timeout: float, *, as_json: bool) -> int:
     """Ping every node once; the exit code."""
     if not nodes:
-        talk(f"no nodes on {watch.url}")
+        talk(f"no nodes on {monitor.url}")
     if nodes and not as_json:
         lines(["Will ping the following nodes: ", *(f" * {node.name}" for node in nodes), ""])
     times: dict[str, float | None] = {}
     try:
         for node in nodes:
-            times[node.id] = _try(watch, node, timeout, as_json=as_json)
+            times[node.id] = _try(monitor, node, timeout, as_json=as_json)
     finally:
         answered = [seconds for seconds in times.values() if seconds is not None]
         if as_json:
@@ -109,7 +109,7 @@ def _ping_all(watch: Watch, nodes: list[Node], timeout: float, *, as_json: bool)
     return 0 if len(answered) == len(nodes) else NothingReceived.exit_code
 
 
-def _try(watch: Watch, node: Node, timeout: float, *, as_json: bool) -> float | None:
+def _try(monitor: BusMonitor, node: Node, timeout: float, *, as_json: bool) -> float | None:
     """Ping a node once and say what comes of it; the seconds, None without an answer."""
     if node.stale is Staleness.ENDED:
         talk(f"{node.name} {node.stale}; lcmtools node cleanup forgets it", "lcmtools node ping")
@@ -117,7 +117,7 @@ def _try(watch: Watch, node: Node, timeout: float, *, as_json: bool) -> float | 
     if not as_json:
         data(f"pinging {node.name} with a timeout of {timeout}s")
     try:
-        seconds = _ping(watch, node, timeout)
+        seconds = _ping(monitor, node, timeout)
     except NothingReceived as error:
         talk(str(error), "lcmtools node ping")
         return None
@@ -126,18 +126,18 @@ def _try(watch: Watch, node: Node, timeout: float, *, as_json: bool) -> float | 
     return seconds
 
 
-def _ping(watch: Watch, node: Node, timeout: float) -> float:
+def _ping(monitor: BusMonitor, node: Node, timeout: float) -> float:
     """The round trip time of one question [s].
 
     Raises:
         NothingReceived: The node did not answer in time.
     """
     nonce = secrets.randbits(62) | 1
-    watch.receive(0.0)  # what has come meanwhile is not to be read within the time measured
+    monitor.receive(0.0)  # what has come meanwhile is not to be read within the time measured
     start = time.monotonic()
-    watch.probe(node.name, nonce)
+    monitor.probe(node.name, nonce)
     while (left := start + timeout - time.monotonic()) > 0:
-        for packet in watch.receive(left):
+        for packet in monitor.receive(left):
             if packet.channel != NODE_CHANNEL:
                 continue
             announcement = decode_announcement(packet.payload)

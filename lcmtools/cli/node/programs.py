@@ -2,11 +2,11 @@
 
 import socket
 
-from lcmtools.bus.programs import Program
 from lcmtools.bus.socket_memory import receive_buffers
 from lcmtools.cli.describe import UNKNOWN, candidates_text
 from lcmtools.graph.model import Traffic
 from lcmtools.messages.registry import candidates
+from lcmtools.observe.programs import Program
 
 HEADING = "Programs that are no nodes (seen on the bus):"
 

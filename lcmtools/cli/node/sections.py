@@ -4,10 +4,10 @@ import time
 from collections.abc import Iterator, Sequence
 
 from lcmtools.bus.processes import usage_of
-from lcmtools.bus.programs import is_here, user_name
 from lcmtools.cli.describe import callback_record, callback_times, host_text
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.names import is_hidden
+from lcmtools.observe.programs import is_here, user_name
 
 _TITLES = {
     Role.PUBLISHER: "Publications",

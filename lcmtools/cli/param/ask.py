@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import click
 
 from lcmtools.cli.asker import asking_node
-from lcmtools.cli.options import duration, open_watch
+from lcmtools.cli.options import duration, open_monitor
 from lcmtools.cli.output import talk
 from lcmtools.cli.param.target import with_parameters
 from lcmtools.errors import LcmtoolsError, ServiceError, ServiceTimeout
@@ -91,8 +91,8 @@ def look(timeout: float) -> Asker:
         UsageError: The URL or the domain is wrong.
         BusError: The bus cannot be reached, with what to type.
     """
-    with open_watch("param") as watch:
-        return Asker(watch.settle(foreign=False), str(watch.url), timeout)
+    with open_monitor("param") as monitor:
+        return Asker(monitor.settle(foreign=False), str(monitor.url), timeout)
 
 
 def living_nodes(graph: Graph, *, show_all: bool) -> list[Node]:

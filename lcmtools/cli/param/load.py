@@ -6,7 +6,6 @@ from pathlib import Path
 
 import click
 
-from lcmtools.cli.find import find_node
 from lcmtools.cli.options import CONTEXT, bus_options
 from lcmtools.cli.output import talk
 from lcmtools.cli.param.ask import Asker, look, timeout_option
@@ -15,6 +14,7 @@ from lcmtools.cli.param.file import leaves
 from lcmtools.cli.param.target import require_parameters, with_parameters
 from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError
 from lcmtools.node.remote import RefusedParameters
+from lcmtools.observe.find import find_node
 
 _MOST_WORDS = 2
 

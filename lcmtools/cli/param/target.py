@@ -7,12 +7,12 @@ A parameter is named as rosparam names it, ``/husky0/driver/gain``, or as ros2 d
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from lcmtools.cli.find import find_node
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.names import MAX_CHANNEL_BYTES, did_you_mean
 from lcmtools.node.parameters import service_name
 from lcmtools.node.service import request_channel
+from lcmtools.observe.find import find_node
 
 
 @dataclass(frozen=True, slots=True)

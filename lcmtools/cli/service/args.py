@@ -2,7 +2,7 @@
 
 import click
 
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
 from lcmtools.cli.output import data, document
 from lcmtools.cli.service.offered import class_of, find_service
 from lcmtools.messages.fields import visible_fields
@@ -20,7 +20,7 @@ def command(service: str, *, as_json: bool) -> None:
       lcmtools service args /switch
       lcmtools service args /switch --json
     """  # noqa: D301 - \b is click's mark
-    with open_watch("service_args") as watch:
-        found = find_service(watch.settle(foreign=False), service)
+    with open_monitor("service_args") as monitor:
+        found = find_service(monitor.settle(foreign=False), service)
     names = [field.name for field in visible_fields(class_of(found).Request)]
     document(names) if as_json else data(" ".join(names))

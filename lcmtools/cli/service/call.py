@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator
 
 import click
 
-from lcmtools.bus.watch import Watch
 from lcmtools.cli.asker import asking_node
 from lcmtools.cli.describe import node_text
 from lcmtools.cli.options import (
@@ -14,7 +13,7 @@ from lcmtools.cli.options import (
     bus_options,
     duration,
     json_option,
-    open_watch,
+    open_monitor,
     whole_number,
 )
 from lcmtools.cli.options import rate as rate_option
@@ -22,14 +21,15 @@ from lcmtools.cli.output import data, talk
 from lcmtools.cli.service.offered import Offered, find_service, full_name, near_service, offered
 from lcmtools.cli.service.offered import shown as shown_services
 from lcmtools.cli.service.pace import in_time
-from lcmtools.cli.service.requests import read_requests, split_type
 from lcmtools.cli.words import WITHOUT_END, CommandWithWords
 from lcmtools.errors import LcmtoolsError, NothingReceived, ServiceTimeout
-from lcmtools.messages.draft import Draft
+from lcmtools.messages.message_template import MessageTemplate
 from lcmtools.messages.plain import to_json
 from lcmtools.messages.registry import Message, ServiceType
 from lcmtools.messages.text import format_message
 from lcmtools.node.service import Client
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.publish.requests import read_requests, split_type
 
 _PATIENCE = 2.0  # [s] before the person is told what is waited for
 
@@ -90,11 +90,11 @@ def command(  # noqa: PLR0913 - one parameter an option
       lcmtools service call -r 2 /switch true
     """  # noqa: D301 - \b is click's mark
     full_name(service)  # an empty name is wrong whatever is on the bus
-    with open_watch("service_call") as watch:
-        watch.settle(foreign=False)
+    with open_monitor("service_call") as monitor:
+        monitor.settle(foreign=False)
         if wait is not None:
-            _await(watch, service, wait)
-        found = find_service(watch.graph(), service)
+            _await(monitor, service, wait)
+        found = find_service(monitor.graph(), service)
         pair, values = split_type(found, words)
         requests = read_requests(pair.Request, values, file)
         _tell_server(found, verbose=verbose)
@@ -108,7 +108,10 @@ def command(  # noqa: PLR0913 - one parameter an option
 
 
 def _responses(
-    service: Offered, pair: type[ServiceType], requests: Iterable[Draft[Message]], timeout: float
+    service: Offered,
+    pair: type[ServiceType],
+    requests: Iterable[MessageTemplate[Message]],
+    timeout: float,
 ) -> Iterator[Message]:
     """The answers, one by one.
 
@@ -128,8 +131,8 @@ def _responses(
 def _fate(service: Offered) -> str:
     """What has become of the node that did not answer; seen anew, by who answers now."""
     server = service.servers[0][0]
-    with open_watch("service_call") as watch:
-        now = [node for node in watch.settle(foreign=False).nodes if node.id == server.id]
+    with open_monitor("service_call") as monitor:
+        now = [node for node in monitor.settle(foreign=False).nodes if node.id == server.id]
     if not now:
         return f"its node {server.name} has ended"
     if now[0].stale:
@@ -154,30 +157,30 @@ def _outcome(response: Message) -> int:
     return 1 if getattr(response, "success", True) is False else 0
 
 
-def _await(watch: Watch, service: str, longest: float) -> None:
+def _await(monitor: BusMonitor, service: str, longest: float) -> None:
     """Wait until a living node offers a service; say so where that takes long.
 
     Raises:
         NothingReceived: None does within ``longest`` seconds.
     """
     name, start, has_told = full_name(service), time.monotonic(), False
-    while not any(s.name == name and s.is_alive for s in offered(watch.graph())):
+    while not any(s.name == name and s.is_alive for s in offered(monitor.graph())):
         waited = time.monotonic() - start
         if waited >= longest:
             raise NothingReceived(
-                f"no node offers {name} within {longest:g} s", near_service(watch.graph(), name)
+                f"no node offers {name} within {longest:g} s", near_service(monitor.graph(), name)
             )
         if waited >= _PATIENCE and not has_told:
             has_told = True
-            talk(f"{click.get_current_context().command_path}: {_situation(watch, name)}")
+            talk(f"{click.get_current_context().command_path}: {_situation(monitor, name)}")
         try:
-            watch.receive(min(0.2, longest - waited))
+            monitor.receive(min(0.2, longest - waited))
         except EOFError:
             raise LcmtoolsError(f"no node offers {name}: the log has ended") from None
 
 
-def _situation(watch: Watch, name: str) -> str:
+def _situation(monitor: BusMonitor, name: str) -> str:
     """What is waited for, and what there is instead."""
-    known = [service.name for service in shown_services(watch.graph())]
+    known = [service.name for service in shown_services(monitor.graph())]
     there = f"there is {', '.join(known[:8])}" if known else "no node offers any"
     return f"waiting for the service {name}; {there}"

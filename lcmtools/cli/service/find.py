@@ -2,7 +2,7 @@
 
 import click
 
-from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_watch
+from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.cli.service.offered import shown
 from lcmtools.messages.registry import service_name
@@ -24,8 +24,8 @@ def command(type_: str, *, show_all: bool, as_json: bool) -> None:
       lcmtools service find SetBool --json
     """  # noqa: D301 - \b is click's mark
     name = service_name(type_)
-    with open_watch("service_find") as watch:
-        graph, url = watch.settle(foreign=False), watch.url
+    with open_monitor("service_find") as monitor:
+        graph, url = monitor.settle(foreign=False), monitor.url
     found = [s.name for s in shown(graph, show_all=show_all) if name in s.types]
     document(found) if as_json else lines(found)
     if not found:

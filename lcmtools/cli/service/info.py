@@ -3,7 +3,7 @@
 import click
 
 from lcmtools.cli.describe import callback_record, callback_times, listed_node, node_record
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.service.offered import Offered, arguments, find_service
 from lcmtools.graph.model import Endpoint, Node
@@ -21,8 +21,8 @@ def command(services: tuple[str, ...], *, as_json: bool) -> None:
       lcmtools service info /reset
       lcmtools service info /reset --json
     """  # noqa: D301 - \b is click's mark
-    with open_watch("service_info") as watch:
-        graph = watch.settle(foreign=False)
+    with open_monitor("service_info") as monitor:
+        graph = monitor.settle(foreign=False)
     found = [find_service(graph, name) for name in services]
     if as_json:
         document([_record(service) for service in found])

@@ -2,7 +2,7 @@
 
 import click
 
-from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_watch
+from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.cli.service.offered import Offered, shown
 
@@ -26,8 +26,8 @@ def command(
       lcmtools service list
       lcmtools service list -t /husky0
     """  # noqa: D301 - \b is click's mark
-    with open_watch("service_list") as watch:
-        graph, url = watch.settle(foreign=False), watch.url
+    with open_monitor("service_list") as monitor:
+        graph, url = monitor.settle(foreign=False), monitor.url
     services = shown(graph, namespace, show_all=show_all)
     if as_json:
         document([_record(service) for service in services])

@@ -4,14 +4,16 @@ import itertools
 import time
 from collections.abc import Iterator
 
-from lcmtools.cli.service.requests import Drafts
-from lcmtools.messages.draft import Draft
+from lcmtools.messages.message_template import MessageTemplate
 from lcmtools.messages.registry import Message
+from lcmtools.publish.requests import Drafts
 
 _USUAL_RATE = 1.0  # [Hz] of a service that is asked so many times
 
 
-def in_time(requests: Drafts, rate: float | None, times: int | None) -> Iterator[Draft[Message]]:
+def in_time(
+    requests: Drafts, rate: float | None, times: int | None
+) -> Iterator[MessageTemplate[Message]]:
     """The requests, each when it is due; the next one is taken when the answer has come.
 
     Args:

@@ -2,7 +2,7 @@
 
 import click
 
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.service.offered import find_service
 from lcmtools.errors import LcmtoolsError
@@ -20,8 +20,8 @@ def command(service: str, *, as_json: bool) -> None:
       lcmtools service type /reset
       lcmtools srv show $(lcmtools service type /reset)
     """  # noqa: D301 - \b is click's mark
-    with open_watch("service_type") as watch:
-        found = find_service(watch.settle(foreign=False), service)
+    with open_monitor("service_type") as monitor:
+        found = find_service(monitor.settle(foreign=False), service)
     if as_json:
         document({"service": found.name, "type": found.type_text if found.types else None})
     elif not found.types:

@@ -8,8 +8,7 @@ from typing import TypeVar
 import click
 
 from lcmtools.cli.asker import asking_node
-from lcmtools.cli.find import find_node
-from lcmtools.cli.options import duration, open_watch
+from lcmtools.cli.options import duration, open_monitor
 from lcmtools.cli.output import data, document
 from lcmtools.cli.service.offered import Offered, offered
 from lcmtools.errors import LcmtoolsError, UsageError
@@ -17,6 +16,7 @@ from lcmtools.graph.model import Graph, Staleness
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import Message
 from lcmtools.node.service import ServiceType as Pair
+from lcmtools.observe.find import find_node
 from lcmtools.types.geometry_msgs import Pose
 
 _MARK = "sim_msgs/Step"
@@ -55,7 +55,7 @@ def ask(
         LcmtoolsError: There is no simulator, or it could not do it, with the reason.
         ServiceTimeout: It did not answer.
     """
-    with open_watch(f"sim_{verb}") as watch:
+    with open_monitor(f"sim_{verb}") as watch:
         graph = watch.settle(foreign=False)
         if _may_be_late(graph):
             graph = watch.settle(foreign=False)

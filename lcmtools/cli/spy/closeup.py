@@ -18,9 +18,9 @@ from lcmtools.cli.spy.columns import (
     width_of,
 )
 from lcmtools.cli.spy.numbers import Line
-from lcmtools.cli.spy.rows import Row
 from lcmtools.cli.spy.sparkline import Sample, number_text, sparkline
-from lcmtools.cli.spy.study import Look
+from lcmtools.observe.channels import Row
+from lcmtools.observe.study import Look
 
 Pieces = list[tuple[str, str]]
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from lcmtools.cli.spy.rows import Row, in_order
+from lcmtools.observe.channels import Row, in_order
 
 DOTS = "…"
 _GAPS = (2, 1)  # characters between two columns: usually, and where there is little room

@@ -12,15 +12,15 @@ from lcmtools.cli.options import (
     bus_options,
     duration,
     json_option,
-    open_watch,
+    open_monitor,
 )
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.cli.spy.columns import COLUMNS
 from lcmtools.cli.spy.once import look, notes, record, table
-from lcmtools.cli.spy.rows import Wanted
 from lcmtools.cli.spy.view import View
 from lcmtools.color import stream_wants_color
 from lcmtools.errors import MissingExtra, UsageError
+from lcmtools.observe.channels import Wanted
 
 _WAIT = 1.2  # [s] a little more than one period at 1 Hz
 
@@ -83,9 +83,9 @@ def command(  # noqa: PLR0913 - one parameter an option
     wanted, view = Wanted(topics, show_all), View(column, reverse, text)
     if not once:
         return _live(wanted, view)
-    with open_watch("spy") as watch:
-        graph, found = look(watch, wanted, _WAIT if wait is None else wait)
-        url = watch.url
+    with open_monitor("spy") as monitor:
+        graph, found = look(monitor, wanted, _WAIT if wait is None else wait)
+        url = monitor.url
     rows = view.rows(found)
     if as_json:
         document([record(row) for row in rows])
@@ -130,5 +130,5 @@ def _live(wanted: Wanted, view: View) -> int:
         os.environ["NO_COLOR"] = "1"
     for name in ("COLUMNS", "LINES"):  # textual would take them for the terminal's size for good
         os.environ.pop(name, None)
-    with open_watch("spy") as watch:
-        return show(watch, wanted, view)
+    with open_monitor("spy") as monitor:
+        return show(monitor, wanted, view)

@@ -2,32 +2,32 @@
 
 from collections.abc import Sequence
 
-from lcmtools.bus.programs import programs
 from lcmtools.bus.url import BusUrl
-from lcmtools.bus.watch import Watch
 from lcmtools.cli.spy.columns import COLUMNS, layout, natural_widths
-from lcmtools.cli.spy.rows import Row, Rows, Wanted, losses
-from lcmtools.cli.spy.senders import SenderNames, program_name
-from lcmtools.cli.topic.settled import settled
-from lcmtools.graph.activity import Activity
 from lcmtools.graph.model import Graph
+from lcmtools.observe.activity import Activity
+from lcmtools.observe.channels import Row, Rows, Wanted, losses
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.programs import programs
+from lcmtools.observe.senders import SenderNames, program_name
+from lcmtools.observe.settled import settled
 
 _LATEST = ("age",)  # columns that say nothing in a table that does not go on
 
 
-def look(watch: Watch, wanted: Wanted, wait: float) -> tuple[Graph, tuple[Row, ...]]:
+def look(monitor: BusMonitor, wanted: Wanted, wait: float) -> tuple[Graph, tuple[Row, ...]]:
     """The rows of a bus after listening for some seconds; of a log, of all that is in it.
 
     Raises:
         BusError: A log cannot be read.
     """
     rows = Rows(wanted, SenderNames())
-    is_log = watch.url.provider == "file"
+    is_log = monitor.url.provider == "file"
     if not is_log:
-        watch.listen_to(rows.published(watch.settle(foreign=False)))
+        monitor.listen_to(rows.published(monitor.settle(foreign=False)))
     activity = Activity()
-    graph = settled(watch, wait, activity)
-    tap = watch.tap
+    graph = settled(monitor, wait, activity)
+    tap = monitor.tap
     lost = losses(tap.numbered) if tap else None
     return graph, rows.make(graph, activity, lost, activity.last_time if is_log else graph.time)
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from lcmtools.cli.spy.columns import COLUMNS, sorted_rows
-from lcmtools.cli.spy.rows import Row, matching
+from lcmtools.observe.channels import Row, matching
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,13 +5,13 @@ from collections.abc import Mapping
 
 import click
 
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
 from lcmtools.cli.output import data, lines, talk
-from lcmtools.cli.topic.arrival import Arrival
 from lcmtools.cli.topic.measuring import measure, measuring_options, window_option
 from lcmtools.cli.topic.table import table
-from lcmtools.cli.topic.turns import How, turns
-from lcmtools.graph.rates import Bandwidth, BandwidthWindow
+from lcmtools.observe.arrival import Arrival
+from lcmtools.observe.batches import ListenOptions, batches
+from lcmtools.observe.rates import Bandwidth, BandwidthWindow
 
 _HEADER = ("topic", "average", "mean", "min", "max", "window")
 
@@ -46,9 +46,9 @@ def command(
     def report(found: Mapping[str, Bandwidth | None]) -> None:
         _report(found, as_json=as_json)
 
-    with open_watch("bw") as watch:
-        how = How(timeout, count, wall_time)
-        measure(turns(watch, tuple(meters), how), meters, report, count)
+    with open_monitor("bw") as monitor:
+        how = ListenOptions(timeout, count, wall_time)
+        measure(batches(monitor, tuple(meters), how), meters, report, count)
         for topic, meter in meters.items():
             if meter.messages == 1:
                 talk(f"lcmtools bw: only one message came on {topic}: a bandwidth takes two")

@@ -5,17 +5,17 @@ from collections.abc import Mapping
 
 import click
 
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
 from lcmtools.cli.output import data, lines, talk
-from lcmtools.cli.topic.arrival import Arrival
 from lcmtools.cli.topic.measuring import measure, measuring_options, window_option
 from lcmtools.cli.topic.table import table
-from lcmtools.cli.topic.turns import How, turns
 from lcmtools.errors import LcmtoolsError
-from lcmtools.graph.rates import Delay, DelayWindow
 from lcmtools.messages.codec import decode
 from lcmtools.messages.header import stamp
 from lcmtools.messages.registry import candidates, message_class
+from lcmtools.observe.arrival import Arrival
+from lcmtools.observe.batches import ListenOptions, batches
+from lcmtools.observe.rates import Delay, DelayWindow
 from lcmtools.wire.packet import Packet
 
 _HEADER = ("topic", "delay", "min_delay", "max_delay", "std_dev", "window")
@@ -51,9 +51,9 @@ def command(
     def report(found: Mapping[str, Delay | None]) -> None:
         _report(found, as_json=as_json)
 
-    with open_watch("delay", whole=True) as watch:
-        how = How(timeout, count, wall_time)
-        measure(turns(watch, tuple(meters), how), meters, report, count)
+    with open_monitor("delay", whole=True) as monitor:
+        how = ListenOptions(timeout, count, wall_time)
+        measure(batches(monitor, tuple(meters), how), meters, report, count)
 
 
 class _Meter:

@@ -7,28 +7,28 @@ from dataclasses import replace
 
 import click
 
-from lcmtools.bus.log_observer import LogObserver
-from lcmtools.bus.watch import Watch
-from lcmtools.cli.find import ask_nodes
 from lcmtools.cli.options import (
     CONTEXT,
     bus_choice,
     bus_options,
     duration,
     json_option,
-    open_watch,
+    open_monitor,
     whole_number,
 )
 from lcmtools.cli.output import data
 from lcmtools.cli.topic.look import Look, look
-from lcmtools.cli.topic.payload import Decoder
 from lcmtools.cli.topic.shown import Shower
-from lcmtools.cli.topic.stream import Stream
-from lcmtools.cli.topic.wanted import OneTopic, Pattern, wanted
 from lcmtools.errors import UsageError
 from lcmtools.messages.plain_text import Writer
 from lcmtools.messages.registry import message_class, packages
 from lcmtools.messages.view import View
+from lcmtools.observe.find import ask_nodes
+from lcmtools.observe.log_observer import LogObserver
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.payload import Decoder
+from lcmtools.observe.selection import OneTopic, Pattern, wanted
+from lcmtools.observe.stream import Stream
 
 _ALL_TOPICS = "**"
 _CLEAR = "\033[2J\033[;H"  # the screen, and the cursor to its corner
@@ -135,8 +135,8 @@ def command(  # noqa: PLR0913 - one parameter an option
     prefix = _CLEAR if clear and not (as_json or as_csv or raw) and _can_clear() else ""
     limit = 1 if once else count
     meant = [wanted(topic) for topic in topics]
-    with _open(bag) as watch:
-        for shown, text in enumerate(_texts(watch, meant, asked, timeout), 1):
+    with _open(bag) as monitor:
+        for shown, text in enumerate(_texts(monitor, meant, asked, timeout), 1):
             data(f"{prefix}{text}")
             if shown == limit:
                 return
@@ -162,7 +162,7 @@ def _topics_and_type(
 
 
 def _texts(
-    watch: Watch, meant: Sequence[OneTopic | Pattern], asked: Look, timeout: float | None
+    monitor: BusMonitor, meant: Sequence[OneTopic | Pattern], asked: Look, timeout: float | None
 ) -> Iterator[str]:
     """What is to be printed, as it comes.
 
@@ -170,26 +170,26 @@ def _texts(
         NothingReceived: Nothing came in time.
         UsageError: What is asked for is not in the messages.
     """
-    ask_nodes(watch)
-    stream = Stream(watch, meant)
+    ask_nodes(monitor)
+    stream = Stream(monitor, meant)
     for types, path in stream.paths:
         asked.check(types, path)
-    shower = Shower(Decoder(watch, asked.message_class), asked)
+    shower = Shower(Decoder(monitor, asked.message_class), asked)
     yield from stream.texts(shower.show, timeout)
 
 
-def _open(bag: str | None) -> Watch:
+def _open(bag: str | None) -> BusMonitor:
     """The bus, or a log.
 
     Raises:
         UsageError: Both are named.
     """
     if bag is None:
-        return open_watch("echo", whole=True)
+        return open_monitor("echo", whole=True)
     if bus_choice().url or bus_choice().domain:
         raise UsageError("-b reads a log in place of the bus", "leave out --lcm-url and --domain")
     log = LogObserver(bag)
-    return Watch(log.url, "echo", os.environ, log)
+    return BusMonitor(log.url, "echo", os.environ, log)
 
 
 def _can_clear() -> bool:

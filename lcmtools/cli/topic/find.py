@@ -2,12 +2,12 @@
 
 import click
 
-from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_watch
+from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_monitor
 from lcmtools.cli.output import data, document, lines, talk
-from lcmtools.cli.topic.settled import settled
 from lcmtools.graph.model import Topic
 from lcmtools.messages.registry import candidates, message_class, type_name
 from lcmtools.names import is_hidden
+from lcmtools.observe.settled import settled
 
 
 @click.command("find", context_settings=CONTEXT)
@@ -27,8 +27,8 @@ def command(type_: str, *, count_topics: bool, show_all: bool, as_json: bool) ->
       lcmtools find std_msgs.String --json
     """  # noqa: D301 - \b is click's mark
     name = type_name(message_class(type_))
-    with open_watch("find") as watch:
-        graph, url = settled(watch), watch.url
+    with open_monitor("find") as monitor:
+        graph, url = settled(monitor), monitor.url
     topics = [topic for topic in graph.topic_names() if show_all or not is_hidden(topic)]
     found = [topic for topic in topics if is_of_type(graph.topic(topic), name)]
     if count_topics:

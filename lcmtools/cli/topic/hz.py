@@ -5,16 +5,16 @@ from collections.abc import Mapping, Sequence
 
 import click
 
-from lcmtools.bus.watch import Watch
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch, topic_spellings
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor, topic_spellings
 from lcmtools.cli.output import data, lines, talk
-from lcmtools.cli.topic.arrival import Arrival
-from lcmtools.cli.topic.losses import losses, total
 from lcmtools.cli.topic.measuring import measure, measuring_options, window_option
 from lcmtools.cli.topic.table import table
-from lcmtools.cli.topic.turns import How, turns
-from lcmtools.graph.rates import Rate, RateWindow
 from lcmtools.messages.filter import Filter
+from lcmtools.observe.arrival import Arrival
+from lcmtools.observe.batches import ListenOptions, batches
+from lcmtools.observe.losses import losses, total
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.rates import Rate, RateWindow
 
 _HEADER = ("topic", "rate", "min_delta", "max_delta", "std_dev", "window")
 
@@ -49,25 +49,27 @@ def command(  # noqa: PLR0913 - one parameter an option
       lcmtools hz EXAMPLE /chatter -w 100
       lcmtools hz /chatter --filter "m.data != ''" -n 1 --timeout 5s
     """  # noqa: D301 - \b is click's mark
-    how = How(timeout, count, wall_time, Filter(condition) if condition is not None else None)
+    how = ListenOptions(
+        timeout, count, wall_time, Filter(condition) if condition is not None else None
+    )
     meters = {topic: _Meter(window) for topic in topics}
 
     def report(found: Mapping[str, Rate | None]) -> None:
         _report(found, as_json=as_json)
 
-    with open_watch("hz", whole=condition is not None) as watch:
+    with open_monitor("hz", whole=condition is not None) as monitor:
         try:
-            measure(turns(watch, tuple(meters), how), meters, report, count)
+            measure(batches(monitor, tuple(meters), how), meters, report, count)
         finally:
-            _tell_loss(watch, tuple(meters))
+            _tell_loss(monitor, tuple(meters))
         for topic, meter in meters.items():
             if meter.arrivals.total == 1:
                 talk(f"lcmtools hz: only one message came on {topic}: a rate takes two")
 
 
-def _tell_loss(watch: Watch, topics: Sequence[str]) -> None:
+def _tell_loss(monitor: BusMonitor, topics: Sequence[str]) -> None:
     """Say whose messages did not all come: the rates are those of what came."""
-    graph, known = watch.graph(), losses(watch)
+    graph, known = monitor.graph(), losses(monitor)
     for topic in topics:
         for spelling in topic_spellings(topic):
             for seen in graph.topic(spelling).traffic:

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 import click
 
 from lcmtools.cli.describe import fingerprint_rows, node_text, program_text, type_text
-from lcmtools.cli.find import find_topic
-from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_watch
+from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_monitor
 from lcmtools.cli.output import document, lines
-from lcmtools.cli.topic.counters import Counters, counted
-from lcmtools.cli.topic.losses import Loss
 from lcmtools.graph.model import Endpoint, Node, Topic
+from lcmtools.observe.counters import Counters, counted
+from lcmtools.observe.find import find_topic
+from lcmtools.observe.losses import Loss
 
 
 @click.command("info", context_settings=CONTEXT)
@@ -33,8 +33,8 @@ def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_js
       lcmtools info /husky0/odometry
       lcmtools info EXAMPLE /chatter --json
     """  # noqa: D301 - \b is click's mark
-    with open_watch("info") as watch:
-        graph, counters = counted(watch, topics, wait)
+    with open_monitor("info") as monitor:
+        graph, counters = counted(monitor, topics, wait)
     found = [find_topic(graph, name) for name in topics]
     if as_json:
         document([_record(topic, counters) for topic in found])

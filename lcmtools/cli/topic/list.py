@@ -5,22 +5,22 @@ from dataclasses import dataclass
 
 import click
 
-from lcmtools.cli.computers import by_computer
 from lcmtools.cli.describe import type_text
-from lcmtools.cli.find import topic_is_in
 from lcmtools.cli.options import (
     CONTEXT,
     all_option,
     bus_options,
     duration,
     json_option,
-    open_watch,
+    open_monitor,
 )
 from lcmtools.cli.output import data, document, lines, talk
-from lcmtools.cli.topic.settled import Rates, settled
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Graph, Topic
 from lcmtools.names import is_hidden
+from lcmtools.observe.computers import by_computer
+from lcmtools.observe.find import topic_is_in
+from lcmtools.observe.settled import Rates, settled
 
 _MEASURED = 1.0  # [s]
 
@@ -91,9 +91,9 @@ def command(  # noqa: PLR0913 - one parameter an option
     if published and subscribed:
         raise UsageError("-p and -s exclude each other", "leave out both for all topics")
     heard = Rates()
-    with open_watch("list") as watch:
-        graph = settled(watch, _MEASURED if hz and wait is None else wait, heard)
-        url = watch.url
+    with open_monitor("list") as monitor:
+        graph = settled(monitor, _MEASURED if hz and wait is None else wait, heard)
+        url = monitor.url
     rates = heard.by_channel() if hz else None
     look = _Look(not subscribed, not published, verbose, show_types, rates)
     topics = [topic for topic in _topics(graph, namespace, show_all=show_all) if look.has(topic)]

@@ -10,8 +10,8 @@ import click
 
 from lcmtools.cli.options import duration, whole_number
 from lcmtools.cli.output import talk
-from lcmtools.cli.topic.arrival import Arrival
-from lcmtools.cli.topic.turns import Turn
+from lcmtools.observe.arrival import Arrival
+from lcmtools.observe.batches import Batch
 
 CommandT = TypeVar("CommandT", bound=Callable[..., object])
 FoundT_co = TypeVar("FoundT_co", covariant=True)
@@ -35,7 +35,7 @@ class Meter(Protocol[FoundT_co]):
 
 
 def measure(
-    source: Iterator[Turn],
+    source: Iterator[Batch],
     meters: Mapping[str, Meter[FoundT]],
     report: Callable[[Mapping[str, FoundT | None]], None],
     count: int | None,
@@ -103,7 +103,7 @@ def window_option(*, least: int, usual: int) -> Callable[[CommandT], CommandT]:
     )
 
 
-def _feed(turn: Turn, meters: Mapping[str, Meter[FoundT]]) -> None:
+def _feed(turn: Batch, meters: Mapping[str, Meter[FoundT]]) -> None:
     if turn.is_reset:
         talk("time has reset, resetting counters")
         for meter in meters.values():

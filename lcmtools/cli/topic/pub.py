@@ -8,15 +8,15 @@ from lcmtools.arguments import split_arguments
 from lcmtools.cli.options import CONTEXT, bus_options, chosen_url, duration, whole_number
 from lcmtools.cli.options import rate as rate_option
 from lcmtools.cli.output import talk
-from lcmtools.cli.topic.audience import Audience, Wanted
-from lcmtools.cli.topic.incoming import read_incoming
 from lcmtools.cli.topic.negative import CommandWithValues, ends_in_one
-from lcmtools.cli.topic.own_node import own_node, wait_for_clock
-from lcmtools.cli.topic.pace import Wish
-from lcmtools.cli.topic.sending import Sender, send_all
 from lcmtools.errors import UsageError
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import message_class
+from lcmtools.publish.incoming import read_incoming
+from lcmtools.publish.own_node import own_node, wait_for_clock
+from lcmtools.publish.pace import PublishOptions
+from lcmtools.publish.sender import Sender, send_all
+from lcmtools.publish.subscriber_wait import SubscriberWait, Wanted
 
 
 @click.command("pub", cls=CommandWithValues, context_settings=CONTEXT)
@@ -123,12 +123,12 @@ def command(  # noqa: PLR0913 - one parameter an option
     kind = message_class(type_)
     if ends_in_one() and not (words or file) and fields(kind):
         raise UsageError("-1 may mean the option or the value", "write --once, or -- -1")
-    wish = Wish(rate, 1 if once else times, once, latch, keep_alive)
+    wish = PublishOptions(rate, 1 if once else times, once, latch, keep_alive)
     incoming = read_incoming(kind, words, file)
     pace = wish.pace(incoming)
     with own_node(names, simulated=simulated) as node:
         publisher = node.create_publisher(kind, topic, literal=literal)
-        audience = Audience(node, publisher, chosen_url())
+        audience = SubscriberWait(node, publisher, chosen_url())
         if simulated:
             wait_for_clock(node, timeout)
         audience.wait(wanted)

@@ -7,8 +7,6 @@ from typing import cast
 from lcmtools.cli.output import talk
 from lcmtools.cli.topic.csv_rows import Table
 from lcmtools.cli.topic.look import Look
-from lcmtools.cli.topic.payload import UNKNOWN, Decoder, raw_record, raw_text, remedy_of_unknown
-from lcmtools.cli.topic.stream import Match
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.cells import Cell, cells
 from lcmtools.messages.header import stamp
@@ -17,6 +15,8 @@ from lcmtools.messages.plain import Plain, plain_json
 from lcmtools.messages.registry import Message
 from lcmtools.messages.text import format_message
 from lcmtools.messages.view import View, plain_selection
+from lcmtools.observe.payload import UNKNOWN, Decoder, raw_record, raw_text, remedy_of_unknown
+from lcmtools.observe.stream import Match
 
 
 class Shower:

@@ -3,14 +3,14 @@
 import click
 
 from lcmtools.cli.describe import UNKNOWN, fingerprint_rows, type_text
-from lcmtools.cli.find import find_topic, known_spelling
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_watch, topic_spellings
+from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor, topic_spellings
 from lcmtools.cli.output import document, lines
-from lcmtools.cli.topic.settled import settled
 from lcmtools.errors import LcmtoolsError, UsageError, ValueMismatch
 from lcmtools.graph.model import Graph, Topic
 from lcmtools.messages.path import Path, Target, parse_path, splits, target
 from lcmtools.messages.registry import message_class
+from lcmtools.observe.find import find_topic, known_spelling
+from lcmtools.observe.settled import settled
 
 
 @click.command("type", context_settings=CONTEXT)
@@ -29,8 +29,8 @@ def command(topic: str, *, as_json: bool) -> None:
       lcmtools type /chatter | lcmtools msg show
     """  # noqa: D301 - \b is click's mark
     topic_spellings(topic)  # an empty name is wrong whatever the bus is
-    with open_watch("type") as watch:
-        graph = settled(watch)
+    with open_monitor("type") as monitor:
+        graph = settled(monitor)
     found, path = _find(graph, topic)
     text = type_text(found)
     if path.steps:

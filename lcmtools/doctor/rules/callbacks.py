@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from lcmtools.doctor.model import Evidence, Finding, Severity, rule
-from lcmtools.graph.callbacks import busy_share, callback_time, duration_text
 from lcmtools.graph.model import Endpoint, Node, Role
-from lcmtools.graph.rates import counted_rate
 from lcmtools.names import is_hidden
+from lcmtools.observe.callbacks import busy_share, callback_time, duration_text
+from lcmtools.observe.rates import counted_rate
 
 _NEARLY_ALL = 0.9  # of the time between two messages: a callback that takes it cannot keep up
 _ALWAYS = 0.95  # of the time in callbacks: whatever else waits comes late

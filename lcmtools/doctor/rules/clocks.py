@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from lcmtools.doctor.computers import HostClock
 from lcmtools.doctor.model import Evidence, Finding, Severity, rule
-from lcmtools.graph.callbacks import duration_text
+from lcmtools.observe.callbacks import duration_text
 
 _AHEAD = 0.1  # [s] that a clock may be: what is sent cannot arrive before
 _BEHIND = 0.3  # [s]: a slow network looks the same

@@ -8,10 +8,10 @@ from statistics import median
 from lcmtools.doctor.model import Evidence, Finding, SenderFacts, Severity, Stream, rule
 from lcmtools.doctor.rules.callbacks import busy_nodes
 from lcmtools.doctor.rules.types import disagree
-from lcmtools.graph.callbacks import duration_text
 from lcmtools.graph.model import Endpoint, Node, Role
-from lcmtools.graph.rates import average_rate, counted_rate
 from lcmtools.names import is_hidden
+from lcmtools.observe.callbacks import duration_text
+from lcmtools.observe.rates import average_rate, counted_rate
 
 _SHARED = frozenset({"/rosout", "/tf", "/tf_static", "/diagnostics"})
 _SILENCE = 3.0  # [s]

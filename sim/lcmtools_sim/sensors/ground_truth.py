@@ -4,10 +4,10 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import cast
 
+from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.registry import Message
-from lcmtools.messages.stencil import Stencil
 from lcmtools.types.nav_msgs import Odometry
-from lcmtools_sim.rotation import Quaternion, Vector, add, chain, from_euler, scaled
+from lcmtools_sim.rotation import Quaternion, Vector, add, from_euler, multiply, scaled
 from lcmtools_sim.sensors.mount import SensorMount, Settings
 from lcmtools_sim.sensors.sensor import Carrier, RobotState
 from lcmtools_sim.sensors.settings import deviation
@@ -41,13 +41,15 @@ class GroundTruthSensor:
     def __init__(self, mount: SensorMount, carrier: Carrier) -> None:
         self._settings = cast("GroundTruthSettings", mount.settings or GroundTruthSettings())
         self._generator = carrier.generator(mount)
-        self._fill = _stencil(carrier, self._settings).fill
+        self._fill = _template(carrier, self._settings).fill
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The message of one step."""
         del wanted
         position, rotation = self._disturbed(state.position, state.rotation)
-        return {"": self._fill(state.stamp, position, rotation, state.velocity, state.turning)}
+        return {
+            "": self._fill(state.stamp, position, rotation, state.velocity, state.angular_velocity)
+        }
 
     def _disturbed(self, position: Vector, rotation: Quaternion) -> tuple[Vector, Quaternion]:
         """A pose as it is measured: moved, and turned about the vertical."""
@@ -57,10 +59,10 @@ class GroundTruthSensor:
         x, y, z, yaw = self._generator.normal(size=4).tolist()
         error = scaled((x, y, z), settings.position_noise)
         turned = from_euler(0.0, 0.0, yaw * settings.heading_noise)
-        return add(position, error), chain(turned, rotation)
+        return add(position, error), multiply(turned, rotation)
 
 
-def _stencil(carrier: Carrier, settings: GroundTruthSettings) -> Stencil:
+def _template(carrier: Carrier, settings: GroundTruthSettings) -> PayloadTemplate:
     """A robot's truth but for its time, pose and twist."""
     place, turned = settings.position_noise**2, settings.heading_noise**2
     message = Odometry()
@@ -69,4 +71,6 @@ def _stencil(carrier: Carrier, settings: GroundTruthSettings) -> Stencil:
     message.pose.covariance = [0.0] * 36
     message.pose.covariance[::7] = place, place, place, 0.0, 0.0, turned
     pose, twist = ("pose.pose.position", "pose.pose.orientation"), ("linear", "angular")
-    return Stencil(message, "header.stamp", *pose, *(f"twist.twist.{part}" for part in twist))
+    return PayloadTemplate(
+        message, "header.stamp", *pose, *(f"twist.twist.{part}" for part in twist)
+    )

@@ -4,16 +4,16 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import cast
 
+from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.registry import Message
-from lcmtools.messages.stencil import Stencil
 from lcmtools.types.sensor_msgs import Imu
 from lcmtools_sim.rotation import (
     Vector,
     add,
     axes,
-    chain,
     components,
     cross,
+    multiply,
     scaled,
     upwards,
 )
@@ -56,17 +56,17 @@ class ImuSensor:
         self._settings = cast("ImuSettings", mount.settings or ImuSettings())
         self._generator = carrier.generator(mount)
         frame = carrier.put_frame(mount, "imu_link", mount.pose.rotation)
-        self._fill = _stencil(frame, self._settings).fill
+        self._fill = _template(frame, self._settings).fill
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The measurement of one step."""
         del wanted
-        rotation = chain(state.rotation, self._rotation)
-        turning = components(state.turning, self._axes)
+        rotation = multiply(state.rotation, self._rotation)
+        angular_velocity = components(state.angular_velocity, self._axes)
         felt = components(self._felt(state), self._axes)
-        turning = self._disturbed(turning, self._settings.turning_noise)
+        angular_velocity = self._disturbed(angular_velocity, self._settings.turning_noise)
         felt = self._disturbed(felt, self._settings.acceleration_noise)
-        return {"": self._fill(state.stamp, rotation, turning, felt)}
+        return {"": self._fill(state.stamp, rotation, angular_velocity, felt)}
 
     def _felt(self, state: RobotState) -> Vector:
         """The proper acceleration where the sensor is, in base_link [m/s^2].
@@ -74,11 +74,12 @@ class ImuSensor:
         That of base_link, of a lever that turns (Euler and centripetal), and what holds it up.
         """
         lever = self._lever
-        turning = add(
-            cross(state.turning_change, lever), cross(state.turning, cross(state.turning, lever))
+        angular_velocity = add(
+            cross(state.angular_acceleration, lever),
+            cross(state.angular_velocity, cross(state.angular_velocity, lever)),
         )
         held = scaled(upwards(state.rotation), self._gravity)
-        return add(add(state.acceleration, turning), held)
+        return add(add(state.acceleration, angular_velocity), held)
 
     def _disturbed(self, vector: Vector, noise: float) -> Vector:
         if not noise:
@@ -87,14 +88,14 @@ class ImuSensor:
         return x, y, z
 
 
-def _stencil(frame: str, settings: ImuSettings) -> Stencil:
+def _template(frame: str, settings: ImuSettings) -> PayloadTemplate:
     """The message but for its time and what is measured."""
     message = Imu()
     message.header.frame_id = frame
     message.angular_velocity_covariance = _covariance(settings.turning_noise)
     message.linear_acceleration_covariance = _covariance(settings.acceleration_noise)
     measured = "orientation", "angular_velocity", "linear_acceleration"
-    return Stencil(message, "header.stamp", *measured)
+    return PayloadTemplate(message, "header.stamp", *measured)
 
 
 def _covariance(noise: float) -> tuple[float, ...]:

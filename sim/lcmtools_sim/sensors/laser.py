@@ -6,8 +6,8 @@ from typing import cast
 
 import numpy as np
 
+from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.registry import Message
-from lcmtools.messages.stencil import Stencil
 from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools_sim.sensors.mount import SensorMount, Settings
 from lcmtools_sim.sensors.sensor import Carrier, RobotState, placed
@@ -59,7 +59,7 @@ class LaserSensor:
         self._settings = settings = cast("LaserSettings", mount.settings or LaserSettings())
         self._generator = carrier.generator(mount)
         frame = carrier.put_frame(mount, "laser", mount.pose.rotation)
-        self._fill = _stencil(frame, settings, mount.rate).fill
+        self._fill = _template(frame, settings, mount.rate).fill
         angles = np.linspace(settings.first_angle, settings.last_angle, settings.rays)
         self._scanner = Scanner(angles, settings.longest)
         self._known: dict[int, tuple[tuple[Part, ...], Scannable]] = {}
@@ -97,7 +97,7 @@ class LaserSensor:
         return known[1]
 
 
-def _stencil(frame: str, settings: LaserSettings, rate: float) -> Stencil:
+def _template(frame: str, settings: LaserSettings, rate: float) -> PayloadTemplate:
     """The message but for its time and the ranges."""
     message = LaserScan()
     message.header.frame_id = frame
@@ -106,4 +106,4 @@ def _stencil(frame: str, settings: LaserSettings, rate: float) -> Stencil:
     message.scan_time = 1 / rate
     message.range_min, message.range_max = settings.shortest, settings.longest
     message.ranges = [0.0] * settings.rays
-    return Stencil(message, "header.stamp", "ranges")
+    return PayloadTemplate(message, "header.stamp", "ranges")

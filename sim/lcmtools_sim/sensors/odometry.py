@@ -5,8 +5,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import cast
 
+from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.registry import Message
-from lcmtools.messages.stencil import Stencil
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools_sim.sensors.mount import SensorMount, Settings
 from lcmtools_sim.sensors.sensor import Carrier, RobotState
@@ -48,7 +48,7 @@ class OdometrySensor:
         settings = cast("OdometrySettings", mount.settings or OdometrySettings())
         self._noise = settings.speed_noise, settings.turning_noise
         self._generator = carrier.generator(mount)
-        self._fill = _stencil(carrier).fill
+        self._fill = _template(carrier).fill
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The message of one step."""
@@ -65,11 +65,11 @@ class OdometrySensor:
         return forward, turn_rate
 
 
-def _stencil(carrier: Carrier) -> Stencil:
+def _template(carrier: Carrier) -> PayloadTemplate:
     """A robot's odometry but for its time, pose, forward speed and turn rate."""
     message = Odometry()
     message.header.frame_id = carrier.frame("odom")
     message.child_frame_id = carrier.frame("base_link")
     message.pose.covariance = message.twist.covariance = COVARIANCE
     numbers = "pose.pose", "twist.twist.linear.x", "twist.twist.angular.z"
-    return Stencil(message, "header.stamp", *numbers)
+    return PayloadTemplate(message, "header.stamp", *numbers)

@@ -17,7 +17,7 @@ from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import Quaternion as QuaternionMessage
 from lcmtools.types.std_msgs import Header
 from lcmtools_sim.pose import Pose
-from lcmtools_sim.rotation import Quaternion, Vector, add, chain, turn
+from lcmtools_sim.rotation import Quaternion, Vector, add, multiply, turn
 from lcmtools_sim.sensors.mount import SensorMount, Settings
 from lcmtools_sim.shapes import Color, Part
 
@@ -38,9 +38,9 @@ class RobotState(NamedTuple):
         position: Of base_link in the world [m].
         rotation: Of base_link in the world.
         velocity: Of base_link, in its own frame [m/s].
-        turning: Angular velocity in its own frame [rad/s].
+        angular_velocity: Angular velocity in its own frame [rad/s].
         acceleration: Of base_link, in its own frame, gravity not counted [m/s^2].
-        turning_change: Angular acceleration in its own frame [rad/s^2].
+        angular_acceleration: Angular acceleration in its own frame [rad/s^2].
         wheel_angles: Since the start [rad].
         wheel_speeds: [rad/s]
         efforts: What the motors are told to, as fractions of their full power.
@@ -53,9 +53,9 @@ class RobotState(NamedTuple):
     position: Vector
     rotation: Quaternion
     velocity: Vector
-    turning: Vector
+    angular_velocity: Vector
     acceleration: Vector
-    turning_change: Vector
+    angular_acceleration: Vector
     wheel_angles: Sides
     wheel_speeds: Sides
     efforts: Sides
@@ -196,7 +196,7 @@ def generator(seed: int, name: str) -> np.random.Generator:
 def placed(state: RobotState, pose: Pose) -> tuple[Vector, Quaternion]:
     """Where a sensor with this pose in base_link is in the world."""
     position = add(state.position, turn(pose.position, state.rotation))
-    return position, chain(state.rotation, pose.rotation)
+    return position, multiply(state.rotation, pose.rotation)
 
 
 def fill_header(header: Header, time: int, frame_id: str) -> None:

@@ -3,8 +3,8 @@
 import math
 from collections.abc import Collection, Mapping
 
+from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.registry import Message
-from lcmtools.messages.stencil import Stencil
 from lcmtools.types.geometry_msgs import TransformStamped
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools_sim.rotation import Quaternion, Vector
@@ -30,18 +30,18 @@ class TransformsSensor:
         self._carrier = carrier
         self._odom = carrier.frame("odom")
         self._base = carrier.frame("base_link")
-        self._stencil: Stencil | None = None
+        self._template: PayloadTemplate | None = None
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The transforms of one step."""
         del wanted
-        stencil = self._stencil = self._stencil or self._prepare()
+        stencil = self._template = self._template or self._prepare()
         x, y, yaw = state.reckoned_pose
         place = x, y, 0.0, 0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)
         stamps = [state.stamp] * (1 + len(self._carrier.frames))
         return {"": stencil.fill(place, *stamps)}
 
-    def _prepare(self) -> Stencil:
+    def _prepare(self) -> PayloadTemplate:
         """The message but for where the robot is and all stamps."""
         message = TFMessage()
         message.transforms = [
@@ -52,7 +52,7 @@ class TransformsSensor:
             ),
         ]
         stamps = (f"transforms[{index}].header.stamp" for index in range(len(message.transforms)))
-        return Stencil(message, "transforms[0].transform", *stamps)
+        return PayloadTemplate(message, "transforms[0].transform", *stamps)
 
 
 def _transform(parent: str, child: str, position: Vector, rotation: Quaternion) -> TransformStamped:

@@ -4,8 +4,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import cast
 
+from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.registry import Message
-from lcmtools.messages.stencil import Stencil
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.sensors.mount import SensorMount, Settings
 from lcmtools_sim.sensors.sensor import Carrier, RobotState, Sides
@@ -38,7 +38,7 @@ class WheelStatesSensor:
     def __init__(self, mount: SensorMount, carrier: Carrier) -> None:
         self._settings = cast("WheelStatesSettings", mount.settings or WheelStatesSettings())
         self._generator = carrier.generator(mount)
-        self._fill = _stencil(carrier).fill
+        self._fill = _template(carrier).fill
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The message of one step."""
@@ -51,10 +51,10 @@ class WheelStatesSensor:
         return Sides(*self._generator.normal(values, noise).tolist()) if noise else values
 
 
-def _stencil(carrier: Carrier) -> Stencil:
+def _template(carrier: Carrier) -> PayloadTemplate:
     """The joints' message but for its time and all numbers."""
     message = JointState()
     message.header.frame_id = carrier.frame("base_link")
     message.name = ["left", "right"]
     message.position = message.velocity = message.effort = [0.0, 0.0]
-    return Stencil(message, "header.stamp", "position", "velocity", "effort")
+    return PayloadTemplate(message, "header.stamp", "position", "velocity", "effort")

@@ -93,21 +93,21 @@ class _Picture:
         shape = camera.height, camera.width
         self._x, self._y = camera.slopes()
         self._least = np.float32(least)
-        self._nearness = np.full(shape, self._least)
+        self._inverse_depth = np.full(shape, self._least)
         self.solid = np.full(shape, SKY, np.int16)
         self._buffers = [np.empty(max(_STRIP, camera.width), np.float32) for _ in range(4)]
 
     def fill(self, form: Floats) -> None:
         """Draw the ground into the empty picture."""
-        nearness = field(form, self._x, self._y, self._nearness)
-        np.maximum(nearness, self._least, out=nearness)
-        self.solid[nearness > self._least] = GROUND
+        inverse_depth = field(form, self._x, self._y, self._inverse_depth)
+        np.maximum(inverse_depth, self._least, out=inverse_depth)
+        self.solid[inverse_depth > self._least] = GROUND
 
     def draw(self, outline: Outline, seen: Surfaces) -> None:
         """Draw a solid over what is there."""
         for rows, columns in _strips(outline):
             upper, lower = self._bounds(seen, self._x[columns], self._y[rows])
-            behind = self._nearness[rows, columns]
+            behind = self._inverse_depth[rows, columns]
             np.maximum(lower, behind, out=lower)
             visible = upper > lower  # False where NaN
             np.copyto(behind, upper, where=visible)
@@ -115,9 +115,9 @@ class _Picture:
 
     def depth(self) -> Field:
         """The depth [m]; the picture is used up."""
-        nearness = self._nearness
-        nearness[self.solid == SKY] = 0
-        return np.divide(np.float32(1), nearness, out=nearness)
+        inverse_depth = self._inverse_depth
+        inverse_depth[self.solid == SKY] = 0
+        return np.divide(np.float32(1), inverse_depth, out=inverse_depth)
 
     def _bounds(self, seen: Surfaces, x: Floats, y: Floats) -> tuple[Field, Field]:
         """Nearness of entering and leaving a solid; where it is missed, entering is less or NaN."""

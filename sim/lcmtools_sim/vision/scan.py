@@ -81,16 +81,16 @@ class Scanner:
             standing: What there is.
         """
         forward, left, _ = axes(rotation)
-        nearness = np.full(len(self._rays), 0.5 / self._longest)  # too far to be seen
+        inverse_depth = np.full(len(self._rays), 0.5 / self._longest)  # too far to be seen
         if TOUCH < eye[2] <= self._longest * math.hypot(forward[2], left[2]):
             ground = complex(forward[2], left[2]) / -eye[2]
-            np.maximum(nearness, (ground * self._rays).real, out=nearness)
+            np.maximum(inverse_depth, (ground * self._rays).real, out=inverse_depth)
         near = [one for one in standing if math.dist(one[1], eye) <= self._longest + one[0].reach]
         if near:
             views = [number for one in near for number in _view(one, eye, forward, left)]
             crowd = self._together(tuple([group for group, _, _ in near]))
-            self._draw(nearness, crowd, np.array(views).reshape(-1, 3, 3))
-        distances: Floats = 1 / nearness
+            self._draw(inverse_depth, crowd, np.array(views).reshape(-1, 3, 3))
+        distances: Floats = 1 / inverse_depth
         distances[distances > self._longest] = np.inf
         return distances[::-1] if self._is_falling else distances
 
@@ -100,7 +100,7 @@ class Scanner:
             self._groups, self._crowd = groups, _Crowd(groups)
         return self._crowd
 
-    def _draw(self, nearness: Floats, crowd: "_Crowd", views: Floats) -> None:
+    def _draw(self, inverse_depth: Floats, crowd: "_Crowd", views: Floats) -> None:
         """Raise the nearness to that of solids, when their groups are seen so."""
         boxes, rounds = slice(crowd.boxes), slice(crowd.boxes, None)
         seen = crowd.seen(views, self._longest)
@@ -114,7 +114,7 @@ class Scanner:
             solid = arc[flat:] - len(faces)
             sides = crowd.rounds.entered(seen.only(rounds), solid, rays[flat:])
             entered = np.concatenate((entered, sides))
-        np.maximum.at(nearness, ray, entered)
+        np.maximum.at(inverse_depth, ray, entered)
 
     def _rays_within(self, arcs: Floats) -> tuple[Numbers, Numbers]:
         """The numbers of the rays in all arcs (2, n) [rad], and those of the arcs, which rise."""

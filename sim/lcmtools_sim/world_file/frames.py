@@ -3,7 +3,16 @@
 from dataclasses import dataclass
 
 from lcmtools_sim.pose import Pose
-from lcmtools_sim.rotation import Quaternion, Vector, add, chain, scaled, subtract, to_euler, turn
+from lcmtools_sim.rotation import (
+    Quaternion,
+    Vector,
+    add,
+    multiply,
+    scaled,
+    subtract,
+    to_euler,
+    turn,
+)
 from lcmtools_sim.shapes import UNTURNED, Part
 
 
@@ -16,7 +25,7 @@ class Frame:
 
     def place(self, inner: "Frame") -> "Frame":
         """Where a frame is in the outer one, that stands in this one as ``inner`` says."""
-        return Frame(self.point(inner.position), chain(self.rotation, inner.rotation))
+        return Frame(self.point(inner.position), multiply(self.rotation, inner.rotation))
 
     def point(self, position: Vector) -> Vector:
         """Where a point of this frame is in the outer one."""

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lcmtools.bus.glance import PROBE, Glance
+from lcmtools.bus.quick_probe import PROBE, QuickProbe
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError
 from lcmtools.graph.protocol import PROBE_CHANNEL, Probe, encode_probe
@@ -15,4 +15,4 @@ def test_the_question_is_the_probe_of_the_protocol() -> None:
 
 def test_only_a_multicast_bus_can_be_glanced_at() -> None:
     with pytest.raises(BusError, match="multicast"):
-        Glance(parse_url("tcpq://127.0.0.1:7700"))
+        QuickProbe(parse_url("tcpq://127.0.0.1:7700"))

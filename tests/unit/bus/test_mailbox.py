@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lcmtools.bus.mailbox import one_channel
+from lcmtools.bus.channel_socket import one_channel
 from lcmtools.bus.socket_filter import Instruction
 from lcmtools.wire.datagram import fragments, short_message
 

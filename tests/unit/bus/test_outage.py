@@ -2,17 +2,17 @@
 
 import pytest
 
-from lcmtools.bus.outage import Outage
+from lcmtools.bus.reconnect import ReconnectBackoff
 
 
 def test_there_is_nothing_to_wait_for_without_an_outage() -> None:
-    outage = Outage()
+    outage = ReconnectBackoff()
     assert not outage.is_on
     assert outage.left(5.0) is None
 
 
 def test_each_attempt_waits_twice_as_long_up_to_two_seconds() -> None:
-    outage, now, pauses = Outage(), 10.0, []
+    outage, now, pauses = ReconnectBackoff(), 10.0, []
     outage.begin(now)
     for _ in range(6):
         left = outage.left(now)
@@ -25,7 +25,7 @@ def test_each_attempt_waits_twice_as_long_up_to_two_seconds() -> None:
 
 
 def test_the_next_outage_begins_with_short_pauses_again() -> None:
-    outage = Outage()
+    outage = ReconnectBackoff()
     outage.begin(0.0)
     outage.put_off(1.0)
     outage.end()

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lcmtools.bus.shield import filter_program
+from lcmtools.bus.datagram_filter import filter_program
 from lcmtools.bus.socket_filter import Instruction
 from lcmtools.wire.datagram import Fragment, Malformed, fragments, parse, short_message
 

@@ -1,8 +1,8 @@
 """The clock that hz, bw and delay go by."""
 
-from lcmtools.cli.topic.arrival import CLOCK, ArrivalClock, is_simulated
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.messages.codec import encode
+from lcmtools.observe.arrival import CLOCK, ArrivalClock, is_simulated
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.wire.packet import Packet
 

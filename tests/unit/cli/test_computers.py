@@ -2,9 +2,9 @@
 
 import pytest
 
-from lcmtools.cli import computers
-from lcmtools.cli.computers import Computers, by_computer
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.observe import computers
+from lcmtools.observe.computers import Computers, by_computer
 from lcmtools.wire.packet import Sender
 
 

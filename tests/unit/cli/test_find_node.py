@@ -2,9 +2,9 @@
 
 import pytest
 
-from lcmtools.cli.find import below_or_like, find_node, find_nodes
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node, Staleness
+from lcmtools.observe.find import below_or_like, find_node, find_nodes
 from lcmtools.wire.packet import Sender
 
 _GRAPH = Graph(

@@ -1,6 +1,6 @@
 """What of a sender's messages did not come, in words."""
 
-from lcmtools.cli.topic.losses import Loss, total
+from lcmtools.observe.losses import Loss, total
 from lcmtools.wire.packet import Sender
 
 ONE, OTHER = Sender("10.0.0.1", 40_000), Sender("10.0.0.1", 40_001)

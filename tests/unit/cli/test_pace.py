@@ -6,8 +6,8 @@ from itertools import islice
 
 import pytest
 
-from lcmtools.cli.topic.incoming import Incoming
-from lcmtools.cli.topic.pace import Pace, Wish
+from lcmtools.publish.incoming import Incoming
+from lcmtools.publish.pace import Pace, PublishOptions
 
 VALUES = Incoming(iter([]), is_one=True)
 ONE_IN_A_FILE = Incoming(iter([]), is_file=True, is_one=True)
@@ -22,8 +22,8 @@ def wish(
     once: bool = False,
     latches: bool = False,
     keep_alive: float | None = None,
-) -> Wish:
-    return Wish(rate, 1 if once else count, once, latches, keep_alive)
+) -> PublishOptions:
+    return PublishOptions(rate, 1 if once else count, once, latches, keep_alive)
 
 
 @pytest.mark.parametrize(
@@ -52,7 +52,9 @@ def wish(
         (wish(keep_alive=3.0), VALUES, Pace(stay=3.0)),
     ],
 )
-def test_options_and_source_decide_when_to_send(said: Wish, incoming: Incoming, pace: Pace) -> None:
+def test_options_and_source_decide_when_to_send(
+    said: PublishOptions, incoming: Incoming, pace: Pace
+) -> None:
     assert said.pace(incoming) == pace
 
 

@@ -3,8 +3,8 @@
 import pytest
 
 from lcmtools.bus.processes import Process, UdpSocket
-from lcmtools.bus.programs import Program
 from lcmtools.cli.node.programs import command, doing, is_meant, program_record
+from lcmtools.observe.programs import Program
 
 JAVA = (Process(5, "java A"), Process(7, "java B"))
 

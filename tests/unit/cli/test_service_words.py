@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import pytest
 
 from lcmtools.cli.service.offered import Offered
-from lcmtools.cli.service.requests import split_type
 from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.messages.registry import service_class
+from lcmtools.publish.requests import split_type
 
 
 def _offered(kind: str) -> Offered:

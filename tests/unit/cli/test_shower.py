@@ -5,17 +5,17 @@ from typing import cast
 
 import pytest
 
-from lcmtools.bus.watch import Watch
 from lcmtools.cli.topic.look import Look
-from lcmtools.cli.topic.payload import Decoder
 from lcmtools.cli.topic.shown import Shower
-from lcmtools.cli.topic.stream import Match
 from lcmtools.errors import UsageError, ValueMismatch
 from lcmtools.graph.model import Graph
 from lcmtools.messages.codec import encode
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.path import Path, parse_path
 from lcmtools.messages.registry import Message
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.payload import Decoder
+from lcmtools.observe.stream import Match
 from lcmtools.types.geometry_msgs import Point, PointStamped
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.std_msgs import String
@@ -34,7 +34,7 @@ class NoBus:
 
 
 def shower(look: Look) -> Shower:
-    return Shower(Decoder(cast("Watch", NoBus()), look.message_class), look)
+    return Shower(Decoder(cast("BusMonitor", NoBus()), look.message_class), look)
 
 
 def match(message: Message, path: str = "", channel: str = "/a", *, many: bool = False) -> Match:

@@ -68,7 +68,7 @@ def ask(monkeypatch: pytest.MonkeyPatch) -> Ask:
         def found(_: str) -> Iterator[Bus]:
             yield bus
 
-        monkeypatch.setattr(simulator, "open_watch", found)
+        monkeypatch.setattr(simulator, "open_monitor", found)
         monkeypatch.setattr(simulator, "asking_node", found)
         simulator.ask(name, "step", sim_msgs.Step, sim_msgs.Step.Request(), 1.0)
         return bus.called

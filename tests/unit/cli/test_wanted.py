@@ -2,10 +2,10 @@
 
 import pytest
 
-from lcmtools.cli.topic.wanted import OneTopic, Pattern, wanted
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Graph, Traffic
 from lcmtools.messages.path import Path, parse_path
+from lcmtools.observe.selection import OneTopic, Pattern, wanted
 
 
 def bus(*channels: str) -> Graph:

@@ -2,9 +2,9 @@
 
 import pytest
 
-from lcmtools.graph.activity import Activity, Flow, all_topics
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
 from lcmtools.graph.protocol import NODE_CHANNEL
+from lcmtools.observe.activity import Activity, Flow, all_topics
 from lcmtools.wire.packet import Packet, Sender
 
 S = 1_000_000_000

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from lcmtools.graph.callbacks import busy_share, callback_time, duration_text
 from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.observe.callbacks import busy_share, callback_time, duration_text
 
 SECOND = 1_000_000_000
 EAR = Endpoint("/a", Role.SUBSCRIBER, calls=10, busy=500)

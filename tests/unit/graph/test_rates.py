@@ -5,7 +5,7 @@ import math
 import pytest
 
 from lcmtools.graph.model import Endpoint, Node, Role
-from lcmtools.graph.rates import (
+from lcmtools.observe.rates import (
     BandwidthWindow,
     DelayWindow,
     RateWindow,

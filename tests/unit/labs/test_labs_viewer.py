@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from lcmtools.labs.pioneer import check_viewer
-from lcmtools.nodes.picture.png import PngPixels, encode_png
+from lcmtools.labs.checks.pioneer import check_viewer
+from lcmtools.labs.nodes.picture.png import PngPixels, encode_png
 
 PICTURE = encode_png(PngPixels(4, 2, 1, 16, bytes(16)))
 

@@ -6,8 +6,8 @@ import pytest
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import decode, encode
+from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.registry import Message
-from lcmtools.messages.stencil import Stencil
 from lcmtools.types.geometry_msgs import TransformStamped
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import Image, JointState, LaserScan
@@ -23,7 +23,7 @@ def odometry() -> Odometry:
 
 
 def test_it_is_what_encoding_such_a_message_gives() -> None:
-    stencil = Stencil(odometry(), "header.stamp", "pose.pose", "twist.twist.linear.x")
+    stencil = PayloadTemplate(odometry(), "header.stamp", "pose.pose", "twist.twist.linear.x")
     message = odometry()
     message.header.stamp.sec, message.header.stamp.nsec = 7, 8
     pose = message.pose.pose
@@ -35,7 +35,7 @@ def test_it_is_what_encoding_such_a_message_gives() -> None:
 
 
 def test_it_can_be_filled_again_and_nothing_of_before_stays() -> None:
-    stencil = Stencil(odometry(), "twist.twist")
+    stencil = PayloadTemplate(odometry(), "twist.twist")
 
     stencil.fill((1, 2, 3, 4, 5, 6))
 
@@ -43,7 +43,7 @@ def test_it_can_be_filled_again_and_nothing_of_before_stays() -> None:
 
 
 def test_holes_may_come_in_any_order() -> None:
-    stencil = Stencil(odometry(), "twist.twist.angular.z", "header.stamp.sec")
+    stencil = PayloadTemplate(odometry(), "twist.twist.angular.z", "header.stamp.sec")
 
     message = decode(Odometry, stencil.fill((0.3,), (9,)))
 
@@ -54,7 +54,7 @@ def test_arrays_of_numbers_keep_their_size() -> None:
     scan = LaserScan()
     scan.ranges, scan.intensities = [0.0] * 3, [7.0]
 
-    message = decode(LaserScan, Stencil(scan, "ranges").fill((1.0, float("inf"), 3.0)))
+    message = decode(LaserScan, PayloadTemplate(scan, "ranges").fill((1.0, float("inf"), 3.0)))
 
     assert (message.ranges, message.intensities) == ((1.0, float("inf"), 3.0), (7.0,))
 
@@ -63,7 +63,7 @@ def test_holes_can_be_in_messages_in_an_array() -> None:
     tf = TFMessage()
     tf.transforms = [TransformStamped(), TransformStamped()]
     tf.transforms[0].child_frame_id = "a long name"
-    stencil = Stencil(tf, "transforms[1].header.stamp", "transforms[0].transform.rotation")
+    stencil = PayloadTemplate(tf, "transforms[1].header.stamp", "transforms[0].transform.rotation")
 
     message = decode(TFMessage, stencil.fill((1, 2), (0, 0, 0, 1)))
 
@@ -77,14 +77,14 @@ def test_what_comes_after_strings_and_bytes_is_found() -> None:
     joints.name, joints.position = ["left", "", "ß"], [0.0, 0.0]
     image.encoding, image.data = "mono8", b"abc"
 
-    filled = decode(JointState, Stencil(joints, "position").fill((1.0, 2.0)))
+    filled = decode(JointState, PayloadTemplate(joints, "position").fill((1.0, 2.0)))
 
     assert (filled.name, filled.position) == (["left", "", "ß"], (1.0, 2.0))
-    assert decode(Image, Stencil(image, "data").fill(b"xyz")).data == b"xyz"
+    assert decode(Image, PayloadTemplate(image, "data").fill(b"xyz")).data == b"xyz"
 
 
 def test_without_holes_it_is_the_message() -> None:
-    assert Stencil(odometry()).fill() == encode(odometry())
+    assert PayloadTemplate(odometry()).fill() == encode(odometry())
 
 
 @pytest.mark.parametrize(
@@ -106,14 +106,14 @@ def test_without_holes_it_is_the_message() -> None:
 )
 def test_wrong_holes_are_refused(holes: list[str], what: str) -> None:
     with pytest.raises(ValueMismatch) as error:
-        Stencil(odometry(), *holes)
+        PayloadTemplate(odometry(), *holes)
 
     assert str(error.value) == what
 
 
 def test_an_arrays_length_is_no_hole() -> None:
     with pytest.raises(ValueMismatch, match="ranges_length can change its size"):
-        Stencil(LaserScan(), "ranges_length")
+        PayloadTemplate(LaserScan(), "ranges_length")
 
 
 def test_a_message_that_does_not_fit_its_type_is_refused() -> None:
@@ -121,15 +121,15 @@ def test_a_message_that_does_not_fit_its_type_is_refused() -> None:
     message.pose.covariance = [0.0]  # type: ignore[attr-defined]
 
     with pytest.raises(ValueMismatch, match=r"pose\.covariance: expected 36 numbers, got 1"):
-        Stencil(message, "header.stamp")
+        PayloadTemplate(message, "header.stamp")
 
 
 @pytest.mark.parametrize("row", [(1,), (1, 2, 3), (1.5, 2), ("1", 2), (2**40, 0)])
 def test_a_row_that_does_not_fit_raises(row: tuple[object, ...]) -> None:
     with pytest.raises(struct.error):
-        Stencil(odometry(), "header.stamp").fill(row)  # type: ignore[arg-type] # that is the point
+        PayloadTemplate(odometry(), "header.stamp").fill(row)  # type: ignore[arg-type] # that is the point
 
 
 def test_every_hole_needs_a_row() -> None:
     with pytest.raises(ValueError, match="shorter"):
-        Stencil(odometry(), "header.stamp", "twist.twist").fill((1, 2))
+        PayloadTemplate(odometry(), "header.stamp", "twist.twist").fill((1, 2))

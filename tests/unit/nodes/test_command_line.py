@@ -9,7 +9,7 @@ import lcmtools
 import lcmtools.node.process
 from lcmtools.bus.base import FakeBus
 from lcmtools.errors import UsageError
-from lcmtools.nodes import check_command_line
+from lcmtools.labs.nodes import check_command_line
 
 NODES = ["talker", "listener", "moving_robot", "simple_controller", "evaluate_controller"]
 NODES.append("reading_laser")
@@ -23,7 +23,7 @@ def test_help_shows_topics_and_an_example_and_needs_no_bus(
     node: str, flag: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("LCM_DEFAULT_URL", "not a bus")
-    importlib.import_module(f"lcmtools.nodes.{node}").main([flag])
+    importlib.import_module(f"lcmtools.labs.nodes.{node}").main([flag])
     text = capsys.readouterr().out
     assert text.partition("Example:")[2].count("lcmtools ") >= 2
     assert f"lcmtools run {node}" in text
@@ -37,7 +37,7 @@ def test_unknown_argument_is_refused_before_there_is_a_bus(
 ) -> None:
     monkeypatch.setenv("LCM_DEFAULT_URL", "not a bus")
     with pytest.raises(UsageError) as refusal:
-        importlib.import_module(f"lcmtools.nodes.{node}").main(["__ns:=/a", "--fast"])
+        importlib.import_module(f"lcmtools.labs.nodes.{node}").main(["__ns:=/a", "--fast"])
     assert str(refusal.value) == "unknown argument '--fast'; --help shows what this node takes"
     assert refusal.value.exit_code == 2
 
@@ -66,6 +66,6 @@ def test_main_spins_one_node_of_its_name_and_leaves_the_bus(
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     monkeypatch.setattr(lcmtools.node.process, "_open_bus", lambda _url: FakeBus())
     monkeypatch.setattr(lcmtools, "spin", lambda node: spun.append(node.name), raising=False)
-    assert importlib.import_module(f"lcmtools.nodes.{node}").main(["__ns:=/husky0"]) is None
+    assert importlib.import_module(f"lcmtools.labs.nodes.{node}").main(["__ns:=/husky0"]) is None
     assert spun == [f"/husky0/{node}"]
     assert not lcmtools.ok()

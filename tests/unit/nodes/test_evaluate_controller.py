@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from lcmtools.nodes.evaluate_controller import ErrorStatistics, EvaluateController
+from lcmtools.labs.nodes.evaluate_controller import ErrorStatistics, EvaluateController
 from lcmtools.types.air_lab0 import ControllerEvaluationStat
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from lcmtools.nodes.moving_robot import MovingRobot
+from lcmtools.labs.nodes.moving_robot import MovingRobot
 from lcmtools.types.geometry_msgs import Twist
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from lcmtools.nodes.reading_laser import ReadingLaser, describe
+from lcmtools.labs.nodes.reading_laser import ReadingLaser, describe
 from lcmtools.types.sensor_msgs import LaserScan
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from lcmtools import Parameter
 from lcmtools.errors import UsageError
-from lcmtools.nodes.simple_controller import SimpleController
+from lcmtools.labs.nodes.simple_controller import SimpleController
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import JointState

@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
-from lcmtools.nodes.listener import Listener
-from lcmtools.nodes.talker import Talker
+from lcmtools.labs.nodes.listener import Listener
+from lcmtools.labs.nodes.talker import Talker
 from lcmtools.types.std_msgs import String
 
 

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lcmtools.nodes.velocity_control import Gains, SideControl, Velocity, VelocityControl
+from lcmtools.labs.nodes.velocity_control import Gains, SideControl, Velocity, VelocityControl
 
 STEP = 1 / 240
 """Of the plant [s]."""

@@ -78,7 +78,7 @@ class FakeNode:
         """Keep it."""
         self.warnings.append(text)
 
-    def heard_topics(self) -> frozenset[str]:
+    def subscribed_topics(self) -> frozenset[str]:
         """What the test says."""
         return self.heard
 

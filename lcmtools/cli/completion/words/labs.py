@@ -18,7 +18,7 @@ def labs(situation: Situation) -> Iterator[Candidate]:
 def skeletons(situation: Situation) -> Iterator[Candidate]:
     """The nodes that are there to be filled in."""
     del situation
-    from lcmtools.nodes.skeletons import NAMES
+    from lcmtools.labs.skeletons import NAMES
 
     yield from map(Candidate, NAMES)
 

@@ -48,7 +48,7 @@ def _full(name: str, situation: Situation) -> str:
 
 def _asked(situation: Situation, node: str) -> Sequence[Parameter]:
     """The parameters of a node; none where it does not answer."""
-    from lcmtools.bus.glance import Glance
+    from lcmtools.bus.quick_probe import QuickProbe
     from lcmtools.messages.codec import decode
     from lcmtools.node.parameters import service_name
     from lcmtools.node.service import reply_channel, request_channel
@@ -59,9 +59,9 @@ def _asked(situation: Situation, node: str) -> Sequence[Parameter]:
     deadline = time.monotonic() + _ANSWER
     with (
         contextlib.suppress(LcmtoolsError, OSError),
-        Glance(situation.url, question, reply_channel(service)) as glance,
+        QuickProbe(situation.url, question, reply_channel(service)) as quick_probe,
     ):
-        for payload in glance.replies(reply_channel(service), deadline):
+        for payload in quick_probe.replies(reply_channel(service), deadline):
             with contextlib.suppress(LcmtoolsError):
                 reply = decode(ServiceReply, payload)
                 if reply.client == client and reply.status == ServiceReply.OK:

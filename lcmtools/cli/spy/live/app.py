@@ -10,17 +10,17 @@ from typing import ClassVar, Protocol
 from textual.app import App
 from textual.binding import Binding, BindingType
 
-from lcmtools.bus.watch import Watch
 from lcmtools.cli.ending import BY_SIGNAL, INTERRUPTED
-from lcmtools.cli.spy.feed import Feed, Snapshot
-from lcmtools.cli.spy.follower import Follower
 from lcmtools.cli.spy.live.curve import CurveScreen
 from lcmtools.cli.spy.live.detail import Detail
 from lcmtools.cli.spy.live.overview import Overview
 from lcmtools.cli.spy.live.sorting import HelpScreen
-from lcmtools.cli.spy.rows import Wanted
-from lcmtools.cli.spy.study import Study
 from lcmtools.cli.spy.view import View
+from lcmtools.observe.channels import Wanted
+from lcmtools.observe.feed import Feed, Snapshot
+from lcmtools.observe.follower import Follower
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.study import Study
 
 _PERIOD = 0.2  # [s] between two looks at what is new
 
@@ -124,15 +124,15 @@ class SpyApp(App[int]):
             screen.take()
 
 
-def show(watch: Watch, wanted: Wanted, view: View) -> int:
+def show(monitor: BusMonitor, wanted: Wanted, view: View) -> int:
     """Show the live view until the person has had enough; the exit code.
 
     Args:
-        watch: The bus.
+        monitor: The bus.
         wanted: Which channels have a row.
         view: How the table is looked at first.
     """
-    feed = Feed(watch, wanted)
+    feed = Feed(monitor, wanted)
 
     def follow(study: Study) -> Callable[[], None]:
         if feed.url.is_multicast:
@@ -144,7 +144,7 @@ def show(watch: Watch, wanted: Wanted, view: View) -> int:
 
         return stop
 
-    app = SpyApp(str(watch.url), feed, follow, view)
+    app = SpyApp(str(monitor.url), feed, follow, view)
     feed.start()
     try:
         code = app.run()

@@ -9,7 +9,7 @@ from lcmtools.cli.spy.live.bars import Bar, keys_line
 from lcmtools.cli.spy.live.lines import BOLD, CURVE, PLAIN, WARN, Lines
 from lcmtools.cli.spy.live.page import Page
 from lcmtools.cli.spy.sparkline import number_text, plot
-from lcmtools.cli.spy.study import Study
+from lcmtools.observe.study import Study
 
 _KEYS = (("Esc", "Back"), ("+", "Longer"), ("-", "Shorter"), ("Space", "Pause"), ("F10", "Quit"))
 _SPANS = (2, 5, 10, 20, 40, 120, 600)  # [s]

@@ -11,8 +11,8 @@ from lcmtools.cli.spy.live.bars import Bar, keys_line
 from lcmtools.cli.spy.live.curve import CurveScreen
 from lcmtools.cli.spy.live.lines import BOLD, CURVE, DIM, NAME, PLAIN, WARN, Lines, Part
 from lcmtools.cli.spy.live.page import Page
-from lcmtools.cli.spy.rows import Row
-from lcmtools.cli.spy.study import Study
+from lcmtools.observe.channels import Row
+from lcmtools.observe.study import Study
 
 _KEYS = (
     *(("Esc", "Back"), ("Enter", "Curve, or open"), ("Space", "Pause"), ("c", "Clear")),

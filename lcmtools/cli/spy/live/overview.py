@@ -18,7 +18,6 @@ from lcmtools.cli.spy.columns import (
     printable,
     rate_text,
 )
-from lcmtools.cli.spy.feed import Snapshot
 from lcmtools.cli.spy.live.bars import Bar, keys_line
 from lcmtools.cli.spy.live.lines import (
     BAD,
@@ -35,8 +34,9 @@ from lcmtools.cli.spy.live.lines import (
 from lcmtools.cli.spy.live.page import Page
 from lcmtools.cli.spy.live.prompt import Prompt
 from lcmtools.cli.spy.live.sorting import SortScreen
-from lcmtools.cli.spy.rows import Row
 from lcmtools.cli.spy.view import View
+from lcmtools.observe.channels import Row
+from lcmtools.observe.feed import Snapshot
 
 _KEYS = (
     *(("F1", "Help"), ("F3", "Search"), ("F4", "Filter"), ("F6", "Sort"), ("Enter", "Details")),

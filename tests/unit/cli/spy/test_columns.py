@@ -15,7 +15,7 @@ from lcmtools.cli.spy.columns import (
     width_of,
 )
 from lcmtools.cli.spy.once import table
-from lcmtools.cli.spy.rows import Row
+from lcmtools.observe.channels import Row
 
 ROWS = (
     Row(

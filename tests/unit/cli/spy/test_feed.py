@@ -6,12 +6,12 @@ from collections.abc import Callable
 import pytest
 
 from lcmtools.bus.url import BusUrl
-from lcmtools.bus.watch import Watch
 from lcmtools.cli.spy.columns import COLUMNS
-from lcmtools.cli.spy.feed import Feed, Snapshot
 from lcmtools.cli.spy.live.lines import BAD, DIM, PLAIN, WARN
 from lcmtools.cli.spy.live.overview import cell_style
-from lcmtools.cli.spy.rows import Row, Wanted
+from lcmtools.observe.channels import Row, Wanted
+from lcmtools.observe.feed import Feed, Snapshot
+from lcmtools.observe.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
 
 MEMORY = BusUrl("memq", "")
@@ -52,7 +52,7 @@ def snapshot_of(wait_until: Callable[..., None]) -> Callable[..., Snapshot]:
         meanwhile: Callable[[Feed], None] = lambda _: None,
         url: BusUrl = MEMORY,
     ) -> Snapshot:
-        watch = Watch(url, "spy", {}, Bus(behaviour))
+        watch = BusMonitor(url, "spy", {}, Bus(behaviour))
         feed = Feed(watch, Wanted())
         feed.start()
         try:

@@ -10,17 +10,17 @@ from textual.app import App
 from textual.events import Key
 from textual.pilot import Pilot
 
-from lcmtools.cli.spy.feed import Snapshot
 from lcmtools.cli.spy.live.app import SpyApp
 from lcmtools.cli.spy.live.bars import Bar
 from lcmtools.cli.spy.live.curve import CurveScreen
 from lcmtools.cli.spy.live.detail import Detail
 from lcmtools.cli.spy.live.lines import Lines
 from lcmtools.cli.spy.live.page import Page
-from lcmtools.cli.spy.rows import Row
-from lcmtools.cli.spy.study import Study
 from lcmtools.cli.spy.view import View
 from lcmtools.messages.codec import encode
+from lcmtools.observe.channels import Row
+from lcmtools.observe.feed import Snapshot
+from lcmtools.observe.study import Study
 from lcmtools.types.geometry_msgs import Vector3
 from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools.wire.packet import Packet

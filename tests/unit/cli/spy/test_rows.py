@@ -1,13 +1,13 @@
 """The rows of the table: types, senders, listeners and loss, as far as they are known."""
 
 from lcmtools.bus.processes import Process
-from lcmtools.cli.spy.rows import Row, Rows, Wanted, losses, matching
-from lcmtools.cli.spy.senders import SenderNames
 from lcmtools.cli.spy.view import View
-from lcmtools.graph.activity import Activity
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
 from lcmtools.messages.codec import encode
+from lcmtools.observe.activity import Activity
+from lcmtools.observe.channels import Row, Rows, Wanted, losses, matching
+from lcmtools.observe.senders import SenderNames
 from lcmtools.types.geometry_msgs import Vector3
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence

@@ -3,7 +3,7 @@
 import pytest
 
 from lcmtools.bus.processes import Process
-from lcmtools.cli.spy.senders import SenderNames, program_name
+from lcmtools.observe.senders import SenderNames, program_name
 from lcmtools.wire.packet import Sender
 
 LOCAL, OTHER = Sender("127.0.0.1", 1), Sender("127.0.0.1", 2)

@@ -2,10 +2,10 @@
 
 from lcmtools.cli.spy.closeup import Closeup
 from lcmtools.cli.spy.numbers import MOST_ELEMENTS, MOST_LINES, lines_of
-from lcmtools.cli.spy.rows import Row
-from lcmtools.cli.spy.study import KEPT, Study
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
+from lcmtools.observe.channels import Row
+from lcmtools.observe.study import KEPT, Study
 from lcmtools.types.geometry_msgs import Point, PoseStamped, Twist, Vector3
 from lcmtools.types.nav_msgs import Path
 from lcmtools.types.sensor_msgs import Image, JointState, LaserScan

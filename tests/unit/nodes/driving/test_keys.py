@@ -2,11 +2,11 @@
 
 import pytest
 
-from lcmtools.nodes.driving.hold import Hold
-from lcmtools.nodes.driving.key_script import KeyScript
-from lcmtools.nodes.driving.keys import split_keys
-from lcmtools.nodes.driving.motion import Motion
-from lcmtools.nodes.driving.sliders import Sliders
+from lcmtools.labs.nodes.driving.hold import Hold
+from lcmtools.labs.nodes.driving.key_script import KeyScript
+from lcmtools.labs.nodes.driving.keys import split_keys
+from lcmtools.labs.nodes.driving.motion import Motion
+from lcmtools.labs.nodes.driving.sliders import Sliders
 
 
 @pytest.mark.parametrize(

@@ -10,22 +10,22 @@ from array import array
 import pytest
 
 from lcmtools.errors import DecodeError
-from lcmtools.nodes.picture.blocks import (
+from lcmtools.labs.nodes.picture.blocks import (
     Depth,
     color_depth,
     draw_blocks,
     draw_legend,
     nearest_256,
 )
-from lcmtools.nodes.picture.display import colors_of, numbered, values_of
-from lcmtools.nodes.picture.graphics import graphics_in
-from lcmtools.nodes.picture.kitty import draw_kitty
-from lcmtools.nodes.picture.pixels import read_picture
-from lcmtools.nodes.picture.png import PngPixels, decode_png, encode_png
-from lcmtools.nodes.picture.sample import Look, fitting_size, take_view
-from lcmtools.nodes.picture.shades import COLOR_MAPS, mix
-from lcmtools.nodes.picture.sixel import draw_sixel
-from lcmtools.nodes.picture.words import facts, sentence
+from lcmtools.labs.nodes.picture.display import colors_of, numbered, values_of
+from lcmtools.labs.nodes.picture.graphics import graphics_in
+from lcmtools.labs.nodes.picture.kitty import draw_kitty
+from lcmtools.labs.nodes.picture.pixels import read_picture
+from lcmtools.labs.nodes.picture.png import PngPixels, decode_png, encode_png
+from lcmtools.labs.nodes.picture.sample import Look, fitting_size, take_view
+from lcmtools.labs.nodes.picture.shades import COLOR_MAPS, mix
+from lcmtools.labs.nodes.picture.sixel import draw_sixel
+from lcmtools.labs.nodes.picture.words import facts, sentence
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
 WARM = Look(COLOR_MAPS["warm"])

@@ -1,0 +1,169 @@
+"""Where a lab's check plays: a bus of its own with a simulator on it, and whoever watches.
+
+Nothing of it is left when it is over, however it ends: processes are in groups that their keeper
+knows, and files in a folder that goes away.
+"""
+
+import contextlib
+import math
+import os
+import socket
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TypeVar
+
+import lcmtools
+from lcmtools import Node
+from lcmtools.errors import LcmtoolsError, MissingExtra
+from lcmtools.labs.catalogue import Lab
+from lcmtools.labs.checks.programs import Program
+from lcmtools.messages.registry import Message
+from lcmtools.processes.process_guard import ProcessGuard
+from lcmtools.types.rosgraph_msgs import Clock
+from lcmtools.types.sim_msgs import SetPose
+
+_START = 30.0
+"""How long a simulator may take until it runs [s]."""
+_GROUP = "239.255.76.67"
+_TURN = 0.05
+_OTHER_BUSES = ("LCMTOOLS_DOMAIN", "LCMTOOLS_NAMESPACE")
+
+MessageT = TypeVar("MessageT", bound=Message)
+
+
+class Stage:
+    """A simulator with a lab's world, on a bus of its own.
+
+    Args:
+        lab: Which.
+        rate: Times real time.
+
+    Attributes:
+        node: What watches, and commands the robot.
+        folder: For files of the check; it goes away with the stage.
+        time: Simulated time [s].
+    """
+
+    node: Node
+
+    def __init__(self, lab: Lab, rate: float) -> None:
+        self.lab = lab
+        self.rate = rate
+        self.time = 0.0
+        self.url = f"udpm://{_GROUP}:{_free_port()}?ttl=0"
+        self._owned = contextlib.ExitStack()
+        self._programs = 0
+
+    def __enter__(self) -> "Stage":
+        """Start the simulator and wait until it runs.
+
+        Raises:
+            MissingExtra: The simulator is not installed.
+            LcmtoolsError: It does not start, with what it says.
+        """
+        try:
+            self._set_up()
+        except BaseException:
+            self._owned.close()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End everything."""
+        self._owned.close()
+
+    def start(self, command: Sequence[str], *, has_keys: bool = False) -> Program:
+        """Start a program on this bus; it ends with the stage at the latest.
+
+        Raises:
+            UsageError: It cannot be started.
+        """
+        self._programs += 1
+        program = Program(
+            command,
+            self._environment(),
+            self.folder / f"output_{self._programs}",
+            self._keeper.in_child(),
+            has_keys=has_keys,
+        )
+        self._owned.callback(self._keeper.forget, program.pid)
+        return self._owned.enter_context(program)
+
+    def listen(
+        self,
+        message_type: type[MessageT] | tuple[type[MessageT], ...],
+        topic: str,
+        callback: Callable[[MessageT], object],
+    ) -> None:
+        """Have a callback called with each message of a topic, while ``wait`` runs."""
+        self.node.create_subscription(message_type, topic, callback, 100)
+
+    def wait(self, condition: Callable[[], object], timeout: float) -> bool:
+        """Let callbacks run until a condition is true; whether it was within so many seconds."""
+        deadline = time.monotonic() + timeout
+        while not condition():
+            left = deadline - time.monotonic()
+            if left <= 0:
+                return False
+            lcmtools.spin_once(self.node, min(left, _TURN))
+        return True
+
+    def put(self, robot: str, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> None:
+        """Put a robot somewhere, at rest: [m], [rad].
+
+        Raises:
+            LcmtoolsError: The simulator does not do it.
+        """
+        request = SetPose.Request()
+        request.robot = robot
+        request.pose.position.x, request.pose.position.y = x, y
+        request.pose.orientation.z, request.pose.orientation.w = (
+            math.sin(yaw / 2),
+            math.cos(yaw / 2),
+        )
+        response = self._set_pose.call(request, 5.0)
+        if not response.success:
+            raise LcmtoolsError(f"{self.lab.simulator}: {response.message}")
+
+    def _set_up(self) -> None:
+        folder = tempfile.TemporaryDirectory(prefix="lcmtools-lab-")
+        self.folder = Path(self._owned.enter_context(folder))
+        self._keeper = self._owned.enter_context(ProcessGuard())
+        lcmtools.init([], url=self.url, handle_signals=False)
+        self._owned.callback(lcmtools.shutdown)
+        self.node = self._owned.enter_context(Node(f"_lcmtools_lab_{os.getpid()}", tool=True))
+        self._set_pose = self.node.create_client(SetPose, f"{self.lab.simulator}/set_pose")
+        self.listen(Clock, "/clock", self._tick)
+        world = ("--world", self.lab.world, "--rate", f"{self.rate:g}")
+        simulator = self.start(("lcmtools", "run", "sim", *world))
+        self.wait(lambda: self.time > 0.0 or simulator.code() is not None, _START)
+        if not self.time > 0.0:
+            raise _no_start(simulator)
+
+    def _tick(self, clock: Clock) -> None:
+        self.time = clock.clock.sec + clock.clock.nsec / 1e9
+
+    def _environment(self) -> dict[str, str]:
+        """What programs get: this bus, this Python first, and lines as they are printed."""
+        here = {name: text for name, text in os.environ.items() if name not in _OTHER_BUSES}
+        path = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))
+        ours = {"LCM_DEFAULT_URL": self.url, "PATH": path, "PYTHONUNBUFFERED": "1"}
+        return {**here, **ours, "NO_COLOR": "1"}
+
+
+def _no_start(simulator: Program) -> LcmtoolsError:
+    """What is told of a simulator that does not start."""
+    says = simulator.last_words() or f"it said nothing for {_START:g} s"
+    what = f"the simulator did not start: {says}"
+    is_missing = simulator.code() == MissingExtra.exit_code
+    return MissingExtra(what) if is_missing else LcmtoolsError(what)
+
+
+def _free_port() -> int:
+    """A UDP port that nobody has."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("", 0))
+        return int(probe.getsockname()[1])

@@ -1,0 +1,40 @@
+"""``lcmtools lab skeleton``."""
+
+from pathlib import Path
+
+import click
+
+from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.output import document, lines, talk
+from lcmtools.errors import UsageError
+from lcmtools.labs.skeletons import NAMES, copy_skeleton
+
+
+@click.command("skeleton", context_settings=CONTEXT)
+@click.option("-l", "--list", "show_list", is_flag=True, help="List the skeletons.")
+@click.option("--force", is_flag=True, help="Overwrite a file that is there.")
+@json_option
+@click.argument("name", required=False)
+@click.argument("folder", metavar="DIR", default=".", type=click.Path(path_type=Path))
+def command(name: str | None, folder: Path, *, show_list: bool, force: bool, as_json: bool) -> None:
+    """Copy a lab's node with TODOs in it into DIR (else here), to be filled in.
+
+    It runs as it is, by python; its first lines say how.
+
+    \b
+    Examples:
+      lcmtools lab skeleton simple_controller
+      lcmtools lab skeleton kinect_viewer my_lab
+    """  # noqa: D301 - \b is click's mark
+    if show_list and name:
+        raise UsageError("--list takes no skeleton's name", "leave out one of them")
+    if show_list:
+        document(list(NAMES)) if as_json else lines(NAMES)
+        return
+    if not name:
+        raise UsageError(
+            "the skeleton's name is missing", "lcmtools lab skeleton --list shows them"
+        )
+    path = copy_skeleton(name, folder, overwrite=force)
+    document({"file": str(path)}) if as_json else lines([str(path)])
+    talk(f"fill in its TODOs, and run it: python {path}")

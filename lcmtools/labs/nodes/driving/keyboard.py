@@ -1,0 +1,111 @@
+"""Where keys come from: a terminal, or a script on standard input.
+
+What they mean is not known here.
+"""
+
+import contextlib
+import os
+import select
+import sys
+import time
+from collections.abc import Callable, Iterator
+from typing import Protocol
+
+from lcmtools.labs.nodes.driving.key_script import KeyScript
+from lcmtools.labs.nodes.driving.keys import END_OF_INPUT, split_keys
+from lcmtools.labs.nodes.terminal import Terminal, is_terminal
+
+_ESCAPE_TIME = 0.05
+"""Seconds within which a terminal sends the rest of an arrow's sequence, over a network too."""
+_AT_ONCE = 4096
+
+
+class Keyboard(Protocol):
+    """A source of keys.
+
+    Attributes:
+        is_over: No more will come.
+    """
+
+    is_over: bool
+
+    def read(self, seconds: float) -> list[str]:
+        """The keys that have come; waits for the first one at most so long."""
+        ...
+
+
+@contextlib.contextmanager
+def open_keyboard(on_suspend: Callable[[], object]) -> Iterator[Keyboard]:
+    """The keyboard of standard input's terminal, or the script that is piped in."""
+    if not is_terminal(sys.stdin):
+        yield PipedKeys()
+        return
+    with Terminal(keys=True, on_suspend=on_suspend) as terminal:
+        yield TerminalKeys(terminal)
+
+
+class TerminalKeys:
+    """Keys as they are pressed.
+
+    Args:
+        terminal: Standard input's, set to hand over single keys.
+    """
+
+    def __init__(self, terminal: Terminal) -> None:
+        self.is_over = False
+        self._terminal = terminal
+        self._rest = b""
+
+    def read(self, seconds: float) -> list[str]:
+        """See Keyboard."""
+        self._terminal.obey()
+        if not _is_readable(_ESCAPE_TIME if self._rest else seconds):
+            keys, self._rest = split_keys(self._rest, is_complete=True)
+            return keys
+        data = _read()
+        self.is_over = not data
+        keys, self._rest = split_keys(self._rest + data, is_complete=self.is_over)
+        if END_OF_INPUT in keys:
+            self.is_over = True
+            keys = keys[: keys.index(END_OF_INPUT)]
+        return keys
+
+
+class PipedKeys:
+    """Keys by a script, in its time."""
+
+    def __init__(self) -> None:
+        self.is_over = False
+        self._script = KeyScript()
+        self._has_ended = False
+
+    def read(self, seconds: float) -> list[str]:
+        """See Keyboard."""
+        if self._has_ended:
+            time.sleep(0 if self._script.is_over(time.monotonic()) else seconds)
+        elif _is_readable(seconds):
+            self._take(_read())
+        now = time.monotonic()
+        keys = self._script.due(now)
+        self.is_over = self._script.is_over(now)
+        return keys
+
+    def _take(self, data: bytes) -> None:
+        if data:
+            self._script.feed(data)
+        else:
+            self._script.finish()
+            self._has_ended = True
+
+
+def _is_readable(seconds: float) -> bool:
+    return bool(select.select([sys.stdin.fileno()], [], [], seconds)[0])
+
+
+def _read() -> bytes:
+    """What has come; nothing at the end, and where the terminal is gone."""
+    # not sys.stdin.read(): what waits in its buffer is hidden from select
+    try:
+        return os.read(sys.stdin.fileno(), _AT_ONCE)
+    except OSError:
+        return b""

@@ -1,0 +1,52 @@
+"""Show what the Kinect sees, as a live picture in the terminal.
+
+Subscribes:
+    /camera/depth/image_raw   sensor_msgs/Image             depth (16UC1, 32FC1), grey or colour
+                              sensor_msgs/CompressedImage   the same as a PNG file
+
+Near is light, far is dark, and black is no reading. q, Escape and Ctrl-C end.
+
+Example:
+    lcmtools run sim --world pioneer
+    lcmtools run kinect_viewer
+    lcmtools run kinect_viewer --save depth.png --once
+"""
+
+from collections.abc import Sequence
+
+import lcmtools
+from lcmtools import Node
+from lcmtools.labs.nodes.command_line import read_command_line
+from lcmtools.labs.nodes.picture.viewer import Viewer, options_help, viewer_parser
+from lcmtools.messages.registry import Message
+from lcmtools.types.sensor_msgs import CompressedImage, Image
+
+
+class KinectViewer(Node):
+    """Shows the pictures of the Kinect.
+
+    Args:
+        viewer: Where they are shown.
+    """
+
+    def __init__(self, viewer: Viewer) -> None:
+        super().__init__("kinect_viewer")
+        self._viewer = viewer
+        # only the newest picture counts: an old one that waited would be shown too late
+        self.subscription = self.create_subscription(
+            (Image, CompressedImage), "/camera/depth/image_raw", self._kinect_callback, 1
+        )
+
+    def _kinect_callback(self, image: Message) -> None:
+        self._viewer.take(image)
+
+
+def main(args: Sequence[str] | None = None) -> None:
+    """Show pictures until Ctrl-C."""
+    options = read_command_line(args, options_help(__doc__), viewer_parser())
+    if options:
+        viewer = Viewer(options)
+        lcmtools.init(args)
+        node = KinectViewer(viewer)
+        viewer.run(node, node.subscription.topic)
+        lcmtools.shutdown()

@@ -1,0 +1,159 @@
+"""Deciding when a picture is shown, and until when; the loop that runs a viewing node.
+
+Which topic the pictures come from is the node's business, and where they are shown the display's.
+"""
+
+import argparse
+import os
+import sys
+import time
+
+import lcmtools
+from lcmtools import Node
+from lcmtools.errors import DecodeError, NothingReceived, UsageError
+from lcmtools.labs.nodes.command_line import NodeParser, at_least, one_of
+from lcmtools.labs.nodes.picture import graphics
+from lcmtools.labs.nodes.picture.display import Display, FileDisplay, LineDisplay
+from lcmtools.labs.nodes.picture.pixels import read_picture
+from lcmtools.labs.nodes.picture.sample import Look
+from lcmtools.labs.nodes.picture.screen import ScreenDisplay
+from lcmtools.labs.nodes.picture.shades import COLOR_MAPS, check_scale
+from lcmtools.labs.nodes.picture.window import WindowDisplay
+from lcmtools.labs.nodes.terminal import ended_by_signals, is_terminal
+from lcmtools.messages.registry import Message
+from lcmtools.types.sensor_msgs import CompressedImage, Image
+
+_TURN = 0.03
+"""Longest time without looking after the display [s]."""
+_RATE, _LINES_RATE = 10.0, 1.0
+
+
+def viewer_parser() -> argparse.ArgumentParser:
+    """The options of a node that shows pictures; OPTIONS_HELP says what they are for."""
+    positive = at_least(1e-3, "a number above 0")
+    parser = NodeParser()
+    parser.add_argument("--save", metavar="FILE")
+    parser.add_argument("--values", action="store_true")
+    parser.add_argument("--once", action="store_true")
+    parser.add_argument("--rate", type=positive)
+    parser.add_argument("--timeout", type=positive)
+    parser.add_argument("--graphics", type=one_of(graphics.CHOICES), default=graphics.AUTO)
+    parser.add_argument("--colors", type=one_of(tuple(COLOR_MAPS)), default="warm")
+    parser.add_argument("--near", type=at_least(0.0, "a depth in metres"))
+    parser.add_argument("--far", type=positive)
+    parser.add_argument("--window", action="store_true")
+    parser.add_argument("--json", action="store_true")
+    return parser
+
+
+class Viewer:
+    """Shows the newest of the pictures that it is given.
+
+    Args:
+        options: What ``viewer_parser`` has read.
+
+    Raises:
+        UsageError: Options contradict each other.
+        MissingExtra: A window is wanted, and there is no tkinter.
+    """
+
+    def __init__(self, options: argparse.Namespace) -> None:
+        self._display = _choose_display(options)
+        is_fast = isinstance(self._display, ScreenDisplay | WindowDisplay) or options.save
+        self._period = 1 / (options.rate or (_RATE if is_fast else _LINES_RATE))
+        self._is_single: bool = options.once
+        self._timeout: float | None = options.timeout
+        self._newest: Image | CompressedImage | None = None
+        self._next_time = self._last_time = 0.0
+        self.is_over = False
+
+    def take(self, message: Message) -> None:
+        """Have an Image or CompressedImage shown, if no newer one comes before it is due."""
+        assert isinstance(message, Image | CompressedImage)
+        self._newest = message
+        self._last_time = time.monotonic()
+
+    def run(self, node: Node, topic: str) -> None:
+        """Show pictures until one is enough, nobody looks, or the program ends.
+
+        Raises:
+            NothingReceived: None came within the time given.
+            DecodeError: The only one that is wanted cannot be shown.
+        """
+        self._last_time = time.monotonic()
+        node.warn_of_unknown_parameters()
+        with ended_by_signals(node.context):
+            try:
+                self._display.open(topic)
+                while lcmtools.ok() and not (self.is_over or self._display.is_over):
+                    lcmtools.spin_once(node, _TURN)
+                    self._display.attend()
+                    self._show_if_due()
+                    self._check_time(topic)
+            finally:
+                self._display.close()
+
+    def _show_if_due(self) -> None:
+        now = time.monotonic()
+        if self._newest is None or now < self._next_time:
+            return
+        message, self._newest = self._newest, None
+        self._next_time = max(self._next_time + self._period, now)
+        try:
+            picture = read_picture(message)
+        except DecodeError as error:
+            if self._is_single:
+                raise
+            self._display.say(str(error))
+            return
+        self._display.show(picture)
+        self.is_over = self._is_single
+
+    def _check_time(self, topic: str) -> None:
+        waited = time.monotonic() - self._last_time
+        if self._timeout is not None and waited > self._timeout and not self.is_over:
+            raise NothingReceived(
+                f"no picture came on {topic} within {self._timeout:g} s",
+                f"lcmtools info {topic} shows who publishes it",
+            )
+
+
+def _choose_display(options: argparse.Namespace) -> Display:
+    check_scale(options.near, options.far)
+    look = Look(COLOR_MAPS[options.colors], options.near, options.far)
+    if options.values and not options.save:
+        raise UsageError("--values is about the files of --save", "add --save FILE")
+    if options.window and options.save:
+        raise UsageError("--window and --save do not go together", "leave out one of them")
+    if options.save:
+        return FileDisplay(options.save, look, as_values=options.values, as_json=options.json)
+    if options.window:
+        return WindowDisplay(look)
+    if options.json or not _is_screen():
+        return LineDisplay(as_json=options.json)
+    return ScreenDisplay(look, options.graphics, is_single=options.once)
+
+
+def _is_screen() -> bool:
+    return is_terminal(sys.stdout) and os.environ.get("TERM", "dumb") != "dumb"
+
+
+def options_help(text: str) -> str:
+    """A node's help with the options of its viewer in it."""
+    return f"{text.strip()}\n\n{_OPTIONS_HELP}"
+
+
+_OPTIONS_HELP = """\
+Options:
+    --once            end after one picture
+    --save FILE       write PNG files, and show nothing; %d or %04d in the name counts
+    --values          ... with depth as 16-bit millimetres, not in colour
+    --rate HZ         at most so many pictures a second (10; 1 where only lines are written)
+    --timeout S       fail with exit code 4 when no picture comes for so long
+    --near M --far M  the scale's ends (else by the picture)
+    --colors MAP      warm or grey
+    --graphics KIND   auto, blocks, sixel or kitty
+    --window          in a window
+    --json            a line of JSON for each picture
+
+Where standard output is no terminal, a line of text is written for each picture."""

@@ -1,0 +1,82 @@
+"""Drive the Pioneer by keys.
+
+Publishes:
+    /RosAria/cmd_vel   geometry_msgs/Twist   linear.x [m/s] and angular.z [rad/s]: at once for each
+                                             key, at 10 Hz while it moves, 0 at the end
+
+Keys:
+    u i o    forward left, forward, forward right     q / z   both speeds 10 % more / less
+    j k l    turn left, stop, turn right              w / x   forward speed 10 % more / less
+    m , .    backward: clockwise, straight,           e / c   turn rate 10 % more / less
+             counter-clockwise
+    The arrows drive too; any other key stops. Capitals mean the same. Ctrl-C stops and ends.
+
+    Keys are also taken from a pipe: a number is a wait in seconds, # begins a comment.
+
+Parameters:
+    speed   0.5   [m/s] at the start, at most 1.2
+    turn    1.0   [rad/s] at the start, at most 5.2
+
+Example:
+    lcmtools run sim --world pioneer
+    lcmtools run pioneer_manual_controller
+    echo "i 2 u 3 k" | lcmtools run pioneer_manual_controller _speed:=0.3
+"""
+
+from collections.abc import Sequence
+
+import lcmtools
+from lcmtools.labs.nodes import check_command_line
+from lcmtools.labs.nodes.driving.driver import Driver, drive
+from lcmtools.labs.nodes.driving.motion import KEY_HELP, Motion
+from lcmtools.types.geometry_msgs import Twist
+
+SPEED_LIMIT = 1.2
+"""What a Pioneer 3-DX can do [m/s]."""
+TURN_LIMIT = 5.2
+"""What a Pioneer 3-DX can do [rad/s]."""
+
+
+class PioneerManualController(Driver):
+    """Publishes the velocity that the keys say; Driver does so again and again."""
+
+    key_help = KEY_HELP
+
+    def __init__(self) -> None:
+        super().__init__("pioneer_manual_controller")
+        self._publisher = self.create_publisher(Twist, "/RosAria/cmd_vel")
+        speed = self.declare_parameter("speed", 0.5, "at the start [m/s]", minimum=0.0)
+        turn = self.declare_parameter("turn", 1.0, "at the start [rad/s]", minimum=0.0)
+        limits = Motion(speed_limit=SPEED_LIMIT, turn_limit=TURN_LIMIT)
+        self._motion = limits.with_speeds(speed.value, turn.value)
+
+    def take_key(self, key: str) -> None:
+        """Drive, stop or change a speed; the table is in driving/motion.py."""
+        self._motion = self._motion.after(key)
+
+    def stand(self) -> None:
+        """Stop."""
+        self._motion = self._motion.stopped()
+
+    def velocity(self) -> tuple[float, float]:
+        """Forward speed [m/s] and turn rate [rad/s]."""
+        return self._motion.forward, self._motion.turn_rate
+
+    def send(self, forward: float, turn_rate: float) -> None:
+        """Publish one command; what is not set is 0."""
+        twist = Twist()
+        twist.linear.x = forward
+        twist.angular.z = turn_rate
+        self._publisher.publish(twist)
+
+    def status(self) -> str:
+        """What is commanded, and what the keys command."""
+        return str(self._motion)
+
+
+def main(args: Sequence[str] | None = None) -> None:
+    """Drive until Ctrl-C, or until a script of keys is over."""
+    if check_command_line(args, __doc__):
+        lcmtools.init(args)
+        drive(PioneerManualController())
+        lcmtools.shutdown()

@@ -1,0 +1,85 @@
+"""Steer a robot with two sliders, as rqt's robot steering does, in a terminal.
+
+Publishes:
+    TOPIC   geometry_msgs/Twist   linear.x [m/s] and angular.z [rad/s]: at once for each key, at
+                                  10 Hz while it moves, 0 at the end; cmd_vel if none is given
+
+Keys:
+    up, down       forward speed 0.1 m/s more, less     w, s: 0.01     W, S: 0.1
+    left, right    turn rate 0.1 rad/s to that side     a, d: 0.01     A, D: 0.1
+    x, z           set the forward speed, the turn rate to 0
+    space          stop; any other key does so too. Ctrl-C stops and ends.
+
+    Keys are also taken from a pipe: a number is a wait in seconds, # begins a comment.
+
+Parameters:
+    max_linear    1.0   [m/s]
+    max_angular   3.0   [rad/s]
+
+Example:
+    lcmtools run steering /husky0/desired_velocity
+    echo "up up 3 left 2 space" | lcmtools run steering /husky0/desired_velocity
+"""
+
+from collections.abc import Sequence
+
+import lcmtools
+from lcmtools.labs.nodes.command_line import NodeParser, read_command_line
+from lcmtools.labs.nodes.driving.driver import Driver, drive
+from lcmtools.labs.nodes.driving.sliders import KEY_HELP, Sliders
+from lcmtools.types.geometry_msgs import Twist
+
+
+class Steering(Driver):
+    """Publishes the velocity that two sliders say.
+
+    Args:
+        topic: Where to.
+    """
+
+    key_help = KEY_HELP
+
+    def __init__(self, topic: str = "cmd_vel") -> None:
+        super().__init__("steering")
+        self._publisher = self.create_publisher(Twist, topic)
+        self._sliders = Sliders(
+            most_forward=self._limit("max_linear", 1.0, "largest speed [m/s]"),
+            most_turn_rate=self._limit("max_angular", 3.0, "largest turn rate [rad/s]"),
+        )
+
+    def take_key(self, key: str) -> None:
+        """Move a slider; which one is in driving/sliders.py."""
+        self._sliders = self._sliders.after(key)
+
+    def stand(self) -> None:
+        """Stop."""
+        self._sliders = self._sliders.stopped()
+
+    def velocity(self) -> tuple[float, float]:
+        """Forward speed [m/s] and turn rate [rad/s]."""
+        return self._sliders.forward, self._sliders.turn_rate
+
+    def send(self, forward: float, turn_rate: float) -> None:
+        """Publish one command; what is not set is 0."""
+        twist = Twist()
+        twist.linear.x = forward
+        twist.angular.z = turn_rate
+        self._publisher.publish(twist)
+
+    def status(self) -> str:
+        """The sliders."""
+        return str(self._sliders)
+
+    def _limit(self, name: str, default: float, about: str) -> float:
+        return self.declare_parameter(name, default, about, minimum=0.01).value
+
+
+def main(args: Sequence[str] | None = None) -> None:
+    """Steer until Ctrl-C, or until a script of keys is over."""
+    parser = NodeParser()
+    parser.add_argument("topic", nargs="?", default="cmd_vel")
+    options = read_command_line(args, __doc__, parser)
+    if options:
+        lcmtools.init(args)
+        drive(Steering(options.topic))
+        lcmtools.shutdown()

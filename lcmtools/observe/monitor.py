@@ -1,0 +1,291 @@
+"""Looking at a bus: what the commands that read it stand on.
+
+A watch pulls packets, learns the graph from them on the way, and, where the command listens to
+topics, announces that as a node's subscription would be.
+"""
+
+import contextlib
+import math
+import os
+import signal
+import socket
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Protocol
+
+from lcmtools.bus.processes import is_local, unheard_senders
+from lcmtools.bus.records import NodeRecords
+from lcmtools.bus.tap import Tap
+from lcmtools.bus.url import BusUrl
+from lcmtools.errors import BusError
+from lcmtools.graph.builder import GraphBuilder
+from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.graph.protocol import (
+    NODE_CHANNEL,
+    PERIOD,
+    PROBE_CHANNEL,
+    SHUTDOWN_CHANNEL,
+    TALK_CHANNELS,
+    Announcement,
+    Probe,
+    Shutdown,
+    decode_probe,
+    decode_shutdown,
+    encode_announcement,
+    encode_probe,
+    encode_shutdown,
+)
+from lcmtools.observe.programs import is_here
+from lcmtools.wire.packet import Packet
+
+QUIET = 0.03
+"""The graph counts as complete when no node has appeared for so long [s]."""
+_AT_LEAST = 0.05  # [s] that nodes have to answer, several times what they need
+_AGAIN = 0.02  # [s] after which they are asked a second time, where datagrams may be lost
+_AT_MOST = 0.3  # [s] on a bus where nodes keep appearing
+_FOREIGN = 1.2  # [s] for programs that do not answer: a little more than one period at 1 Hz
+
+
+class Observer(Protocol):
+    """Something that sees all messages of a bus: the tap, or a subscription to everything."""
+
+    @property
+    def port(self) -> int:
+        """The UDP port that ``send`` sends from; 0 when there is none."""
+        ...
+
+    def receive(self, timeout: float) -> list[Packet]:
+        """The messages that have arrived, waiting up to ``timeout`` seconds for the first."""
+        ...
+
+    def send(self, channel: str, payload: bytes) -> None:
+        """Publish one message."""
+        ...
+
+    def close(self) -> None:
+        """Leave the bus."""
+        ...
+
+
+def open_observer(
+    url: BusUrl,
+    *,
+    whole: bool = False,
+    on_outage: Callable[[str, str], None] = lambda _text, _trouble: None,
+) -> Observer:
+    """The best observer that a bus allows.
+
+    Args:
+        url: The bus.
+        whole: Large messages are wanted whole; else their heads will do.
+        on_outage: Told that the connection is lost or back, and what is wrong now, "" for nothing.
+
+    Raises:
+        BusError: The bus cannot be reached, with what to type.
+    """
+    if url.is_multicast:
+        return Tap(url, whole=whole)
+    from lcmtools.bus.lcm_listener import LcmListener
+
+    return LcmListener(url, on_outage)
+
+
+class BusMonitor:
+    """A look at a bus, for as long as a command runs.
+
+    Args:
+        url: The bus.
+        tool: The command's name, announced while it listens ("echo").
+        environment: The process's environment variables.
+        observer: What sees the messages; None for the best that the bus allows.
+        whole: Large messages are wanted whole; else their heads will do (``Packet.whole_bytes``).
+        on_outage: Told that the connection to a server is lost, and that it is back.
+
+    Attributes:
+        trouble: Why nothing comes; "" where the connection is well.
+
+    Raises:
+        BusError: The bus cannot be reached, with what to type.
+    """
+
+    def __init__(
+        self,
+        url: BusUrl,
+        tool: str,
+        environment: Mapping[str, str],
+        observer: Observer | None = None,
+        *,
+        whole: bool = False,
+        on_outage: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        self.url = url
+        self.trouble = ""
+        self._on_outage = on_outage
+        self._observer = observer or open_observer(url, whole=whole, on_outage=self._note_outage)
+        self._records = NodeRecords(url, environment)
+        self._node = _tool_node(tool)
+        self._builder = GraphBuilder(but=self._node.id)
+        self._next_announcement = 0.0
+
+    def __enter__(self) -> "BusMonitor":
+        """Use the watch as a context manager."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Say goodbye and leave the bus."""
+        self.close()
+
+    def close(self) -> None:
+        """Say goodbye and leave the bus."""
+        if self._node.endpoints:
+            self._announce(leaving=True)
+        self._observer.close()
+
+    def listen_to(self, topics: Sequence[str], depth: int = 0) -> None:
+        """Announce that this command listens to these topics."""
+        endpoints = tuple(Endpoint(topic, Role.SUBSCRIBER, depth=depth) for topic in topics)
+        self._node = replace(self._node, endpoints=endpoints)
+        self._announce()
+
+    def receive(self, timeout: float) -> list[Packet]:
+        """The messages that arrive within ``timeout`` seconds, learning the graph from them.
+
+        Returns as soon as there is any; hidden channels are included.
+
+        Raises:
+            EOFError: The bus is a log, and it has ended.
+        """
+        if self._node.endpoints and time.monotonic() >= self._next_announcement:
+            self._announce()
+        packets = self._observer.receive(timeout)
+        for packet in packets:
+            self._builder.hear(packet)
+            if self._node.endpoints:
+                self._answer(packet)
+        return packets
+
+    def packets(self, duration: float | None = None) -> Iterator[Packet]:
+        """Every packet as it comes, for ``duration`` seconds; without end when that is None."""
+        deadline = None if duration is None else time.monotonic() + duration
+        while deadline is None or time.monotonic() < deadline:
+            left = PERIOD if deadline is None else deadline - time.monotonic()
+            yield from self.receive(min(PERIOD, left))
+
+    def probe(self, target: str = "", nonce: int = 0) -> None:
+        """Ask a node, or all, to announce themselves."""
+        self._observer.send(PROBE_CHANNEL, encode_probe(Probe(target, nonce)))
+
+    def ask_to_end(self, node: Node, nonce: int) -> None:
+        """Ask a node's program to end, as SIGTERM would; it answers the nonce, and then ends."""
+        requester = f"{' '.join(sys.argv)} (pid {os.getpid()} on {socket.gethostname()})"
+        request = Shutdown(node.id, nonce, requester)
+        self._observer.send(SHUTDOWN_CHANNEL, encode_shutdown(request))
+
+    def settle(self, *, foreign: bool = True) -> Graph:
+        """Ask all nodes to announce themselves and wait until the graph is complete.
+
+        Args:
+            foreign: Wait longer where programs that are no nodes publish, or, on this computer,
+                may be about to: these cannot be asked.
+        """
+        self._builder.recall(node for node in self._records.read() if _is_here(node))
+        self.probe()
+        start = changed = time.monotonic()
+        # between computers the question, or an answer, may be lost: two are seldom lost
+        ask_again = start + _AGAIN if self.url.is_multicast and self.url.ttl else math.inf
+        with contextlib.suppress(EOFError):  # a log that has ended is complete
+            # where this process itself was held up, what has come meanwhile still counts
+            while not _complete(time.monotonic(), start, changed) or self._hears_talk(0.0):
+                if time.monotonic() - start > _FOREIGN:
+                    break
+                if time.monotonic() >= ask_again:
+                    self.probe()
+                    ask_again = math.inf
+                if self._hears_talk(QUIET / 2):
+                    changed = time.monotonic()
+        if foreign and self.url.is_multicast:
+            self._await_foreign(start + _FOREIGN)
+        return self.graph()
+
+    def graph(self) -> Graph:
+        """What is known now."""
+        return self._builder.snapshot(time.time_ns())
+
+    @property
+    def tap(self) -> Tap | None:
+        """What knows the senders' datagrams; None where the bus is no multicast."""
+        return self._observer if isinstance(self._observer, Tap) else None
+
+    def forget(self, node: Node) -> None:
+        """Drop a stale node and its record."""
+        self._builder.forget(node.id)
+        self._records.remove(node.id)
+
+    def _note_outage(self, text: str, trouble: str) -> None:
+        self.trouble = trouble
+        if not trouble and self._node.endpoints:
+            self._announce()
+        self._on_outage(text)
+
+    def _hears_talk(self, timeout: float) -> bool:
+        return any(packet.channel in TALK_CHANNELS for packet in self.receive(timeout))
+
+    def _await_foreign(self, deadline: float) -> None:
+        """Listen on where there are programs that cannot be asked; to the end where one is heard.
+
+        Which channels a program has only listening tells: the first may be one of ten.
+        """
+        while (left := deadline - time.monotonic()) > 0:
+            heard = {s.port for s in self._builder.heard_senders() if is_local(s.address)}
+            heard.add(self._observer.port)
+            graph = self.graph()
+            if graph.foreign():
+                for _ in self.packets(left):
+                    pass
+                return
+            known = {node.pid for node in graph.nodes if is_here(node)}
+            if not unheard_senders(self.url.host, self.url.port, heard, known):
+                return
+            self.receive(min(left, 0.1))
+
+    def _answer(self, packet: Packet) -> None:
+        if packet.channel == PROBE_CHANNEL:
+            probe = decode_probe(packet.payload)
+            if probe is not None and probe.target in ("", self._node.name):
+                self._announce(answers=probe.nonce)
+        elif packet.channel == SHUTDOWN_CHANNEL:
+            request = decode_shutdown(packet.payload)
+            if request is not None and request.target == self._node.id:
+                self._announce(answers=request.nonce)
+                signal.raise_signal(signal.SIGTERM)  # as a node's program ends when it is asked
+
+    def _announce(self, *, leaving: bool = False, answers: int = 0) -> None:
+        announcement = Announcement(self._node, leaving, answers)
+        # a network that is gone may come back: who looks goes on looking, and announces later
+        with contextlib.suppress(BusError):
+            self._observer.send(NODE_CHANNEL, encode_announcement(announcement))
+        self._next_announcement = time.monotonic() + PERIOD
+
+
+def _complete(now: float, start: float, changed: float) -> bool:
+    waited = now - start
+    return waited > _AT_MOST or (waited > _AT_LEAST and now - changed > QUIET)
+
+
+def _is_here(node: Node) -> bool:
+    return node.host == socket.gethostname()
+
+
+def _tool_node(tool: str) -> Node:
+    """The hidden node that a looking command is."""
+    return Node(
+        name=f"/_lcmtools_{tool}_{os.getpid()}",
+        id=f"{os.getpid()}-{time.time_ns():x}",
+        host=socket.gethostname(),
+        pid=os.getpid(),
+        start_time=time.time_ns(),
+        command=" ".join(sys.argv),
+        tool=True,
+    )

@@ -1,0 +1,4 @@
+"""Child processes: started, listened to, signalled, and surely ended.
+
+Must not know launch files, labs or buses.
+"""
