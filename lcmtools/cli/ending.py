@@ -31,25 +31,42 @@ _QUIET_ENDS: dict[type[BaseException], int] = {
 }
 
 
+_CHANGED = ("LCMTOOLS_COLOR", "LCMTOOLS_DEBUG", "NO_COLOR", "COLUMNS", "LINES")
+"""Environment variables that options set for the command and the processes that it starts."""
+
+
 @contextlib.contextmanager
-def endable(signals: list[int]) -> Iterator[None]:
-    """Let Ctrl-C, SIGTERM and a closed terminal end a command in an orderly way.
+def unchanged_environment() -> Iterator[None]:
+    """Restore the environment variables that a command line may set."""
+    before = {name: os.environ.get(name) for name in _CHANGED}
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
 
-    ``signals`` gets their numbers.
 
-    Also where SIGINT was ignored when it began, as a shell script has it for what it starts with
-    "&": kill -INT ends a command there as it ends rostopic.
+@contextlib.contextmanager
+def interrupting_signals() -> Iterator[list[int]]:
+    """Let Ctrl-C, SIGTERM and a closed terminal raise KeyboardInterrupt; yield their numbers.
+
+    Also where SIGINT was ignored when the process began, as a shell script has it for what it
+    starts with "&": kill -INT ends a command there as it ends rostopic.
     """
+    signals: list[int] = []
 
-    def end(number: int, _frame: FrameType | None) -> None:
+    def interrupt(number: int, _frame: FrameType | None) -> None:
         if number == signal.SIGHUP and signals:  # a shell that ends and its terminal both send one
             return
         signals.append(number)
         raise KeyboardInterrupt
 
-    before = {number: signal.signal(number, end) for number in _ending_signals()}
+    before = {number: signal.signal(number, interrupt) for number in _ending_signals()}
     try:
-        yield
+        yield signals
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

@@ -22,11 +22,12 @@ from lcmtools.cli.commands import (
 from lcmtools.cli.ending import (
     BY_SIGNAL,
     end_at_once,
-    endable,
     exit_code,
     explain,
     flush,
+    interrupting_signals,
     open_nothing,
+    unchanged_environment,
     writable,
 )
 from lcmtools.cli.lazy import COMMAND, LazyGroup
@@ -183,32 +184,40 @@ def lab() -> None:
     """  # noqa: D301 - \b is click's mark
 
 
-def main(arguments: Sequence[str]) -> int:
-    """Run one command; return its exit code."""
-    signals: list[int] = []
+def main(arguments: Sequence[str], signals: Sequence[int] = ()) -> int:
+    """Run one command and return its exit code.
+
+    Nothing is left behind: no signal handler, environment variable, thread or socket. Python code
+    and tests call it as often as they like.
+
+    Args:
+        arguments: The command line, without the program's name.
+        signals: The signals that have interrupted the command, where the caller handles them.
+    """
     context: click.Context | None = None
-    try:
-        # not root.main(): it answers Ctrl-C with an empty line
-        with endable(signals), root.make_context("lcmtools", list(arguments)) as context:
-            return exit_code(root.invoke(context))
-    except BaseException as error:
-        if signals:  # whatever the code that was interrupted has made of it
-            return BY_SIGNAL + signals[0]
-        command = context.meta.get(COMMAND) if context else None
-        code = explain(error, command or "lcmtools", as_json=_wants_json(arguments))
-        if code is None:
-            raise
-        return code
+    with unchanged_environment():
+        try:
+            # not root.main(): it answers Ctrl-C with an empty line
+            with root.make_context("lcmtools", list(arguments)) as context:
+                return exit_code(root.invoke(context))
+        except BaseException as error:
+            if signals:  # a consequence of the signal, whatever the interrupted code raised
+                return BY_SIGNAL + signals[0]
+            command = context.meta.get(COMMAND) if context else None
+            code = explain(error, command or "lcmtools", as_json=_wants_json(arguments))
+            if code is None:
+                raise
+            return code
 
 
 def run() -> None:
-    """The console script."""
+    """Run the console script: ``main`` with signals handled, and the end of the process."""
     sys.stdin = sys.stdin or open_nothing("r")  # the lowest of the closed ones first
     sys.stdout, sys.stderr = writable(sys.stdout), writable(sys.stderr)
-    code = main(sys.argv[1:])
+    with interrupting_signals() as signals:
+        code = main(sys.argv[1:], signals)
     end_at_once()
-    code = flush(code)
-    sys.exit(code)
+    sys.exit(flush(code))
 
 
 def _wants_json(arguments: Sequence[str]) -> bool:

@@ -8,6 +8,7 @@ from types import TracebackType
 
 import click
 
+import lcmtools
 from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import CONTEXT, bus_choice, bus_options, json_option
 from lcmtools.cli.output import document, lines, talk
@@ -94,6 +95,8 @@ def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
         if node.package == OWN:
             raise
         return _blame(error, node)
+    finally:
+        lcmtools.shutdown()  # where the node has not done so
 
 
 def _find(words: Sequence[str], known: Sequence[Runnable]) -> tuple[Runnable, list[str]]:
