@@ -9,7 +9,7 @@ import pytest
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools_sim.pose import Pose
 from lcmtools_sim.robots import MODELS
-from lcmtools_sim.rotation import chain, from_euler, to_euler
+from lcmtools_sim.rotation import from_euler, multiply, to_euler
 from lcmtools_sim.scene import Ground, RobotPlacement, Scene, box
 from lcmtools_sim.sensors.sensor import RobotState
 from lcmtools_sim.simulation import Simulation
@@ -30,7 +30,7 @@ def on_slope(simulate: Simulate) -> Callable[..., Simulation]:
     ) -> Simulation:
         middle = TOP - THICKNESS / 2 / math.cos(slope)
         board = box("board", (20, 20, THICKNESS), Pose(0, 0, middle, 0, -slope, 0))
-        upon = to_euler(chain(from_euler(0, -slope, 0), from_euler(0, 0, yaw)))
+        upon = to_euler(multiply(from_euler(0, -slope, 0), from_euler(0, 0, yaw)))
         chosen = replace(MODELS[model], drive=replace(MODELS[model].drive, skids=skids))
         robots = (RobotPlacement(chosen, "/r0", Pose(0, 0, TOP, *upon)),)
         scene = Scene("slope", things=(board,), robots=robots, ground=Ground(friction=friction))
