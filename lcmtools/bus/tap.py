@@ -50,7 +50,6 @@ from lcmtools.wire.sequence import Sequence
 
 _SO_MEMINFO = 55  # asm-generic/socket.h; Python's socket module does not name it
 _DROPS = 8  # the place of the dropped datagrams among its numbers (linux/sock_diag.h)
-_MOST_RESTARTS = 1  # of one program on one port; where several share it the numbers begin often
 _MAX_DATAGRAM = 65536
 _BATCH = 256  # datagrams taken at once before the caller is served
 _STREAM, _STREAM_GAP, _NAP = 8, 0.005, 0.01
@@ -125,7 +124,7 @@ class Tap:
         return {
             sender: sequence
             for sender, sequence in self.sequences.items()
-            if sender.port != self._address[1] and sequence.restarts <= _MOST_RESTARTS
+            if sender.port != self._address[1] and not sequence.is_shared
         }
 
     @property

@@ -11,15 +11,15 @@ import click
 
 from lcmtools.cli.options import topic_spellings
 from lcmtools.cli.output import talk
-from lcmtools.errors import LcmtoolsError, NothingReceived, UnknownType
+from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived, UnknownType
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import Graph
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.registry import message_class
 from lcmtools.observe.arrival import CLOCK, Arrival, ArrivalClock, is_simulated
+from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.find import ask_nodes, known_spelling, near_topic
 from lcmtools.observe.log_file import read_log
-from lcmtools.observe.payload import Decoder
 from lcmtools.observe.stream import situation
 from lcmtools.wire.packet import Packet
 
@@ -84,7 +84,7 @@ class _Sorter:
     def __init__(self, monitor: "BusMonitor", topics: Sequence[str], how: ListenOptions) -> None:
         self._monitor = monitor
         self._how = how
-        self._decoder = Decoder(monitor)
+        self._decoder = Decoder(monitor.types_of)
         self._clock = ArrivalClock(is_simulated=False)
         self._spellings = {topic: set(topic_spellings(topic)) for topic in topics}
         self._topics: dict[str, list[str]] = {}
@@ -146,13 +146,14 @@ class _Sorter:
         """Whether a message meets the condition; one that cannot be read does not."""
         if self._how.condition is None:
             return True
-        message = self._decoder.decode(packet)
-        if not isinstance(message, str):
-            return self._how.condition.matches(message)
-        if not self._has_told:
-            self._has_told = True
-            talk(f"{_command()}: a message on {packet.channel} has no known fields: {message}")
-        return False
+        try:
+            message = self._decoder.decode(packet)
+        except DecodeError as reason:
+            if not self._has_told:
+                self._has_told = True
+                talk(f"{_command()}: a message on {packet.channel} has no known fields: {reason}")
+            return False
+        return self._how.condition.matches(message)
 
     def _subscribe(self) -> None:
         graph = ask_nodes(self._monitor)

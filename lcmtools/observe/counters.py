@@ -5,17 +5,16 @@ between, and when, gives the rate, however short the moment is.
 """
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from lcmtools.cli.describe import callback_record, callback_times
 from lcmtools.cli.options import topic_spellings
 from lcmtools.graph.model import Endpoint, Graph, Node, Topic, Traffic
 from lcmtools.observe.find import find_topic
-from lcmtools.observe.losses import Loss, losses, total
+from lcmtools.observe.losses import Loss, Losses, losses, total
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.rates import average_rate, counted_rate
 from lcmtools.observe.settled import settled
-from lcmtools.wire.packet import Sender
 
 _LONGEST = 0.5  # [s] that rates are measured
 _ENOUGH = 4  # messages on each topic, to end sooner
@@ -31,9 +30,7 @@ class Counters:
         lost: What of each sender's messages did not come.
     """
 
-    def __init__(
-        self, before: Graph, after: Graph, lost: Mapping[Sender, Loss] | None = None
-    ) -> None:
+    def __init__(self, before: Graph, after: Graph, lost: Losses | None = None) -> None:
         self._now = after.time
         self._lost = lost or {}
         self._before = {_key(n, e): e for n in before.nodes for e in n.endpoints}
@@ -87,13 +84,13 @@ class Counters:
         before = self._before.get(_key(node, endpoint))
         return counted_rate(before, endpoint) if before else None
 
-    def lost_of(self, node: Node) -> Loss:
+    def lost_of(self, node: Node) -> Loss | None:
         """What of a node's messages did not come, of all its topics."""
         return total(node.senders(), self._lost)
 
-    def lost_of_program(self, seen: Traffic) -> Loss:
+    def lost_of_program(self, seen: Traffic) -> Loss | None:
         """The same of a program that is no node."""
-        return total([seen.sender] if seen.sender else [], self._lost)
+        return total([seen.sender], self._lost)
 
     @staticmethod
     def _last(last: int, now: int) -> str:
@@ -125,7 +122,7 @@ def counted(
     if came or wait is not None:
         _listen(monitor, channels, _LONGEST if wait is None else wait, _enough(wait))
     after = monitor.settle(foreign=False)
-    return after, Counters(before, after, losses(monitor))
+    return after, Counters(before, after, losses(monitor.numbered))
 
 
 def _enough(wait: float | None) -> int | None:

@@ -1,47 +1,60 @@
-"""How many of a sender's messages did not come, as the commands that look at topics tell it.
+"""Messages that did not arrive, counted per sender.
 
-Each sender numbers its messages, all its topics together; so what is lost is told of the sender.
+Each sender numbers its messages, all its topics together: so loss is a sender's, not a topic's.
 """
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from lcmtools.observe.monitor import BusMonitor
 from lcmtools.wire.packet import Sender
+from lcmtools.wire.sequence import Sequence
 
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """What did not come of all that a sender sent, while somebody looked.
-
-    Attributes:
-        lost: How many messages.
-        sent: Of how many, by the sender's own numbers.
-    """
+    """Messages of a sender that did not arrive, ``lost`` of the ``sent`` by its own numbers."""
 
     lost: int = 0
     sent: int = 0
+
+    @property
+    def share(self) -> float:
+        """The part that was lost, 0 to 1."""
+        return self.lost / self.sent if self.sent else 0.0
 
     def __add__(self, other: "Loss") -> "Loss":
         """Both together, where a node has several senders."""
         return Loss(self.lost + other.lost, self.sent + other.sent)
 
+    def __sub__(self, before: "Loss") -> "Loss":
+        """The loss since an earlier count."""
+        lost = max(0, self.lost - before.lost)
+        arrived = (self.sent - self.lost) - (before.sent - before.lost)
+        return Loss(lost, lost + max(0, arrived))
+
     def __str__(self) -> str:
-        """As it is shown: "12 of 120 (10.0 %)"."""
-        return f"{self.lost} of {self.sent} ({100 * self.lost / max(1, self.sent):.1f} %)"
+        """The loss for people: "12 of 120 (10.0 %)"."""
+        return f"{self.lost} of {self.sent} ({100 * self.share:.1f} %)"
 
 
-def losses(monitor: BusMonitor) -> dict[Sender, Loss]:
-    """What every sender lost so far; nothing where the bus does not tell."""
-    tap = monitor.tap
-    if tap is None:
-        return {}
+Losses = Mapping[Sender, Loss]
+"""The loss of each sender whose numbers tell of it."""
+
+
+def losses(numbers: Mapping[Sender, Sequence], since: Losses | None = None) -> dict[Sender, Loss]:
+    """The loss of each sender, since an earlier count where one is given.
+
+    Args:
+        numbers: The senders whose numbers tell of loss (``BusMonitor.numbered``).
+        since: The earlier count.
+    """
     return {
-        sender: Loss(numbers.lost, numbers.lost + numbers.messages)
-        for sender, numbers in tap.numbered.items()
+        sender: Loss(found.lost, found.lost + found.messages) - (since or {}).get(sender, Loss())
+        for sender, found in numbers.items()
     }
 
 
-def total(senders: Iterable[Sender], known: Mapping[Sender, Loss]) -> Loss:
-    """What several senders lost."""
-    return sum((known[sender] for sender in senders if sender in known), Loss())
+def total(senders: Iterable[Sender | None], known: Losses) -> Loss | None:
+    """The loss of several senders together; None where no numbers of theirs are known."""
+    found = [known[sender] for sender in senders if sender is not None and sender in known]
+    return sum(found, Loss()) if found else None

@@ -38,7 +38,8 @@ from lcmtools.graph.protocol import (
     encode_shutdown,
 )
 from lcmtools.observe.programs import is_here
-from lcmtools.wire.packet import Packet
+from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.sequence import Sequence as Numbers
 
 QUIET = 0.03
 """The graph counts as complete when no node has appeared for so long [s]."""
@@ -217,6 +218,15 @@ class BusMonitor:
     def tap(self) -> Tap | None:
         """What knows the senders' datagrams; None where the bus is no multicast."""
         return self._observer if isinstance(self._observer, Tap) else None
+
+    @property
+    def numbered(self) -> Mapping[Sender, Numbers]:
+        """The numbers of the senders that tell of loss; empty where the bus has none."""
+        return self.tap.numbered if self.tap else {}
+
+    def types_of(self, channel: str) -> tuple[str, ...]:
+        """The types that nodes announce for a channel."""
+        return self.graph().topic(channel).types
 
     def forget(self, node: Node) -> None:
         """Drop a stale node and its record."""

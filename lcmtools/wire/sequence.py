@@ -8,6 +8,8 @@ which only parts have come is lost as well, once a later one has begun.
 _MODULUS = 1 << 32
 _MOST_LATE = 1000
 """A number so far behind the newest is late; one further off begins anew."""
+_MOST_RESTARTS = 1
+"""The restarts of one program on one port; several that share it begin again and again."""
 _MOST_LOST = 1 << 20
 """A leap over more messages than this is no loss but another beginning."""
 
@@ -25,6 +27,11 @@ class Sequence:
         self._lost = 0
         self._newest = -1
         self._missing: set[int] = set()
+
+    @property
+    def is_shared(self) -> bool:
+        """True if several programs send from the port, so that their numbers are mixed."""
+        return self.restarts > _MOST_RESTARTS
 
     @property
     def lost(self) -> int:

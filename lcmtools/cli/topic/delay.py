@@ -10,11 +10,11 @@ from lcmtools.cli.output import data, lines, talk
 from lcmtools.cli.topic.measuring import measure, measuring_options, window_option
 from lcmtools.cli.topic.table import table
 from lcmtools.errors import LcmtoolsError
-from lcmtools.messages.codec import decode
 from lcmtools.messages.header import stamp
-from lcmtools.messages.registry import candidates, message_class
+from lcmtools.messages.registry import type_name
 from lcmtools.observe.arrival import Arrival
 from lcmtools.observe.batches import ListenOptions, batches
+from lcmtools.observe.decoding import Decoder, UnknownFingerprint
 from lcmtools.observe.rates import Delay, DelayWindow
 from lcmtools.wire.packet import Packet
 
@@ -46,12 +46,13 @@ def command(
       lcmtools delay /husky0/odometry
       lcmtools delay /husky0/odometry -w 100 --json
     """  # noqa: D301 - \b is click's mark
-    meters = {topic: _Meter(window) for topic in topics}
 
     def report(found: Mapping[str, Delay | None]) -> None:
         _report(found, as_json=as_json)
 
     with open_monitor("delay", whole=True) as monitor:
+        decoder = Decoder(monitor.types_of)
+        meters = {topic: _Meter(window, decoder) for topic in topics}
         how = ListenOptions(timeout, count, wall_time)
         measure(batches(monitor, tuple(meters), how), meters, report, count)
 
@@ -59,12 +60,13 @@ def command(
 class _Meter:
     """The delay of a topic."""
 
-    def __init__(self, window: int) -> None:
+    def __init__(self, window: int, decoder: Decoder) -> None:
+        self._decoder = decoder
         self._delays = DelayWindow(window)
         self._has_told = False
 
     def add(self, arrival: Arrival) -> None:
-        stamped = _stamp(arrival.packet)
+        stamped = _stamp(arrival.packet, self._decoder)
         if stamped:
             self._delays.add(arrival.time, stamped)
         elif not self._has_told:
@@ -80,24 +82,24 @@ class _Meter:
         self._delays.clear()
 
 
-def _stamp(packet: Packet) -> int:
+def _stamp(packet: Packet, decoder: Decoder) -> int:
     """When a message was stamped, nanoseconds since 1970.
 
     Raises:
         LcmtoolsError: Its type is unknown or has no header.
         DecodeError: It is malformed.
     """
-    # Types that share a fingerprint have the same fields: any of them will do.
-    names = candidates(packet.fingerprint) if packet.fingerprint is not None else []
-    if not names:
+    try:
+        message = decoder.decode(packet)
+    except UnknownFingerprint:
         raise LcmtoolsError(
             f"the type of the messages on {packet.channel} is not known",
             f"lcmtools echo {packet.channel} shows their bytes",
-        )
-    stamped = stamp(decode(message_class(names[0], packet.fingerprint), packet.payload))
+        ) from None
+    stamped = stamp(message)
     if stamped is None:
         raise LcmtoolsError(
-            f"{names[0]}, which comes on {packet.channel}, has no header with a stamp",
+            f"{type_name(message)}, which comes on {packet.channel}, has no header with a stamp",
             "lcmtools msg find-field header lists the types that have one",
         )
     return stamped

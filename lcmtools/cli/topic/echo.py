@@ -23,10 +23,10 @@ from lcmtools.errors import UsageError
 from lcmtools.messages.plain_text import Writer
 from lcmtools.messages.registry import message_class, packages
 from lcmtools.messages.view import View
+from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.find import ask_nodes
 from lcmtools.observe.log_observer import LogObserver
 from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.payload import Decoder
 from lcmtools.observe.selection import OneTopic, Pattern, wanted
 from lcmtools.observe.stream import Stream
 
@@ -174,7 +174,7 @@ def _texts(
     stream = Stream(monitor, meant)
     for types, path in stream.paths:
         asked.check(types, path)
-    shower = Shower(Decoder(monitor, asked.message_class), asked)
+    shower = Shower(Decoder(monitor.types_of, asked.message_class, keep_stray=True), asked)
     yield from stream.texts(shower.show, timeout)
 
 

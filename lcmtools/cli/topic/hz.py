@@ -69,12 +69,12 @@ def command(  # noqa: PLR0913 - one parameter an option
 
 def _tell_loss(monitor: BusMonitor, topics: Sequence[str]) -> None:
     """Say whose messages did not all come: the rates are those of what came."""
-    graph, known = monitor.graph(), losses(monitor)
+    graph, known = monitor.graph(), losses(monitor.numbered)
     for topic in topics:
         for spelling in topic_spellings(topic):
             for seen in graph.topic(spelling).traffic:
-                loss = total([seen.sender] if seen.sender else [], known)
-                if loss.lost:
+                loss = total([seen.sender], known)
+                if loss and loss.lost:
                     what = f"of {seen.sender}, which sends {spelling}, {loss} messages did not"
                     talk(f"lcmtools hz: {what} arrive here; lcmtools wtf looks closer")
 

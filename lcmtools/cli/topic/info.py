@@ -79,8 +79,8 @@ def _nodes(
     ]
 
 
-def _lost(loss: Loss) -> list[str]:
-    return [f"did not arrive here: {loss}, all its topics together"] if loss.lost else []
+def _lost(loss: Loss | None) -> list[str]:
+    return [f"did not arrive here: {loss}, all its topics together"] if loss and loss.lost else []
 
 
 def _section(title: str, members: Sequence[Sequence[str]]) -> list[str]:
@@ -118,7 +118,7 @@ def _record(topic: Topic, counters: Counters) -> dict[str, object]:
     }
 
 
-def _lost_record(loss: Loss) -> dict[str, object]:
+def _lost_record(loss: Loss | None) -> dict[str, object]:
     """What did not arrive, of all that the sender sent meanwhile; null where that is not known."""
-    known = loss if loss.sent else None
+    known = loss if loss and loss.sent else None
     return {"lost": known and known.lost, "lost_of": known and known.sent}

@@ -7,7 +7,7 @@ from typing import cast
 from lcmtools.cli.output import talk
 from lcmtools.cli.topic.csv_rows import Table
 from lcmtools.cli.topic.look import Look
-from lcmtools.errors import ValueMismatch
+from lcmtools.errors import DecodeError, ValueMismatch
 from lcmtools.messages.cells import Cell, cells
 from lcmtools.messages.header import stamp
 from lcmtools.messages.path import Path, Selection, select
@@ -15,8 +15,11 @@ from lcmtools.messages.plain import Plain, plain_json
 from lcmtools.messages.registry import Message
 from lcmtools.messages.text import format_message
 from lcmtools.messages.view import View, plain_selection
-from lcmtools.observe.payload import UNKNOWN, Decoder, raw_record, raw_text, remedy_of_unknown
+from lcmtools.observe.decoding import Decoder, UnknownFingerprint, remedy_of_unknown
 from lcmtools.observe.stream import Match
+from lcmtools.wire.packet import Packet
+
+_SHOWN_BYTES = 64
 
 
 class Shower:
@@ -53,11 +56,12 @@ class Shower:
     def _shown(self, match: Match) -> str | None:
         paths, packet = self._look.paths(match.path), match.packet
         condition = self._look.condition
-        message: Message | str = ""
+        message: Message | None = None
         if condition or not self._look.is_raw:
-            message = self._decoder.decode(packet)
-            if isinstance(message, str):
-                return self._undecoded(match, message)
+            try:
+                message = self._decoder.decode(packet)
+            except DecodeError as reason:
+                return self._undecoded(match, reason)
             if condition and not condition.matches(message):
                 return None
         if self._look.is_raw:
@@ -105,19 +109,19 @@ class Shower:
         """A text under its topic, as a comment in YAML, where there may be several."""
         return f"# {_one_line(match.packet.channel)}\n{text}" if match.is_one_of_many else text
 
-    def _undecoded(self, match: Match, reason: str) -> str | None:
+    def _undecoded(self, match: Match, reason: DecodeError) -> str | None:
         packet = match.packet
         channel = packet.channel
         paths = self._look.paths(match.path)
         is_all = paths == (Path(),) and not self._look.condition
         if is_all and self._look.form == "json":
-            return _raw_record(match, {"error": reason})
-        is_unknown = reason.startswith(UNKNOWN)
+            return _raw_record(match, {"error": str(reason)})
+        is_unknown = isinstance(reason, UnknownFingerprint)
         if is_all and self._look.form in ("text", "flow"):
             if is_unknown and not self._told:
-                self._tell(UNKNOWN, f"no type is known for {channel}; {remedy_of_unknown()}")
-            return self._headed(match, f"{raw_text(packet, reason)}\n---")
-        what = f"{reason}; {remedy_of_unknown()}" if is_unknown and not self._told else reason
+                self._tell("unknown", f"no type is known for {channel}; {remedy_of_unknown()}")
+            return self._headed(match, f"{_raw_text(packet, str(reason))}\n---")
+        what = f"{reason}; {remedy_of_unknown()}" if is_unknown and not self._told else str(reason)
         self._tell(f"raw {channel}", f"a message on {channel} has no known fields: {what}")
         return None
 
@@ -144,7 +148,15 @@ def _kind(selection: Selection) -> str:
     return selection.target.type + "[]" * selection.target.depth
 
 
+def _raw_text(packet: Packet, reason: str) -> str:
+    """A payload that cannot be decoded, as YAML all the same."""
+    shown = packet.payload[:_SHOWN_BYTES].hex(" ")
+    more = " ..." if len(packet.payload) > _SHOWN_BYTES else ""
+    return f"# {reason}\nbytes: {len(packet.payload)}\ndata: '{shown}{more}'"
+
+
 def _raw_record(match: Match, more: dict[str, object]) -> str:
     topic = {"topic": match.packet.channel} if match.is_one_of_many else {}
-    size, content = raw_record(match.packet).items()
-    return json.dumps(dict([*topic.items(), size, *more.items(), content]))
+    packet = match.packet
+    content = {"bytes": len(packet.payload), **more, "data": packet.payload.hex()}
+    return json.dumps({**topic, **content})

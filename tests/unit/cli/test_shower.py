@@ -1,20 +1,15 @@
 """What echo shows of messages that differ in type, and by which clock."""
 
-from dataclasses import dataclass, field
-from typing import cast
-
 import pytest
 
 from lcmtools.cli.topic.look import Look
 from lcmtools.cli.topic.shown import Shower
 from lcmtools.errors import UsageError, ValueMismatch
-from lcmtools.graph.model import Graph
 from lcmtools.messages.codec import encode
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.path import Path, parse_path
 from lcmtools.messages.registry import Message
-from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.payload import Decoder
+from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.stream import Match
 from lcmtools.types.geometry_msgs import Point, PointStamped
 from lcmtools.types.sensor_msgs import JointState
@@ -22,19 +17,8 @@ from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Packet
 
 
-@dataclass
-class NoBus:
-    """A watch that has seen nothing."""
-
-    known: Graph = field(default_factory=Graph)
-
-    def graph(self) -> Graph:
-        """What is known: nothing."""
-        return self.known
-
-
 def shower(look: Look) -> Shower:
-    return Shower(Decoder(cast("BusMonitor", NoBus()), look.message_class), look)
+    return Shower(Decoder(lambda _: (), look.message_class), look)
 
 
 def match(message: Message, path: str = "", channel: str = "/a", *, many: bool = False) -> Match:

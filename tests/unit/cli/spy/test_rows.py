@@ -1,13 +1,13 @@
 """The rows of the table: types, senders, listeners and loss, as far as they are known."""
 
-from lcmtools.bus.processes import Process
+from lcmtools.bus.processes import Process, UdpSocket
 from lcmtools.cli.spy.view import View
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
 from lcmtools.messages.codec import encode
 from lcmtools.observe.activity import Activity
 from lcmtools.observe.channels import Row, Rows, Wanted, losses, matching
-from lcmtools.observe.senders import SenderNames
+from lcmtools.observe.senders import SenderNames, SocketTable
 from lcmtools.types.geometry_msgs import Vector3
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence
@@ -22,7 +22,8 @@ POINT = encode(Vector3())
 
 def names() -> SenderNames:
     process = Process(42, "/usr/bin/python3 -u /home/me/drive.py --fast")
-    return SenderNames(lambda ports: {2000: process} if 2000 in ports else {})
+    rows = {1: UdpSocket("127.0.0.1", 2000, 1, 0, 0)}
+    return SenderNames(lambda _: SocketTable(rows, {1: process}))
 
 
 def packet(channel: str, sender: Sender | None, seqno: int = 0, payload: bytes = POINT) -> Packet:

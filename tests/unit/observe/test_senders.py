@@ -1,9 +1,12 @@
-"""What senders are called, and how seldom the system is asked for it."""
+"""Names of senders, and how seldom the socket table is read for them."""
+
+from collections.abc import Collection
 
 import pytest
 
-from lcmtools.bus.processes import Process
-from lcmtools.observe.senders import SenderNames, program_name
+from lcmtools.bus.processes import Process, UdpSocket
+from lcmtools.graph.model import Node
+from lcmtools.observe.senders import SenderNames, SocketTable, program_name
 from lcmtools.wire.packet import Sender
 
 LOCAL, OTHER = Sender("127.0.0.1", 1), Sender("127.0.0.1", 2)
@@ -28,14 +31,14 @@ def test_a_program_is_called_by_its_file_or_its_script(command: str, name: str) 
 
 
 def test_a_process_is_looked_up_once_and_one_not_found_again_after_a_while() -> None:
-    asked: list[set[int]] = []
+    asked: list[Collection[int]] = []
     time = [0.0]
 
-    def look_up(ports: set[int]) -> dict[int, Process]:
+    def read(ports: Collection[int]) -> SocketTable:
         asked.append(ports)
-        return {1: Process(7, "drive")} if 1 in ports else {}
+        return SocketTable({5: UdpSocket("127.0.0.1", 1, 5, 0, 0)}, {5: Process(7, "drive")})
 
-    names = SenderNames(look_up, lambda: time[0])
+    names = SenderNames(read, lambda: time[0])
     for moment in (0.0, 1.0, 6.0):
         time[0] = moment
         names.learn([LOCAL, OTHER, None])
@@ -47,3 +50,17 @@ def test_other_computers_are_not_looked_up() -> None:
     names = SenderNames(lambda _: pytest.fail("looked up"))
     names.learn([Sender("10.255.3.4", 5)])
     assert names.name(Sender("10.255.3.4", 5)) == "10.255.3.4:5"
+
+
+def test_a_node_is_named_before_its_process() -> None:
+    names = SenderNames(lambda _: pytest.fail("looked up"))
+    names.learn([LOCAL], [Node("/drive", "1", "here", 7, sender=LOCAL)])
+    assert (names.name(LOCAL), names.name(None)) == ("/drive", "unknown sender")
+
+
+def test_a_port_that_processes_share_names_none_of_them() -> None:
+    rows = {inode: UdpSocket("127.0.0.1", 1, inode, 0, 0) for inode in (5, 6)}
+    table = SocketTable(rows, {5: Process(7, "one"), 6: Process(8, "other")})
+    assert table.process(LOCAL) is None
+    assert [process.pid for process in table.processes(LOCAL).candidates] == [7, 8]
+    assert table.processes(Sender("10.255.3.4", 1)).candidates == ()

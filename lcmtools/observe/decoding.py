@@ -1,0 +1,90 @@
+"""What a packet's payload says: the type of a channel's messages, settled once, and the message."""
+
+from collections.abc import Callable, Sequence
+
+from lcmtools.errors import DecodeError
+from lcmtools.messages.codec import decode
+from lcmtools.messages.registry import (
+    Message,
+    candidates,
+    fingerprint,
+    message_class,
+    problems,
+    type_name,
+)
+from lcmtools.packages.type_files import VARIABLE
+from lcmtools.wire.packet import Packet
+
+
+class UnknownFingerprint(DecodeError):  # noqa: N818 - named for what happened
+    """No known type has the fingerprint of a payload."""
+
+
+class Decoder:
+    """Turns packets into messages.
+
+    Two types with the same fields have the same fingerprint. The type that the person names wins,
+    else the one that nodes announce for the channel, else the likeliest.
+
+    Args:
+        announced: The types that nodes announce for a channel (``BusMonitor.types_of``).
+        said: The type that the person names.
+        keep_stray: Keep bytes in strings that are not UTF-8 (see ``codec.decode``).
+    """
+
+    def __init__(
+        self,
+        announced: Callable[[str], Sequence[str]],
+        said: type[Message] | None = None,
+        *,
+        keep_stray: bool = False,
+    ) -> None:
+        self._announced = announced
+        self._said = said
+        self._keep_stray = keep_stray
+        self._classes: dict[tuple[str, int], type[Message]] = {}
+
+    def message_class(self, packet: Packet) -> type[Message]:
+        """The type of a packet's message.
+
+        Raises:
+            UnknownFingerprint: No known type has its fingerprint.
+            DecodeError: It is too short for a message, or of another type than the person says.
+            LcmtoolsError: The type's .lcm file is wrong.
+        """
+        number = packet.fingerprint
+        if number is None:
+            raise DecodeError("too short for an LCM message")
+        key = packet.channel, number
+        found = self._classes.get(key)
+        if found is None:
+            found = self._classes[key] = self._settle(packet.channel, number)
+        return found
+
+    def decode(self, packet: Packet) -> Message:
+        """The message in a packet.
+
+        Raises:
+            DecodeError: There is none, with why.
+            LcmtoolsError: The type's .lcm file is wrong.
+        """
+        cls = self.message_class(packet)
+        return decode(cls, packet.payload, keep_stray=self._keep_stray)
+
+    def _settle(self, channel: str, number: int) -> type[Message]:
+        names = candidates(number)
+        if self._said is not None:
+            if fingerprint(self._said) == number:
+                return self._said
+            seen = names[0] if names else f"unknown, fingerprint {number:#018x}"
+            raise DecodeError(f"the type is not {type_name(self._said)} but {seen}")
+        if not names:
+            raise UnknownFingerprint(f"unknown type, fingerprint {number:#018x}")
+        meant = next((name for name in self._announced(channel) if name in names), names[0])
+        return message_class(meant, number)
+
+
+def remedy_of_unknown() -> str:
+    """What to do about an unknown type: mend .lcm files, or say where they are."""
+    broken = next((str(problem.error()) for problem in problems()), "")
+    return broken or f"{VARIABLE}=FOLDER says where your .lcm files are"
