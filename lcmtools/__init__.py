@@ -10,7 +10,6 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from lcmtools.errors import LcmtoolsError as LcmtoolsError
-    from lcmtools.messages.registry import message_class as message_class
     from lcmtools.node.node import Node as Node
     from lcmtools.node.parameter import Parameter as Parameter
     from lcmtools.node.parameter import SetParametersResult as SetParametersResult
@@ -19,6 +18,7 @@ if TYPE_CHECKING:
     from lcmtools.node.process import shutdown as shutdown
     from lcmtools.node.spin import spin as spin
     from lcmtools.node.spin import spin_once as spin_once
+    from lcmtools.packages import message_class as message_class
 
 _HOMES = {
     "LcmtoolsError": "lcmtools.errors",
@@ -26,7 +26,7 @@ _HOMES = {
     "Parameter": "lcmtools.node.parameter",
     "SetParametersResult": "lcmtools.node.parameter",
     "init": "lcmtools.node.process",
-    "message_class": "lcmtools.messages.registry",
+    "message_class": "lcmtools.packages",
     "ok": "lcmtools.node.process",
     "shutdown": "lcmtools.node.process",
     "spin": "lcmtools.node.spin",

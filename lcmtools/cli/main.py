@@ -32,6 +32,8 @@ from lcmtools.cli.ending import (
 )
 from lcmtools.cli.lazy import COMMAND, LazyGroup
 from lcmtools.cli.options import CONTEXT, bus_options, manner_options
+from lcmtools.messages.type_source import set_supply
+from lcmtools.packages import provide_user_types
 
 _EPILOG = """\b
 Examples:
@@ -195,6 +197,7 @@ def main(arguments: Sequence[str], signals: Sequence[int] = ()) -> int:
         signals: The signals that have interrupted the command, where the caller handles them.
     """
     context: click.Context | None = None
+    provide_user_types()
     with unchanged_environment():
         try:
             # not root.main(): it answers Ctrl-C with an empty line
@@ -208,6 +211,8 @@ def main(arguments: Sequence[str], signals: Sequence[int] = ()) -> int:
             if code is None:
                 raise
             return code
+        finally:
+            set_supply(None)
 
 
 def run() -> None:

@@ -1,19 +1,21 @@
-"""Which message types there are: those that lcmtools brings along and the user's own.
+"""Finding message types by name as people write it, by class and by fingerprint.
 
-The one door to types for everybody else; how they are looked up is catalogue.py's business.
+A look-up reads tables and imports no type but the one that is found. Of two types with the same
+name a user's own counts: it is the one under development. The others are still found by their
+fingerprints. Where users' types are is decided at the edge (``type_source.set_supply``); nothing
+here reads the environment, the working directory or the command line.
 """
 
-from collections.abc import Sequence
+import importlib
+from collections.abc import Callable, Sequence
 from functools import cache
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import cast
 
-from lcmtools.messages.catalogue import Registry
+from lcmtools.errors import UnknownType
+from lcmtools.messages import type_source
 from lcmtools.messages.message import Message, ServiceType
-from lcmtools.packages.source import Problem, TypeSource
-
-if TYPE_CHECKING:  # most look-ups do without them
-    from lcmtools.packages.user_types import UserTypes
+from lcmtools.messages.type_names import STUDENTS, find, full_name, near_miss, preference
+from lcmtools.messages.type_source import Problem, Supply, TypeSource
 
 __all__ = [
     "Message",
@@ -28,47 +30,206 @@ __all__ = [
     "service_class",
     "service_name",
     "service_names",
+    "shipped_types",
     "type_name",
     "type_names",
-    "user_types",
 ]
 
+_SHIPPED = "lcmtools.types."
+_USERS = "lcmtools_types_"  # packages.cache puts what it makes below a package named so
 
-@cache
+
+class Registry:
+    """All types of some sources; an earlier source wins where two have the same name.
+
+    Args:
+        sources: What is always there.
+        supply: What a user may have besides.
+        warn: Told what is doubtful about a type that is used.
+    """
+
+    def __init__(
+        self,
+        sources: Sequence[TypeSource],
+        supply: Supply | None = None,
+        warn: Callable[[str], object] = str,
+    ) -> None:
+        self._fixed = tuple(sources)
+        self._supply = supply
+        self._warn = warn
+        self._warned: set[str] = set()
+
+    def type_names(self) -> list[str]:
+        """Names of all message types, sorted."""
+        return sorted({name for source in self._all() for name in source.fingerprints})
+
+    def service_names(self) -> list[str]:
+        """Names of all service pairs, sorted."""
+        return sorted({name for source in self._all() for name in source.services})
+
+    def message_class(self, name: str, number: int | None = None) -> type[Message]:
+        """The class of a type, imported now.
+
+        Args:
+            name: geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or, where only
+                one package has it, Twist.
+            number: Its fingerprint, where that is known: of several types with the same name, the
+                one that has it.
+
+        Raises:
+            UnknownType: There is no such type, or several packages have it.
+            InvalidFile: The .lcm file that should have it is wrong.
+        """
+        source, found = self._type(name, number)
+        self._warn_once(source, found)
+        return cast("type[Message]", _load(source.prefix, found))
+
+    def service_class(self, name: str) -> type[ServiceType]:
+        """The pair of a service; the name is written as for ``message_class``.
+
+        Raises:
+            UnknownType: There is no such service, or several packages have it.
+        """
+        found = self.service_name(name)
+        asked = (self._usual, self._all)
+        source = next(one for ask in asked for one in ask() if found in one.services)
+        return cast("type[ServiceType]", _load(source.prefix, found))
+
+    def service_name(self, name: str) -> str:
+        """The full name of a service pair ("std_srvs/Trigger"), of any way to write it.
+
+        Raises:
+            UnknownType: There is no such service, or several packages have it.
+        """
+        found = self._find_service(name, self._usual()) or self._find_service(name, self._all())
+        if not found:
+            hint = near_miss(name, self.service_names()) or "see: lcmtools srv list"
+            raise UnknownType(f"unknown service type '{name}'", hint)
+        return found
+
+    def candidates(self, fingerprint: int) -> list[str]:
+        """Names of the types with this fingerprint, the likeliest first (see PREFERRED).
+
+        Types with equal field names and types share a fingerprint, so this is a list.
+        """
+        for sources in (self._usual, self._all):
+            names = {
+                name
+                for source in sources()
+                for name, number in source.fingerprints.items()
+                if number == fingerprint
+            }
+            if names:
+                return sorted(names, key=preference)
+        return []
+
+    def files(self) -> dict[str, str]:
+        """The .lcm file of each type of the user's own."""
+        return {
+            name: file for source in reversed(self._all()) for name, file in source.files.items()
+        }
+
+    def problems(self) -> Sequence[Problem]:
+        """What is wrong with .lcm files of the user's own."""
+        far = self._supply.far() if self._supply else None
+        return far.problems if far else ()
+
+    def _type(self, name: str, number: int | None) -> tuple[TypeSource, str]:
+        """The source of a type, and its full name."""
+        problem = None
+        for ask in (self._usual, self._all):
+            sources = ask()
+            found = find(name, {one for source in sources for one in source.fingerprints}, "type")
+            problem = _problem(found or full_name(name), sources)
+            having = [one for one in sources if found in one.fingerprints]
+            if problem:  # an installed package may have what the type lacked
+                having = [one for one in having if one not in self._fixed and one.files]
+            if found and having:
+                same = (one for one in having if one.fingerprints[found] == number)
+                return next(same, having[0]), found
+        if problem:
+            raise problem.error()
+        raise UnknownType(f"unknown type '{name}'", self._type_hint(name))
+
+    def _usual(self) -> list[TypeSource]:
+        """The sources that it costs nothing to ask."""
+        near = self._supply.near() if self._supply else None
+        return [*([near] if near else []), *self._fixed]
+
+    def _all(self) -> list[TypeSource]:
+        far = self._supply.far() if self._supply else None
+        return [*self._usual(), *([far] if far else [])]
+
+    def _warn_once(self, source: TypeSource, name: str) -> None:
+        """Say that there is another type of this name."""
+        notes = [source.notes[name]] if name in source.notes else []
+        file = source.files.get(name)
+        number = source.fingerprints[name]
+        file = None if name.startswith(STUDENTS) else file
+        if file and any(one.fingerprints.get(name, number) != number for one in self._fixed):
+            notes.append(f"{name} is not as lcmtools has it; used is {file}")
+        for note in notes:
+            if note not in self._warned:
+                self._warned.add(note)
+                self._warn(f"lcmtools: {note}")
+
+    def _type_hint(self, name: str) -> str:
+        sources = self._all()
+        service = self._find_service(name, sources)
+        if service:
+            return f"{service} is a service; its messages are {service}_Request and _Response"
+        near = near_miss(name, (one for source in sources for one in source.fingerprints))
+        package = full_name(name).rpartition("/")[0]
+        for problem in self.problems():  # the one that is missed may be in there
+            if f" {package}/" not in near:
+                return str(problem.error())
+        return near or "see: lcmtools msg list"
+
+    @staticmethod
+    def _find_service(name: str, sources: Sequence[TypeSource]) -> str | None:
+        return find(name, {one for source in sources for one in source.services}, "service")
+
+
+def _problem(name: str, sources: Sequence[TypeSource]) -> Problem | None:
+    """Why the type of this name is not there, or not the one that counts."""
+    for source in sources:
+        if name in source.fingerprints:
+            return None
+        for problem in source.problems:
+            if problem.concerns(name):
+                return problem
+    return None
+
+
+def _load(prefix: str, name: str) -> object:
+    package, _, short = name.rpartition("/")
+    module = importlib.import_module(f"{prefix}.{package}" if package else prefix)
+    value: object = getattr(module, short)
+    return value
+
+
+_current: tuple[Supply | None, Registry] | None = None
+
+
 def default_registry() -> Registry:
-    """The registry of the types that lcmtools brings along and of the user's own."""
-    return Registry([_shipped()], user_types(), _log)
+    """The registry of the shipped types and of those that the edge of the program supplies."""
+    global _current  # noqa: PLW0603 - one registry a process, renewed with its supply
+    supply = type_source.supply()
+    if _current is None or _current[0] is not supply:
+        _current = supply, Registry([shipped_types()], supply, _log)
+    return _current[1]
 
 
 @cache
-def user_types() -> "UserTypes":
-    """The types of the person who runs this process (LCMTOOLS_TYPE_PATH, packages)."""
-    import os
-    import sys
-
-    from lcmtools.packages.user_types import UserTypes
-
-    script = Path(sys.argv[0] if sys.argv and sys.argv[0] else ".").absolute().parent
-
-    def starts() -> list[Path]:
-        try:
-            here = [Path.cwd()]
-        except OSError:  # somebody has removed the current folder
-            here = []
-        return [*here, *([script] if script.name != "bin" else [])]
-
-    return UserTypes(os.environ, starts, _shipped().fingerprints)
-
-
-@cache
-def _shipped() -> TypeSource:
+def shipped_types() -> TypeSource:
+    """The types that lcmtools ships."""
     from lcmtools.types.fingerprints import FINGERPRINTS, SERVICES
 
-    return TypeSource("lcmtools.types", FINGERPRINTS, SERVICES)
+    return TypeSource(_SHIPPED[:-1], FINGERPRINTS, SERVICES)
 
 
 def _log(text: str) -> None:
-    """Warn as libraries do: to standard error, unless the program wants it elsewhere."""
+    """Warn as libraries do: to standard error, unless the program configures it elsewhere."""
     import logging
 
     logging.getLogger("lcmtools").warning("%s", text)
@@ -140,4 +301,12 @@ def fingerprint(cls: type[Message]) -> int:
 
 @cache
 def _class_name(cls: type) -> str:
-    return default_registry().type_name(cls)
+    """A generated class's name: lcm-gen puts each class into a module of its own."""
+    package = cls.__module__.rpartition(".")[0]
+    if f"{package}.".startswith(_SHIPPED):
+        package = package.removeprefix(_SHIPPED[:-1])[1:]
+    elif package.startswith(_USERS):
+        package = package.partition(".")[2]
+    else:
+        package = package.rpartition(".")[2]
+    return f"{package}/{cls.__name__}" if package else cls.__name__

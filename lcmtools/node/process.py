@@ -14,7 +14,9 @@ from lcmtools.bus.base import Bus
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl, choose_url
 from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.messages.type_source import has_supply
 from lcmtools.node.context import Context
+from lcmtools.packages import provide_user_types
 from lcmtools.settings import read_user_file
 
 _GRACE = 0.5
@@ -65,6 +67,8 @@ def init(
         _open_bus(bus_url), arguments, os.environ, NodeRecords(bus_url, os.environ), bus_url
     )
     _process.context.on_asked_to_end = _end_as_by_signal
+    if not has_supply():
+        provide_user_types()
     if arguments.domain and source != "--domain":
         notice = f"--domain {arguments.domain} has no effect: {source} wins"
         _process.context.notices.append(notice)

@@ -4,3 +4,53 @@ Belongs here: folders with a pyproject.toml or .lcm files, lcm-gen, the cache of
 and the text of a new package. Must not know the bus, what is inside a message, or how anything is
 printed. What is in the environment comes in as an argument.
 """
+
+import os
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lcmtools.messages.type_source import Supply, has_supply, set_supply
+
+if TYPE_CHECKING:  # imported with the first look-up
+    from lcmtools.messages.message import Message
+
+
+def provide_user_types() -> None:
+    """Let look-ups of types find those of this process's user too.
+
+    Reads the environment, the working directory and the script's folder now; the .lcm files behind
+    them with the first look-up. For the edge of a program: a command, a node's start, a notebook.
+    """
+    environment = dict(os.environ)
+    script = Path(sys.argv[0] if sys.argv and sys.argv[0] else ".").absolute().parent
+    starts = [script] if script.name != "bin" else []
+    with suppress(OSError):  # the working directory may have been removed
+        starts.insert(0, Path.cwd())
+
+    def make() -> Supply:
+        from lcmtools.packages.user_types import supply
+
+        return supply(environment, starts)
+
+    set_supply(make)
+
+
+def message_class(name: str, number: int | None = None) -> "type[Message]":
+    """Return the class of a message type, shipped or of the user's own.
+
+    Args:
+        name: geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or, where only one
+            package has it, Twist.
+        number: Its fingerprint, where that is known: it chooses among types of one name.
+
+    Raises:
+        UnknownType: There is no such type, or several packages have it.
+        InvalidFile: The .lcm file that should have it is wrong.
+    """
+    from lcmtools.messages import registry
+
+    if not has_supply():
+        provide_user_types()
+    return registry.message_class(name, number)

@@ -16,9 +16,9 @@ from math import prod
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from lcmtools.messages.type_source import Problem
 from lcmtools.packages.generated import Generated, generate, move, unknown_type
 from lcmtools.packages.index import INDEX
-from lcmtools.packages.source import Problem
 from lcmtools.packages.type_files import LcmFile
 from lcmtools.wire.datagram import MESSAGE_MAX
 

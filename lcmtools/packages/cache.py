@@ -15,9 +15,9 @@ from threading import Lock
 
 from lcmtools import __version__
 from lcmtools.errors import LcmtoolsError
+from lcmtools.messages.type_source import TypeSource
 from lcmtools.packages.index import read_index
 from lcmtools.packages.lcm_gen import find_lcm_gen
-from lcmtools.packages.source import TypeSource
 from lcmtools.packages.type_files import LcmFile
 
 _FORM = "2"  # of what is kept; another number makes everything anew

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
 
+from lcmtools.messages.type_source import Problem
 from lcmtools.names import closest
 from lcmtools.packages.lcm_gen import run_lcm_gen
-from lcmtools.packages.source import Problem
 from lcmtools.packages.type_files import LcmFile
 
 Tables = tuple[list[str], list[str], list[list[int | str] | None]]

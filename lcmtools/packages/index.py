@@ -6,7 +6,7 @@ Belongs here: reading it, which every look-up of a user's type does; ``build`` w
 import json
 from pathlib import Path
 
-from lcmtools.packages.source import Problem, TypeSource
+from lcmtools.messages.type_source import Problem, TypeSource
 
 INDEX = "index.json"
 

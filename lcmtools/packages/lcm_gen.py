@@ -13,7 +13,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from lcmtools.errors import MissingExtra
-from lcmtools.packages.source import Problem
+from lcmtools.messages.type_source import Problem
 
 _LONGEST = 30.0
 """Seconds that one file may take; it is milliseconds usually."""

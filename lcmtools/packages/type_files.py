@@ -10,7 +10,7 @@ from importlib.util import find_spec
 from itertools import islice
 from pathlib import Path
 
-from lcmtools.packages.source import Problem
+from lcmtools.messages.type_source import Problem
 from lcmtools.packages.workspace import LONGEST_FILE
 
 VARIABLE = "LCMTOOLS_TYPE_PATH"

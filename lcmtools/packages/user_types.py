@@ -1,23 +1,35 @@
-"""The types of users' own, looked for when somebody asks.
+"""Users' own types: where they are looked for, in which order, and compiling them.
 
-Belongs here: which folders count, in which order, and when to look again. Must not know how types
-are made or used.
-
-Near are LCMTOOLS_TYPE_PATH and the workspace: they count before what lcmtools brings, because they
-are what somebody is working on. Far are installed packages: they count last, and are only looked at
-for a type that is not known otherwise, because finding them takes a moment.
+Near are LCMTOOLS_TYPE_PATH and the workspace: they take precedence over the shipped types, because
+they are under development. Far are installed packages: they come last, and only for a type that is
+not known otherwise, because finding them takes a moment.
 """
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import cast
 
-from lcmtools.packages.source import Problem, TypeSource
+from lcmtools.errors import UnknownType
+from lcmtools.messages import type_source
+from lcmtools.messages.fields import fields
+from lcmtools.messages.registry import (
+    Message,
+    default_registry,
+    message_class,
+    packages,
+    shipped_types,
+    type_name,
+    type_names,
+)
+from lcmtools.messages.type_source import Problem, TypeSource
+from lcmtools.names import did_you_mean
+from lcmtools.packages import provide_user_types
 from lcmtools.packages.type_files import (
-    VARIABLE,
     installed_folders,
     read_folders,
+    shipped_folder,
     variable_folders,
 )
 from lcmtools.packages.workspace import package_folders
@@ -28,46 +40,45 @@ _FAR_AGAIN = 10.0
 
 
 @dataclass(slots=True)
-class _Look:
-    """What was last found, when, and by which words."""
+class _Found:
+    """The types found by the last look at the files, its time, and its folders."""
 
     time: float = float("-inf")
-    said: object = None
+    folders: object = None
     source: TypeSource | None = None
 
 
 class UserTypes:
-    """The types of one process's user.
+    """The types of one user.
 
     Args:
-        environment: LCMTOOLS_TYPE_PATH, and where the cache is.
-        starts: The folders whose workspaces count now.
-        shipped: The types that lcmtools brings, with their fingerprints.
-        clock: Seconds, from anywhere on.
+        environment: LCMTOOLS_TYPE_PATH, and the variables that name the cache's folder.
+        starts: The folders whose workspaces count.
+        shipped: The fingerprints of the types that lcmtools ships.
+        clock: A monotonic clock [s].
     """
 
     def __init__(
         self,
         environment: Mapping[str, str],
-        starts: Callable[[], Sequence[Path]],
+        starts: Sequence[Path],
         shipped: Mapping[str, int],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._environment = environment
-        self._starts = starts
-        self._more_starts: list[Path] = []
+        self._starts = list(starts)
         self._shipped = shipped
         self._clock = clock
-        self._near = _Look()
-        self._far = _Look()
+        self._near = _Found()
+        self._far = _Found()
 
     def near(self) -> TypeSource | None:
         """The types of LCMTOOLS_TYPE_PATH and of the workspace; None where there is none."""
-        return self._look(self._near, _NEAR_AGAIN, self.near_folders)
+        return self._current(self._near, _NEAR_AGAIN, self.near_folders)
 
     def far(self) -> TypeSource | None:
         """These and the types of installed packages."""
-        return self._look(self._far, _FAR_AGAIN, self.far_folders)
+        return self._current(self._far, _FAR_AGAIN, self.far_folders)
 
     def compiled(self, folders: Sequence[Path]) -> TypeSource:
         """The types of some folders, and of the others that theirs may be made of."""
@@ -75,7 +86,7 @@ class UserTypes:
 
     def near_folders(self) -> list[Path]:
         """The folders that count before what lcmtools brings."""
-        return [*variable_folders(self._environment), *package_folders(*self._all_starts())]
+        return [*variable_folders(self._environment), *package_folders(*self._starts)]
 
     def far_folders(self) -> list[Path]:
         """All folders, installed packages last."""
@@ -83,20 +94,16 @@ class UserTypes:
 
     def add_start(self, folder: Path) -> None:
         """Let the workspace of one more folder count."""
-        if folder not in self._more_starts:
-            self._more_starts.append(folder)
+        if folder not in self._starts:
+            self._starts.append(folder)
 
-    def _all_starts(self) -> list[Path]:
-        return [*self._starts(), *self._more_starts]
-
-    def _look(
-        self, look: _Look, again: float, folders: Callable[[], Sequence[Path]]
+    def _current(
+        self, found: _Found, seconds: float, folders: Callable[[], Sequence[Path]]
     ) -> TypeSource | None:
-        said = self._environment.get(VARIABLE), self._all_starts()
-        if said != look.said or self._clock() - look.time >= again:
-            look.source = self._read(folders())
-            look.time, look.said = self._clock(), said
-        return look.source
+        if found.folders != self._starts or self._clock() - found.time >= seconds:
+            found.source = self._read(folders())
+            found.time, found.folders = self._clock(), list(self._starts)
+        return found.source
 
     def _read(self, folders: Sequence[Path]) -> TypeSource | None:
         found = read_folders(folders)
@@ -110,3 +117,82 @@ class UserTypes:
 
 def _only_problems(problems: Sequence[Problem]) -> TypeSource | None:
     return TypeSource("", {}, problems=problems) if problems else None
+
+
+def user_types() -> UserTypes:
+    """The types of the user of this process; the environment is read if no edge has done so."""
+    if not type_source.has_supply():
+        provide_user_types()
+    return cast("UserTypes", type_source.supply())
+
+
+def supply(environment: Mapping[str, str], starts: Sequence[Path]) -> UserTypes:
+    """The supply of a process with this environment, started in or from these folders."""
+    return UserTypes(environment, starts, shipped_types().fingerprints)
+
+
+def compile_folders(folders: Sequence[Path]) -> TypeSource:
+    """The types of the .lcm files in some folders, made now; with what is wrong with others."""
+    return user_types().compiled(folders)
+
+
+def sources_of(words: Sequence[str]) -> list[Path]:
+    """The .lcm files of types, and of all types that these are made of, sorted.
+
+    Args:
+        words: Types, or packages; none for all of the user's own.
+
+    Raises:
+        UnknownType: There is no such type or package, or no type of the user's own.
+        InvalidFile: A .lcm file is wrong.
+    """
+    own = default_registry().files()
+    names: set[str] = set()
+    for word in words or own:
+        _add_parts([word] if word in own else _named(word), names)
+    if not names:
+        raise UnknownType("there are no types of your own", "name types, or set LCMTOOLS_TYPE_PATH")
+    shipped = shipped_folder()
+    return sorted({Path(own.get(name) or shipped / f"{name}.lcm") for name in names})
+
+
+def package_messages(module: str, file: str) -> Callable[[str], type[Message]]:
+    """What makes ``from air_lab0.msg import Stat`` work: the ``__getattr__`` of air_lab0/msg.
+
+    Args:
+        module: The module's ``__name__``: "air_lab0.msg".
+        file: Its ``__file__``: its workspace counts, wherever the program was started.
+    """
+    package = module.rpartition(".")[0] or module
+
+    def find(name: str) -> type[Message]:
+        if name.startswith("_"):
+            raise AttributeError(f"module '{module}' has no attribute '{name}'")
+        user_types().add_start(Path(file).resolve().parent)
+        try:
+            return message_class(f"{package}/{name}")
+        except UnknownType as error:
+            raise AttributeError(str(error)) from None
+
+    return find
+
+
+def _named(word: str) -> list[str]:
+    """The types that a package has, or the one of the name."""
+    of_package = [name for name in type_names() if name.startswith(f"{word}/")]
+    try:
+        return of_package or [type_name(message_class(word))]
+    except UnknownType:
+        near = did_you_mean(word, packages())
+        if "/" in word or not near:
+            raise
+        raise UnknownType(f"there is no package '{word}'", near) from None
+
+
+def _add_parts(names: Iterable[str], known: set[str]) -> None:
+    """Add types and those that their fields have."""
+    for name in names:
+        if name not in known:
+            known.add(name)
+            parts = (part.message_class for part in fields(message_class(name)))
+            _add_parts((type_name(cls) for cls in parts if cls), known)

@@ -17,6 +17,7 @@ from lcmtools.cli.completion.shells import SHELLS, Question
 from lcmtools.cli.completion.situation import Situation
 from lcmtools.cli.completion.tree import Tree
 from lcmtools.cli.completion.words.table import candidates
+from lcmtools.packages import provide_user_types
 
 VARIABLE = "_LCMTOOLS_COMPLETE"
 """The environment variable that has a shell's name when the shell asks."""
@@ -28,6 +29,7 @@ def run() -> None:
     _be_silent()
     try:
         tree = Tree(os.environ)
+        provide_user_types()
         lines = answer(os.environ[VARIABLE], sys.argv[1:], tree)
         with contextlib.suppress(OSError):
             os.write(1, "".join(f"{line}\n" for line in lines).encode("utf-8", "surrogateescape"))

@@ -7,7 +7,7 @@ import click
 from lcmtools.cli.msg.building import build_folders
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.errors import LcmtoolsError, UsageError
-from lcmtools.messages.registry import user_types
+from lcmtools.packages.user_types import user_types
 
 
 @click.command("build", context_settings=CONTEXT)

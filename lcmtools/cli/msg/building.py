@@ -8,8 +8,8 @@ import click
 
 from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.output import complain, document, lines
-from lcmtools.messages.user_types import compile_folders
-from lcmtools.packages.source import Problem, TypeSource, shown
+from lcmtools.messages.type_source import Problem, TypeSource, shown
+from lcmtools.packages.user_types import compile_folders
 
 
 def build_folders(folders: Sequence[Path], *, as_json: bool) -> int:

@@ -6,8 +6,8 @@ import click
 
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import document, lines, talk
-from lcmtools.messages.user_types import sources_of
 from lcmtools.packages.languages import LANGUAGES, generate
+from lcmtools.packages.user_types import sources_of
 
 
 @click.command("generate", context_settings=CONTEXT)

@@ -163,7 +163,7 @@ class _Supply:
 def test_a_type_that_is_near_is_found_without_looking_at_installed_packages(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("lcmtools.messages.catalogue._load", lambda prefix, name: (prefix, name))
+    monkeypatch.setattr("lcmtools.messages.registry._load", lambda prefix, name: (prefix, name))
     shipped = TypeSource("shipped", FINGERPRINTS, SERVICES)
     registry = Registry([shipped], _Supply())
     assert registry.message_class("Bump") == ("lcmtools.types", "my_msgs/Bump")

@@ -41,6 +41,6 @@ def types_of(cache_folder: Path) -> Callable[..., UserTypes]:
             "XDG_CACHE_HOME": str(cache_folder),
         }
         time = iter(range(0, 10**6, 100))  # every look is a new one
-        return UserTypes(environment, list, FINGERPRINTS, lambda: float(next(time)))
+        return UserTypes(environment, [], FINGERPRINTS, lambda: float(next(time)))
 
     return make

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from lcmtools.errors import UnknownType
 from lcmtools.messages.codec import decode, encode
-from lcmtools.messages.registry import Registry, fingerprint
-from lcmtools.packages import cache
-from lcmtools.packages.source import TypeSource
+from lcmtools.messages.registry import Registry, fingerprint, message_class, type_name
+from lcmtools.messages.type_source import TypeSource, set_supply
+from lcmtools.packages import cache, provide_user_types
 from lcmtools.packages.user_types import UserTypes
 from lcmtools.types.fingerprints import FINGERPRINTS
 from lcmtools.types.geometry_msgs import Twist
@@ -47,11 +48,11 @@ def test_types_are_made_of_shipped_types_and_of_each_other_across_packages(
     more.first.twist.linear.x, more.last.values = 0.5, [1.0, 2.0]
     back = decode(type(more), encode(more))
     assert (back.first.twist.linear.x, back.last.values) == (0.5, (1.0, 2.0))
-    assert known.type_name(type(more)) == "other.deep/More"
+    assert type_name(type(more)) == "other.deep/More"
     plain = known.message_class("plain_t")()
-    assert known.type_name(type(plain)) == "plain_t"
+    assert type_name(type(plain)) == "plain_t"
     assert type(plain.more) is type(more)
-    assert known.type_name(Twist) == "geometry_msgs/Twist"
+    assert type_name(Twist) == "geometry_msgs/Twist"
     assert {"lab/Stat", "other.deep/More", "plain_t"} <= set(known.type_names())
 
 
@@ -164,7 +165,7 @@ def test_an_edited_file_counts_at_once(write: Write, types_of: Types) -> None:
     write({"T.lcm": "package p;\nstruct T { double y; }\n"})
     new = known.message_class("p/T")
     assert (old.__slots__, new.__slots__) == (["x"], ["y"])
-    assert known.type_name(old) == known.type_name(new) == "p/T"
+    assert type_name(old) == type_name(new) == "p/T"
 
 
 def test_what_is_made_once_is_kept(
@@ -208,7 +209,7 @@ def test_without_a_cache_folder_types_work_all_the_same(write: Write, tmp_path: 
     folder = write({"T.lcm": "package p;\nstruct T { double x; }\n"})
     (tmp_path / "file").write_text("")
     environment = {"LCMTOOLS_TYPE_PATH": str(folder), "XDG_CACHE_HOME": str(tmp_path / "file")}
-    types = UserTypes(environment, list, FINGERPRINTS)
+    types = UserTypes(environment, [], FINGERPRINTS)
     assert registry(types).message_class("p/T").__slots__ == ["x"]
 
 
@@ -219,4 +220,24 @@ def test_folder_that_is_not_there_is_told(types_of: Types, tmp_path: Path) -> No
 
 
 def test_nothing_is_looked_for_where_nothing_is_said(tmp_path: Path) -> None:
-    assert UserTypes({}, lambda: [tmp_path], FINGERPRINTS).near() is None
+    assert UserTypes({}, [tmp_path], FINGERPRINTS).near() is None
+
+
+def test_a_look_up_reads_the_environment_only_where_the_edge_provides_it(
+    write: Write, cache_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = write({"edge/Only.lcm": "package edge;\nstruct Only { double x; }\n"})
+    monkeypatch.setenv("XDG_CACHE_HOME", str(cache_folder))
+    monkeypatch.setenv("LCMTOOLS_TYPE_PATH", str(folder))
+    set_supply(None)
+    with pytest.raises(UnknownType):
+        message_class("edge/Only")
+    provide_user_types()
+    try:
+        monkeypatch.delenv("LCMTOOLS_TYPE_PATH")
+        assert message_class("edge/Only").__slots__ == ["x"]
+        provide_user_types()
+        with pytest.raises(UnknownType):
+            message_class("edge/Only")
+    finally:
+        set_supply(None)
