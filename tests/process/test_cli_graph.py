@@ -9,7 +9,6 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree as ET
 
 import pytest
 
@@ -167,17 +166,17 @@ def test_rates_are_measured(lcmtools: Run, on_bus: dict[str, Any]) -> None:
     assert document["edges"][0]["rate"] == document["topics"][0]["rate"]
 
 
-def test_a_file_has_the_form_that_its_name_tells(
+def test_a_file_has_the_format_that_its_name_tells(
     lcmtools: Run, on_bus: dict[str, Any], tmp_path: Path
 ) -> None:
     del on_bus
-    file = tmp_path / "graph.svg"
+    file = tmp_path / "graph.gv"
     result = lcmtools("graph", "--group", "-o", str(file))
     said = f"wrote {file}: 3 nodes, 2 other programs, 2 topics\n"
     assert (result.returncode, result.stdout) == (0, "")
     assert result.stderr.startswith(said)
-    texts = [one.text for one in ET.parse(file).iter("{http://www.w3.org/2000/svg}text")]  # noqa: S314
-    assert {"/talker", "/chatter", "/r/listener", "EXAMPLE", "/r"} <= set(texts)
+    labels = re.findall(r'label="([^"\\]*)', file.read_text())
+    assert {"/talker", "/chatter", "/r/listener", "EXAMPLE", "/r"} <= set(labels)
     again = lcmtools("graph", "-o", str(file))
     assert again.returncode == 2
     assert "--force overwrites it" in again.stderr
@@ -197,8 +196,8 @@ def test_what_is_nowhere_is_said(lcmtools: Run, on_bus: dict[str, Any], bus_url:
     result = lcmtools("graph", "/nowhere")
     assert (result.returncode, result.stdout) == (0, "")
     assert result.stderr.startswith("nothing of /nowhere to draw on udpm://")
-    empty = lcmtools("graph", "--format", "svg", LCM_DEFAULT_URL=bus_url)
-    assert ET.fromstring(empty.stdout.encode()).tag.endswith("svg")  # noqa: S314 - our own
+    empty = lcmtools("graph", "--format", "dot", LCM_DEFAULT_URL=bus_url)
+    assert empty.stdout.startswith("digraph lcmtools {")
     assert empty.stderr == f"nothing to draw on {bus_url}\n"
 
 
@@ -234,7 +233,7 @@ def test_channels_of_any_bytes_are_drawn(
     start(sys.executable, str(script)).wait_for("sent")
     document = json.loads(lcmtools("graph", "--json", LCM_DEFAULT_URL=url).stdout)
     assert sorted(topic["topic"] for topic in document["topics"]) == sorted(names)
-    for form in ("text", "dot", "mermaid", "svg"):
+    for form in ("text", "dot", "mermaid"):
         result = lcmtools("graph", "--format", form, LCM_DEFAULT_URL=url, LC_ALL="C.UTF-8")
         assert result.returncode == 0
         assert "日本" in result.stdout

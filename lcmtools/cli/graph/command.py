@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import click
 
-from lcmtools.cli.graph.seen import diagram_of
-from lcmtools.cli.graph.written import FORMS, STDOUT, chosen
+from lcmtools.cli.graph.written import FORMATS, STDOUT, chosen
 from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_monitor
 from lcmtools.cli.output import talk
 from lcmtools.errors import UsageError
 from lcmtools.graph.drawing.diagram import Diagram
 from lcmtools.graph.drawing.selection import Selection, members_only, select
+from lcmtools.observe.diagram import diagram_of
 from lcmtools.observe.programs import programs
 from lcmtools.observe.settled import Rates, settled
 
@@ -19,7 +19,12 @@ _MEASURED = 1.0  # [s]
 
 @click.command("graph", context_settings=CONTEXT)
 @click.argument("namespace", nargs=-1)
-@click.option("--format", "form", type=click.Choice(FORMS), help="The form (else text, or by -o).")
+@click.option(
+    "--format",
+    "format_",
+    type=click.Choice(FORMATS),
+    help="The format (else text, or by -o); svg needs Graphviz.",
+)
 @click.option(
     "-o",
     "--output",
@@ -55,14 +60,14 @@ _MEASURED = 1.0  # [s]
 @click.option("--group", "is_grouped", is_flag=True, help="Draw a frame around each namespace.")
 @click.option("--hz", is_flag=True, help="Measure for a second how often messages come.")
 @click.option(
-    "--wait", type=duration, help="Listen so long for programs that are no lcmtools nodes."
+    "--wait", type=duration, help="Listen so long for programs that are not lcmtools nodes."
 )
 @json_option
 @bus_options
 def command(  # noqa: PLR0913 - one parameter an option
     namespace: tuple[str, ...],
     *,
-    form: str | None,
+    format_: str | None,
     file: str | None,
     force: bool,
     nodes_only: bool,
@@ -77,11 +82,12 @@ def command(  # noqa: PLR0913 - one parameter an option
     wait: float | None,
     as_json: bool,
 ) -> None:
-    """Draw who publishes what to whom: nodes, topics, and programs that are no nodes.
+    """Draw who publishes what to whom: nodes, topics, and programs that are not nodes.
 
     NAMESPACE keeps the nodes and topics that are it, stand below it or match it ('/husky*'), and
     what they are directly connected to. Left out are topics that only one side uses and that carry
-    nothing, hidden names, and topics of nearly every node (/clock, /rosout).
+    nothing, hidden names, and topics of nearly every node (/clock, /rosout). SVG is laid out by
+    Graphviz, whose program dot must be installed.
 
     \b
     Examples:
@@ -89,15 +95,15 @@ def command(  # noqa: PLR0913 - one parameter an option
       lcmtools graph --group -o graph.svg
       lcmtools graph --format dot /husky0 | dot -Tpng -o graph.png
     """  # noqa: D301 - \b is click's mark
-    output = chosen(form, file, as_json=as_json, force=force)
+    output = chosen(format_, file, as_json=as_json, force=force)
     if "" in (*namespace, *topics, *excluded):
         raise UsageError("a name is empty", "lcmtools list and node list show the names")
     wanted = Selection(namespace, topics, excluded, show_all, leaf_topics, tools, with_services)
-    heard = Rates()
+    rates = Rates()
     with open_monitor("graph") as monitor:
-        graph = settled(monitor, _MEASURED if hz and wait is None else wait, heard)
+        graph = settled(monitor, _MEASURED if hz and wait is None else wait, rates)
         url = monitor.url
-    whole = diagram_of(graph, programs(graph, url), heard.by_channel() if hz else None)
+    whole = diagram_of(graph, programs(graph, url), rates.by_channel() if hz else None)
     diagram, left = select(whole, wanted)
     diagram = replace(members_only(diagram) if nodes_only else diagram, is_grouped=is_grouped)
     output.write(diagram)
@@ -106,12 +112,12 @@ def command(  # noqa: PLR0913 - one parameter an option
         talk(f"nothing{f' of {meant}' if meant else ''} to draw on {url}")
     if output.file != STDOUT:
         talk(f"wrote {output.file}: {_counted(diagram)}")
-    if left.text() and (output.form == "text" or output.file != STDOUT):
+    if left.text() and (output.format == "text" or output.file != STDOUT):
         talk(left.text())
 
 
 def _counted(diagram: Diagram) -> str:
-    """What there is in a picture."""
+    """The numbers of nodes, programs, topics and services."""
     services = sum(channel.is_service for channel in diagram.channels)
     counts = {
         "node": sum(member.is_node for member in diagram.members),

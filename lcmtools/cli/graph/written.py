@@ -1,24 +1,22 @@
-"""A diagram in the form that is asked for, and the file that it goes to."""
+"""Writing a diagram in the chosen format, to standard output or a file."""
 
 import json
 import os
 import shutil
+import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 from lcmtools.cli.completion.places import write_atomically
 from lcmtools.cli.output import data, lines
-from lcmtools.errors import LcmtoolsError, UsageError
-from lcmtools.graph.drawing import as_json, dot, mermaid, svg, text
+from lcmtools.errors import LcmtoolsError, MissingExtra, UsageError
+from lcmtools.graph.drawing import as_json, dot, mermaid, text
 from lcmtools.graph.drawing.diagram import Diagram
 
-Form = Literal["text", "dot", "mermaid", "json", "svg"]
-FORMS: tuple[Form, ...] = ("text", "dot", "mermaid", "json", "svg")
-
+FORMATS = ("text", "dot", "mermaid", "json", "svg")
 STDOUT = "-"
-_SUFFIXES: dict[str, Form] = {
+_SUFFIXES = {
     ".txt": "text",
     ".dot": "dot",
     ".gv": "dot",
@@ -27,19 +25,13 @@ _SUFFIXES: dict[str, Form] = {
     ".json": "json",
     ".svg": "svg",
 }
-_IN_MARKDOWN = (".md",)
 
 
 @dataclass(frozen=True, slots=True)
 class Output:
-    """Where a picture goes.
+    """The format of a diagram, and its file; "-" for standard output."""
 
-    Attributes:
-        form: In what form.
-        file: To which file; "-" for standard output.
-    """
-
-    form: Form
+    format: str
     file: str = STDOUT
 
     def write(self, diagram: Diagram) -> None:
@@ -48,51 +40,41 @@ class Output:
         Raises:
             LcmtoolsError: It cannot be written.
         """
-        if self.file == STDOUT and self.form == "text":
+        if self.file == STDOUT and self.format == "text":
             width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
             lines(text.write(diagram, text.signs_for(sys.stdout.encoding, os.environ), width))
         elif self.file == STDOUT:
-            data(_document(diagram, self.form).removesuffix("\n"))
+            data(_document(diagram, self.format).removesuffix("\n"))
         else:
-            _write(self.file, self._for_file(diagram))
-
-    def _for_file(self, diagram: Diagram) -> str:
-        document = _document(diagram, self.form)
-        is_markdown = Path(self.file).suffix.lower() in _IN_MARKDOWN
-        return mermaid.fenced(document) if is_markdown and self.form == "mermaid" else document
+            document = _document(diagram, self.format)
+            is_markdown = Path(self.file).suffix.lower() == ".md" and self.format == "mermaid"
+            _write(Path(self.file), mermaid.fenced(document) if is_markdown else document)
 
 
-def chosen(form: str | None, file: str | None, *, as_json: bool, force: bool) -> Output:
-    """Where a picture goes, and in what form, by what is typed.
-
-    Args:
-        form: The --format option.
-        file: The --output option.
-        as_json: Whether --json was given.
-        force: Whether a file that is there is overwritten.
+def chosen(format_: str | None, file: str | None, *, as_json: bool, force: bool) -> Output:
+    """The output that the options --format, --output, --json and --force mean.
 
     Raises:
-        UsageError: The options contradict each other, no form fits the file's name, or the file is
-            there already.
+        UsageError: They contradict each other, no format fits the file's name, or the file exists.
+        MissingExtra: Graphviz is not installed.
     """
-    if as_json and form not in (None, "json"):
-        raise UsageError(f"--json and --format {form} exclude each other", "leave out one of them")
-    if as_json:
-        form = "json"
+    if as_json and format_ not in (None, "json"):
+        raise UsageError(
+            f"--json and --format {format_} exclude each other", "leave out one of them"
+        )
+    format_ = "json" if as_json else format_
     if file is None or file == STDOUT:
-        return Output(_form(form or "text"))
-    if not form:
-        form = _by_suffix(file)
-    if Path(file).is_file() and not force:
-        raise UsageError(f"{file} is there already", "--force overwrites it")
-    return Output(_form(form), file)
+        output = Output(format_ or "text")
+    else:
+        output = Output(format_ or _by_suffix(file), file)
+        if Path(file).is_file() and not force:
+            raise UsageError(f"{file} is there already", "--force overwrites it")
+    if output.format == "svg":
+        _graphviz()
+    return output
 
 
-def _form(name: str) -> Form:
-    return next(form for form in FORMS if form == name)
-
-
-def _by_suffix(file: str) -> Form:
+def _by_suffix(file: str) -> str:
     suffix = Path(file).suffix.lower()
     if suffix in (".png", ".pdf"):
         raise UsageError(
@@ -105,23 +87,53 @@ def _by_suffix(file: str) -> Form:
     return _SUFFIXES[suffix]
 
 
-def _document(diagram: Diagram, form: Form) -> str:
+def _document(diagram: Diagram, format_: str) -> str:
     """A diagram as a whole file, ended by a newline."""
-    if form == "json":
+    if format_ == "json":
         document = json.dumps(as_json.write(diagram), ensure_ascii=False, indent=2)
-        # a channel that is no UTF-8 has surrogates, which JSON writes as it escapes them
+        # a channel that is not UTF-8 has surrogates, which JSON writes as it escapes them
         return document.encode("utf-8", "backslashreplace").decode() + "\n"
-    if form == "text":
+    if format_ == "text":
         return "".join(f"{row}\n" for row in text.write(diagram))
-    return {"dot": dot.write, "mermaid": mermaid.write, "svg": svg.write}[form](diagram)
+    if format_ == "mermaid":
+        return mermaid.write(diagram)
+    return dot.write(diagram) if format_ == "dot" else _svg(dot.write(diagram))
 
 
-def _write(file: str, document: str) -> None:
-    path = Path(file)
+def _svg(document: str) -> str:
+    """A diagram in Graphviz's language as SVG, laid out by Graphviz.
+
+    Raises:
+        LcmtoolsError: Graphviz fails.
+    """
+    done = subprocess.run(  # noqa: S603 - our own document
+        [_graphviz(), "-Tsvg"], input=document.encode(), capture_output=True, check=False
+    )
+    if done.returncode:
+        said = done.stderr.decode(errors="replace").strip().partition("\n")[0]
+        raise LcmtoolsError(f"Graphviz's dot failed ({said or f'exit code {done.returncode}'})")
+    return done.stdout.decode()
+
+
+def _graphviz() -> str:
+    """The path of Graphviz's program.
+
+    Raises:
+        MissingExtra: It is not installed.
+    """
+    if path := shutil.which("dot"):
+        return path
+    raise MissingExtra(
+        "SVG needs Graphviz's program dot, which is not installed",
+        "install graphviz, or use --format dot or mermaid",
+    )
+
+
+def _write(path: Path, document: str) -> None:
     try:
         if path.exists() and not path.is_file():  # /dev/stdout, a pipe: not to be replaced
             path.write_text(document, encoding="utf-8")
         else:
             write_atomically(path, document)
     except OSError as error:
-        raise LcmtoolsError(f"cannot write {file}: {error.strerror or error}") from error
+        raise LcmtoolsError(f"cannot write {path}: {error.strerror or error}") from error

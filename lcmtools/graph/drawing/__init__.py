@@ -1,5 +1,4 @@
-"""Pictures of a graph: what is drawn of it, and writing that as text, dot, Mermaid, JSON or SVG.
+"""Drawing a graph: choosing what is drawn, and writing it as text, dot, Mermaid or JSON.
 
-Pure: a diagram of plain values goes in, text comes out. What is on the bus and whose process it is
-comes from outside, as does where the text goes.
+Pure: a diagram of plain values goes in, text comes out. Must not know where the text goes.
 """

@@ -11,13 +11,12 @@ from lcmtools.graph.drawing.order import cycles
 
 def write(diagram: Diagram) -> dict[str, object]:
     """The document of a diagram; lists that may be empty."""
-    arrows = [(edge.source, edge.target) for edge in diagram.edges]
     return {
         "nodes": [_member(member) for member in diagram.members],
         "topics": [_channel(c, "topic") for c in diagram.channels if not c.is_service],
         "services": [_channel(c, "service") for c in diagram.channels if c.is_service],
         "edges": [_edge(edge) for edge in diagram.edges],
-        "cycles": cycles(diagram.ids(), arrows),
+        "cycles": cycles(diagram.ids(), diagram.arrows()),
     }
 
 

@@ -1,9 +1,9 @@
-"""What a picture is made of: members of the bus, the channels between them, and who uses which.
+"""The values that a diagram is made of: members of the bus, channels, and who uses which.
 
-Plain values and their words. Must not know how a picture is written.
+Must not know how a diagram is written.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 
 from lcmtools.names import is_hidden
@@ -11,11 +11,9 @@ from lcmtools.names import is_hidden
 QUIET = frozenset({"/clock", "/rosout", "/rosout_agg", "/statistics", "/parameter_events"})
 """Topics that nearly every node has: they would connect everything with everything."""
 
-_MOST_OF_COMMAND = 40  # characters in a picture
-
 
 class Flow(Enum):
-    """What a member does with a channel, or, where channels are not drawn, with another member."""
+    """What a member does with a channel or, where channels are not drawn, with another member."""
 
     PUBLISHES = "publishes"
     SUBSCRIBES = "subscribes"
@@ -26,21 +24,20 @@ class Flow(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """A node, or a program that is none.
+    """A node, or a program that is not a node.
 
     Attributes:
         id: Unique in its diagram, letters and digits: "n1".
-        name: A node's full name, a program's command line; "" for a program of which that is not
-            known.
-        host: Its computer: a name, or an address where that alone is known; "" for unknown.
-        is_here: Whether that is this computer.
-        pid: Its process; None where that is not known.
-        command: Its command line; "" where that is not known.
-        user: Whose it is; "" where that is not known.
-        is_node: False for a program that was only seen from outside.
-        is_tool: A command of lcmtools, as echo or pub, which is a node for a while.
+        name: A node's full name, or a program's command line; "" if unknown.
+        host: Its computer's name, or address if only that is known; "" if unknown.
+        is_here: True if that is this computer.
+        pid: Its process; None if unknown.
+        command: Its command line; "" if unknown.
+        user: The process's owner; "" if unknown.
+        is_node: False for a program seen from outside only.
+        is_tool: A command of lcmtools, such as echo or pub.
         publishes: It sends messages; a command that does is more than an onlooker.
-        listens: A program that receives from the bus, on channels that LCM does not tell.
+        listens: A program that receives from the bus, on channels that LCM does not reveal.
         stale: Why a node counts as stale; "" for one that is alive.
     """
 
@@ -59,17 +56,17 @@ class Member:
 
     @property
     def looks_on(self) -> bool:
-        """Whether it is a command that changes nothing for anybody."""
+        """True for a command that only observes."""
         return self.is_tool and not self.publishes
 
     @property
     def is_hidden(self) -> bool:
-        """Whether it is left out for its name; commands have hidden names, but pub takes part."""
+        """True if its name hides it; commands have hidden names, but pub takes part."""
         return self.is_node and is_hidden(self.name) and not (self.is_tool and self.publishes)
 
     @property
     def group(self) -> str:
-        """The outermost namespace that it stands in; "" for none."""
+        """Its outermost namespace; "" for none."""
         return outermost(self.name) if self.is_node else ""
 
 
@@ -80,10 +77,10 @@ class Channel:
     Attributes:
         id: Unique in its diagram, letters and digits: "t1", or "s1" for a service.
         name: Its full name.
-        types: As announced, else as seen; () where no type is known.
-        is_service: Whether it is a service.
+        types: As announced, else as seen; () if unknown.
+        is_service: True for a service.
         messages: How many were announced as sent, or seen; 0 for a service.
-        rate: How often they come [Hz]; None where that was not measured.
+        rate: Message rate [Hz]; None if not measured.
     """
 
     id: str
@@ -95,17 +92,17 @@ class Channel:
 
     @property
     def is_hidden(self) -> bool:
-        """Whether lists leave it out."""
+        """True if lists leave it out."""
         return is_hidden(self.name)
 
     @property
     def is_quiet(self) -> bool:
-        """Whether it is one of those that nearly every node has."""
+        """True if it is one of those that nearly every node has."""
         return not self.is_service and self.name in QUIET
 
     @property
     def group(self) -> str:
-        """The outermost namespace that it stands in; "" for none."""
+        """Its outermost namespace; "" for none."""
         return outermost(self.name)
 
     @property
@@ -116,14 +113,14 @@ class Channel:
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """Where messages or calls flow.
+    """A flow of messages or calls.
 
     Attributes:
         source: The id of where they come from.
         target: The id of where they go.
-        flow: What that is.
+        flow: What the member does.
         messages: How many, as the member counts them, or as seen.
-        rate: How often [Hz]; None where that was not measured.
+        rate: Message rate [Hz]; None if not measured.
         topics: Where channels are not drawn: the names of those that this stands for.
     """
 
@@ -143,107 +140,36 @@ class Diagram:
         members: Nodes and programs.
         channels: Topics and services; none where members are connected directly.
         edges: Between them.
-        is_grouped: Whether what stands in a namespace is framed.
+        is_grouped: True if each namespace gets a frame.
     """
 
     members: tuple[Member, ...] = ()
     channels: tuple[Channel, ...] = ()
-    edges: tuple[Edge, ...] = field(default=())
+    edges: tuple[Edge, ...] = ()
     is_grouped: bool = False
 
     def vertices(self) -> list[Member | Channel]:
-        """All that is drawn, members first."""
+        """All members and channels, members first."""
         return [*self.members, *self.channels]
-
-    def groups(self) -> dict[str, list[str]]:
-        """The ids in each namespace that is framed, sorted; without what stands in none."""
-        if not self.is_grouped:
-            return {}
-        found: dict[str, list[str]] = {}
-        for vertex in self.vertices():
-            if vertex.group:
-                found.setdefault(vertex.group, []).append(vertex.id)
-        return dict(sorted(found.items()))
 
     def ids(self) -> list[str]:
         """All ids, members first."""
         return [vertex.id for vertex in self.vertices()]
 
-    def names(self) -> dict[str, str]:
-        """What each id is called where it stands alone: two of the same name stay two."""
-        titles = [title(member) for member in self.members]
-        names = {channel.id: channel.name for channel in self.channels}
-        for member, name in zip(self.members, titles, strict=True):
-            is_alone = titles.count(name) == 1 or member.pid is None
-            names[member.id] = name if is_alone else f"{name} (pid {member.pid})"
-        return names
+    def arrows(self) -> list[tuple[str, str]]:
+        """The ids at both ends of each edge."""
+        return [(edge.source, edge.target) for edge in self.edges]
+
+    def groups(self) -> dict[str, list[str]]:
+        """The ids in each framed namespace, sorted by namespace."""
+        found: dict[str, list[str]] = {}
+        for vertex in self.vertices() if self.is_grouped else ():
+            if vertex.group:
+                found.setdefault(vertex.group, []).append(vertex.id)
+        return dict(sorted(found.items()))
 
 
 def outermost(name: str) -> str:
     """The first namespace of a global name ("/husky0" of "/husky0/odometry"); "" for none."""
     first, slash, _ = name[1:].partition("/")
     return f"/{first}" if name.startswith("/") and slash and first else ""
-
-
-def title(member: Member) -> str:
-    """What a member is called: a node's name, a program's command without its folder."""
-    if member.is_node:
-        return member.name
-    if not member.name.strip():
-        return "a program"
-    program, *arguments = member.name.split()
-    command = " ".join([program.rpartition("/")[2] or program, *arguments])
-    is_long = len(command) > _MOST_OF_COMMAND
-    return f"{command[: _MOST_OF_COMMAND - 1]}…" if is_long else command
-
-
-def notes(member: Member) -> list[str]:
-    """What is to be said of a member besides its name, in a few words each."""
-    said = []
-    if not member.is_node:
-        said.append("no node" if member.pid is None else f"no node, pid {member.pid}")
-    if not member.is_here:
-        said.append(f"on {member.host or 'another computer'}")
-    if member.looks_on:
-        said.append("looks on")
-    if member.listens:
-        said.append("listens to channels unknown")
-    if member.stale:
-        said.append(f"stale: {member.stale}")
-    return said
-
-
-def rate_text(rate: float | None) -> str:
-    """A rate as it is shown; "" where it was not measured."""
-    return "" if rate is None else f"{rate:.1f} Hz"
-
-
-def printable(text: str) -> str:
-    """A text whose every character can be shown and stand in XML: others are escaped.
-
-    A channel's name may be any bytes: what is not UTF-8 comes as surrogates.
-    """
-    return "".join(c if _is_plain(c) else _escaped(c) for c in text)
-
-
-def _is_plain(character: str) -> bool:
-    """Not a control character, nor one that turns the direction of what follows, nor no character.
-
-    The last are those that XML 1.0 does not have.
-    """
-    code = ord(character)
-    return not (
-        code < 0x20  # noqa: PLR2004
-        or 0x7F <= code < 0xA0  # noqa: PLR2004
-        or 0x2028 <= code <= 0x202E  # noqa: PLR2004 - lines' ends, and directions
-        or 0x2066 <= code <= 0x2069  # noqa: PLR2004 - directions
-        or 0xD800 <= code < 0xE000  # noqa: PLR2004 - surrogates
-        or code & 0xFFFE == 0xFFFE  # noqa: PLR2004 - U+FFFF and its like
-    )
-
-
-def _escaped(character: str) -> str:
-    code = ord(character)
-    if 0xDC80 <= code <= 0xDCFF:  # noqa: PLR2004 - a byte that is no UTF-8
-        code -= 0xDC00
-    return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"  # noqa: PLR2004

@@ -6,8 +6,14 @@ Graphviz reads entities wherever it writes text.
 
 from collections.abc import Iterable
 
-from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member, printable
-from lcmtools.graph.drawing.labels import edge_label, edge_tip, vertex_labels, vertex_tips
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
+from lcmtools.graph.drawing.labels import (
+    edge_label,
+    edge_tip,
+    printable,
+    vertex_labels,
+    vertex_tips,
+)
 
 _HEAD = """\
 digraph lcmtools {

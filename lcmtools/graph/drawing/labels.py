@@ -1,28 +1,65 @@
-"""What is written into a picture's vertices and beside its arrows; the same in all formats."""
+"""The words of a diagram: names, notes, labels and tips; the same in every format."""
 
-from lcmtools.graph.drawing.diagram import (
-    Channel,
-    Diagram,
-    Edge,
-    Member,
-    notes,
-    printable,
-    rate_text,
-)
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member
 
+_LONGEST_COMMAND = 40  # characters
 _MOST_TOPICS = 4  # beside an arrow
+
+
+def title(member: Member) -> str:
+    """A member's name: a node's own, or a program's command without its folder."""
+    if member.is_node:
+        return member.name
+    if not member.name.strip():
+        return "a program"
+    program, *arguments = member.name.split()
+    command = " ".join([program.rpartition("/")[2] or program, *arguments])
+    is_long = len(command) > _LONGEST_COMMAND
+    return f"{command[: _LONGEST_COMMAND - 1]}…" if is_long else command
+
+
+def notes(member: Member) -> list[str]:
+    """What there is to say of a member besides its name, in a few words each."""
+    said = []
+    if not member.is_node:
+        said.append("no node" if member.pid is None else f"no node, pid {member.pid}")
+    if not member.is_here:
+        said.append(f"on {member.host or 'another computer'}")
+    if member.looks_on:
+        said.append("looks on")
+    if member.listens:
+        said.append("listens to channels unknown")
+    if member.stale:
+        said.append(f"stale: {member.stale}")
+    return said
+
+
+def names(diagram: Diagram) -> dict[str, str]:
+    """The name of each vertex by its id; members of one name get their pid."""
+    titles = [title(member) for member in diagram.members]
+    found = {channel.id: channel.name for channel in diagram.channels}
+    for member, name in zip(diagram.members, titles, strict=True):
+        is_unique = titles.count(name) == 1 or member.pid is None
+        found[member.id] = name if is_unique else f"{name} (pid {member.pid})"
+    return found
+
+
+def rate_text(rate: float | None) -> str:
+    """A rate as it is shown; "" if it was not measured."""
+    return "" if rate is None else f"{rate:.1f} Hz"
 
 
 def vertex_labels(diagram: Diagram) -> dict[str, list[str]]:
     """The lines in each vertex, the name first."""
-    names = diagram.names()
-    lines = {m.id: [names[m.id], *_notes(m)] for m in diagram.members}
-    lines.update({c.id: [c.name, *_about(c)] for c in diagram.channels})
+    known = names(diagram)
+    lines = {m.id: [known[m.id], *_short_notes(m)] for m in diagram.members}
+    for c in diagram.channels:
+        lines[c.id] = [c.name, *(c.types or ([] if c.is_service else [c.type_text]))]
     return {id_: [printable(line) for line in rows] for id_, rows in lines.items()}
 
 
 def edge_label(edge: Edge) -> list[str]:
-    """The lines beside an arrow: how often messages come, or which topics it stands for."""
+    """The lines beside an arrow: its rate, or the topics that it stands for."""
     rows = [rate_text(edge.rate)] if edge.rate is not None else []
     rows += [printable(topic) for topic in edge.topics]
     if len(rows) > _MOST_TOPICS:
@@ -31,37 +68,36 @@ def edge_label(edge: Edge) -> list[str]:
 
 
 def vertex_tips(diagram: Diagram) -> dict[str, list[str]]:
-    """What more there is to know of each vertex, for those who point at it."""
-    lines = {member.id: _tip(member) for member in diagram.members}
+    """The lines that pop up over each vertex."""
+    lines = {member.id: _member_tip(member) for member in diagram.members}
     lines.update({c.id: _channel_tip(c) for c in diagram.channels})
     return {id_: [printable(line) for line in rows] for id_, rows in lines.items()}
 
 
 def edge_tip(edge: Edge) -> list[str]:
-    """What more there is to know of an arrow."""
+    """The lines that pop up over an arrow."""
     counted = f", {edge.messages} messages" if edge.messages else ""
-    often = f", {rate_text(edge.rate)}" if edge.rate is not None else ""
-    return [f"{edge.flow.value}{counted}{often}", *map(printable, edge.topics)]
+    rate = f", {rate_text(edge.rate)}" if edge.rate is not None else ""
+    return [f"{edge.flow.value}{counted}{rate}", *map(printable, edge.topics)]
 
 
-def _notes(member: Member) -> list[str]:
-    """A stale node's reason is long: its tip has it."""
+def printable(text: str) -> str:
+    """A text whose every character can be shown and stand in XML: others are escaped.
+
+    A channel's name may be any bytes: what is not UTF-8 comes as surrogates.
+    """
+    return "".join(c if _is_plain(c) else _escaped(c) for c in text)
+
+
+def _short_notes(member: Member) -> list[str]:
+    """The notes without a stale node's long reason, which its tip has."""
     return ["(stale)" if note.startswith("stale") else f"({note})" for note in notes(member)]
 
 
-def _about(channel: Channel) -> list[str]:
-    return [*channel.types] or ([] if channel.is_service else [channel.type_text])
-
-
-def _tip(member: Member) -> list[str]:
-    rows = [member.name or "a program", *notes(member)]
-    if member.host:
-        rows.append(f"host: {member.host}")
-    if member.pid is not None:
-        rows.append(f"pid: {member.pid}")
-    if member.command:
-        rows.append(f"command: {member.command}")
-    return rows + ([f"user: {member.user}"] if member.user else [])
+def _member_tip(member: Member) -> list[str]:
+    about = {"host": member.host, "pid": member.pid, "command": member.command, "user": member.user}
+    rows = [f"{key}: {value}" for key, value in about.items() if value not in ("", None)]
+    return [member.name or "a program", *notes(member), *rows]
 
 
 def _channel_tip(channel: Channel) -> list[str]:
@@ -70,3 +106,23 @@ def _channel_tip(channel: Channel) -> list[str]:
         return [*rows, "a service"]
     rows.append(f"messages: {channel.messages}")
     return rows + ([rate_text(channel.rate)] if channel.rate is not None else [])
+
+
+def _is_plain(character: str) -> bool:
+    """True unless it is a control, a line end, a change of direction, or not in XML 1.0."""
+    code = ord(character)
+    return not (
+        code < 0x20  # noqa: PLR2004
+        or 0x7F <= code < 0xA0  # noqa: PLR2004
+        or 0x2028 <= code <= 0x202E  # noqa: PLR2004 - line ends, and directions
+        or 0x2066 <= code <= 0x2069  # noqa: PLR2004 - directions
+        or 0xD800 <= code < 0xE000  # noqa: PLR2004 - surrogates
+        or code & 0xFFFE == 0xFFFE  # noqa: PLR2004 - U+FFFF and its like
+    )
+
+
+def _escaped(character: str) -> str:
+    code = ord(character)
+    if 0xDC80 <= code <= 0xDCFF:  # noqa: PLR2004 - a byte that is not UTF-8
+        code -= 0xDC00
+    return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"  # noqa: PLR2004

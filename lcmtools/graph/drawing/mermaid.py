@@ -7,8 +7,8 @@ for its own written as an entity: "#" and the character's number and ";".
 import re
 from collections.abc import Iterable
 
-from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member, printable
-from lcmtools.graph.drawing.labels import edge_label, vertex_labels
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
+from lcmtools.graph.drawing.labels import edge_label, printable, vertex_labels
 
 _STYLES = """\
   classDef node fill:#e3f2fd,stroke:#1565c0,color:#111
@@ -17,7 +17,7 @@ _STYLES = """\
   classDef program fill:#fff,stroke:#616161,color:#111,stroke-dasharray:4 3
   classDef stale fill:#fff,stroke:#c62828,color:#c62828,stroke-dasharray:4 3"""
 _OWN = re.compile(r"[^\w /.,:()=-]|(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])|^[-=]|^\d(?=\d*[.)]\s)")
-"""What would not be taken as it is: signs, and what starts emphasis or a list in Markdown."""
+"""Signs that need escaping, and what starts emphasis or a list in Markdown."""
 
 
 def write(diagram: Diagram) -> str:
@@ -49,10 +49,9 @@ def _kind(member: Member) -> str:
 
 
 def _channel(channel: Channel, text: str) -> str:
-    is_service = channel.is_service
-    return (
-        f"{channel.id}{{{{{text}}}}}:::service" if is_service else f"{channel.id}[{text}]:::topic"
-    )
+    if channel.is_service:
+        return f"{channel.id}{{{{{text}}}}}:::service"
+    return f"{channel.id}[{text}]:::topic"
 
 
 def _edge(edge: Edge) -> str:

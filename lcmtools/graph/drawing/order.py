@@ -1,11 +1,12 @@
-"""Who comes before whom: which arrows go back, columns from left to right, parts, and cycles.
+"""The order of vertices: backward arrows, columns from left to right, parts, and cycles.
 
-Functions of vertices (names, in a fixed order) and arrows between them. The same
-input always gives the same result. Must not know what the vertices are.
+Functions of vertices (names, in a fixed order) and arrows between them. The same input always gives
+the same result.
 """
 
 from collections import deque
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from graphlib import TopologicalSorter
 
 Arrow = tuple[str, str]
 
@@ -14,7 +15,7 @@ def backward(vertices: Sequence[str], arrows: Collection[Arrow]) -> set[Arrow]:
     """The arrows that have to go from right to left, so that all others go from left to right.
 
     Few, not fewest: vertices are taken off, those without input to the left, those without output
-    to the right, and where there are only cycles the one that most comes out of
+    to the right, and where there are only cycles the one with the most outputs less inputs
     (P. Eades, X. Lin, W. Smyth: A fast and effective heuristic for the feedback arc set problem,
     1993).
     """
@@ -42,17 +43,13 @@ def backward(vertices: Sequence[str], arrows: Collection[Arrow]) -> set[Arrow]:
 
 
 def columns(vertices: Sequence[str], arrows: Collection[Arrow]) -> dict[str, int]:
-    """The column of each vertex, counted from 0, so that every arrow goes to a later one.
+    """The column of each vertex, from 0, so that every arrow goes to a later one.
 
-    As far to the left as can be, but what more comes out of than goes in as close as can be to
-    what it feeds.
-
-    Args:
-        vertices: All vertices.
-        arrows: Without cycles.
+    As far to the left as possible, but vertices with more outputs than inputs as close as possible
+    to what they feed. The arrows must have no cycles.
     """
     after, before = _neighbours(vertices, arrows)
-    order = _sorted(vertices, after, before)
+    order = list(TopologicalSorter(before).static_order())
     column: dict[str, int] = {}
     for vertex in order:
         column[vertex] = max((column[v] + 1 for v in before[vertex]), default=0)
@@ -64,44 +61,46 @@ def columns(vertices: Sequence[str], arrows: Collection[Arrow]) -> dict[str, int
 
 
 def parts(vertices: Sequence[str], arrows: Collection[Arrow]) -> list[list[str]]:
-    """The vertices that hang together, whatever the arrows' directions; the largest part first."""
+    """The connected parts, whatever the arrows' directions; the largest first."""
     after, before = _neighbours(vertices, arrows)
     found: list[list[str]] = []
-    seen: set[str] = set()
+    rest = set(vertices)
     for start in vertices:
-        if start in seen:
-            continue
-        part, waiting = {start}, [start]
+        waiting = [start] if start in rest else []
+        part = set(waiting)
         while waiting:
             vertex = waiting.pop()
-            for near in (*after[vertex], *before[vertex]):
-                if near not in part:
-                    part.add(near)
-                    waiting.append(near)
-        seen |= part
-        found.append([vertex for vertex in vertices if vertex in part])
+            new = {*after[vertex], *before[vertex]} - part
+            part |= new
+            waiting += new
+        rest -= part
+        if part:
+            found.append([vertex for vertex in vertices if vertex in part])
     return sorted(found, key=len, reverse=True)
 
 
 def cycles(vertices: Sequence[str], arrows: Collection[Arrow]) -> list[list[str]]:
-    """Ways that lead back to where they began: a shortest one through each vertex that is on any.
+    """Cycles: a shortest one through each vertex that is on any.
 
-    Of ways through the same vertices, one; the first vertex is not repeated at the end. Not all
-    there are, of which there can be very many.
+    One for each set of vertices; the first vertex is not repeated at the end. Not all there are, of
+    which there can be very many.
     """
-    after, _ = _neighbours(vertices, arrows)
+    after, before = _neighbours(vertices, arrows)
+    rest = set(vertices)
+    while ends := {v for v in rest if rest.isdisjoint(after[v]) or rest.isdisjoint(before[v])}:
+        rest -= ends
     found: dict[frozenset[str], list[str]] = {}
     on_one: set[str] = set()
-    for vertex in _between_others(vertices, arrows):
-        way = [] if vertex in on_one else _way_back(vertex, after)
+    for vertex in vertices:
+        way = _way_back(vertex, after) if vertex in rest - on_one else []
         if way:
             found.setdefault(frozenset(way), way)
-            on_one |= set(way)
+            on_one.update(way)
     return list(found.values())
 
 
 def reading_order(vertices: Sequence[str], arrows: Collection[Arrow]) -> list[str]:
-    """The vertices as one reads a picture: part by part, and from left to right."""
+    """The vertices in the order in which one reads: part by part, from left to right."""
     back = backward(vertices, arrows)
     column = columns(vertices, [arrow for arrow in arrows if arrow not in back])
     return [
@@ -115,7 +114,7 @@ _Near = Mapping[str, dict[str, None]]  # a dict keeps an order, as a set does no
 
 
 def _neighbours(vertices: Iterable[str], arrows: Collection[Arrow]) -> tuple[_Near, _Near]:
-    """What comes after each vertex, and what before it."""
+    """The vertices after each vertex, and those before it."""
     after: dict[str, dict[str, None]] = {vertex: {} for vertex in vertices}
     before: dict[str, dict[str, None]] = {vertex: {} for vertex in after}
     for source, target in arrows:
@@ -124,41 +123,8 @@ def _neighbours(vertices: Iterable[str], arrows: Collection[Arrow]) -> tuple[_Ne
     return after, before
 
 
-def _sorted(vertices: Sequence[str], after: _Near, before: _Near) -> list[str]:
-    """Each vertex behind all that come before it."""
-    missing = {vertex: len(before[vertex]) for vertex in vertices}
-    ready = deque(vertex for vertex in vertices if not missing[vertex])
-    order = []
-    while ready:
-        vertex = ready.popleft()
-        order.append(vertex)
-        for near in after[vertex]:
-            missing[near] -= 1
-            if not missing[near]:
-                ready.append(near)
-    return order
-
-
-def _between_others(vertices: Sequence[str], arrows: Collection[Arrow]) -> list[str]:
-    """The vertices that are left when those without input or output are taken off, and so on."""
-    after, before = _neighbours(vertices, arrows)
-    rest = dict.fromkeys(vertices)
-    ends = [vertex for vertex in vertices if not (after[vertex] and before[vertex])]
-    while ends:
-        vertex = ends.pop()
-        if vertex not in rest:
-            continue
-        del rest[vertex]
-        for near, back in ((after, before), (before, after)):
-            for other in near[vertex]:
-                back[other].pop(vertex, None)
-                if not back[other]:
-                    ends.append(other)
-    return list(rest)
-
-
 def _way_back(start: str, after: _Near) -> list[str]:
-    """A shortest way from a vertex that leads back to it; [] where there is none."""
+    """A shortest way from a vertex that leads back to it; [] if there is none."""
     came: dict[str, str] = {}
     waiting = deque([start])
     while waiting:

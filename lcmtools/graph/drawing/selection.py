@@ -1,32 +1,30 @@
-"""Which part of all that is known is drawn, and what is left out by that.
-
-Functions from diagrams to diagrams. Must not know how a picture is written.
-"""
+"""Choosing the part of a diagram that is drawn. Functions from diagrams to diagrams."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 
-from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member, title
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
+from lcmtools.graph.drawing.labels import title
 
 _MARKS = "*?["
 
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """What is wanted.
+    """What is to be drawn.
 
     Attributes:
-        parts: Namespaces, names or patterns: what is drawn is these and what they are directly
-            connected to; () for all.
-        topics: Names or patterns of the topics and services that are drawn, with who uses them; ()
-            for all.
+        parts: Namespaces, names or patterns of what is drawn with its direct neighbours; () for
+            all.
+        topics: Names or patterns of topics and services that are drawn with their users; () for
+            all.
         excluded: Namespaces, names or patterns of what is not drawn.
-        everything: Nothing is left out for being hidden, quiet, a tool or connected to nothing.
-        leaf_topics: Topics are drawn that only one side is known of, and no message.
-        tools: Commands that look on are drawn.
-        services: Services are drawn.
+        everything: Draw hidden names, quiet topics, tools and leaf topics.
+        leaf_topics: Draw topics with one side only and no message.
+        tools: Draw commands that look on.
+        services: Draw services.
     """
 
     parts: tuple[str, ...] = ()
@@ -40,14 +38,7 @@ class Selection:
 
 @dataclass(frozen=True, slots=True)
 class LeftOut:
-    """What is usually not drawn, and so may be missed.
-
-    Attributes:
-        leaf_topics: How many topics, for being connected to one side only.
-        quiet: The names of the topics that nearly every node has.
-        tools: How many commands that look on.
-        hidden: How many nodes and topics whose names are hidden.
-    """
+    """What was not drawn: numbers of leaf topics, tools and hidden names, names of quiet topics."""
 
     leaf_topics: int = 0
     quiet: tuple[str, ...] = ()
@@ -55,31 +46,29 @@ class LeftOut:
     hidden: int = 0
 
     def text(self) -> str:
-        """All of it in one line, with the options that show it; "" where nothing is left out."""
-        parts = []
-        if self.leaf_topics:
-            plural = "topics" if self.leaf_topics > 1 else "topic"
-            parts.append(f"{self.leaf_topics} {plural} with one side only (--leaf-topics)")
-        if self.quiet:
-            parts.append(f"{', '.join(self.quiet)} (--all)")
-        if self.tools:
-            plural = "commands that look on" if self.tools > 1 else "command that looks on"
-            parts.append(f"{self.tools} {plural} (--tools)")
-        if self.hidden:
-            parts.append(f"{self.hidden} hidden {'names' if self.hidden > 1 else 'name'} (--all)")
-        return f"left out: {', '.join(parts)}" if parts else ""
+        """All of it in one line, with the options that show it; "" if nothing is left out."""
+        tools = "commands that look on" if self.tools > 1 else "command that looks on"
+        parts = {
+            f"{self.leaf_topics} topic{'s' * (self.leaf_topics > 1)} with one side only"
+            " (--leaf-topics)": self.leaf_topics,
+            f"{', '.join(self.quiet)} (--all)": self.quiet,
+            f"{self.tools} {tools} (--tools)": self.tools,
+            f"{self.hidden} hidden name{'s' * (self.hidden > 1)} (--all)": self.hidden,
+        }
+        said = ", ".join(text for text, count in parts.items() if count)
+        return f"left out: {said}" if said else ""
 
 
 def select(diagram: Diagram, wanted: Selection) -> tuple[Diagram, LeftOut]:
-    """The part of a diagram that is wanted, and what is left out of it that may be missed."""
-    asked = _asked(diagram, wanted)
-    members = [m for m in asked.members if _is_drawn(m, wanted)]
-    channels = [c for c in asked.channels if _is_shown(c, wanted)]
-    used = drawn = _with(asked, members, channels)
+    """The selected part of a diagram, and what is left out of it that may be missed."""
+    named = _named(diagram, wanted)
+    members = [m for m in named.members if _is_drawn(m, wanted)]
+    channels = [c for c in named.channels if _is_shown(c, wanted)]
+    used = drawn = _with(named, members, channels)
     if not (wanted.everything or wanted.leaf_topics):
         drawn = _with(used, members, _active(used, wanted))
     there = {m.id for m in members} | {c.id for c in channels}
-    gone = [vertex for vertex in asked.vertices() if vertex.id not in there]
+    gone = [vertex for vertex in named.vertices() if vertex.id not in there]
     left = LeftOut(
         leaf_topics=len(used.channels) - len(drawn.channels),
         quiet=tuple(v.name for v in gone if isinstance(v, Channel) and v.is_quiet),
@@ -90,7 +79,7 @@ def select(diagram: Diagram, wanted: Selection) -> tuple[Diagram, LeftOut]:
 
 
 def members_only(diagram: Diagram) -> Diagram:
-    """The same without channels: who publishes is connected to who subscribes."""
+    """The same without channels: publishers are connected to subscribers."""
     names = {channel.id: channel.name for channel in diagram.channels}
     into: dict[str, list[Edge]] = {}
     out: dict[str, list[Edge]] = {}
@@ -113,7 +102,7 @@ def members_only(diagram: Diagram) -> Diagram:
 
 
 def is_meant(name: str, wanted: str) -> bool:
-    """Whether a word means a name: it is it, its last part, a namespace of it, or a pattern.
+    """Return whether a word means a name: as itself, its last part, its namespace, or a pattern.
 
     A pattern has one of * ? [ in it; one without a leading "/" may match the last part alone.
     """
@@ -128,8 +117,8 @@ def is_meant(name: str, wanted: str) -> bool:
     return is_last or name in (wanted, f"/{bare}") or name.startswith(f"/{bare}/")
 
 
-def _asked(diagram: Diagram, wanted: Selection) -> Diagram:
-    """What is asked for by name and kind."""
+def _named(diagram: Diagram, wanted: Selection) -> Diagram:
+    """What is selected by name and kind."""
     members = [m for m in diagram.members if not _is_any(m, wanted.excluded)]
     channels = [
         channel
@@ -146,7 +135,7 @@ def _asked(diagram: Diagram, wanted: Selection) -> Diagram:
 
 
 def _around(diagram: Diagram, parts: Sequence[str]) -> Diagram:
-    """What is meant, and what that is directly connected to: over a channel, the other side."""
+    """The named parts and their direct neighbours: over a channel, the other side."""
     near = {m.id for m in diagram.members if _is_any(m, parts)}
     near |= {c.id for c in diagram.channels if any(is_meant(c.name, word) for word in parts)}
     channels = {channel.id for channel in diagram.channels}
@@ -168,7 +157,7 @@ def _around(diagram: Diagram, parts: Sequence[str]) -> Diagram:
 
 
 def _is_any(member: Member, words: Iterable[str]) -> bool:
-    """Whether a member is meant; a program by its pid, its command or a word of that."""
+    """Return whether a member is meant; a program by its pid, its command or a word of that."""
     if member.is_node:
         return any(is_meant(member.name, word) for word in words)
     names = [title(member), str(member.pid), *(w.rpartition("/")[2] for w in member.name.split())]
@@ -191,7 +180,7 @@ def _is_named(channel: Channel, wanted: Selection) -> bool:
 
 
 def _active(diagram: Diagram, wanted: Selection) -> list[Channel]:
-    """The channels over which messages go, or would, having both sides; and all services."""
+    """The channels that carry messages or have both sides, and all services."""
     fed = {edge.target for edge in diagram.edges}
     feeding = {edge.source for edge in diagram.edges}
     return [
@@ -205,10 +194,7 @@ def _active(diagram: Diagram, wanted: Selection) -> list[Channel]:
 
 
 def _with(diagram: Diagram, members: Sequence[Member], channels: Sequence[Channel]) -> Diagram:
-    """The same with these members and channels alone, and the edges between them.
-
-    A channel that was used, and is by none of these members, is not drawn.
-    """
+    """The same with these members alone, and those of these channels that they use."""
     there = {member.id for member in members} | {channel.id for channel in channels}
     edges = tuple(e for e in diagram.edges if e.source in there and e.target in there)
     used = Counter(end for edge in edges for end in (edge.source, edge.target))

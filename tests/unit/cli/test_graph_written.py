@@ -2,13 +2,17 @@
 
 import json
 import os
+import shutil
 import stat
+import sys
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import pytest
 
 from lcmtools.cli.graph.written import Output, chosen
-from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.errors import LcmtoolsError, MissingExtra, UsageError
+from lcmtools.graph.drawing import dot
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
 
 _PICTURE = Diagram(
@@ -21,10 +25,9 @@ _PICTURE = Diagram(
     [
         (None, None, False, Output("text")),
         (None, "-", False, Output("text")),
-        ("svg", "-", False, Output("svg")),
+        ("dot", "-", False, Output("dot")),
         (None, None, True, Output("json")),
         ("json", None, True, Output("json")),
-        (None, "a.svg", False, Output("svg", "a.svg")),
         (None, "a.GV", False, Output("dot", "a.GV")),
         (None, "a.dot", False, Output("dot", "a.dot")),
         (None, "a.mmd", False, Output("mermaid", "a.mmd")),
@@ -42,15 +45,15 @@ def test_the_form_is_what_is_said_or_the_files_name_tells(
 
 
 def test_a_file_is_overwritten_only_by_force(tmp_path: Path) -> None:
-    file = tmp_path / "a.svg"
+    file = tmp_path / "a.dot"
     file.write_text("mine")
     with pytest.raises(UsageError, match="there already; --force overwrites it"):
         chosen(None, str(file), as_json=False, force=False)
     chosen(None, str(file), as_json=False, force=True).write(_PICTURE)
-    assert file.read_text().startswith("<?xml")
+    assert file.read_text().startswith("digraph")
 
 
-@pytest.mark.parametrize("suffix", ["txt", "dot", "mmd", "md", "json", "svg"])
+@pytest.mark.parametrize("suffix", ["txt", "dot", "mmd", "md", "json"])
 def test_a_file_is_whole_and_utf_8(suffix: str, tmp_path: Path) -> None:
     file = tmp_path / f"a.{suffix}"
     chosen(None, str(file), as_json=False, force=False).write(_PICTURE)
@@ -73,11 +76,11 @@ def test_json_keeps_the_bytes_of_a_name_that_is_no_utf_8(tmp_path: Path) -> None
 
 
 def test_what_cannot_be_written_is_one_error(tmp_path: Path) -> None:
-    file = tmp_path / "none" / "a.svg"
-    with pytest.raises(LcmtoolsError, match=r"cannot write .*a\.svg: No such file or directory"):
-        Output("svg", str(file)).write(_PICTURE)
+    file = tmp_path / "none" / "a.dot"
+    with pytest.raises(LcmtoolsError, match=r"cannot write .*a\.dot: No such file or directory"):
+        Output("dot", str(file)).write(_PICTURE)
     with pytest.raises(LcmtoolsError, match="Is a directory"):
-        Output("svg", str(tmp_path)).write(_PICTURE)
+        Output("dot", str(tmp_path)).write(_PICTURE)
 
 
 def test_a_pipe_is_written_into_and_not_replaced(tmp_path: Path) -> None:
@@ -90,3 +93,55 @@ def test_a_pipe_is_written_into_and_not_replaced(tmp_path: Path) -> None:
     finally:
         os.close(reader)
     assert stat.S_ISFIFO(pipe.stat().st_mode)
+
+
+def fake_dot(folder: Path, script: str) -> None:
+    """Put a Python script into a folder as Graphviz's program."""
+    program = folder / "dot"
+    program.write_text(f"#!{sys.executable}\nimport pathlib, sys\n{script}\n")
+    program.chmod(0o755)
+
+
+@pytest.fixture
+def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder that alone is on PATH."""
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    monkeypatch.setenv("PATH", str(folder))
+    return folder
+
+
+def test_without_graphviz_one_line_says_what_to_use_instead(path: Path) -> None:
+    del path
+    for form, file in (("svg", None), (None, "a.svg"), ("svg", "a.txt")):
+        with pytest.raises(MissingExtra) as caught:
+            chosen(form, file, as_json=False, force=False)
+        assert str(caught.value) == (
+            "SVG needs Graphviz's program dot, which is not installed; install graphviz, or use"
+            " --format dot or mermaid"
+        )
+        assert caught.value.exit_code == 3
+
+
+def test_svg_is_what_graphviz_makes_of_the_dot_document(path: Path, tmp_path: Path) -> None:
+    fake_dot(path, f"pathlib.Path({str(path)!r}, 'args').write_text(repr(sys.argv[1:]))\n"
+             "print('<svg>' + sys.stdin.read() + '</svg>')")  # fmt: skip
+    file = tmp_path / "a.svg"
+    chosen(None, str(file), as_json=False, force=False).write(_PICTURE)
+    assert file.read_text() == f"<svg>{dot.write(_PICTURE)}</svg>\n"
+    assert (path / "args").read_text() == "['-Tsvg']"
+
+
+def test_a_graphviz_that_fails_is_one_line_and_no_file(path: Path, tmp_path: Path) -> None:
+    fake_dot(path, "sys.exit('Error: out of memory\\nmore')")
+    with pytest.raises(LcmtoolsError, match=r"^Graphviz's dot failed \(Error: out of memory\)$"):
+        Output("svg", str(tmp_path / "a.svg")).write(_PICTURE)
+    assert not (tmp_path / "a.svg").exists()
+
+
+@pytest.mark.skipif(shutil.which("dot") is None, reason="needs Graphviz")
+def test_graphviz_draws_every_name(tmp_path: Path) -> None:
+    file = tmp_path / "a.svg"
+    chosen(None, str(file), as_json=False, force=False).write(_PICTURE)
+    texts = [text.text for text in ET.parse(file).iter("{http://www.w3.org/2000/svg}text")]  # noqa: S314
+    assert texts == ["/a", "x\\xff", "unknown type"]

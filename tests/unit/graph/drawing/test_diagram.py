@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lcmtools.graph.drawing.diagram import Diagram, Member, notes, outermost, printable, title
+from lcmtools.graph.drawing.diagram import Diagram, Member, outermost
+from lcmtools.graph.drawing.labels import names, notes, printable, title
 
 Draw = Callable[..., Diagram]
 
@@ -43,7 +44,7 @@ def test_what_is_said_of_a_member() -> None:
 
 def test_two_nodes_of_the_same_name_stay_two(draw: Draw) -> None:
     diagram = draw("/a", "/x", "/b", changes={"/x": {"name": "/a", "pid": 5}})
-    assert list(diagram.names().values()) == ["/a (pid 1)", "/a (pid 5)", "/b"]
+    assert list(names(diagram).values()) == ["/a (pid 1)", "/a (pid 5)", "/b"]
 
 
 def test_groups_are_the_outermost_namespaces_of_a_grouped_diagram(draw: Draw) -> None:

@@ -3,11 +3,12 @@
 import socket
 
 from lcmtools.bus.processes import Process
-from lcmtools.cli.graph.seen import diagram_of
-from lcmtools.graph.drawing.diagram import Diagram, Edge, Flow, Member, notes
+from lcmtools.graph.drawing.diagram import Diagram, Edge, Flow, Member
+from lcmtools.graph.drawing.labels import notes
 from lcmtools.graph.drawing.selection import Selection, select
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.messages.registry import fingerprint
+from lcmtools.observe.diagram import diagram_of
 from lcmtools.observe.programs import Program
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Sender

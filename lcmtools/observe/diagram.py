@@ -1,0 +1,172 @@
+"""What is known of a bus as a diagram: announced nodes, observed programs, and their topics.
+
+Decides what counts as a member or an edge. Must not know which of it is drawn, nor how.
+"""
+
+import socket
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from lcmtools.cli.describe import seen_types
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
+from lcmtools.graph.model import Graph, Node, Role, Topic, Traffic
+from lcmtools.observe.programs import Program, is_here
+
+_FLOWS = {
+    Role.PUBLISHER: Flow.PUBLISHES,
+    Role.SUBSCRIBER: Flow.SUBSCRIBES,
+    Role.SERVICE: Flow.SERVES,
+    Role.CLIENT: Flow.CALLS,
+}
+_Name = tuple[str, bool]  # of a channel, and True for a service
+_Traffic = dict[str, list[Traffic]]  # by channel
+
+
+@dataclass(frozen=True, slots=True)
+class _Use:
+    """A member's use of a channel; its rate as seen [Hz], None if unknown."""
+
+    member: str
+    name: str
+    flow: Flow
+    messages: int
+    rate: float | None = None
+
+    @property
+    def channel(self) -> _Name:
+        return self.name, self.flow in (Flow.CALLS, Flow.SERVES)
+
+
+def diagram_of(
+    graph: Graph, programs: Sequence[Program], rates: Mapping[str, float] | None
+) -> Diagram:
+    """Return all that is known, hidden names and tools included.
+
+    Args:
+        graph: What is announced and seen.
+        programs: The programs in it that are not nodes.
+        rates: Message rates [Hz] by topic; None if not measured.
+    """
+    nodes = {f"n{number}": node for number, node in enumerate(graph.nodes, 1)}
+    others = {f"n{number}": p for number, p in enumerate(programs, len(nodes) + 1)}
+    uses = [
+        *(use for id_, node in nodes.items() for use in _of_node(id_, node, graph)),
+        *(use for id_, program in others.items() for use in _of_program(id_, program)),
+    ]
+    members = [_node_member(id_, node) for id_, node in nodes.items()]
+    members += [_program_member(id_, program) for id_, program in others.items()]
+    channels = _channels(graph, uses, rates or {})
+    ids = {(channel.name, channel.is_service): channel.id for channel in channels}
+    return Diagram(tuple(members), tuple(channels), tuple(_edges(uses, ids, rates)))
+
+
+def _node_member(id_: str, node: Node) -> Member:
+    return Member(
+        id_,
+        node.name,
+        host=node.host,
+        is_here=is_here(node),
+        pid=node.pid,
+        command=node.command,
+        is_tool=node.tool,
+        publishes=any(endpoint.role is Role.PUBLISHER for endpoint in node.endpoints),
+        stale=node.stale.value,
+    )
+
+
+def _program_member(id_: str, program: Program) -> Member:
+    process = program.process
+    is_local = process is not None or not program.address or bool(program.user)
+    command = process.command if process else ""
+    return Member(
+        id_,
+        command,
+        host=socket.gethostname() if is_local else program.address,
+        is_here=is_local,
+        pid=process.pid if process else None,
+        command=command,
+        user=program.user,
+        is_node=False,
+        listens=bool(program.listens),
+    )
+
+
+def _of_node(id_: str, node: Node, graph: Graph) -> Iterator[_Use]:
+    """What a node announces, each topic and role once."""
+    senders = node.senders()
+    seen = _by_channel(traffic for traffic in graph.traffic if traffic.sender in senders)
+    counts: Counter[tuple[str, Role]] = Counter()
+    for endpoint in node.endpoints:
+        counts[endpoint.topic, endpoint.role] += endpoint.messages
+    for (name, role), messages in sorted(counts.items()):
+        rate = _rate(seen.get(name, [])) if role is Role.PUBLISHER else None
+        yield _Use(id_, name, _FLOWS[role], messages, rate)
+
+
+def _of_program(id_: str, program: Program) -> Iterator[_Use]:
+    for name, seen in sorted(_by_channel(program.traffic).items()):
+        messages = sum(traffic.messages for traffic in seen)
+        yield _Use(id_, name, Flow.PUBLISHES, messages, _rate(seen))
+
+
+def _by_channel(traffic: Iterable[Traffic]) -> _Traffic:
+    found: _Traffic = {}
+    for seen in traffic:
+        found.setdefault(seen.channel, []).append(seen)
+    return found
+
+
+def _rate(seen: Iterable[Traffic]) -> float | None:
+    """The rate of one member's messages, from all its ports [Hz]."""
+    rates = [rate for traffic in seen if (rate := traffic.rate()) is not None]
+    return sum(rates) if rates else None
+
+
+def _channels(graph: Graph, uses: Sequence[_Use], rates: Mapping[str, float]) -> list[Channel]:
+    """All topics, and then all services, each sorted by name."""
+    types, seen = _announced_types(graph), _by_channel(graph.traffic)
+    sent: Counter[str] = Counter()
+    for use in uses:
+        if use.flow is Flow.PUBLISHES:
+            sent[use.name] += use.messages
+    topics = sorted({use.name for use in uses if not use.channel[1]})
+    services = sorted({use.name for use in uses if use.channel[1]})
+    found = []
+    for number, name in enumerate(topics, 1):
+        traffic = seen.get(name, [])
+        known = types.get((name, False)) or tuple(
+            seen_types(Topic(name, (), (), tuple(traffic), ()))
+        )
+        messages = max(sent[name], sum(one.messages for one in traffic))
+        found.append(Channel(f"t{number}", name, known, messages=messages, rate=rates.get(name)))
+    for number, name in enumerate(services, 1):
+        found.append(Channel(f"s{number}", name, types.get((name, True), ()), is_service=True))
+    return found
+
+
+def _announced_types(graph: Graph) -> dict[_Name, tuple[str, ...]]:
+    """The types of channels, those of publishers and servers first."""
+    found: dict[_Name, tuple[str, ...]] = {}
+    for role in (Role.PUBLISHER, Role.SUBSCRIBER, Role.SERVICE, Role.CLIENT):
+        for node in graph.nodes:
+            for end in node.endpoints:
+                key = end.topic, role in (Role.SERVICE, Role.CLIENT)
+                if end.role is role and end.type and end.type not in found.get(key, ()):
+                    found[key] = (*found.get(key, ()), end.type)
+    return found
+
+
+def _edges(
+    uses: Sequence[_Use], ids: Mapping[_Name, str], rates: Mapping[str, float] | None
+) -> Iterator[Edge]:
+    """The flows; a topic with one publisher has its messages' rate."""
+    publishers = Counter(use.name for use in uses if use.flow is Flow.PUBLISHES)
+    for use in uses:
+        channel, rate = ids[use.channel], None
+        if rates is not None and use.flow is Flow.PUBLISHES:
+            rate = rates.get(use.name) if publishers[use.name] == 1 else use.rate
+        if use.flow in (Flow.PUBLISHES, Flow.CALLS):
+            yield Edge(use.member, channel, use.flow, use.messages, rate)
+        else:
+            yield Edge(channel, use.member, use.flow, use.messages)
