@@ -21,6 +21,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.command import Result, call
+from fixtures.nodes import LiveNode
 
 _CLONE_NEWNET = 0x40000000
 _PORTS = range(20_000, 30_000)  # below the ephemeral range
@@ -381,6 +383,39 @@ def _reserve(port: int) -> socket.socket | None:
         lock.close()
         return None
     return lock
+
+
+@pytest.fixture(scope="session")
+def cli() -> Callable[..., Result]:
+    """``cli("list", "-v", input="", env={}) -> Result``: runs a command in the test's process."""
+    return call
+
+
+@pytest.fixture
+def start_node(bus_url: str) -> Iterator[Callable[..., LiveNode]]:
+    """``start_node(Talker, "__ns:=/a", url=None)``: a node that runs in the test's process.
+
+    It is on ``bus_url``, unless another one is named, and leaves with the test.
+    """
+    yield from _node_starter(bus_url)
+
+
+@pytest.fixture(scope="module")
+def module_start_node(module_bus_url: str) -> Iterator[Callable[..., LiveNode]]:
+    """``start_node`` for nodes that the tests of a module share, on the module's bus."""
+    yield from _node_starter(module_bus_url)
+
+
+def _node_starter(usual_url: str) -> Iterator[Callable[..., LiveNode]]:
+    nodes: list[LiveNode] = []
+
+    def run(make: Callable[[], Any], *words: str, url: str | None = None) -> LiveNode:
+        nodes.append(LiveNode(make, url or usual_url, *words))
+        return nodes[-1]
+
+    yield run
+    for node in nodes:
+        node.end()
 
 
 @pytest.fixture(scope="session")
