@@ -1,12 +1,12 @@
-"""What is usual for a person: the settings file, and the table of all settings.
+"""The settings of a user: the table of all settings, and the settings file.
 
-A setting is said by a flag, else by an environment variable, else in the user's file
-``$XDG_CONFIG_HOME/lcmtools/config.yaml``; this module reads the file, strictly, and says which of
-the three counts. Commands and nodes both ask here. It knows no bus and prints nothing.
+A setting comes from a flag, else from an environment variable, else from the user's file
+``$XDG_CONFIG_HOME/lcmtools/config.yaml``. Commands and nodes both read them here. Must not know
+buses, and prints nothing.
 """
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -15,21 +15,21 @@ from typing import TYPE_CHECKING
 from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError
 from lcmtools.names import check_legal, did_you_mean
 
-if TYPE_CHECKING:  # yaml takes a moment to load, and most people have no settings file
-    import yaml
+if TYPE_CHECKING:
+    from lcmtools.formats.strict_yaml import Node
 
 COLORS = ("auto", "always", "never")
 
 _DURATION = re.compile(r"(\d+\.?\d*|\.\d+)(ms|s|m)?", re.ASCII)
 _SECONDS: Mapping[str, float] = {"ms": 0.001, "s": 1.0, "m": 60.0}
-_MOST_BYTES = 100_000  # of a settings file; whatever is longer is something else
+_MOST_BYTES = 100_000  # of a settings file
 
 
 def parse_duration(text: str) -> float:
-    """A time span in seconds: ``2``, ``2s``, ``500ms`` or ``1m``.
+    """Return a time span in seconds: ``2``, ``2s``, ``500ms`` or ``1m``.
 
     Raises:
-        UsageError: It is something else.
+        UsageError: It is no duration.
     """
     form = _DURATION.fullmatch(text)
     if not form:
@@ -44,13 +44,9 @@ def _check_color(text: str) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """Something that can be said for good.
+    """A setting: its key in the file, its environment variable, its flag and its default.
 
     Attributes:
-        name: Its key in the file.
-        variable: Its environment variable.
-        option: Its flag.
-        default: What counts where nothing is said; "" for nothing.
         check: Raises LcmtoolsError for a value that is wrong.
     """
 
@@ -75,12 +71,12 @@ SETTINGS = {
 
 @dataclass(frozen=True, slots=True)
 class UserFile:
-    """What the user's file says.
+    """The user's file.
 
     Attributes:
-        path: Where it is; None where the environment names no home.
+        path: Its path; None where the environment names no home.
         values: By the settings' names, as text.
-        lines: The line of each value, from 1 on.
+        lines: The line of each value, from 1.
     """
 
     path: Path | None = None
@@ -88,7 +84,7 @@ class UserFile:
     lines: Mapping[str, int] = field(default_factory=dict)
 
     def source(self, name: str) -> str:
-        """Where a value is written, for messages: "/home/me/.config/.../config.yaml:3"."""
+        """Return the place of a value, for messages: "/home/me/.config/.../config.yaml:3"."""
         return f"{self.path}:{self.lines[name]}"
 
 
@@ -97,14 +93,14 @@ NO_FILE = UserFile()
 
 @dataclass(frozen=True, slots=True)
 class Said:
-    """A setting's value, and what says so: an option, a variable, a place in the file."""
+    """A setting's value and its source: an option, a variable, a place in the file."""
 
     value: str
     source: str
 
 
 def user_path(environment: Mapping[str, str]) -> Path | None:
-    """Where the user's file is, by the XDG rules; None where there is no home."""
+    """Return the path of the user's file by the XDG rules; None where there is no home."""
     folder = environment.get("XDG_CONFIG_HOME", "")
     if folder.startswith("/"):  # the XDG rules have a relative one ignored
         return Path(folder) / "lcmtools" / "config.yaml"
@@ -113,7 +109,7 @@ def user_path(environment: Mapping[str, str]) -> Path | None:
 
 
 def read_user_file(environment: Mapping[str, str]) -> UserFile:
-    """What the user's file says; nothing where there is none.
+    """Return the user's file; an empty one where there is none.
 
     Raises:
         InvalidFile: It cannot be read or is wrong, with the line.
@@ -131,7 +127,7 @@ def read_user_file(environment: Mapping[str, str]) -> UserFile:
 
 
 def said(name: str, flag: str | None, environment: Mapping[str, str], file: UserFile) -> Said:
-    """A setting's value: the flag's, else the variable's, else the file's, else the default.
+    """Return a setting's value: the flag's, else the variable's, else the file's, else the default.
 
     An empty flag or variable counts as not given, as in liblcm.
     """
@@ -146,7 +142,7 @@ def said(name: str, flag: str | None, environment: Mapping[str, str], file: User
 
 
 def usual_namespace(environment: Mapping[str, str]) -> str:
-    """The namespace that names are resolved in where nothing else is said.
+    """Return the namespace in which names are resolved by default.
 
     Raises:
         InvalidFile: The user's file is wrong.
@@ -156,67 +152,42 @@ def usual_namespace(environment: Mapping[str, str]) -> str:
 
 @lru_cache(maxsize=4)
 def _read(path: Path, modified: int, size: int) -> UserFile:
-    """The file in the state that it was seen in: a program that runs long may ask often."""
+    """Return the file in the state that was seen: a program that runs long may ask often."""
     del modified
-    import yaml
+    from lcmtools.formats.strict_yaml import read_file  # most people have no settings file
 
+    if size > _MOST_BYTES:
+        raise InvalidFile(f"{path}: {size} bytes are no settings file")
     try:
-        if size > _MOST_BYTES:
-            raise InvalidFile(f"{path}: {size} bytes are no settings file")
-        root = yaml.compose(path.read_text("utf-8"), Loader=yaml.SafeLoader)
+        root = read_file(path.read_text("utf-8"), str(path))
     except OSError as error:
         raise InvalidFile(f"cannot read {path}: {error.strerror}") from error
-    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
-        raise InvalidFile(f"{path}{_where(error)}: this is not YAML", _EXAMPLE) from error
-    entries = [] if root is None or _is_nothing(root) else list(_entries(path, root))
-    return UserFile(
-        path,
-        {name: text for name, text, _ in entries if text},
-        {name: line for name, _, line in entries},
-    )
+    except UnicodeDecodeError:
+        raise InvalidFile(f"{path}:1: not YAML: it is not UTF-8 text", _EXAMPLE) from None
+    nodes = root.value if root else {}
+    if not isinstance(nodes, dict):
+        line = root.line if root else 1
+        raise InvalidFile(f"{path}:{line}: expected settings with their values", _EXAMPLE)
+    values = {name: _text(path, name, node) for name, node in nodes.items()}
+    lines = {name: node.key_line for name, node in nodes.items()}
+    return UserFile(path, {name: text for name, text in values.items() if text}, lines)
 
 
-def _entries(path: Path, root: "yaml.Node") -> Iterator[tuple[str, str, int]]:
-    """Each setting with its text and line, checked."""
-    import yaml
-
-    if not isinstance(root, yaml.MappingNode):
-        raise InvalidFile(f"{path}: expected settings with their values", _EXAMPLE)
-    known: set[str] = set()
-    for key, value in root.value:
-        line = key.start_mark.line + 1
-        name = str(key.value) if isinstance(key, yaml.ScalarNode) else ""
-        if name not in SETTINGS:
-            hint = did_you_mean(name, SETTINGS) or f"there are {', '.join(SETTINGS)}"
-            raise InvalidFile(f"{path}:{line}: there is no setting '{name}'", hint)
-        if name in known:
-            raise InvalidFile(f"{path}:{line}: '{name}' is given twice", "leave one of them out")
-        if not isinstance(value, yaml.ScalarNode):
-            raise InvalidFile(f"{path}:{line}: {name}: expected one value", _EXAMPLE)
-        known.add(name)
-        # the text as written: a setting's own type decides how it is read, not YAML's
-        text = "" if _is_nothing(value) else str(value.value)
-        _check(f"{path}:{line}", name, text)
-        yield name, text, line
-
-
-def _is_nothing(node: "yaml.Node") -> bool:
-    return str(node.tag).endswith(":null")
-
-
-def _check(where: str, name: str, text: str) -> None:
-    if not text:
-        return
+def _text(path: Path, name: str, node: "Node") -> str:
+    """Return a setting's text, checked: its own type decides how it is read, not YAML's."""
+    where = f"{path}:{node.key_line}"
+    if name not in SETTINGS:
+        hint = did_you_mean(name, SETTINGS) or f"there are {', '.join(SETTINGS)}"
+        raise InvalidFile(f"{where}: there is no setting '{name}'", hint)
+    if not isinstance(node.value, str):
+        raise InvalidFile(f"{where}: {name}: expected one value", _EXAMPLE)
+    text = "" if node.is_nothing else node.value
     try:
-        SETTINGS[name].check(text)
+        if text:
+            SETTINGS[name].check(text)
     except LcmtoolsError as error:
         raise InvalidFile(f"{where}: {name}: {error.what}", error.hint) from error
-
-
-def _where(error: Exception) -> str:
-    """The line of a mistake in YAML, as ":3"."""
-    mark = getattr(error, "problem_mark", None)
-    return f":{mark.line + 1}" if mark else ""
+    return text
 
 
 _EXAMPLE = "write lines as  domain: 3"

@@ -1,4 +1,5 @@
-"""Text formats as plain values with line numbers: strict YAML, XML, safe expressions.
+"""Text formats, each read in one place: strict YAML, XML, and expressions.
 
-Must not know messages, launch files or worlds.
+Belongs here: syntax, limits and the place of each mistake. Must not know what a text is about:
+messages, settings, launch files and worlds are built on top of it.
 """

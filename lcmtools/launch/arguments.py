@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from lcmtools.errors import UsageError
-from lcmtools.launch.element import Element
+from lcmtools.formats.strict_xml import Element
 from lcmtools.launch.plan import Argument
 from lcmtools.launch.scope import Scope
 from lcmtools.launch.tags import known_children

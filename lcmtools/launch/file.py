@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lcmtools.errors import InvalidFile
-from lcmtools.launch.element import LARGEST, Element
-from lcmtools.launch.packages import LABS
+from lcmtools.formats.strict_xml import Element
+from lcmtools.launch.packages import LABS, LARGEST
 
 STANDARD_INPUT = "-"
 
@@ -88,9 +88,13 @@ def read_content(content: bytes, source: str) -> Element:
     if not content.strip():
         raise InvalidFile(f"{source}:1: the file is empty")
     if _is_xml(content, source):
-        from lcmtools.launch.xml_file import read_xml
+        from lcmtools.formats.strict_xml import read_xml
 
-        return read_xml(content, source)
+        root = read_xml(content, source, Element)
+        if root.tag == "launch":
+            return root
+        hint = "put all into <launch></launch>"
+        raise root.error(f"expected <launch>, got <{root.tag}>", hint)
     from lcmtools.launch.yaml_file import read_yaml
 
     try:

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from lcmtools.launch.element import Element
+from lcmtools.formats.strict_xml import Element
 from lcmtools.launch.executables import (
     RUN,
     find_executable,

@@ -16,6 +16,8 @@ from lcmtools.packages.workspace import workspace
 
 LABS = Path(__file__).parent / "files"
 """The packages that the labs' texts name, each with its launch files."""
+LARGEST = 1_000_000
+"""Bytes of a file."""
 SUFFIXES = (".launch", ".yaml", ".yml", ".xml")
 _MOST_FILES = 10_000
 """Files of a package that are looked at: somebody may have made the home folder a package."""

@@ -7,8 +7,8 @@ parameters on LCM: each node gets its own on its command line.
 from collections.abc import Iterator, Mapping
 
 from lcmtools.errors import InvalidFile, UsageError
-from lcmtools.launch.element import LARGEST, Element
-from lcmtools.launch.packages import path_from
+from lcmtools.formats.strict_xml import Element
+from lcmtools.launch.packages import LARGEST, path_from
 from lcmtools.launch.scope import Scope, located
 from lcmtools.messages.documents import parse
 from lcmtools.messages.plain import Value

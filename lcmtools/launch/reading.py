@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from lcmtools.errors import InvalidFile
+from lcmtools.formats.strict_xml import DEEPEST, Element
 from lcmtools.launch.arguments import (
     check_given,
     check_passed,
@@ -17,7 +18,6 @@ from lcmtools.launch.arguments import (
     given_inside,
     names_in,
 )
-from lcmtools.launch.element import DEEPEST, Element
 from lcmtools.launch.file import File, read_file
 from lcmtools.launch.nodes import Program, find_node, node_name, plan_node
 from lcmtools.launch.packages import path_from

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from lcmtools.errors import UsageError
-from lcmtools.launch.element import Element
+from lcmtools.formats.strict_xml import Element
 from lcmtools.launch.packages import find_package
 from lcmtools.launch.substitution import Known, substitute
 from lcmtools.names import check_legal, resolve

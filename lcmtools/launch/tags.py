@@ -5,7 +5,7 @@ Belongs here: which there are. https://wiki.ros.org/roslaunch/XML
 
 from collections.abc import Iterator, Mapping
 
-from lcmtools.launch.element import Element
+from lcmtools.formats.strict_xml import Element
 from lcmtools.names import did_you_mean
 
 _OF_NODES = {"node", "remap", "param", "rosparam", "env"}

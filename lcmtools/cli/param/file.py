@@ -4,10 +4,13 @@ Belongs here: YAML and JSON alike, in the forms of rosparam (nested namespaces),
 (``ros__parameters``) and ``lcmtools param dump``. Must not know nodes.
 """
 
+import contextlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from lcmtools.errors import InvalidFile, ValueMismatch
+from lcmtools.formats.strict_yaml import Node, read_documents
+from lcmtools.formats.yaml_problem import BadYaml
 from lcmtools.messages.documents import parse
 from lcmtools.messages.plain import Value
 
@@ -18,7 +21,7 @@ Path = tuple[str, ...]
 
 @dataclass(frozen=True, slots=True)
 class Leaf:
-    """One value of a file.
+    """A value of a file.
 
     Attributes:
         path: The keys that lead to it.
@@ -32,68 +35,42 @@ class Leaf:
 
 
 def leaves(text: str, source: str) -> list[Leaf]:
-    """The values in the text of a file.
+    """Return the values in the text of a file.
 
     Raises:
         InvalidFile: It is no YAML, or no mapping of names to values.
     """
-    try:
-        documents = list(parse(text))
-    except ValueMismatch as mismatch:
-        raise InvalidFile(f"{source}: {mismatch.what}", mismatch.hint) from None
-    where = _lines(text)
     found: list[Leaf] = []
-    for document in documents:
+    for document in _documents(text, source):
         if not isinstance(document.value, dict):
-            raise InvalidFile(
-                f"{source}:{document.line}: expected names and values", "for example kp: 0.5"
-            )
-        for path, value in _flat(document.value, ()):
+            place = f"{source}:{document.line}"
+            raise InvalidFile(f"{place}: expected names and values", "for example kp: 0.5")
+        for path, node in _flat(document, ()):
             names = tuple(key for key in path if key != _ROS2_KEY)
-            found.append(Leaf(names, value, f"{source}:{_line(where, path)}"))
+            found.append(Leaf(names, node.plain(), f"{source}:{node.key_line}"))
     return found
 
 
-def _flat(value: Value, path: Path) -> Iterator[tuple[Path, Value]]:
+def _documents(text: str, source: str) -> list[Node]:
+    try:
+        return [node for node in read_documents(text) if node]
+    except BadYaml as bad:
+        with contextlib.suppress(ValueMismatch):  # JSON has escapes that YAML does not have
+            return [_without_places(document.value) for document in parse(text)]
+        raise InvalidFile(f"{source}:{bad.line or 1}: not YAML: {bad.problem}", bad.hint) from None
+
+
+def _without_places(value: Value) -> Node:
     if isinstance(value, dict):
-        for key, part in value.items():
+        return Node({key: _without_places(part) for key, part in value.items()})
+    if isinstance(value, list):
+        return Node([_without_places(part) for part in value])
+    return Node("" if value is None else str(value), is_quoted=value is not None)
+
+
+def _flat(node: Node, path: Path) -> Iterator[tuple[Path, Node]]:
+    if isinstance(node.value, dict):
+        for key, part in node.value.items():
             yield from _flat(part, (*path, key))
     else:
-        yield path, value
-
-
-def _line(where: dict[Path, int], path: Path) -> int:
-    """The line of a path; of what it stands in, where an alias repeats it."""
-    while path and path not in where:
-        path = path[:-1]
-    return where.get(path, 1)
-
-
-def _lines(text: str) -> dict[Path, int]:
-    """The line of each key, from 1; the last one where documents repeat it."""
-    import yaml
-
-    loader = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
-    found: dict[Path, int] = {}
-    keys: list[str | None] = []  # of the open mappings; None for a list
-    is_key: list[bool] = []  # whether the next scalar of each is a key
-    try:
-        for event in yaml.parse(text, Loader=loader):
-            if isinstance(event, yaml.ScalarEvent) and is_key and is_key[-1]:
-                keys[-1], is_key[-1] = event.value, False
-                path = tuple(key for key in keys if key is not None)
-                found[path] = event.start_mark.line + 1 if event.start_mark else 1
-                continue
-            if isinstance(event, yaml.CollectionStartEvent):
-                is_mapping = isinstance(event, yaml.MappingStartEvent)
-                keys.append("" if is_mapping else None)
-                is_key.append(is_mapping)
-                continue
-            if isinstance(event, yaml.CollectionEndEvent):
-                keys.pop()
-                is_key.pop()
-            if is_key and keys[-1] is not None:
-                is_key[-1] = True
-    except yaml.YAMLError:  # JSON that is no YAML
-        return {}
-    return found
+        yield path, node

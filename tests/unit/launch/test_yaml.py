@@ -114,7 +114,7 @@ def test_program_that_is_executable_is_run_itself(yaml: Make, folder: Path) -> N
         ("nodes: [", 1, "not YAML: "),
         ("nodes:\n  - run: a\n   ns: b", 3, "; indent the keys of one entry alike"),
         ("nodes: [{run: sh -c x}]", 1, "a program is written so:  exec: sh,  args: -c x"),
-        ("a: b: c", 1, "not YAML: mapping values are not allowed here"),
+        ("a: b: c", 1, "not YAML: mapping values are not allowed in this context"),
         ("- run: talker", 1, "the file: expected names and values"),
         ("node:\n  - run: talker", 1, "there is no key 'node' in the file; did you mean nodes?"),
         ("nodes: {run: talker}", 1, "nodes: expected a list; begin each of its parts with '- '"),
@@ -126,7 +126,7 @@ def test_program_that_is_executable_is_run_itself(yaml: Make, folder: Path) -> N
         ("nodes:\n  - name: x", 2, "'run' is missing in a node"),
         ("nodes:\n  - talker", 2, "a node: expected names and values"),
         ("nodes:\n  - run: [talker]", 2, "run: expected one word or number"),
-        ("nodes:\n  - {run: talker, run: sim}", 2, "'run' is given twice in a node"),
+        ("nodes:\n  - {run: talker, run: sim}", 2, "'run' is given twice"),
         ("nodes:\n  - {run: talker, exec: ls}", 2, "a node has only one of run and exec"),
         ("nodes:\n  - run: talkr", 2, "there is no node 'talkr'; did you mean talker?"),
         ("nodes:\n  - run: nopkg talker", 2, "there is no package 'nopkg'"),
@@ -143,8 +143,8 @@ def test_program_that_is_executable_is_run_itself(yaml: Make, folder: Path) -> N
         ("nodes:\n  - run: '  '", 2, "'run' is empty in node"),
         ("nodes:\n  - exec: '  '", 2, "'exec' is empty in node"),
         ("nodes:\n  - run: ./nope", 2, "there is no program"),
-        ("x: &a [*a, *a]", 1, "there is no key 'x'"),
-        ("param: &a {b: *a}", 1, "nested more than 50 levels deep"),
+        ("x: &a [*a, *a]", 1, "unknown alias '*a'"),
+        ("param: &a {b: *a}", 1, "unknown alias '*a'"),
     ],
 )
 def test_mistake_is_named_with_its_line(yaml: Make, text: str, line: int, reason: str) -> None:
@@ -162,12 +162,12 @@ def test_parameter_that_is_empty_is_given_and_not_left_out(yaml: Make) -> None:
 def test_aliases_cannot_fill_the_memory(yaml: Make) -> None:
     rows = ["param:", "  a0: &a0 {x: 1, y: 2}"]
     rows += [f"  a{i}: &a{i} {{x: *a{i - 1}, y: *a{i - 1}}}" for i in range(1, 40)]
-    with pytest.raises(InvalidFile, match="more than 100000 values"):
+    with pytest.raises(InvalidFile, match="aliases repeat more than 100000 values"):
         yaml("\n".join(rows))
 
 
 def test_deep_nesting_is_refused_and_no_crash(yaml: Make) -> None:
-    with pytest.raises(InvalidFile, match="nested too deeply"):
+    with pytest.raises(InvalidFile, match="nested more than 100 levels deep"):
         yaml("[" * 5000)
 
 

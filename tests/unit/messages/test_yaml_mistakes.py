@@ -194,8 +194,11 @@ def test_what_does_not_fit_is_named_with_its_path(name: str, texts: list[str], l
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ("{x: 1, x: 2}", "bad YAML at line 1, column 8: 'x' is given twice"),
-        ("x: 1\ny: 2\nx: 3", "bad YAML at line 3, column 1: 'x' is given twice"),
+        ("{x: 1, x: 2}", "bad YAML at line 1, column 8: 'x' is given twice; leave one of them out"),
+        (
+            "x: 1\ny: 2\nx: 3",
+            "bad YAML at line 3, column 1: 'x' is given twice; leave one of them out",
+        ),
         ("{x: 1", "bad YAML at line 1, column 1: this '{' is not closed"),
         ("a: {x: [1, 2", "bad YAML at line 1, column 8: this '[' is not closed"),
         ("{x: {y:", "bad YAML from line 1 on: a bracket is not closed"),
@@ -228,20 +231,20 @@ def test_what_does_not_fit_is_named_with_its_path(name: str, texts: list[str], l
             "x:\n  a: 1\n b: 2",
             (
                 "bad YAML at line 3, column 2: did not find expected key; "
-                "indent fields of one message alike"
+                "indent the keys of one entry alike"
             ),
         ),
         (
             "x: 1\n  y: 2",
             (
                 "bad YAML at line 2, column 4: mapping values are not allowed in this context; "
-                "indent fields of one message alike"
+                "indent the keys of one entry alike"
             ),
         ),
         (
             "x: {{ y }}",
             (
-                "bad YAML at line 1, column 5: a field's name must be a word; "
+                "bad YAML at line 1, column 5: a key must be a word; "
                 "put text that begins with '{{' in quotes"
             ),
         ),
@@ -264,7 +267,7 @@ def test_what_does_not_fit_is_named_with_its_path(name: str, texts: list[str], l
             "x: a: b",
             (
                 "bad YAML at line 1, column 5: mapping values are not allowed in this context; "
-                "put the fields of a message in { }, and text that has ': ' in it in quotes"
+                "put the fields in { }, and text that has ': ' in it in quotes"
             ),
         ),
         ("\t- x", "bad YAML at line 1, column 1: a tab cannot indent; use blanks"),
@@ -288,13 +291,13 @@ def test_what_does_not_fit_is_named_with_its_path(name: str, texts: list[str], l
         ),
         (
             "? [a]\n: b",
-            f"bad YAML at line 1, column 3: a field's name must be a word; {quote('{{')}",
+            f"bad YAML at line 1, column 3: a key must be a word; {quote('{{')}",
         ),
         (
             "{&a [b]: c}",
-            f"bad YAML at line 1, column 2: a field's name must be a word; {quote('{{')}",
+            f"bad YAML at line 1, column 2: a key must be a word; {quote('{{')}",
         ),
-        ("[&a [b], {*a : c}]", "bad YAML at line 1, column 11: a field's name must be a word"),
+        ("[&a [b], {*a : c}]", "bad YAML at line 1, column 11: a key must be a word"),
         ("x: a\ny: \x07", "bad YAML at line 2, column 4: the character U+0007 is not allowed"),
         ("x: \udcff", "bad YAML at line 1, column 4: the character U+DCFF is not allowed"),
         ("[" * 101, "bad YAML at line 1, column 101: nested more than 100 levels deep"),

@@ -68,7 +68,7 @@ def test_values_are_the_text_as_written_with_their_lines(write: Write) -> None:
     [
         ("domian: 3\n", ":1: there is no setting 'domian'; did you mean domain?"),
         ("a: 1\n", f":1: there is no setting 'a'; {_KNOWN}"),
-        ("domain: 3\ndomain: 4\n", ":2: 'domain' is given twice; leave one of them out"),
+        ("domain: 3\ndomain: 4\n", ":2: not YAML: 'domain' is given twice; leave one of them out"),
         ("\ndomain: [3]\n", ":2: domain: expected one value; write lines as  domain: 3"),
         (
             "color: allways\n",
@@ -76,12 +76,18 @@ def test_values_are_the_text_as_written_with_their_lines(write: Write) -> None:
         ),
         ("timeout: soon\n", ":1: timeout: 'soon' is not a duration; write 500ms, 2s or 1m"),
         ("namespace: 1a\n", f":1: namespace: '1a' is not a legal name; {_LEGAL}"),
-        ("- domain\n", ": expected settings with their values; write lines as  domain: 3"),
-        ("domain\n", ": expected settings with their values; write lines as  domain: 3"),
-        ("domain: 3\ncolor: 'never\n", ":3: this is not YAML; write lines as  domain: 3"),
-        ("\x00", ": this is not YAML; write lines as  domain: 3"),
-        ("a: 1\n---\nb: 2\n", ":2: this is not YAML; write lines as  domain: 3"),
-        ("? [a]\n: 1\n", f":1: there is no setting ''; {_KNOWN}"),
+        ("- domain\n", ":1: expected settings with their values; write lines as  domain: 3"),
+        ("domain\n", ":1: expected settings with their values; write lines as  domain: 3"),
+        ("domain: 3\ncolor: 'never\n", ":2: not YAML: this quote is not closed"),
+        ("\x00", ":1: not YAML: the character U+0000 is not allowed"),
+        (
+            "a: 1\n---\nb: 2\n",
+            ":3: another document begins: one is expected; take out the line of ---",
+        ),
+        (
+            "? [a]\n: 1\n",
+            ":1: not YAML: a key must be a word; put text that begins with '{{' in quotes",
+        ),
     ],
 )
 def test_a_mistake_is_named_with_its_line(text: str, complaint: str, write: Write) -> None:
@@ -96,7 +102,7 @@ def test_what_is_no_text_is_refused(write: Write) -> None:
     path = user_path(environment)
     assert path is not None
     path.write_bytes(b"color: \xff\n")
-    with pytest.raises(InvalidFile, match="this is not YAML"):
+    with pytest.raises(InvalidFile, match="not YAML: it is not UTF-8 text"):
         read_user_file(environment)
     path.unlink()
     path.mkdir()

@@ -1,0 +1,113 @@
+"""XML as elements that remember their lines.
+
+Belongs here: syntax and limits. Document types and entities are refused: a few lines of them can
+fill the memory. Must not know what a tag means.
+"""
+
+import re
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeVar
+from xml.parsers import expat
+
+from lcmtools.errors import InvalidFile
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+DEEPEST = 50
+"""Levels of elements in each other."""
+
+_CURLY = re.compile("[\u201c\u201d\u2018\u2019]")
+_NUMBERED = re.compile(r"\s*\d+\s*<")
+
+
+@dataclass(slots=True)
+class Element:
+    """An element of a document.
+
+    Attributes:
+        tag: Its name.
+        source: The file that it comes from, for errors.
+        line: The line in which it begins, from 1.
+        attributes: As they are written.
+        children: In their order.
+        text: The text in it, without that of its children.
+    """
+
+    tag: str
+    source: str
+    line: int
+    attributes: dict[str, str] = field(default_factory=dict)
+    children: list["Self"] = field(default_factory=list)
+    text: str = ""
+
+    @property
+    def place(self) -> str:
+        """File and line, for errors."""
+        return f"{self.source}:{self.line}"
+
+    def error(self, reason: str, hint: str = "") -> InvalidFile:
+        """Return the error for this element, to be raised by the caller."""
+        return InvalidFile(f"{self.place}: {reason}", hint)
+
+
+E = TypeVar("E", bound=Element)
+
+
+def read_xml(content: bytes | str, source: str, kind: type[E]) -> E:
+    """Return the root of a document, made of elements of a kind.
+
+    Raises:
+        InvalidFile: It is no XML, has a document type, or is nested too deeply; with the line.
+    """
+    parser = expat.ParserCreate()
+    parser.buffer_text = True  # else every line comes for itself
+    parser.buffer_size = 1 << 20
+    top = kind("", source, 1)
+    open_elements = [top]
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        element = kind(tag, source, parser.CurrentLineNumber, attributes)
+        if len(open_elements) > DEEPEST:
+            raise element.error(f"nested more than {DEEPEST} levels deep")
+        open_elements[-1].children.append(element)
+        open_elements.append(element)
+
+    def take_text(text: str) -> None:
+        open_elements[-1].text += text
+
+    def refuse_doctype(*_: object) -> None:
+        place = f"{source}:{parser.CurrentLineNumber}"
+        raise InvalidFile(f"{place}: no document type (<!DOCTYPE>) is read", "remove it")
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = lambda _tag: open_elements.pop()
+    parser.CharacterDataHandler = take_text
+    parser.StartDoctypeDeclHandler = refuse_doctype
+    try:
+        parser.Parse(content, True)  # noqa: FBT003 - expat's signature
+    except expat.ExpatError as error:
+        reason = expat.errors.messages[error.code]
+        hint = _hint(content, error.lineno) or _unclosed(open_elements)
+        raise InvalidFile(f"{source}:{error.lineno}: not XML: {reason}", hint) from None
+    except (LookupError, ValueError) as error:  # an encoding that is none
+        raise InvalidFile(f"{source}:1: not XML: {error}", "write it in UTF-8") from None
+    return top.children[0]
+
+
+def _hint(content: bytes | str, line: int) -> str:
+    """Return the hint for mistakes in lines that were copied from a document."""
+    text = content if isinstance(content, str) else content.decode(errors="replace")
+    rows = text.splitlines()
+    row = rows[line - 1] if 0 < line <= len(rows) else ""
+    if _CURLY.search(row):
+        return 'write straight quotes, as in name="driver"'
+    return "take the line numbers out" if _NUMBERED.match(row) else ""
+
+
+def _unclosed(elements: list[E]) -> str:
+    """Return the hint for a text that breaks off, or closes another element."""
+    last = elements[-1]
+    if not last.tag:
+        return ""
+    return f"is the <{last.tag}> of line {last.line} closed? </{last.tag}>, or <{last.tag} ... />"

@@ -1,0 +1,242 @@
+"""YAML as nodes that remember their places, read strictly and event by event.
+
+Belongs here: nesting, keys, anchors and tags. Scalars stay text, because only the reader of a value
+knows its type: ``1e3`` may be a number and ``no`` a name. The YAML library's own loaders are not
+used: they crash (a segmentation fault) on deep nesting, follow aliases without end, take the last
+of several equal keys, and forget what was quoted.
+"""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, TypeAlias
+
+from lcmtools.errors import InvalidFile
+from lcmtools.formats.yaml_problem import BadYaml, explained, forbidden_character, quote_hint
+
+if TYPE_CHECKING:
+    import yaml
+
+DEEPEST = 100
+"""Levels of nesting; far more than any document needs."""
+MOST_REPEATED = 100_000
+"""Values that aliases may repeat in a document, so that a line of text cannot fill the memory."""
+
+Plain: TypeAlias = "str | bytes | list[Plain] | dict[str, Plain] | None"
+
+_TAG = "tag:yaml.org,2002:"
+_NULLS = ("", "~", "null", "Null", "NULL")
+_COLLECTION_TAGS = (None, "!", f"{_TAG}seq", f"{_TAG}map")
+_TEXT_TAGS = (None, *(f"{_TAG}{name}" for name in ("int", "float", "bool", "null", "timestamp")))
+
+
+class Node:
+    """A value of a document.
+
+    Attributes:
+        value: Text as written, bytes (``!!binary``), a list, or a mapping by keys.
+        line: The line in which it begins, from 1.
+        column: The character of that line, from 1.
+        key_line: The line of its key in a mapping; else its own.
+        is_quoted: True for text that was quoted, a block, or tagged ``!!str``.
+    """
+
+    __slots__ = ("column", "is_quoted", "key_line", "line", "value", "weight")
+
+    value: "str | bytes | list[Node] | dict[str, Node]"
+
+    def __init__(
+        self,
+        value: "str | bytes | list[Node] | dict[str, Node]",
+        line: int = 1,
+        column: int = 1,
+        *,
+        is_quoted: bool = False,
+    ) -> None:
+        self.value = value
+        self.line = self.key_line = line
+        self.column = column
+        self.is_quoted = is_quoted
+        self.weight = 1  # values in it, those that aliases repeat counted
+
+    @property
+    def is_nothing(self) -> bool:
+        """True for an empty value, ``~`` or ``null`` that is not quoted."""
+        return not self.is_quoted and isinstance(self.value, str) and self.value in _NULLS
+
+    def plain(self) -> Plain:
+        """Return the value without places; None for nothing."""
+        value = self.value
+        if self.is_nothing:
+            return None
+        if isinstance(value, list):
+            return [node.plain() for node in value]
+        if isinstance(value, dict):
+            return {key: node.plain() for key, node in value.items()}
+        return value
+
+
+def read_documents(text: str) -> Iterator[Node | None]:
+    """Return the documents of a text, one after the other; None for an empty one.
+
+    Raises:
+        BadYaml: A document is wrong; those before it have been returned by then.
+    """
+    import yaml
+
+    loader = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
+    tree = _Tree()
+    try:
+        for event in yaml.parse(text, Loader=loader):
+            tree.take(event)
+            if isinstance(event, yaml.DocumentEndEvent):
+                yield tree.root
+                tree = _Tree()
+    except yaml.MarkedYAMLError as error:
+        raise explained(error, text) from None
+    except (yaml.reader.ReaderError, UnicodeEncodeError):
+        raise forbidden_character(text) from None
+
+
+def read_file(text: str, source: str) -> Node | None:
+    """Return the only document of a file; None if there is nothing in it.
+
+    Raises:
+        InvalidFile: It is not strict YAML, or several documents; with file and line.
+    """
+    try:
+        found = [node for node in read_documents(text) if node]
+    except BadYaml as bad:
+        raise InvalidFile(f"{source}:{bad.line or 1}: not YAML: {bad.problem}", bad.hint) from None
+    if len(found) > 1:
+        reason = "another document begins: one is expected"
+        raise InvalidFile(f"{source}:{found[1].line}: {reason}", "take out the line of ---")
+    return found[0] if found else None
+
+
+class _Tree:
+    """The nodes of one document while its events come in."""
+
+    def __init__(self) -> None:
+        self.root: Node | None = None
+        self._open: list[tuple[Node, str | None]] = []  # collections, each with its anchor
+        self._keys: list[tuple[str, int] | None] = []  # of the open ones: the key that has come
+        self._anchors: dict[str, Node] = {}
+        self._repeated = 0
+
+    def take(self, event: "yaml.Event") -> None:
+        """Take the next event.
+
+        Raises:
+            BadYaml: It does not belong there.
+        """
+        import yaml
+
+        if isinstance(event, yaml.ScalarEvent):
+            if self._wants_key():
+                self._set_key(event, event.value)
+            else:
+                self._add(_scalar(event), event.anchor)
+        elif isinstance(event, yaml.CollectionStartEvent):
+            self._start(event, [] if isinstance(event, yaml.SequenceStartEvent) else {})
+        elif isinstance(event, yaml.CollectionEndEvent):
+            self._keys.pop()
+            self._add(*self._open.pop())
+        elif isinstance(event, yaml.AliasEvent):
+            self._take_alias(event)
+
+    def _start(
+        self, event: "yaml.CollectionStartEvent", value: list[Node] | dict[str, Node]
+    ) -> None:
+        if self._wants_key():
+            raise _bad(event, "a key must be a word", quote_hint("{{"))
+        if len(self._open) == DEEPEST:
+            raise _bad(event, f"nested more than {DEEPEST} levels deep")
+        if event.tag not in _COLLECTION_TAGS:
+            raise _unknown_tag(event)
+        self._open.append((_placed(event, value), event.anchor))
+        self._keys.append(None)
+
+    def _take_alias(self, event: "yaml.AliasEvent") -> None:
+        known = self._anchors.get(event.anchor or "")
+        if known is None:
+            raise _bad(event, f"unknown alias '*{event.anchor}'", quote_hint("*"))
+        self._repeated += known.weight
+        if self._repeated > MOST_REPEATED:
+            raise _bad(event, f"aliases repeat more than {MOST_REPEATED} values")
+        if self._wants_key():
+            self._set_key(event, known.plain())
+            return
+        node = Node(known.value, known.line, known.column, is_quoted=known.is_quoted)
+        node.weight = known.weight
+        self._add(node, None)
+
+    def _wants_key(self) -> bool:
+        return bool(self._open) and not self._keys[-1] and isinstance(self._open[-1][0].value, dict)
+
+    def _set_key(self, event: "yaml.NodeEvent", key: object) -> None:
+        if not isinstance(key, str):
+            raise _bad(event, "a key must be a word")
+        mapping = self._open[-1][0].value
+        assert isinstance(mapping, dict)
+        if key in mapping:
+            raise _bad(event, f"'{key}' is given twice", "leave one of them out")
+        if key == "<<":
+            raise _bad(event, "'<<' does not take in other keys here", "write them out")
+        self._keys[-1] = (key, event.start_mark.line + 1 if event.start_mark else 1)
+
+    def _add(self, node: Node, anchor: str | None) -> None:
+        if anchor:
+            self._anchors[anchor] = node
+        if not self._open:
+            self.root = None if node.is_nothing else node
+            return
+        collection = self._open[-1][0]
+        collection.weight += node.weight
+        if isinstance(collection.value, list):
+            collection.value.append(node)
+        elif (key := self._keys[-1]) and isinstance(collection.value, dict):
+            collection.value[key[0]], node.key_line = node, key[1]
+            self._keys[-1] = None
+
+
+def _scalar(event: "yaml.ScalarEvent") -> Node:
+    plain = event.implicit[0]
+    if plain or event.tag in _TEXT_TAGS:
+        return _placed(event, event.value, is_quoted=not plain and event.tag is None)
+    if event.tag in ("!", f"{_TAG}str"):
+        return _placed(event, event.value, is_quoted=True)
+    if event.tag == f"{_TAG}binary":
+        return _placed(event, _binary(event))
+    raise _unknown_tag(event)
+
+
+def _binary(event: "yaml.ScalarEvent") -> bytes:
+    from base64 import b64decode, b64encode
+
+    text = "".join(event.value.split())
+    try:
+        data = b64decode(text, validate=True)
+    except ValueError:
+        data = b""
+    if b64encode(data) != text.encode():  # some Pythons take "=" for base64
+        raise _bad(event, "!!binary is not followed by base64")
+    return data
+
+
+def _placed(
+    event: "yaml.NodeEvent",
+    value: "str | bytes | list[Node] | dict[str, Node]",
+    *,
+    is_quoted: bool = False,
+) -> Node:
+    mark = event.start_mark
+    place = (mark.line + 1, mark.column + 1) if mark else (1, 1)
+    return Node(value, *place, is_quoted=is_quoted)
+
+
+def _bad(event: "yaml.Event", problem: str, hint: str = "") -> BadYaml:
+    return BadYaml.at(event.start_mark, problem, hint)
+
+
+def _unknown_tag(event: "yaml.ScalarEvent | yaml.CollectionStartEvent") -> BadYaml:
+    tag = str(event.tag).replace(_TAG, "!!")
+    return _bad(event, f"the tag {tag} means nothing here", quote_hint("!"))
