@@ -229,7 +229,8 @@ def test_a_world_file_takes_the_things_of_a_gazebo_world(tmp_path: Path) -> None
 
 WRONG = [
     ("", "<sdf/>", ":1: the file holds no <world> and no <model>"),
-    ("", "<sdf><world>", ":1: not XML: no element found; is the <world> of line 1 closed? </world>, or <world ... />"),
+    ("", "<sdf><world>", (":1: not XML: no element found; is the <world> of line 1 closed?"
+     " </world>, or <world ... />")),
     ("", "<!DOCTYPE a><sdf/>", ":1: no document type (<!DOCTYPE>) is read; remove it"),
     ("", "<robot name='a'/>", (":1: the file is about <robot>, not <sdf>; a robot (URDF) goes into"
      " the robots of a YAML world file: model: ./FILE")),
