@@ -11,7 +11,7 @@ import struct
 import time
 from pathlib import Path
 
-from lcmtools.bus.marks import ANNOUNCED, mark
+from lcmtools.bus.kernel import ANNOUNCED, mark
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire.datagram import short_message

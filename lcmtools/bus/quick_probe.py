@@ -1,21 +1,18 @@
-"""A glance at a bus: what can be known of it within some hundredths of a second.
+"""A quick probe of a bus: its graph within some hundredths of a second, for shell completion.
 
-Shell completion stands on it. The question to the nodes leaves at once, and the answers wait in
-the socket while the caller does something else; ``graph`` reads them. On Linux a filter in the
-kernel lets only announcements through whole: of other messages the first bytes, so that a bus full
-of images cannot crowd the answers out.
+The probe leaves at once, and the answers wait in the socket while the caller does something else;
+``graph`` reads them. On Linux a filter in the kernel keeps only the head of other messages, so that
+a bus full of images cannot crowd the answers out.
 """
 
 import contextlib
 import select
-import socket
-import struct
 import time
-from array import array
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from lcmtools.bus.multicast import receiving_socket, sending_socket
+from lcmtools.bus.socket_filter import attach, whole_on
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 
@@ -27,66 +24,48 @@ if TYPE_CHECKING:  # imported while the answers are on their way
 PROBE = (
     b"LC02\0\0\0\0/_lcmtools/probe\0\x36\xa8\xcc\x66\xfe\xbe\x4d\xc8\0\0\0\x01\0\0\0\0\0\0\0\0\0"
 )
-"""The datagram that asks all nodes to announce themselves, as ``graph.protocol`` would make it.
+"""The datagram that requests all nodes' announcements, as ``graph.protocol`` encodes it.
 
-It leaves before anything is imported that could: importing takes longer than answering.
+A constant, because importing the encoder takes longer than the answers.
 """
 AT_LEAST = 0.03
-"""Nodes have so many seconds to answer, three times what they need."""
+"""Time that nodes have to answer [s], three times what they need."""
 AT_MOST = 0.08
-"""A node that is known to run is waited for so many seconds: on a busy computer it may be late."""
+"""Time that a node known to run has [s]: on a busy computer it may be late."""
 _QUIET = 0.012  # [s] without an announcement after which the answers count as complete
 _MAX_DATAGRAM = 65536
-_SO_ATTACH_FILTER = 26  # asm-generic/socket.h
-
-# Classic BPF; offsets count from the UDP header of 8 bytes (see lcmtools.bus.datagram_filter)
-_LOAD_WORD, _LOAD_HALF, _JUMP_EQUAL, _RETURN = 0x20, 0x28, 0x15, 0x06
-_OWN = -1
-_HEAD_BYTES = 8 + 20 + 64 + 8  # up to the fingerprint of a message with the longest channel
-_FILTER = (  # operation, jump if true, jump if false, operand; _OWN is replaced
-    (_LOAD_WORD, 0, 0, 8),
-    (_JUMP_EQUAL, 0, 2, int.from_bytes(b"LC02", "big")),
-    (_LOAD_WORD, 0, 0, 16),
-    (_JUMP_EQUAL, 5, 4, _OWN),  # as the channels of answers begin
-    (_JUMP_EQUAL, 0, 2, int.from_bytes(b"LC03", "big")),
-    (_LOAD_HALF, 0, 0, 24),
-    (_JUMP_EQUAL, 1, 0, 0),  # the first fragment of a large message has the channel
-    (_RETURN, 0, 0, 0),
-    (_RETURN, 0, 0, _HEAD_BYTES),
-    (_RETURN, 0, 0, 0xFFFFFFFF),
-)
 
 
 class QuickProbe:
-    """A question to the nodes of a multicast bus, sent when this is made.
+    """A request to the nodes of a multicast bus, sent by the constructor.
 
     Args:
         url: The bus.
-        question: The datagram that asks; without it all nodes are asked to announce themselves.
-        answers_on: The channel on which the answers come.
+        request: The datagram; by default it requests all nodes' announcements.
+        answers_on: The channel of the answers.
 
     Raises:
         BusError: The bus is no multicast, or cannot be reached.
     """
 
     def __init__(
-        self, url: BusUrl, question: bytes = PROBE, answers_on: str = "/_lcmtools/node"
+        self, url: BusUrl, request: bytes = PROBE, answers_on: str = "/_lcmtools/node"
     ) -> None:
         if not url.is_multicast:
-            raise BusError("only a multicast bus can be glanced at")
+            raise BusError("only a multicast bus can be probed")
         self._receiver = receiving_socket(url)
         self._receiver.setblocking(False)  # noqa: FBT003 - socket's signature
-        _let_heads_through(self._receiver, answers_on)
+        attach(self._receiver, whole_on(answers_on))
         self._sender = sending_socket(url)
         try:
-            self._sender.sendto(question, (url.host, url.port))
+            self._sender.sendto(request, (url.host, url.port))
         except OSError as error:
             self.close()
             raise BusError(f"cannot send to {url.host}: {error.strerror}") from error
-        self._asked = time.monotonic()
+        self._sent = time.monotonic()
 
     def __enter__(self) -> "QuickProbe":
-        """Use the glance as a context manager."""
+        """Use the probe as a context manager."""
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -99,15 +78,15 @@ class QuickProbe:
         self._sender.close()
 
     def graph(self, expected: Iterable[str] = ()) -> "Graph":
-        """What has been answered and heard, complete where nodes answer as fast as they should.
+        """The graph by the answers so far, complete where nodes answer in time.
 
         Args:
-            expected: Ids of nodes that are known to run: they are waited for, up to AT_MOST.
+            expected: Ids of nodes known to run, whose answers are awaited for up to AT_MOST.
         """
         from lcmtools.graph.builder import GraphBuilder
 
         builder, missing = GraphBuilder(), set(expected)
-        soonest, latest = self._asked + AT_LEAST, self._asked + AT_MOST
+        soonest, latest = self._sent + AT_LEAST, self._sent + AT_MOST
         while (now := time.monotonic()) < latest and (missing or now < soonest):
             answered = self._read(builder, min(_QUIET, latest - now))
             if answered:
@@ -127,7 +106,7 @@ class QuickProbe:
                     yield message.payload
 
     def _read(self, builder: "GraphBuilder", timeout: float) -> set[str]:
-        """Take what has arrived; the ids of nodes that were among it."""
+        """Read what has arrived; return the ids of the nodes among it."""
         if not select.select([self._receiver], [], [], timeout)[0]:
             return set()
         until = time.monotonic() + _QUIET
@@ -142,7 +121,7 @@ class QuickProbe:
 
 
 def _learn(builder: "GraphBuilder", data: bytes, address: tuple[str, int]) -> "Announcement | None":
-    """Learn from one datagram, perhaps only the head of one; the announcement if it is one."""
+    """Add a datagram, or the head of one, to the graph; return its announcement, if it is one."""
     from lcmtools.wire.datagram import Fragment, ShortMessage, parse
     from lcmtools.wire.packet import Packet, Sender
 
@@ -156,12 +135,3 @@ def _learn(builder: "GraphBuilder", data: bytes, address: tuple[str, int]) -> "A
     if message.channel is None:
         return None
     return builder.hear(Packet(message.channel, payload, time.time_ns(), Sender(*address)))
-
-
-def _let_heads_through(receiver: socket.socket, answers_on: str) -> None:
-    own = int.from_bytes(answers_on.encode()[:4].ljust(4, b"\0"), "big")
-    rows = (struct.pack("=HBBI", *one[:3], own if one[3] == _OWN else one[3]) for one in _FILTER)
-    program = array("B", b"".join(rows))
-    fprog = struct.pack("@HP", len(_FILTER), program.buffer_info()[0])  # struct sock_fprog
-    with contextlib.suppress(OSError):  # not Linux: everything comes whole
-        receiver.setsockopt(socket.SOL_SOCKET, _SO_ATTACH_FILTER, fprog)

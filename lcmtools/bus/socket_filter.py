@@ -1,30 +1,43 @@
-"""Filters in the kernel (classic BPF, socket(7) SO_ATTACH_FILTER), which only Linux has.
+"""Socket filters that the Linux kernel runs (classic BPF, socket(7) SO_ATTACH_FILTER).
 
-A filter is a small program that sees each datagram, after its UDP header, before it is queued; it
-returns how many bytes of it are kept, UDP header included, 0 for none. A load from beyond the end
-drops the datagram. Belongs here: instructions, and how a socket gets a program.
+A filter is a small program that sees each datagram, after its UDP header, before it is queued. It
+returns how many bytes are kept, UDP header included: 0 drops the datagram, and so does a load from
+beyond its end. All of lcmtools' filters are here; elsewhere than on Linux there are none.
 """
 
 import socket
 import struct
 from array import array
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
-UDP_HEADER = 8
-"""Bytes that a UDP socket's filter sees before the datagram."""
+from lcmtools.wire.datagram import (
+    CHANNEL_MAX,
+    FRAGMENT_HEADER_BYTES,
+    MAGIC_FRAGMENT,
+    MAGIC_SHORT,
+    MESSAGE_MAX,
+    SHORT_HEADER_BYTES,
+)
 
 # Operations (linux/bpf_common.h): A is the accumulator, X the index register.
-LOAD_WORD, LOAD_HALF, LOAD_BYTE, LOAD_LENGTH = 0x20, 0x28, 0x30, 0x80
-LOAD_X, TO_X, ADD_X, SUB, SUB_X = 0x01, 0x07, 0x0C, 0x14, 0x1C
-JUMP, JUMP_EQUAL, JUMP_GREATER, JUMP_GREATER_EQUAL, JUMP_GREATER_EQUAL_X = 5, 0x15, 0x25, 0x35, 0x3D
-RETURN = 0x06
+_LOAD_WORD, _LOAD_HALF, _LOAD_BYTE, _LOAD_LENGTH = 0x20, 0x28, 0x30, 0x80
+_LOAD_X, _TO_X, _ADD_X, _SUB, _SUB_X = 0x01, 0x07, 0x0C, 0x14, 0x1C
+_JUMP, _JUMP_EQUAL, _JUMP_GREATER, _JUMP_GREATER_EQUAL = 0x05, 0x15, 0x25, 0x35
+_JUMP_GREATER_EQUAL_X = 0x3D
+_RETURN = 0x06
 
 _SO_ATTACH_FILTER = 26  # asm-generic/socket.h
+_UDP_HEADER = 8  # bytes that a UDP socket's filter sees before the datagram
+_SHORT, _FRAGMENT = (int.from_bytes(magic, "big") for magic in (MAGIC_SHORT, MAGIC_FRAGMENT))
+_CHANNEL = _UDP_HEADER + SHORT_HEADER_BYTES  # offset of the channel in a short message
+_SIZE, _OFFSET, _NUMBER, _COUNT = (_UDP_HEADER + at for at in (8, 12, 16, 18))  # in a fragment
+_PAYLOAD = _UDP_HEADER + FRAGMENT_HEADER_BYTES  # and of its channel, where it is the first
+_HEAD_BYTES = _PAYLOAD + CHANNEL_MAX + 1 + 8  # up to the fingerprint behind the longest channel
+_LOADS = {4: _LOAD_WORD, 2: _LOAD_HALF, 1: _LOAD_BYTE}
 
 
-@dataclass(frozen=True, slots=True)
-class Instruction:
+class Instruction(NamedTuple):
     """One instruction; jumps are relative to the next one."""
 
     code: int
@@ -32,22 +45,143 @@ class Instruction:
     if_true: int = 0
     if_false: int = 0
 
-    def pack(self) -> bytes:
-        """As the kernel takes it (struct sock_filter)."""
-        return struct.pack("=HBBI", self.code, self.if_true, self.if_false, self.k)
+
+Program = Sequence[Instruction]
+_ACCEPT, _DROP = Instruction(_RETURN, 0xFFFFFFFF), Instruction(_RETURN, 0)
 
 
-ACCEPT = Instruction(RETURN, 0xFFFFFFFF)
-DROP = Instruction(RETURN, 0)
-
-
-def attach(receiver: socket.socket, program: Sequence[Instruction]) -> bool:
-    """Put a filter before a socket; False where the system has no such thing."""
-    code = array("B", b"".join(instruction.pack() for instruction in program))
-    # struct sock_fprog: the number of instructions and where they are
+def attach(receiver: socket.socket, program: Program) -> bool:
+    """Attach a filter to a socket; return False where the system has no filters."""
+    rows = (struct.pack("=HBBI", i.code, i.if_true, i.if_false, i.k) for i in program)
+    code = array("B", b"".join(rows))  # struct sock_filter
+    # struct sock_fprog: the number of instructions and their address
     argument = struct.pack("@HP", len(program), code.buffer_info()[0])
     try:
         receiver.setsockopt(socket.SOL_SOCKET, _SO_ATTACH_FILTER, argument)
     except OSError:
         return False
     return True
+
+
+def well_formed() -> Program:
+    """Accept what ``lcmtools.wire.datagram.parse`` accepts, but for an empty channel name."""
+    short = [*_find_channel_end(_CHANNEL), _ACCEPT]
+    return [
+        Instruction(_LOAD_WORD, _UDP_HEADER),
+        Instruction(_JUMP_EQUAL, _FRAGMENT, 0, 1),
+        Instruction(_JUMP, 2 + len(short)),
+        Instruction(_JUMP_EQUAL, _SHORT, 1, 0),
+        _DROP,
+        *short,
+        *_check_fragment(),
+    ]
+
+
+def heads_only(but_up_to: int = 0) -> Program:
+    """Drop all fragments but the first; malformed datagrams pass.
+
+    Args:
+        but_up_to: Size of the largest messages of which all fragments pass [byte].
+    """
+    return [
+        Instruction(_LOAD_LENGTH),
+        Instruction(_JUMP_GREATER_EQUAL, _PAYLOAD, 0, 7),
+        Instruction(_LOAD_WORD, _UDP_HEADER),
+        Instruction(_JUMP_EQUAL, _FRAGMENT, 0, 5),
+        Instruction(_LOAD_HALF, _NUMBER),
+        Instruction(_JUMP_EQUAL, 0, 3, 0),
+        Instruction(_LOAD_WORD, _SIZE),
+        Instruction(_JUMP_GREATER, but_up_to, 0, 1),
+        _DROP,
+        _ACCEPT,
+    ]
+
+
+def one_channel(channel: str) -> Program:
+    """Accept one channel's messages, and of large ones the first fragment."""
+    name = channel.encode() + b"\0"
+    short = [*_is_at(_CHANNEL, name), _ACCEPT]
+    return [
+        Instruction(_LOAD_WORD, _UDP_HEADER),
+        Instruction(_JUMP_EQUAL, _SHORT, 0, len(short)),
+        *short,
+        Instruction(_JUMP_EQUAL, _FRAGMENT, 1, 0),
+        _DROP,
+        *_is_at(_NUMBER, b"\0\0"),
+        *_is_at(_PAYLOAD, name),
+        _ACCEPT,
+    ]
+
+
+def whole_on(prefix: str) -> Program:
+    """Accept short messages whole whose channel begins so; of other messages only the head.
+
+    Args:
+        prefix: Of which the first four bytes count.
+    """
+    start = int.from_bytes(prefix.encode()[:4].ljust(4, b"\0"), "big")
+    return [
+        Instruction(_LOAD_WORD, _UDP_HEADER),
+        Instruction(_JUMP_EQUAL, _SHORT, 0, 2),
+        Instruction(_LOAD_WORD, _CHANNEL),
+        Instruction(_JUMP_EQUAL, start, 5, 4),
+        Instruction(_JUMP_EQUAL, _FRAGMENT, 0, 2),
+        Instruction(_LOAD_HALF, _NUMBER),
+        Instruction(_JUMP_EQUAL, 0, 1, 0),
+        _DROP,
+        Instruction(_RETURN, _HEAD_BYTES),
+        _ACCEPT,
+    ]
+
+
+def _is_at(position: int, expected: bytes) -> Iterator[Instruction]:
+    """Go on where these bytes stand at a position; drop other datagrams."""
+    while expected:
+        size = next(size for size in _LOADS if size <= len(expected))
+        yield Instruction(_LOADS[size], position)
+        yield Instruction(_JUMP_EQUAL, int.from_bytes(expected[:size], "big"), 1, 0)
+        yield _DROP
+        position, expected = position + size, expected[size:]
+
+
+def _find_channel_end(start: int) -> Iterator[Instruction]:
+    """Find the NUL behind a name of 1 to 63 bytes; go on with X = the bytes of both."""
+    yield Instruction(_LOAD_BYTE, start)
+    yield Instruction(_JUMP_EQUAL, 0, 0, 1)
+    yield _DROP
+    for size in range(1, CHANNEL_MAX + 1):
+        yield Instruction(_LOAD_BYTE, start + size)
+        yield Instruction(_JUMP_EQUAL, 0, 0, 2)
+        yield Instruction(_LOAD_X, size + 1)
+        yield Instruction(_JUMP, 4 * (CHANNEL_MAX - size) + 1)
+    yield _DROP
+
+
+def _check_fragment() -> Iterator[Instruction]:
+    """Accept a fragment whose number is below their count and which lies within its message."""
+    channel = list(_find_channel_end(_PAYLOAD))
+    yield Instruction(_LOAD_HALF, _COUNT)
+    yield Instruction(_TO_X)
+    yield Instruction(_LOAD_HALF, _NUMBER)
+    yield Instruction(_JUMP_GREATER_EQUAL_X, 0, 0, 1)
+    yield _DROP
+    for position in (_SIZE, _OFFSET):
+        yield Instruction(_LOAD_WORD, position)
+        yield Instruction(_JUMP_GREATER, MESSAGE_MAX, 0, 1)
+        yield _DROP
+    yield Instruction(_LOAD_X, 0)
+    yield Instruction(_LOAD_HALF, _NUMBER)
+    yield Instruction(_JUMP_EQUAL, 0, 1, 0)
+    yield Instruction(_JUMP, len(channel))
+    yield from channel
+    yield Instruction(_LOAD_LENGTH)
+    yield Instruction(_SUB, _PAYLOAD)
+    yield Instruction(_SUB_X)
+    yield Instruction(_TO_X)
+    yield Instruction(_LOAD_WORD, _OFFSET)
+    yield Instruction(_ADD_X)
+    yield Instruction(_TO_X)
+    yield Instruction(_LOAD_WORD, _SIZE)
+    yield Instruction(_JUMP_GREATER_EQUAL_X, 0, 1, 0)
+    yield _DROP
+    yield _ACCEPT

@@ -14,36 +14,18 @@ import socket
 import time
 from collections.abc import Mapping
 
-from lcmtools.bus.arrival import ANCILLARY_BYTES, ask_kernel, told
+from lcmtools.bus.kernel import ANCILLARY_BYTES, arrival, request_arrival
 from lcmtools.bus.multicast import (
     SELF_TEST_CHANNEL,
     check_multicast,
     receiving_socket,
     sending_socket,
 )
-from lcmtools.bus.socket_filter import (
-    ACCEPT,
-    DROP,
-    JUMP_EQUAL,
-    JUMP_GREATER,
-    JUMP_GREATER_EQUAL,
-    LOAD_HALF,
-    LOAD_LENGTH,
-    LOAD_WORD,
-    UDP_HEADER,
-    Instruction,
-    attach,
-)
+from lcmtools.bus.socket_filter import attach, heads_only
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.names import check_length
-from lcmtools.wire.datagram import (
-    FRAGMENT_HEADER_BYTES,
-    MAGIC_FRAGMENT,
-    fits_datagram,
-    fragments,
-    short_message,
-)
+from lcmtools.wire.datagram import fits_datagram, fragments, short_message
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.reader import TALK, Reader
 from lcmtools.wire.sequence import Sequence
@@ -90,7 +72,7 @@ class Tap:
         self._reader = Reader(whole=whole, always_whole=(TALK, *always_whole))
         self._buffer = memoryview(bytearray(_MAX_DATAGRAM))
         self._turns, self._last_turn = 0, 0.0
-        ask_kernel(self._receiver)
+        request_arrival(self._receiver)
 
     def __enter__(self) -> "Tap":
         """Use the tap as a context manager."""
@@ -180,8 +162,8 @@ class Tap:
         with contextlib.suppress(BlockingIOError):
             for _ in range(_BATCH):
                 size, ancillary, _, address = receive([buffer], ANCILLARY_BYTES)
-                arrival, ttl = told(ancillary)
-                packet = read(bytes(buffer[:size]), Sender(*address), arrival, ttl)
+                received, ttl = arrival(ancillary)
+                packet = read(bytes(buffer[:size]), Sender(*address), received, ttl)
                 if packet is not None:
                     packets.append(packet)
                     if packet.channel == SELF_TEST_CHANNEL:  # it may stay here whatever the URL
@@ -205,24 +187,3 @@ class Tap:
             return False
         self._last_turn += _NAP
         return True
-
-
-def heads_only(but_up_to: int = 0) -> list[Instruction]:
-    """The filter that drops all fragments but the first; what is malformed comes through.
-
-    Args:
-        but_up_to: Of messages of so many bytes at most, all fragments come through.
-    """
-    message_size, number = UDP_HEADER + 8, UDP_HEADER + 16
-    return [
-        Instruction(LOAD_LENGTH),
-        Instruction(JUMP_GREATER_EQUAL, UDP_HEADER + FRAGMENT_HEADER_BYTES, 0, 7),
-        Instruction(LOAD_WORD, UDP_HEADER),
-        Instruction(JUMP_EQUAL, int.from_bytes(MAGIC_FRAGMENT, "big"), 0, 5),
-        Instruction(LOAD_HALF, number),
-        Instruction(JUMP_EQUAL, 0, 3, 0),
-        Instruction(LOAD_WORD, message_size),
-        Instruction(JUMP_GREATER, but_up_to, 0, 1),
-        DROP,
-        ACCEPT,
-    ]

@@ -12,7 +12,7 @@ from pathlib import Path
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import Process, UdpSocket, is_local, owners, senders_from, udp_sockets
 from lcmtools.bus.records import NodeRecords
-from lcmtools.bus.socket_memory import receive_buffers, selective_sockets
+from lcmtools.bus.socket_diag import receive_buffers, selective_sockets
 from lcmtools.bus.url import BusUrl
 from lcmtools.doctor.computers import HostClock
 from lcmtools.doctor.elsewhere import with_topics

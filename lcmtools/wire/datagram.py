@@ -25,8 +25,9 @@ MESSAGE_MAX = 1 << 28
 
 _SHORT_HEADER = struct.Struct(">4sI")
 _FRAGMENT_HEADER = struct.Struct(">4sIIIHH")
-FRAGMENT_HEADER_BYTES = _FRAGMENT_HEADER.size
-_CHANNEL_LIMIT = 64  # 63 bytes and the NUL
+SHORT_HEADER_BYTES, FRAGMENT_HEADER_BYTES = _SHORT_HEADER.size, _FRAGMENT_HEADER.size
+CHANNEL_MAX = 63
+"""Longest channel name without its NUL, in bytes."""
 
 
 class ShortMessage(NamedTuple):
@@ -119,7 +120,7 @@ def _parse_short(datagram: bytes) -> ShortMessage | Malformed:
     if len(datagram) < _SHORT_HEADER.size:
         return Malformed("short message: shorter than its header")
     seqno = int.from_bytes(datagram[4:8], "big")
-    end = datagram.find(b"\0", 8, 8 + _CHANNEL_LIMIT)
+    end = datagram.find(b"\0", 8, 8 + CHANNEL_MAX + 1)
     if end < 0:
         return Malformed("short message: channel name not ended within 63 bytes")
     channel = datagram[8:end].decode("utf-8", "surrogateescape")
@@ -136,7 +137,7 @@ def _parse_fragment(datagram: bytes) -> Fragment | Malformed:
         return Malformed(f"fragment: message of {size} bytes")
     start, channel = _FRAGMENT_HEADER.size, None
     if number == 0:
-        end = datagram.find(b"\0", start, start + _CHANNEL_LIMIT)
+        end = datagram.find(b"\0", start, start + CHANNEL_MAX + 1)
         if end < 0:
             return Malformed("fragment: channel name not ended within 63 bytes")
         channel = datagram[start:end].decode("utf-8", "surrogateescape")

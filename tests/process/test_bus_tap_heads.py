@@ -9,7 +9,8 @@ from typing import Any
 import lcm
 import pytest
 
-from lcmtools.bus.tap import Tap, heads_only
+from lcmtools.bus.socket_filter import heads_only
+from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import Endpoint, Node, Role

@@ -14,7 +14,7 @@ from lcmtools.bus.channel_socket import ChannelSocket
 from lcmtools.bus.liblcm import LcmBus
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import udp_sockets
-from lcmtools.bus.socket_memory import selective_sockets
+from lcmtools.bus.socket_diag import selective_sockets
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.model import Endpoint, Role
 from lcmtools.graph.protocol import (

@@ -2,7 +2,7 @@
 
 import socket
 
-from lcmtools.bus.socket_memory import receive_buffers
+from lcmtools.bus.socket_diag import receive_buffers
 from lcmtools.cli.describe import UNKNOWN, candidates_text
 from lcmtools.graph.model import Traffic
 from lcmtools.messages.registry import candidates

@@ -1,7 +1,6 @@
-"""What the kernel tells everybody of this computer's UDP sockets beyond /proc, on Linux.
+"""This computer's UDP sockets by sock_diag(7): receive buffers and lcmtools' marks, on Linux.
 
-How large their receive buffers are, and how lcmtools has marked them. By sock_diag(7):
-a question over netlink, answered with every socket of this network namespace.
+One netlink request, answered with every socket of this network namespace; any user may send it.
 """
 
 import contextlib
@@ -10,7 +9,7 @@ import struct
 import sys
 from collections.abc import Iterator
 
-from lcmtools.bus.marks import ANNOUNCED, SELECTIVE
+from lcmtools.bus.kernel import ANNOUNCED, SELECTIVE
 
 _NETLINK_SOCK_DIAG = 4
 _SOCK_DIAG_BY_FAMILY = 20
@@ -28,39 +27,33 @@ _TIMEOUT = 0.2  # [s]
 
 
 def receive_buffers() -> dict[int, int]:
-    """The size of the receive buffer [byte] by the socket's inode; empty where nobody tells."""
+    """The size of each socket's receive buffer [byte] by its inode; empty where unknown."""
     start = 4 * _RECEIVE_BUFFER
-    told = _told_of_sockets(_MEMORY)
     sizes = {
-        inode: int.from_bytes(numbers[start : start + 4], sys.byteorder) for inode, numbers in told
+        inode: int.from_bytes(numbers[start : start + 4], sys.byteorder)
+        for inode, numbers in _attributes(_MEMORY)
     }
     return {inode: size for inode, size in sizes.items() if size}
 
 
 def selective_sockets() -> frozenset[int]:
-    """The inodes of the sockets whose filter drops most of what comes, on purpose.
-
-    Those of lcmtools.bus.channel_socket; empty where nobody tells.
-    """
+    """The inodes of ``channel_socket`` sockets, which drop most datagrams on purpose."""
     return _marked(SELECTIVE)
 
 
 def announced_sockets() -> frozenset[int]:
-    """The inodes of the sockets with which lcmtools itself hears; empty where nobody tells."""
+    """The inodes of the sockets with which lcmtools itself receives; empty where unknown."""
     return _marked(ANNOUNCED, SELECTIVE)
 
 
 def _marked(*marks: int) -> frozenset[int]:
-    told = _told_of_sockets(_TYPE_OF_SERVICE)
-    return frozenset(inode for inode, value in told if value[:1] in map(_byte, marks))
+    return frozenset(
+        inode for inode, value in _attributes(_TYPE_OF_SERVICE) if value and value[0] in marks
+    )
 
 
-def _byte(number: int) -> bytes:
-    return bytes([number])
-
-
-def _told_of_sockets(kind: int) -> Iterator[tuple[int, bytes]]:
-    """An attribute of every socket that has it, with the socket's inode."""
+def _attributes(kind: int) -> Iterator[tuple[int, bytes]]:
+    """The inode and the attribute of every socket that has it."""
     if not hasattr(socket, "AF_NETLINK"):
         return
     with (
@@ -82,7 +75,7 @@ def _told_of_sockets(kind: int) -> Iterator[tuple[int, bytes]]:
 
 
 def _answers(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """The messages that came together: what each is, and what follows its header."""
+    """The kind and the body of each netlink message in a buffer."""
     position = 0
     while position + _HEADER.size <= len(data):
         size, kind, *_ = _HEADER.unpack_from(data, position)

@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lcmtools.bus.channel_socket import one_channel
-from lcmtools.bus.socket_filter import Instruction
+from lcmtools.bus.socket_filter import Instruction, one_channel
 from lcmtools.wire.datagram import fragments, short_message
 
 LetsPass = Callable[[Sequence[Instruction], bytes], bool]

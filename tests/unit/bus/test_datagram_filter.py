@@ -7,11 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lcmtools.bus.datagram_filter import filter_program
-from lcmtools.bus.socket_filter import Instruction
+from lcmtools.bus.socket_filter import Instruction, well_formed
 from lcmtools.wire.datagram import Fragment, Malformed, fragments, parse, short_message
 
-PROGRAM = filter_program()
+PROGRAM = well_formed()
 Accepts = Callable[[bytes], bool]
 
 
