@@ -2,13 +2,16 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import CONTEXT
 from lcmtools.cli.output import data
 
 
 @click.command("help", context_settings=CONTEXT)
-@click.argument("words", metavar="[COMMAND...]", nargs=-1)
+@click.argument(
+    "words", metavar="[COMMAND...]", nargs=-1, shell_complete=complete("programs:commands")
+)
 @click.pass_context
 def command(ctx: click.Context, words: tuple[str, ...]) -> None:
     """Show the help of a command, as COMMAND --help does.

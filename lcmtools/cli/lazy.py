@@ -105,6 +105,10 @@ class LazyGroup(click.Group):
         """Each command that help lists, with its line."""
         return [(name, entry.help) for name, entry in self._entries.items() if not entry.is_alias]
 
+    def all_help_lines(self) -> dict[str, str]:
+        """Return each command with its line, aliases too."""
+        return {name: entry.help.rstrip(".") for name, entry in self._entries.items()}
+
     def with_pages(self) -> list[str]:
         """The commands that are no mere second name of another one."""
         homes = {entry.home for entry in self._entries.values() if not entry.is_alias}

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 import click
 from click.core import ParameterSource
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.output import talk
 from lcmtools.errors import UsageError
 from lcmtools.settings import COLORS, parse_duration, read_user_file, usual_namespace
@@ -46,6 +47,7 @@ def bus_options(command: CommandT) -> CommandT:
         metavar="URL",
         callback=_remember,
         expose_value=False,
+        shell_complete=complete("bus:urls"),
         help="The bus, for example 'udpm://239.255.76.67:7667?ttl=0' (else LCM_DEFAULT_URL).",
     )
     domain = click.option(

@@ -9,6 +9,7 @@ from types import TracebackType
 import click
 
 import lcmtools
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import CONTEXT, bus_choice, bus_options, json_option
 from lcmtools.cli.output import document, lines, talk
@@ -22,8 +23,12 @@ from lcmtools.packages.workspace import workspace
 @click.option("-l", "--list", "show_list", is_flag=True, help="List the nodes that can be run.")
 @json_option
 @bus_options
-@click.argument("name", required=False, metavar="[PACKAGE] NAME")
-@click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
+@click.argument(
+    "name", required=False, metavar="[PACKAGE] NAME", shell_complete=complete("programs:programs")
+)
+@click.argument(
+    "arguments", nargs=-1, type=click.UNPROCESSED, shell_complete=complete("programs:arguments")
+)
 def command(name: str | None, arguments: tuple[str, ...], *, show_list: bool, as_json: bool) -> int:
     """Run a node by its name, with names, remaps and parameters as ROS writes them.
 

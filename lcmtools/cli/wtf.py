@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_choice, bus_options, chosen_url, duration, json_option
 from lcmtools.cli.output import data, document, lines
 from lcmtools.color import BOLD, RED, YELLOW, paint, stream_wants_color
@@ -53,13 +54,23 @@ def _known(_: click.Context, __: click.Parameter, value: Sequence[str] | str | N
     multiple=True,
     callback=_known,
     help="Only this rule; repeatable.",
+    shell_complete=complete("programs:rules", is_fixed=True),
 )
 @click.option(
-    "--ignore", metavar="ID", multiple=True, callback=_known, help="Not this rule; repeatable."
+    "--ignore",
+    metavar="ID",
+    multiple=True,
+    callback=_known,
+    help="Not this rule; repeatable.",
+    shell_complete=complete("programs:rules", is_fixed=True),
 )
 @click.option("--list", "list_rules", is_flag=True, help="List the rules.")
 @click.option(
-    "--explain", metavar="ID", callback=_known, help="Say what a rule looks at, and what helps."
+    "--explain",
+    metavar="ID",
+    callback=_known,
+    help="Say what a rule looks at, and what helps.",
+    shell_complete=complete("programs:rules", is_fixed=True),
 )
 @click.option(
     "-w", "--watch", "forever", is_flag=True, help="Go on, and show what appears and clears."

@@ -1,18 +1,16 @@
 """Completing command lines in bash, zsh and fish.
 
-    answer      a shell's question to its answer: the only door, and silent whatever happens
-    shells      what bash, zsh and fish hand over, and how each wants words quoted
-    typed       a line as typed: words without their quotes
+    completer   declares on an option or argument where its candidates come from
+    bus, messages, programs
+                the completers: functions from a situation to candidates
+    situation   the words before the cursor, the bus at a glance; candidates
+    recent      channels remembered from one completion to the next
     tree        the commands, options and arguments as plain data, kept in a file
-    line        which of them the word under the cursor is
-    candidate   a word that could stand there
-    words/      what can stand there: one file a kind of word
-    situation   what those know: the words before, and the bus at a glance
-    heard       channels remembered from one completion to the next
-    scripts/    the shells' side
-    install     where a script goes, for good
-    places      the user's folders
-    command     ``lcmtools completion``
+    line        the option or argument that the word under the cursor belongs to
+    shells      requests and answers of bash, zsh and fish, with their quoting
+    answer      the entry point: silent whatever happens
+    install, command, scripts/
+                ``lcmtools completion`` and the shells' side
 
 A completion answers in well under 150 ms: click, the commands and lcm are not imported.
 """

@@ -1,7 +1,7 @@
-"""A shell's question to its answer: what runs when somebody presses TAB.
+"""The entry point of completion, for a shell that asks when somebody presses TAB.
 
-The only door to completion, silent whatever happens: nothing may be printed into the prompt of
-somebody who types. With LCMTOOLS_DEBUG set, what went wrong goes to a file.
+It is silent whatever happens: nothing may be printed into the prompt. With LCMTOOLS_DEBUG set,
+errors go to a file.
 """
 
 import contextlib
@@ -11,21 +11,19 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 
-from lcmtools.cli.completion.candidate import FILES, Candidate, shown
 from lcmtools.cli.completion.line import Place, locate
-from lcmtools.cli.completion.shells import SHELLS, Question
-from lcmtools.cli.completion.situation import Situation
+from lcmtools.cli.completion.shells import SHELLS, Request
+from lcmtools.cli.completion.situation import FILES, Candidate, Situation, candidates
 from lcmtools.cli.completion.tree import Tree
-from lcmtools.cli.completion.words.table import candidates
 from lcmtools.packages import provide_user_types
 
 VARIABLE = "_LCMTOOLS_COMPLETE"
-"""The environment variable that has a shell's name when the shell asks."""
-_LATEST = 2.0  # [s] after which the process ends whatever holds it up
+"""The environment variable with the name of the shell that asks."""
+_LATEST = 2.0  # [s] after which the process ends whatever delays it
 
 
 def run() -> None:
-    """Answer the question on the command line, and end the process."""
+    """Answer the request on the command line, and end the process."""
     _be_silent()
     try:
         tree = Tree(os.environ)
@@ -33,7 +31,7 @@ def run() -> None:
         lines = answer(os.environ[VARIABLE], sys.argv[1:], tree)
         with contextlib.suppress(OSError):
             os.write(1, "".join(f"{line}\n" for line in lines).encode("utf-8", "surrogateescape"))
-            os.close(1)  # the shell reads on to the end, and what comes now it need not wait for
+            os.close(1)  # the shell reads up to here, and need not wait for the rest
         tree.keep()
     except BaseException:  # noqa: BLE001 - a prompt is no place for any of them
         _log()
@@ -41,45 +39,50 @@ def run() -> None:
 
 
 def answer(shell: str, arguments: Sequence[str], tree: Tree) -> list[str]:
-    """What a shell gets for its question; see ``shells``.
-
-    Args:
-        shell: "bash", "zsh" or "fish"; any other gets nothing.
-        arguments: What the shell hands over.
-        tree: The commands.
-    """
+    """Return the lines for a shell; none for one that is unknown. See ``shells``."""
     if shell not in SHELLS:
         return []
-    question = SHELLS[shell].read(arguments)
-    found = complete(question, tree, os.environ)
-    fitting = shown(found, question.word)
+    request = SHELLS[shell].read(arguments)
+    found = complete(request, tree, os.environ)
+    fitting = shown(found, request.word)
     if not fitting and any(one is FILES for one in found):
         return ["files"]
-    return SHELLS[shell].write(fitting, question)
+    return SHELLS[shell].write(fitting, request)
 
 
-def complete(question: Question, tree: Tree, environment: Mapping[str, str]) -> list[Candidate]:
-    """The words that could stand at the cursor; some may not begin as the word does."""
-    place = locate(question.words, question.word, tree.describe)
+def complete(request: Request, tree: Tree, environment: Mapping[str, str]) -> list[Candidate]:
+    """Return the words that could stand at the cursor; some may not begin as the word does."""
+    place = locate(request.words, request.word, tree.describe)
     if place is None:
         return []
     if place.kind == "commands":
         return [Candidate(name, text) for name, text in place.command.commands.items()]
     if place.kind == "options":
         return list(_options(place))
-    word = question.word[len(place.before) :]
-    situation = Situation(place.path, word, place.given, environment)
-    found = candidates(place.kind, situation)
-    if not place.before:
-        return found
+    word = request.word[len(place.before) :]
+    found = candidates(place.source, Situation(word, place.given, environment))
     return [
         one if one is FILES else Candidate(f"{place.before}{one.value}", one.help, one.is_open)
         for one in found
     ]
 
 
+def shown(found: Sequence[Candidate], word: str) -> list[Candidate]:
+    """Return the candidates that begin as the word does, each once.
+
+    A name with control characters, as a channel may have, is no candidate: the terminal would act
+    upon it, or the shell take it for a line of its own.
+    """
+    fitting = {
+        one.value: one
+        for one in reversed(found)
+        if one is not FILES and one.value.startswith(word) and one.value.isprintable()
+    }
+    return list(reversed(fitting.values()))
+
+
 def _options(place: Place) -> list[Candidate]:
-    """The options' names: long forms first, as they say more."""
+    """The options' names, long forms first."""
     options = place.unused_options()
     ranked = [(name, one) for one in options for name in one.names]
     ranked.sort(key=lambda pair: not pair[0].startswith("--"))
@@ -87,7 +90,7 @@ def _options(place: Place) -> list[Candidate]:
 
 
 def _be_silent() -> None:
-    """Let nothing reach the terminal, and the process end in time."""
+    """Keep everything from the terminal, and end the process in time."""
     nothing = os.open(os.devnull, os.O_RDWR)
     os.dup2(nothing, 0)
     os.dup2(nothing, 2)
@@ -97,12 +100,12 @@ def _be_silent() -> None:
 
 
 def _log() -> None:
-    """Write what went wrong to the user's state folder, where that is asked for."""
+    """Write the error to the user's state folder, if LCMTOOLS_DEBUG is set."""
     if not os.environ.get("LCMTOOLS_DEBUG"):
         return
     import traceback
 
-    from lcmtools.cli.completion.places import home_folder
+    from lcmtools.cli.files import home_folder
 
     folder = home_folder(os.environ, "XDG_STATE_HOME", ".local/state")
     if folder is None:

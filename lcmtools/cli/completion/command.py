@@ -4,6 +4,7 @@ import os
 
 import click
 
+from lcmtools.cli.completion.completer import complete_words
 from lcmtools.cli.completion.install import install, plan, script, shell_named, uninstall
 from lcmtools.cli.completion.tree import Tree
 from lcmtools.cli.options import CONTEXT
@@ -12,7 +13,12 @@ from lcmtools.errors import UsageError
 
 
 @click.command("completion", context_settings=CONTEXT)
-@click.argument("shell", metavar="[bash|zsh|fish]", required=False)
+@click.argument(
+    "shell",
+    metavar="[bash|zsh|fish]",
+    required=False,
+    shell_complete=complete_words("bash", "zsh", "fish"),
+)
 @click.option("--install", "is_install", is_flag=True, help="Turn completion on for good.")
 @click.option("--uninstall", "is_uninstall", is_flag=True, help="Undo --install.")
 def command(shell: str | None, *, is_install: bool, is_uninstall: bool) -> None:

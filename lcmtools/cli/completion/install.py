@@ -10,7 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 from shlex import quote
 
-from lcmtools.cli.completion.places import home_folder, write_atomically
+from lcmtools.cli.files import home_folder, write_atomically
 from lcmtools.errors import LcmtoolsError, UsageError
 
 NAMES = ("bash", "zsh", "fish")

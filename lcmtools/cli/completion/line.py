@@ -1,4 +1,4 @@
-"""Which word of a command line the cursor is at: a command, an option, or a value, and of what.
+"""The place of the cursor in a command line: at a command, an option, or a value of one.
 
 Plain decisions on words and the commands' descriptions, as click would parse them.
 """
@@ -6,6 +6,7 @@ Plain decisions on words and the commands' descriptions, as click would parse th
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
+from lcmtools.cli.completion.completer import Source
 from lcmtools.cli.completion.tree import Argument, Command, Option
 from lcmtools.cli.dashes import Dashes
 
@@ -16,28 +17,31 @@ _DASHES = Dashes()
 
 @dataclass(slots=True)
 class Place:
-    """Where the cursor is.
+    """The place of the cursor.
 
     Attributes:
         path: The words of the command so far.
-        command: What it takes.
-        given: What stands before, by the parameters' names.
-        kind: What the word is (see ``words.table``); "commands" and "options" as well.
-        before: What stands in the same word before the value: "--field=".
-        options_are_over: Behind "--", or behind the first argument of a command that has it so.
-        arguments: How many arguments stand before.
+        command: Its description.
+        given: The values before the cursor, by the parameters' names.
+        kind: "commands", "options" or "value".
+        source: Where a value's candidates come from.
+        before: The part of the word before a value: "--field=".
+        options_are_over: True behind "--", or behind the first argument of a command that has it
+            so.
+        arguments: The number of arguments before the cursor.
     """
 
     path: list[str]
     command: Command
     given: dict[str, list[str]] = field(default_factory=dict)
-    kind: str = ""
+    kind: str = "value"
+    source: Source = ""
     before: str = ""
     options_are_over: bool = False
     arguments: int = 0
 
     def unused_options(self) -> list[Option]:
-        """The options that could still be given."""
+        """Return the options that can still be given."""
         return [
             one
             for one in self.command.options
@@ -46,15 +50,12 @@ class Place:
 
 
 def locate(words: Sequence[str], word: str, describe: Describe) -> Place | None:
-    """The place of a word.
+    """Return the place of a word; None behind a command that does not exist.
 
     Args:
         words: The words before it, without the program's name.
-        word: What is typed of it.
-        describe: What a command takes.
-
-    Returns:
-        None where a command stands before that does not exist.
+        word: The part of it that is typed.
+        describe: Gives the descriptions of commands.
     """
     root = describe(())
     place = Place([], root) if root else None
@@ -75,20 +76,20 @@ def locate(words: Sequence[str], word: str, describe: Describe) -> Place | None:
 
 def _take_option(place: Place, option: Option, value: str | None, rest: Iterator[str]) -> bool:
     """Note an option with its value; False where the value is the word at the cursor."""
-    if option.kind is not None and value is None:
+    if option.source is not None and value is None:
         value = next(rest, None)
         if value is None:
-            place.kind = option.kind
+            place.source = option.source
             return False
     place.given.setdefault(option.parameter, []).append(value or "")
     return True
 
 
 def _at(place: Place, word: str) -> Place:
-    """What the word itself is."""
+    """Complete the place with the kind of the word itself."""
     option, value = _option_of(place, word)
     if option is not None and value is not None and "=" in word:
-        place.kind = option.kind or ""
+        place.source = option.source or ""
         place.before = word[: len(word) - len(value)]
     elif _is_option(place, word):
         place.kind = "options"
@@ -96,7 +97,8 @@ def _at(place: Place, word: str) -> Place:
         place.kind = "commands"
     else:
         argument = _argument(place)
-        place.kind = argument.kind if argument else "options"
+        place.kind = "value" if argument else "options"
+        place.source = argument.source if argument else ""
     return place
 
 
@@ -123,14 +125,14 @@ def _argument(place: Place) -> Argument | None:
 
 
 def _option_of(place: Place, word: str) -> tuple[Option | None, str | None]:
-    """The option that a word is, and the value in the same word, None where there is none."""
+    """The option that a word is, and the value in the same word; None for each that is absent."""
     if place.options_are_over or not word.startswith("-"):
         return None, None
     name, equals, value = word.partition("=")
     for option in place.command.options:
         if name in option.names and (not equals or name.startswith("--")):
             return option, value if equals else None
-        if option.kind is not None and not word.startswith("--") and word[:2] in option.names:
+        if option.source is not None and not word.startswith("--") and word[:2] in option.names:
             return option, word[2:]
     return None, None
 

@@ -1,60 +1,89 @@
-"""What is known where a word is to be completed: the words before it, and the bus at a glance."""
+"""The input of a completion function, the situation, and its output, candidates."""
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from importlib import import_module
+from typing import TYPE_CHECKING, cast
 
+from lcmtools.cli.completion.completer import Source
 from lcmtools.errors import LcmtoolsError
 
-if TYPE_CHECKING:  # imported where the bus is wanted
+if TYPE_CHECKING:  # imported where the bus is looked at
     from lcmtools.bus.url import BusUrl
     from lcmtools.graph.model import Graph
 
 
-@dataclass(frozen=True)
-class Situation:
-    """Where the cursor is.
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """A word that could stand at the cursor.
 
     Attributes:
-        command: The command's words ("node", "info").
-        word: What is typed of the word so far, as the command would get it.
+        value: The whole word, as the command receives it.
+        help: A description, for shells that show one.
+        is_open: More may follow without a blank, as after a package's name and slash.
+    """
+
+    value: str
+    help: str = ""
+    is_open: bool = False
+
+
+FILES = Candidate("")
+"""Stands for the files that the shell itself completes."""
+
+
+@dataclass(frozen=True)
+class Situation:
+    """The words before the cursor, and the bus at a glance.
+
+    Attributes:
+        word: The part of the word that is typed, as the command would receive it.
         given: The arguments and option values before it, by the parameter's name.
         environment: The environment variables.
     """
 
-    command: Sequence[str]
-    word: str
+    word: str = ""
     given: Mapping[str, Sequence[str]] = field(default_factory=dict)
     environment: Mapping[str, str] = field(default_factory=lambda: os.environ)
 
-    def value(self, *names: str) -> str:
-        """What was given last for one of these parameters; "" for nothing."""
-        return next((self.given[name][-1] for name in names if self.given.get(name)), "")
+    def all(self, *names: str) -> list[str]:
+        """Return everything given for these parameters."""
+        return [value for name in names for value in self.given.get(name, ())]
 
     def first(self, *names: str) -> str:
-        """What was given first for one of these parameters; "" for nothing."""
-        return next((self.given[name][0] for name in names if self.given.get(name)), "")
+        """Return the first value given for one of these parameters, or ""."""
+        return next(iter(self.all(*names)), "")
+
+    def last(self, name: str) -> str:
+        """Return the value given last for a parameter, or ""."""
+        return next(reversed(self.all(name)), "")
 
     def at(self, word: str) -> "Situation":
-        """The same situation with another word; the bus is not looked at twice."""
+        """Return the same situation with another word; the bus is not looked at twice."""
         other = replace(self, word=word)
         if "graph" in self.__dict__:
             other.__dict__["graph"] = self.graph
         return other
 
+    @property
+    def is_global(self) -> bool:
+        """True if names are to be completed in full: the word may begin with a slash."""
+        return not self.word or self.word.startswith("/")
+
     @cached_property
     def graph(self) -> "Graph":
-        """What is on the bus; nothing where it cannot be reached."""
+        """The bus as it is now; empty where it cannot be reached."""
         from lcmtools.bus.quick_probe import QuickProbe
 
         try:
             with QuickProbe(self.url) as quick_probe:
-                from lcmtools.cli.completion.heard import with_heard
+                from lcmtools.cli.completion.recent import with_recent_channels
 
                 seen = quick_probe.graph(self._running())
-                return with_heard(seen, f"{self.url.host}-{self.url.port}", self.environment)
+                bus = f"{self.url.host}-{self.url.port}"
+                return with_recent_channels(seen, bus, self.environment)
         except (LcmtoolsError, OSError):
             from lcmtools.graph.model import Graph
 
@@ -65,22 +94,22 @@ class Situation:
         """The bus that the command would use.
 
         Raises:
-            UsageError: What is said of it is wrong.
+            UsageError: The URL, the domain or the settings file is wrong.
         """
         from lcmtools.bus.url import choose_url
         from lcmtools.settings import read_user_file
 
-        said = self.value("lcm_url"), self.value("domain")
+        said = self.last("lcm_url"), self.last("domain")
         return choose_url(*said, self.environment, read_user_file(self.environment))[0]
 
     @cached_property
     def namespace(self) -> str:
-        """The namespace that relative names stand in."""
+        """The namespace of relative names."""
         from lcmtools.names import resolve_namespace
         from lcmtools.settings import usual_namespace
 
         try:
-            return resolve_namespace(self.value("ns") or usual_namespace(self.environment))
+            return resolve_namespace(self.last("ns") or usual_namespace(self.environment))
         except LcmtoolsError:
             return "/"
 
@@ -92,3 +121,19 @@ class Situation:
         for node in NodeRecords(self.url, self.environment).read():
             if node.stale is Staleness.HANGS:  # as it would, if it did not answer
                 yield node.id
+
+
+CompletionFunction = Callable[[Situation], Iterable[Candidate]]
+
+
+def candidates(source: Source, situation: Situation) -> list[Candidate]:
+    """Return the candidates of a source; some may not begin as the situation's word does."""
+    if not isinstance(source, str):
+        return [Candidate(words[0], "".join(words[1:])) for words in source]
+    if source == "files":
+        return [FILES]
+    if not source:
+        return []
+    module, _, function = source.partition(":")
+    home = import_module(module if "." in module else f"{__package__}.{module}")
+    return list(cast(CompletionFunction, getattr(home, function))(situation))

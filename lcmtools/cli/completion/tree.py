@@ -1,7 +1,8 @@
-"""The commands as plain data: what completion must know of them, without importing click.
+"""The commands as plain data, for completion without importing click.
 
-What a command takes is read once from its click command and kept in a file of the user's cache,
-until a file of the command line changes. ``python -m`` and editable installs are no exception.
+A command's description is read once from its click command and kept in a file of the user's
+cache, until a file of the command line changes. ``python -m`` and editable installs are no
+exception.
 """
 
 import contextlib
@@ -12,14 +13,15 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lcmtools.cli.completion.places import cache_folder, write_atomically
+from lcmtools.cli.completion.completer import Completer, Source
+from lcmtools.cli.files import cache_folder, write_atomically
 
 if TYPE_CHECKING:  # click takes longer to import than a completion otherwise takes
     import click
 
-_FORMAT = 2  # of the file
-_CODE = ("cli", "doctor/rules")
-"""The folders whose files say what is kept."""
+_FORMAT = 3  # of the file
+_CODE = ("cli", "doctor", "labs/commands")
+"""The folders whose files decide on what is kept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,46 +29,40 @@ class Option:
     """An option of a command.
 
     Attributes:
-        names: How it is written, the long form last.
+        names: Its spellings, the long form last.
         parameter: The parameter's name in the command's code.
-        kind: What its value is (see ``words.table``); "" for any, None where it takes none.
-        help: What it does.
-        repeats: Whether it may be given again.
-        is_hidden: It is understood, but not offered.
+        source: Where its values come from; None for a flag.
+        help: A description.
+        repeats: True if it may be given again.
+        is_hidden: True if it is understood, but not offered.
     """
 
     names: Sequence[str]
     parameter: str
-    kind: str | None
-    help: str
-    repeats: bool
-    is_hidden: bool
+    source: Source | None
+    help: str = ""
+    repeats: bool = False
+    is_hidden: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """An argument of a command.
-
-    Attributes:
-        parameter: The parameter's name in the command's code.
-        kind: What it is (see ``words.table``); "" for anything.
-        repeats: Whether all words that follow are this argument too.
-    """
+    """An argument of a command; if it repeats, it takes all words that follow."""
 
     parameter: str
-    kind: str
-    repeats: bool
+    source: Source
+    repeats: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """What a command takes.
+    """The options and arguments of a command.
 
     Attributes:
         options: Its options.
         arguments: Its arguments in order.
-        commands: Of a group: names, aliases too, and what each does.
-        is_mixed: Its own options may stand behind the first argument; else they are of another.
+        commands: The commands of a group, aliases too, with their descriptions.
+        is_mixed: True if its own options may stand behind the first argument.
     """
 
     options: Sequence[Option]
@@ -76,11 +72,7 @@ class Command:
 
 
 class Tree:
-    """All commands.
-
-    Args:
-        environment: Where the cache folder is looked up.
-    """
+    """All commands, kept in the cache folder of the environment."""
 
     def __init__(self, environment: Mapping[str, str]) -> None:
         folder = cache_folder(environment)
@@ -89,7 +81,7 @@ class Tree:
         self._is_new = False
 
     def describe(self, path: Sequence[str]) -> Command | None:
-        """What the command takes whose words these are; None where there is no such command."""
+        """Return the command with these words; None where there is none."""
         key = " ".join(path)
         if key in self._kept:
             with contextlib.suppress(KeyError, TypeError, AttributeError):
@@ -105,14 +97,12 @@ class Tree:
         waiting: list[list[str]] = [[]]
         while waiting:
             path = waiting.pop()
-            command = None
             with contextlib.suppress(ImportError):  # a command that needs what is not installed
-                command = self.describe(path)
-            if command is not None:
-                waiting += [[*path, name] for name in command.commands]
+                if command := self.describe(path):
+                    waiting += [[*path, name] for name in command.commands]
 
     def keep(self) -> None:
-        """Write what was read from click to the cache; a full disk is no matter."""
+        """Write the commands read from click to the cache; a full disk does not matter."""
         if self._is_new and self._file:
             with contextlib.suppress(OSError):
                 self._file.parent.mkdir(parents=True, exist_ok=True)
@@ -132,7 +122,7 @@ def _read(file: Path | None) -> dict[str, object]:
 
 
 def _stamp() -> list[object]:
-    """What changes whenever a file does that says what is kept."""
+    """A value that changes with the files that decide on what is kept."""
     folders = [str(Path(__file__).parents[2] / folder) for folder in _CODE]
     newest = count = 0
     while folders:
@@ -146,9 +136,9 @@ def _stamp() -> list[object]:
 
 
 def _from_click(path: Sequence[str]) -> Command | None:
-    """Import the command and read what it takes."""
     import click
 
+    from lcmtools.cli.lazy import LazyGroup
     from lcmtools.cli.main import root
 
     command: click.Command | None = root
@@ -157,53 +147,46 @@ def _from_click(path: Sequence[str]) -> Command | None:
         if not isinstance(command, click.Group):
             return None
         command = command.get_command(context, word)
-    return None if command is None else _described(command, context, path)
-
-
-def _described(command: "click.Command", context: "click.Context", path: Sequence[str]) -> Command:
-    import click
-
-    from lcmtools.cli.completion.words.table import kind_of
-
-    options, arguments = [], []
-    for parameter in command.get_params(context):
-        kind, name = kind_of(parameter, path), str(parameter.name)
-        if isinstance(parameter, click.Option):
-            options.append(_option(parameter, kind))
-        else:
-            arguments.append(Argument(name, kind, parameter.nargs == -1))
-    return Command(options, arguments, _commands(command), _is_mixed(command))
-
-
-def _is_mixed(command: "click.Command") -> bool:
-    """Whether options behind the first argument are the command's own, and all of them."""
+    if command is None:
+        return None
+    parameters = command.get_params(context)
     said = command.context_settings
     takes_others = said.get("ignore_unknown_options", command.ignore_unknown_options)
-    return bool(
-        said.get("allow_interspersed_args", command.allow_interspersed_args) and not takes_others
+    is_mixed = said.get("allow_interspersed_args", command.allow_interspersed_args)
+    return Command(
+        [_option(one) for one in parameters if isinstance(one, click.Option)],
+        [
+            Argument(str(one.name), _source(one), one.nargs == -1)
+            for one in parameters
+            if isinstance(one, click.Argument)
+        ],
+        command.all_help_lines() if isinstance(command, LazyGroup) else {},
+        bool(is_mixed and not takes_others),
     )
 
 
-def _option(option: "click.Option", kind: str) -> Option:
-    takes_none = option.is_flag or option.count
+def _option(option: "click.Option") -> Option:
     return Option(
         sorted((*option.opts, *option.secondary_opts), key=len),
         str(option.name),
-        None if takes_none else kind,
+        None if option.is_flag or option.count else _source(option),
         (option.help or "").partition(". ")[0].rstrip("."),
         option.multiple,
         option.hidden,
     )
 
 
-def _commands(command: "click.Command") -> dict[str, str]:
-    """The commands of a group, aliases too; none of what is no group."""
-    from lcmtools.cli.lazy import LazyGroup
+def _source(parameter: "click.Parameter") -> Source:
+    """The candidates' source: as declared, else by the parameter's click type."""
+    import click
 
-    if not isinstance(command, LazyGroup):
-        return {}
-    entries = command._entries  # noqa: SLF001 - help leaves the aliases out
-    return {name: entry.help.rstrip(".") for name, entry in entries.items()}
+    declared = parameter._custom_shell_complete  # noqa: SLF001 - click can only call it
+    if isinstance(declared, Completer):
+        return declared.source()
+    if isinstance(parameter.type, click.Choice):
+        return [[str(choice)] for choice in parameter.type.choices]
+    is_file = isinstance(parameter.type, (click.Path, click.File))
+    return "files" if is_file else ""
 
 
 def _from_plain(plain: object) -> Command:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import click
 
+from lcmtools.cli.completion.completer import complete, complete_files
 from lcmtools.cli.graph.written import FORMATS, STDOUT, chosen
 from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_monitor
 from lcmtools.cli.output import talk
@@ -18,7 +19,7 @@ _MEASURED = 1.0  # [s]
 
 
 @click.command("graph", context_settings=CONTEXT)
-@click.argument("namespace", nargs=-1)
+@click.argument("namespace", nargs=-1, shell_complete=complete("bus:names"))
 @click.option(
     "--format",
     "format_",
@@ -31,6 +32,7 @@ _MEASURED = 1.0  # [s]
     "file",
     metavar="FILE",
     help="Write into this file: .svg, .dot, .gv, .mmd, .md, .json or .txt.",
+    shell_complete=complete_files,
 )
 @click.option("--force", is_flag=True, help="Overwrite a file that is there.")
 @click.option("--nodes-only", is_flag=True, help="Connect nodes directly, without topics.")
@@ -49,6 +51,7 @@ _MEASURED = 1.0  # [s]
     metavar="TOPIC",
     multiple=True,
     help="Only topics and services that are or match this, and who uses them.",
+    shell_complete=complete("bus:topics"),
 )
 @click.option(
     "--exclude",
@@ -56,6 +59,7 @@ _MEASURED = 1.0  # [s]
     metavar="NAME",
     multiple=True,
     help="Leave out what is this, stands below it or matches it.",
+    shell_complete=complete("bus:names"),
 )
 @click.option("--group", "is_grouped", is_flag=True, help="Draw a frame around each namespace.")
 @click.option("--hz", is_flag=True, help="Measure for a second how often messages come.")

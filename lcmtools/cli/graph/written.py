@@ -8,7 +8,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from lcmtools.cli.completion.places import write_atomically
+from lcmtools.cli.files import write_atomically
 from lcmtools.cli.output import data, lines
 from lcmtools.errors import LcmtoolsError, MissingExtra, UsageError
 from lcmtools.graph.drawing import as_json, dot, mermaid, text

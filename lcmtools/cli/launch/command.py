@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.launch.screen import Screen
 from lcmtools.cli.launch.shown import (
     argument_record,
@@ -39,11 +40,33 @@ _QUESTIONS = (
 
 
 @click.command("launch", context_settings=CONTEXT)
-@click.argument("words", nargs=-1, metavar="[PACKAGE] FILE... [NAME:=VALUE]... [__ns:=NAMESPACE]")
-@click.option("--ns", metavar="NAMESPACE", help="The same as __ns:=NAMESPACE.")
+@click.argument(
+    "words",
+    nargs=-1,
+    metavar="[PACKAGE] FILE... [NAME:=VALUE]... [__ns:=NAMESPACE]",
+    shell_complete=complete("programs:launch_words"),
+)
+@click.option(
+    "--ns",
+    metavar="NAMESPACE",
+    help="The same as __ns:=NAMESPACE.",
+    shell_complete=complete("bus:namespaces"),
+)
 @click.option("--nodes", "question", flag_value="nodes", help="Only list the nodes' full names.")
-@click.option("--args", "node", metavar="NODE", help="Only print a node's command line.")
-@click.option("--find-node", "sought", metavar="NODE", help="Only print where a node is written.")
+@click.option(
+    "--args",
+    "node",
+    metavar="NODE",
+    help="Only print a node's command line.",
+    shell_complete=complete("programs:launched_nodes"),
+)
+@click.option(
+    "--find-node",
+    "sought",
+    metavar="NODE",
+    help="Only print where a node is written.",
+    shell_complete=complete("programs:launched_nodes"),
+)
 @click.option(
     "--show-args",
     "--ros-args",

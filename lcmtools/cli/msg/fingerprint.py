@@ -2,13 +2,14 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import document, lines
 from lcmtools.messages.registry import fingerprint, message_class, type_name, type_names
 
 
 @click.command("fingerprint", context_settings=CONTEXT)
-@click.argument("type_", metavar="TYPE")
+@click.argument("type_", metavar="TYPE", shell_complete=complete("messages:types"))
 @json_option
 def command(type_: str, *, as_json: bool) -> None:
     """Print a type's fingerprint: the first 8 bytes of its messages, in hexadecimal.

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.packages.languages import LANGUAGES, generate
@@ -13,7 +14,7 @@ from lcmtools.packages.user_types import sources_of
 @click.command("generate", context_settings=CONTEXT)
 @click.option("--lang", required=True, type=click.Choice(LANGUAGES), help="The language.")
 @click.argument("folder", metavar="DIR", type=click.Path())
-@click.argument("types", nargs=-1)
+@click.argument("types", nargs=-1, shell_complete=complete("messages:types"))
 @json_option
 def command(*, lang: str, folder: str, types: tuple[str, ...], as_json: bool) -> None:
     """Write code for message types into DIR with lcm-gen, for programs on plain LCM.

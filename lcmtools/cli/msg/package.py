@@ -2,6 +2,7 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import document, lines
 from lcmtools.errors import UnknownType
@@ -10,7 +11,7 @@ from lcmtools.names import did_you_mean
 
 
 @click.command("package", context_settings=CONTEXT)
-@click.argument("package")
+@click.argument("package", shell_complete=complete("messages:packages"))
 @click.option("-s", "--single-line", is_flag=True, help="All in one line, with blanks between.")
 @json_option
 def command(package: str, *, single_line: bool, as_json: bool) -> None:

@@ -2,6 +2,7 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import data
 from lcmtools.messages.plain import to_json
@@ -10,7 +11,7 @@ from lcmtools.messages.registry import message_class
 
 
 @click.command("proto", context_settings=CONTEXT)
-@click.argument("type_", metavar="TYPE")
+@click.argument("type_", metavar="TYPE", shell_complete=complete("messages:types"))
 @json_option
 def command(type_: str, *, as_json: bool) -> None:
     """Print a message of a type to fill in: YAML of all fields with their defaults, for pub.

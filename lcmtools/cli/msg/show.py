@@ -4,6 +4,7 @@ import sys
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.msg.source import source_text
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import data, document
@@ -15,7 +16,7 @@ _EXAMPLE = "for example lcmtools msg show geometry_msgs/Twist"
 
 
 @click.command("show", context_settings=CONTEXT)
-@click.argument("type_", metavar="[TYPE]", default="-")
+@click.argument("type_", metavar="[TYPE]", default="-", shell_complete=complete("messages:types"))
 @click.option("-r", "--raw", is_flag=True, help="Show its .lcm file, with the comments.")
 @json_option
 def command(type_: str, *, raw: bool, as_json: bool) -> None:

@@ -8,6 +8,7 @@ import time
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.describe import node_record
 from lcmtools.cli.node import parameters, sections
 from lcmtools.cli.node.programs import command as command_of
@@ -22,7 +23,7 @@ from lcmtools.observe.programs import Program, programs
 
 
 @click.command("info", context_settings=CONTEXT)
-@click.argument("nodes", nargs=-1, required=True)
+@click.argument("nodes", nargs=-1, required=True, shell_complete=complete("bus:nodes"))
 @click.option("-q", "--quiet", is_flag=True, help="Only publications, subscriptions and services.")
 @click.option("-a", "--include-hidden", "show_hidden", is_flag=True, help="Show hidden names too.")
 @json_option

@@ -4,6 +4,7 @@ import sys
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.describe import host_text
 from lcmtools.cli.node.ending import Ending, end_nodes, place_of
 from lcmtools.cli.node.programs import command as command_of
@@ -18,7 +19,7 @@ from lcmtools.observe.programs import programs
 
 
 @click.command("kill", context_settings=CONTEXT)
-@click.argument("nodes", nargs=-1)
+@click.argument("nodes", nargs=-1, shell_complete=complete("bus:nodes"))
 @click.option("-a", "--all", "kill_all", is_flag=True, help="All nodes; asks first.")
 @click.option("-y", "--yes", is_flag=True, help="Do not ask.")
 @click.option("--timeout", type=duration, default=3.0, help="Wait so long for the end (else 3s).")

@@ -4,6 +4,7 @@ import contextlib
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.describe import listed_node, node_record
 from lcmtools.cli.node.programs import HEADING, listed_program, program_record
 from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_monitor
@@ -14,7 +15,7 @@ from lcmtools.observe.programs import Program, programs
 
 
 @click.command("list", context_settings=CONTEXT)
-@click.argument("namespace", default="")
+@click.argument("namespace", default="", shell_complete=complete("bus:namespaces"))
 @click.option(
     "-a",
     "--all",

@@ -4,6 +4,7 @@ import socket
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.describe import listed_node
 from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines, talk
@@ -14,7 +15,7 @@ from lcmtools.observe.computers import Computers
 
 
 @click.command("machine", context_settings=CONTEXT)
-@click.argument("host", required=False)
+@click.argument("host", required=False, shell_complete=complete("bus:hosts"))
 @all_option
 @json_option
 @bus_options

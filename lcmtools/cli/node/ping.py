@@ -5,6 +5,7 @@ import time
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import (
     CONTEXT,
     bus_options,
@@ -24,7 +25,7 @@ _PERIOD = 1.0  # [s] between two pings
 
 
 @click.command("ping", context_settings=CONTEXT)
-@click.argument("node", required=False)
+@click.argument("node", required=False, shell_complete=complete("bus:nodes"))
 @click.option("-a", "--all", "ping_all", is_flag=True, help="Ping every node once.")
 @click.option("-c", "--count", metavar="N", type=whole_number(1), help="Stop after so many pings.")
 @click.option("--timeout", type=duration, default=3.0, help="Wait so long for an answer (else 3s).")

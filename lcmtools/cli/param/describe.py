@@ -2,6 +2,7 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options, json_option
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.param.ask import look, pick, timeout_option
@@ -11,8 +12,8 @@ from lcmtools.node.remote import RemoteParameter
 
 
 @click.command("describe", context_settings=CONTEXT)
-@click.argument("node")
-@click.argument("name", default="")
+@click.argument("node", shell_complete=complete("bus:parameters"))
+@click.argument("name", default="", shell_complete=complete("bus:parameters"))
 @timeout_option
 @json_option
 @bus_options

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from lcmtools.cli.completion.completer import complete, complete_files
 from lcmtools.cli.options import CONTEXT, bus_options, json_option
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.param.ask import complain_of, living_nodes, look, timeout_option
@@ -18,8 +19,12 @@ _MOST_WORDS = 2
 
 
 @click.command("dump", context_settings=CONTEXT)
-@click.argument("words", metavar="[FILE] [NODE]", nargs=-1)
-@click.option("-o", "--output", metavar="FILE", help="Write into this file.")
+@click.argument(
+    "words", metavar="[FILE] [NODE]", nargs=-1, shell_complete=complete("bus:nodes_and_files")
+)
+@click.option(
+    "-o", "--output", metavar="FILE", help="Write into this file.", shell_complete=complete_files
+)
 @timeout_option
 @json_option
 @bus_options

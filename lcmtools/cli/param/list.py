@@ -2,6 +2,7 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.cli.param.ask import complain_of, living_nodes, look, timeout_option
@@ -10,7 +11,7 @@ from lcmtools.cli.param.target import find_target
 
 
 @click.command("list", context_settings=CONTEXT)
-@click.argument("node", default="")
+@click.argument("node", default="", shell_complete=complete("bus:nodes"))
 @click.option("-t", "--show-types", is_flag=True, help="Show each parameter's type.")
 @click.option("-v", "--values", "show_values", is_flag=True, help="Show each parameter's value.")
 @timeout_option

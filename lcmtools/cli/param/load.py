@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options
 from lcmtools.cli.output import talk
 from lcmtools.cli.param.ask import Asker, look, timeout_option
@@ -20,7 +21,13 @@ _MOST_WORDS = 2
 
 
 @click.command("load", context_settings=CONTEXT)
-@click.argument("words", metavar="FILE [NODE]", nargs=-1, required=True)
+@click.argument(
+    "words",
+    metavar="FILE [NODE]",
+    nargs=-1,
+    required=True,
+    shell_complete=complete("bus:nodes_after_file"),
+)
 @timeout_option
 @bus_options
 def command(words: tuple[str, ...], *, timeout: float) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options
 from lcmtools.cli.output import talk
 from lcmtools.cli.param.ask import Asker, look, timeout_option
@@ -17,7 +18,9 @@ _EXAMPLE = "for example: lcmtools param set /husky0/simple_controller kp 0.5"
 
 
 @click.command("set", cls=CommandWithWords, context_settings=CONTEXT)
-@click.argument("words", metavar="NODE NAME VALUE", nargs=-1)
+@click.argument(
+    "words", metavar="NODE NAME VALUE", nargs=-1, shell_complete=complete("bus:parameters")
+)
 @timeout_option
 @bus_options
 def command(words: tuple[str, ...], *, timeout: float) -> None:

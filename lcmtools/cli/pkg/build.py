@@ -2,6 +2,7 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.msg.building import build_folders
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import talk
@@ -10,7 +11,7 @@ from lcmtools.errors import LcmtoolsError
 
 
 @click.command("build", context_settings=CONTEXT)
-@click.argument("name", required=False)
+@click.argument("name", required=False, shell_complete=complete("programs:packages"))
 @json_option
 def command(name: str | None, *, as_json: bool) -> int:
     """Check and compile the messages of the workspace's packages, or of one.

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from lcmtools.cli.completion.completer import complete, complete_words
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import UsageError
@@ -41,10 +42,20 @@ class _SeveralDeps(click.Command):
     multiple=True,
     metavar="PACKAGE...",
     help="Packages of messages.",
+    shell_complete=complete("messages:packages"),
 )
 @click.option("--node", metavar="NAME", help="Its node's name (else NAME_node).")
 @click.option("--msg", "message", metavar="NAME", default="", help="A message of its own.")
-@click.option("--license", "license_", metavar="SPDX", default="", help="For example MIT.")
+@click.option(
+    "--license",
+    "license_",
+    metavar="SPDX",
+    default="",
+    help="For example MIT.",
+    shell_complete=complete_words(
+        "Apache-2.0", "BSD-3-Clause", "GPL-3.0-only", "LGPL-2.1-only", "MIT"
+    ),
+)
 @click.option("--force", is_flag=True, help="Overwrite files that are there.")
 @json_option
 def command(  # noqa: PLR0913 - one parameter an option

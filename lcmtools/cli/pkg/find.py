@@ -2,13 +2,14 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.pkg.found import folders, unknown
 
 
 @click.command("find", context_settings=CONTEXT)
-@click.argument("name")
+@click.argument("name", shell_complete=complete("programs:packages"))
 @json_option
 def command(name: str, *, as_json: bool) -> None:
     """Print the folder of a package.

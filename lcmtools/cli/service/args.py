@@ -2,6 +2,7 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
 from lcmtools.cli.output import data, document
 from lcmtools.cli.service.offered import class_of, find_service
@@ -9,7 +10,7 @@ from lcmtools.messages.fields import visible_fields
 
 
 @click.command("args", context_settings=CONTEXT)
-@click.argument("service")
+@click.argument("service", shell_complete=complete("bus:services"))
 @json_option
 @bus_options
 def command(service: str, *, as_json: bool) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 import click
 
 from lcmtools.cli.asker import asking_node
+from lcmtools.cli.completion.completer import complete, complete_files
 from lcmtools.cli.describe import node_text
 from lcmtools.cli.options import (
     CONTEXT,
@@ -43,14 +44,20 @@ def _wait(value: str | float) -> float:
 
 
 @click.command("call", cls=_Call, context_settings=CONTEXT)
-@click.argument("service")
-@click.argument("words", metavar="[TYPE] [VALUES]...", nargs=-1)
+@click.argument("service", shell_complete=complete("bus:services"))
+@click.argument(
+    "words", metavar="[TYPE] [VALUES]...", nargs=-1, shell_complete=complete("messages:requests")
+)
 @click.option("--timeout", type=duration, default=3.0, help="Wait so long for an answer (else 3s).")
 @click.option(
     "--wait", type=_wait, metavar="[=DURATION]", help="Wait until a node offers the service."
 )
 @click.option(
-    "-f", "--file", metavar="FILE", help="Read requests from a YAML file ('-': standard input)."
+    "-f",
+    "--file",
+    metavar="FILE",
+    help="Read requests from a YAML file ('-': standard input).",
+    shell_complete=complete_files,
 )
 @click.option("-r", "--rate", type=rate_option, help="Call so many times a second until Ctrl-C.")
 @click.option(

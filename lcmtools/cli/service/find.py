@@ -2,6 +2,7 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.cli.service.offered import shown
@@ -9,7 +10,7 @@ from lcmtools.messages.registry import service_name
 
 
 @click.command("find", context_settings=CONTEXT)
-@click.argument("type_", metavar="TYPE")
+@click.argument("type_", metavar="TYPE", shell_complete=complete("messages:service_types"))
 @all_option
 @json_option
 @bus_options

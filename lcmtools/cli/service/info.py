@@ -2,6 +2,7 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.describe import callback_record, callback_times, listed_node, node_record
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines
@@ -10,7 +11,13 @@ from lcmtools.graph.model import Endpoint, Node
 
 
 @click.command("info", context_settings=CONTEXT)
-@click.argument("services", metavar="SERVICE...", nargs=-1, required=True)
+@click.argument(
+    "services",
+    metavar="SERVICE...",
+    nargs=-1,
+    required=True,
+    shell_complete=complete("bus:services"),
+)
 @json_option
 @bus_options
 def command(services: tuple[str, ...], *, as_json: bool) -> None:

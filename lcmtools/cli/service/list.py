@@ -2,13 +2,14 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.cli.service.offered import Offered, shown
 
 
 @click.command("list", context_settings=CONTEXT)
-@click.argument("namespace", default="")
+@click.argument("namespace", default="", shell_complete=complete("bus:namespaces"))
 @click.option("-t", "--show-types", is_flag=True, help="Show each service's type.")
 @click.option("-n", "--nodes", "show_nodes", is_flag=True, help="Show the nodes that answer.")
 @all_option

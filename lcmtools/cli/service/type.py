@@ -2,6 +2,7 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.service.offered import find_service
@@ -9,7 +10,7 @@ from lcmtools.errors import LcmtoolsError
 
 
 @click.command("type", context_settings=CONTEXT)
-@click.argument("service")
+@click.argument("service", shell_complete=complete("bus:services"))
 @json_option
 @bus_options
 def command(service: str, *, as_json: bool) -> None:

@@ -2,13 +2,14 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options, json_option
 from lcmtools.cli.sim.simulator import ask, sim_option, tell, timeout_option
 from lcmtools.types.sim_msgs import Delete
 
 
 @click.command("delete", context_settings=CONTEXT)
-@click.argument("robot")
+@click.argument("robot", shell_complete=complete("bus:robots"))
 @sim_option
 @timeout_option
 @json_option

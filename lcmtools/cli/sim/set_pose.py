@@ -2,6 +2,7 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options, json_option
 from lcmtools.cli.sim.simulator import ask, read_pose, sim_option, tell, timeout_option
 from lcmtools.cli.words import CommandWithWords
@@ -9,7 +10,7 @@ from lcmtools.types.sim_msgs import SetPose
 
 
 @click.command("set-pose", cls=CommandWithWords, context_settings=CONTEXT)
-@click.argument("robot")
+@click.argument("robot", shell_complete=complete("bus:robots"))
 @click.argument("words", metavar="X Y [YAW]", nargs=-1, required=True)
 @sim_option
 @timeout_option

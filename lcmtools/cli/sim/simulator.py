@@ -8,6 +8,7 @@ from typing import TypeVar
 import click
 
 from lcmtools.cli.asker import asking_node
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import duration, open_monitor
 from lcmtools.cli.output import data, document
 from lcmtools.cli.service.offered import Offered, offered
@@ -28,7 +29,11 @@ RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
 
 sim_option = click.option(
-    "--sim", "name", metavar="NODE", help="The simulator's node, where several run."
+    "--sim",
+    "name",
+    metavar="NODE",
+    help="The simulator's node, where several run.",
+    shell_complete=complete("bus:nodes"),
 )
 timeout_option = click.option(
     "--timeout", type=duration, default=5.0, help="Wait so long for an answer (else 5s)."

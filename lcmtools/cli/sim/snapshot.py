@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options, whole_number
 from lcmtools.cli.output import talk
 from lcmtools.cli.sim.simulator import ask, sim_option, timeout_option
@@ -14,7 +15,11 @@ from lcmtools.types.sim_msgs import Snapshot
 @click.command("snapshot", context_settings=CONTEXT)
 @click.argument("file", type=click.Path())
 @click.option(
-    "--robot", metavar="ROBOT", default="", help="From behind this robot, not from above."
+    "--robot",
+    metavar="ROBOT",
+    default="",
+    help="From behind this robot, not from above.",
+    shell_complete=complete("bus:robots"),
 )
 @click.option("--width", type=whole_number(1), metavar="N", default=800, help="Pixels (else 800).")
 @click.option("--height", type=whole_number(1), metavar="N", default=600, help="Pixels (else 600).")

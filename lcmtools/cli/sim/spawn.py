@@ -2,6 +2,7 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete_words
 from lcmtools.cli.options import CONTEXT, bus_options, json_option
 from lcmtools.cli.sim.simulator import ask, read_pose, sim_option, tell, timeout_option
 from lcmtools.cli.words import CommandWithWords
@@ -9,7 +10,7 @@ from lcmtools.types.sim_msgs import Spawn
 
 
 @click.command("spawn", cls=CommandWithWords, context_settings=CONTEXT)
-@click.argument("model")
+@click.argument("model", shell_complete=complete_words("dolly", "husky", "pioneer"))
 @click.argument("robot")
 @click.argument("words", metavar="[X Y [YAW]]", nargs=-1)
 @sim_option

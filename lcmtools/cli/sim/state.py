@@ -2,6 +2,7 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options, json_option
 from lcmtools.cli.output import data
 from lcmtools.cli.sim.simulator import ask, sim_option, tell, timeout_option
@@ -13,7 +14,7 @@ _OUTCOME = ("success", "message")
 
 
 @click.command("state", context_settings=CONTEXT)
-@click.argument("robot")
+@click.argument("robot", shell_complete=complete("bus:robots"))
 @sim_option
 @timeout_option
 @json_option

@@ -6,6 +6,7 @@ import sys
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import (
     CONTEXT,
     all_option,
@@ -26,7 +27,7 @@ _WAIT = 1.2  # [s] a little more than one period at 1 Hz
 
 
 @click.command("spy", context_settings=CONTEXT)
-@click.argument("topics", metavar="[TOPIC]...", nargs=-1)
+@click.argument("topics", metavar="[TOPIC]...", nargs=-1, shell_complete=complete("bus:names"))
 @click.option("--once", is_flag=True, help="Listen for a moment, print the table, and end.")
 @click.option("--wait", type=duration, help="With --once: listen so long (else 1.2 s).")
 @click.option(

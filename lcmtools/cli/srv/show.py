@@ -2,6 +2,7 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.msg.source import source_text
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import document, lines
@@ -10,7 +11,7 @@ from lcmtools.messages.registry import service_class, service_name
 
 
 @click.command("show", context_settings=CONTEXT)
-@click.argument("type_", metavar="TYPE")
+@click.argument("type_", metavar="TYPE", shell_complete=complete("messages:service_types"))
 @click.option("-r", "--raw", is_flag=True, help="Show the .lcm files, with the comments.")
 @json_option
 def command(type_: str, *, raw: bool, as_json: bool) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
 from lcmtools.cli.output import data, lines, talk
 from lcmtools.cli.topic.measuring import measure, measuring_options, window_option
@@ -17,7 +18,9 @@ _HEADER = ("topic", "average", "mean", "min", "max", "window")
 
 
 @click.command("bw", context_settings=CONTEXT)
-@click.argument("topics", metavar="TOPIC...", nargs=-1, required=True)
+@click.argument(
+    "topics", metavar="TOPIC...", nargs=-1, required=True, shell_complete=complete("bus:topics")
+)
 @window_option(least=2, usual=100)
 @measuring_options
 @json_option

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import click
 
+from lcmtools.cli.completion.completer import complete, complete_files
 from lcmtools.cli.options import (
     CONTEXT,
     bus_choice,
@@ -35,12 +36,22 @@ _CLEAR = "\033[2J\033[;H"  # the screen, and the cursor to its corner
 
 
 @click.command("echo", context_settings=CONTEXT)
-@click.argument("words", metavar="TOPIC... [TYPE]", nargs=-1)
+@click.argument(
+    "words",
+    metavar="TOPIC... [TYPE]",
+    nargs=-1,
+    shell_complete=complete("messages:topics_and_fields"),
+)
 @click.option("-n", "count", metavar="N", type=whole_number(1), help="Stop after so many messages.")
 @click.option("-1", "--once", is_flag=True, help="Stop after one message.")
 @click.option("--timeout", type=duration, help="Give up (exit code 4) when none comes so long.")
 @click.option(
-    "--field", "fields", metavar="PATH", multiple=True, help="Show this field; may be repeated."
+    "--field",
+    "fields",
+    metavar="PATH",
+    multiple=True,
+    help="Show this field; may be repeated.",
+    shell_complete=complete("messages:fields"),
 )
 @click.option("--filter", "condition", metavar="EXPR", help="Show messages for which this is true.")
 @click.option("--noarr", "--no-arr", is_flag=True, help="Show only type and length of arrays.")
@@ -62,7 +73,13 @@ _CLEAR = "\033[2J\033[;H"  # the screen, and the cursor to its corner
 @click.option("--flow-style", "as_flow", is_flag=True, help="Print each message in one line.")
 @click.option("--raw", is_flag=True, help="Print the payload in hexadecimal.")
 @click.option("-c", "--clear", is_flag=True, help="Clear a terminal before each message.")
-@click.option("-b", "--bag", metavar="FILE", help="Read an LCM log, at once, in place of the bus.")
+@click.option(
+    "-b",
+    "--bag",
+    metavar="FILE",
+    help="Read an LCM log, at once, in place of the bus.",
+    shell_complete=complete_files,
+)
 @click.option("-a", "--all", "all_topics", is_flag=True, help="All topics of the log (with -b).")
 @json_option
 @bus_options

@@ -2,6 +2,7 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_monitor
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.graph.model import Topic
@@ -11,7 +12,7 @@ from lcmtools.observe.settled import settled
 
 
 @click.command("find", context_settings=CONTEXT)
-@click.argument("type_", metavar="TYPE")
+@click.argument("type_", metavar="TYPE", shell_complete=complete("messages:types"))
 @click.option("-c", "--count-topics", is_flag=True, help="Print only how many topics there are.")
 @all_option
 @json_option

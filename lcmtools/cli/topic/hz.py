@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor, topic_spellings
 from lcmtools.cli.output import data, lines, talk
 from lcmtools.cli.topic.measuring import measure, measuring_options, window_option
@@ -20,7 +21,9 @@ _HEADER = ("topic", "rate", "min_delta", "max_delta", "std_dev", "window")
 
 
 @click.command("hz", context_settings=CONTEXT)
-@click.argument("topics", metavar="TOPIC...", nargs=-1, required=True)
+@click.argument(
+    "topics", metavar="TOPIC...", nargs=-1, required=True, shell_complete=complete("bus:topics")
+)
 @window_option(least=2, usual=50_000)
 @click.option(
     "--filter", "condition", metavar="EXPR", help="Count messages for which this is true."

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.describe import fingerprint_rows, node_text, program_text, type_text
 from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_monitor
 from lcmtools.cli.output import document, lines
@@ -14,7 +15,7 @@ from lcmtools.observe.losses import Loss
 
 
 @click.command("info", context_settings=CONTEXT)
-@click.argument("topics", nargs=-1, required=True)
+@click.argument("topics", nargs=-1, required=True, shell_complete=complete("bus:topics"))
 @click.option(
     "--wait", type=duration, help="Measure rates for so long (else half a second at most)."
 )

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.describe import type_text
 from lcmtools.cli.options import (
     CONTEXT,
@@ -50,7 +51,7 @@ class _Look:
 
 
 @click.command("list", context_settings=CONTEXT)
-@click.argument("namespace", default="")
+@click.argument("namespace", default="", shell_complete=complete("bus:namespaces"))
 @click.option("-v", "--verbose", is_flag=True, help="Show types and counts, as rostopic list -v.")
 @click.option("-p", "published", is_flag=True, help="Only topics that are published.")
 @click.option("-s", "subscribed", is_flag=True, help="Only topics that are subscribed to.")

@@ -5,6 +5,7 @@ import math
 import click
 
 from lcmtools.arguments import split_arguments
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options, chosen_url, duration, whole_number
 from lcmtools.cli.options import rate as rate_option
 from lcmtools.cli.output import talk
@@ -20,9 +21,9 @@ from lcmtools.publish.subscriber_wait import SubscriberWait, Wanted
 
 
 @click.command("pub", cls=CommandWithValues, context_settings=CONTEXT)
-@click.argument("topic")
-@click.argument("type_", metavar="TYPE")
-@click.argument("values", nargs=-1)
+@click.argument("topic", shell_complete=complete("bus:topics"))
+@click.argument("type_", metavar="TYPE", shell_complete=complete("messages:types"))
+@click.argument("values", nargs=-1, shell_complete=complete("messages:prototypes"))
 @click.option("-r", "--rate", type=rate_option, help="Publish so many times a second until Ctrl-C.")
 @click.option("-1", "--once", is_flag=True, help="Publish once, or the first of several, and end.")
 @click.option(
@@ -64,11 +65,22 @@ from lcmtools.publish.subscriber_wait import SubscriberWait, Wanted
     "--use-rostime", "--use-sim-time", "simulated", is_flag=True, help="Take stamps from /clock."
 )
 @click.option("--literal", is_flag=True, help="TOPIC is the LCM channel, to the letter.")
-@click.option("--ns", metavar="NAME", help="The namespace that TOPIC stands in; as __ns:=NAME.")
+@click.option(
+    "--ns",
+    metavar="NAME",
+    help="The namespace that TOPIC stands in; as __ns:=NAME.",
+    shell_complete=complete("bus:namespaces"),
+)
 @click.option(
     "-n", "--name", "--node-name", metavar="NAME", help="The name of this node; as __name:=NAME."
 )
-@click.option("--remap", metavar="FROM:=TO", multiple=True, help="Another topic in place of FROM.")
+@click.option(
+    "--remap",
+    metavar="FROM:=TO",
+    multiple=True,
+    help="Another topic in place of FROM.",
+    shell_complete=complete("programs:remaps"),
+)
 @bus_options
 def command(  # noqa: PLR0913 - one parameter an option
     topic: str,

@@ -2,6 +2,7 @@
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.describe import UNKNOWN, fingerprint_rows, type_text
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor, topic_spellings
 from lcmtools.cli.output import document, lines
@@ -14,7 +15,7 @@ from lcmtools.observe.settled import settled
 
 
 @click.command("type", context_settings=CONTEXT)
-@click.argument("topic")
+@click.argument("topic", shell_complete=complete("bus:topics"))
 @json_option
 @bus_options
 def command(topic: str, *, as_json: bool) -> None:

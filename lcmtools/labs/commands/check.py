@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 import click
 
+from lcmtools.cli.completion.completer import complete, complete_files
 from lcmtools.cli.options import CONTEXT, json_option, rate
 from lcmtools.cli.output import document, lines
 from lcmtools.labs.catalogue import LABS, find_lab
@@ -20,13 +21,14 @@ def _role_options(command: Callable[..., int]) -> Callable[..., int]:
                 f"--{role.option}",
                 metavar="COMMAND",
                 help=f"Lab {lab.name}: your {role.node}.",
+                shell_complete=complete_files,
             )
             command = option(command)
     return command
 
 
 @click.command("check", context_settings=CONTEXT)
-@click.argument("name")
+@click.argument("name", shell_complete=complete("lcmtools.labs.commands.completion:labs"))
 @_role_options
 @click.option("--rate", type=rate, help="Times real time (else 1 for yours, 4 for ours).")
 @json_option

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import UsageError
@@ -14,7 +15,9 @@ from lcmtools.labs.skeletons import NAMES, copy_skeleton
 @click.option("-l", "--list", "show_list", is_flag=True, help="List the skeletons.")
 @click.option("--force", is_flag=True, help="Overwrite a file that is there.")
 @json_option
-@click.argument("name", required=False)
+@click.argument(
+    "name", required=False, shell_complete=complete("lcmtools.labs.commands.completion:skeletons")
+)
 @click.argument("folder", metavar="DIR", default=".", type=click.Path(path_type=Path))
 def command(name: str | None, folder: Path, *, show_list: bool, force: bool, as_json: bool) -> None:
     """Copy a lab's node with TODOs in it into DIR (else here), to be filled in.

@@ -3,6 +3,7 @@
 import click
 
 from lcmtools.cli import run
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options, open_monitor
 from lcmtools.cli.output import talk
 from lcmtools.errors import LcmtoolsError
@@ -11,8 +12,13 @@ from lcmtools.labs.catalogue import Lab, find_lab
 
 @click.command("start", context_settings={**CONTEXT, "ignore_unknown_options": True})
 @bus_options
-@click.argument("name")
-@click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
+@click.argument("name", shell_complete=complete("lcmtools.labs.commands.completion:labs"))
+@click.argument(
+    "arguments",
+    nargs=-1,
+    type=click.UNPROCESSED,
+    shell_complete=complete("lcmtools.labs.commands.completion:simulator_arguments"),
+)
 @click.pass_context
 def command(ctx: click.Context, name: str, arguments: tuple[str, ...]) -> int:
     """Run a lab's simulator until Ctrl-C, and say what to type next.

@@ -5,24 +5,22 @@ from collections.abc import Sequence
 import pytest
 
 from lcmtools.cli.completion.line import locate
+from lcmtools.cli.completion.shells import scan, unquoted
 from lcmtools.cli.completion.tree import Argument, Command, Option
-from lcmtools.cli.completion.typed import scan, unquoted
 
 BREAKS = "><=;|&(:"
-URL = Option(["--lcm-url"], "lcm_url", "bus", "", repeats=False, is_hidden=False)
-COLOR = Option(["--color"], "color", "", "", repeats=False, is_hidden=True)
-FIELD = Option(["--field"], "fields", "field", "", repeats=True, is_hidden=False)
-COUNT = Option(["-n"], "count", "", "", repeats=False, is_hidden=False)
-ONCE = Option(["-1", "--once"], "once", None, "", repeats=False, is_hidden=False)
+URL = Option(["--lcm-url"], "lcm_url", "bus")
+COLOR = Option(["--color"], "color", "", is_hidden=True)
+FIELD = Option(["--field"], "fields", "field", repeats=True)
+COUNT = Option(["-n"], "count", "")
+ONCE = Option(["-1", "--once"], "once", None)
 TREE = {
     (): Command([URL], [], {"echo": "", "run": "", "node": ""}),
-    ("echo",): Command(
-        [FIELD, COUNT, ONCE, URL, COLOR], [Argument("topic", "topic", repeats=False)], {}
-    ),
+    ("echo",): Command([FIELD, COUNT, ONCE, URL, COLOR], [Argument("topic", "topic")], {}),
     ("run",): Command(
         [URL],
         [
-            Argument("name", "program", repeats=False),
+            Argument("name", "program"),
             Argument("arguments", "argument", repeats=True),
         ],
         {},
@@ -65,7 +63,7 @@ def test_the_words_before_say_what_the_word_is(typed: str, kind: str, before: st
     *words, word = typed.removesuffix("|").split(" ")
     place = locate(words, word, describe)
     assert place is not None
-    assert (place.kind, place.before) == (kind, before)
+    assert (place.source or place.kind, place.before) == (kind, before)
 
 
 def test_a_command_that_does_not_exist_has_no_completion() -> None:

@@ -5,8 +5,9 @@ import subprocess
 
 import pytest
 
-from lcmtools.cli.completion.candidate import FILES, Candidate, shown
-from lcmtools.cli.completion.shells import SHELLS, Question
+from lcmtools.cli.completion.answer import shown
+from lcmtools.cli.completion.shells import SHELLS, Request
+from lcmtools.cli.completion.situation import FILES, Candidate
 
 BREAKS = " \t\n\"'><=;|&(:"
 BASH = shutil.which("bash") or "bash"
@@ -47,7 +48,7 @@ def test_bash_reads_what_is_put_there_as_one_word(value: str, quote: str) -> Non
 @pytest.mark.parametrize("value", [*NASTY, PROTOTYPE, "/scan/ranges[0:5]"])
 def test_zsh_reads_what_is_put_there_as_one_word(value: str) -> None:
     shell = SHELLS["zsh"]
-    (line,) = shell.write([Candidate(value)], Question([], ""))
+    (line,) = shell.write([Candidate(value)], Request([], ""))
     answer = line.split("\t")[1]
     told = subprocess.run(
         [shutil.which("zsh") or "zsh", "-f", "-c", f"print -r -- {answer}"],
@@ -65,31 +66,31 @@ def test_bash_gets_only_what_stands_behind_a_word_break() -> None:
 
 
 def test_bash_is_told_when_no_blank_shall_follow() -> None:
-    question = Question([], "")
+    request = Request([], "")
     write = SHELLS["bash"].write
-    assert write([Candidate("a/", is_open=True)], question)[0] == "open"
-    assert write([Candidate("a")], question)[0] == "closed"
-    assert write([Candidate("a/", is_open=True), Candidate("b/", is_open=True)], question)[0] == (
+    assert write([Candidate("a/", is_open=True)], request)[0] == "open"
+    assert write([Candidate("a")], request)[0] == "closed"
+    assert write([Candidate("a/", is_open=True), Candidate("b/", is_open=True)], request)[0] == (
         "closed"
     )
 
 
 def test_zsh_asks_with_words_as_typed_and_shows_help() -> None:
     shell = SHELLS["zsh"]
-    question = shell.read(["pub", "'/a b'", '"', "{da"])
-    assert question == Question(["pub", "/a b"], "{da", '"')
-    (line,) = shell.write([Candidate("{data: ''}", "its help")], question)
+    request = shell.read(["pub", "'/a b'", '"', "{da"])
+    assert request == Request(["pub", "/a b"], "{da", '"')
+    (line,) = shell.write([Candidate("{data: ''}", "its help")], request)
     assert line == "closed\t{data: ''}\t{data: ''}  -- its help"
 
 
 def test_fish_gets_a_second_word_where_it_would_put_a_blank() -> None:
     shell = SHELLS["fish"]
-    assert shell.read(["echo", "'/a"]) == Question(["echo"], "/a")
-    assert shell.write([Candidate("/a.b", "help", is_open=True)], Question([], "")) == [
+    assert shell.read(["echo", "'/a"]) == Request(["echo"], "/a")
+    assert shell.write([Candidate("/a.b", "help", is_open=True)], Request([], "")) == [
         "/a.b\thelp",
         "/a.b.",
     ]
-    assert shell.write([Candidate("a/", is_open=True)], Question([], "")) == ["a/"]
+    assert shell.write([Candidate("a/", is_open=True)], Request([], "")) == ["a/"]
 
 
 def test_what_would_move_the_cursor_or_does_not_fit_is_no_candidate() -> None:

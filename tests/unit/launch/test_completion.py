@@ -5,16 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from lcmtools.cli.completion.candidate import FILES
-from lcmtools.cli.completion.situation import Situation
-from lcmtools.cli.completion.words.table import candidates
+from lcmtools.cli.completion.situation import FILES, Situation, candidates
 from lcmtools.graph.model import Graph, Node
 
 GRAPH = Graph(nodes=(Node("/husky0/driver", "1", "morse", 1),))
 
 
 def complete(kind: str, word: str, given: Sequence[str]) -> list[str]:
-    situation = Situation(["launch"], word, {"words": given}, environment={})
+    situation = Situation(word, {"words": given}, environment={})
     situation.__dict__["graph"] = GRAPH
     found = candidates(kind, situation)
     return ["files" if one is FILES else one.value for one in found if one.value.startswith(word)]
@@ -28,25 +26,25 @@ def _here(folder: Path) -> None:
 
 def test_files_of_the_labs_and_all_files_come_first() -> None:
     labs = ["simple_controller.launch", "empty_world.launch", "pre_assignment2.launch"]
-    assert complete("launch", "", []) == [*labs, "files"]
+    assert complete("programs:launch_words", "", []) == [*labs, "files"]
 
 
 def test_arguments_that_are_not_given_yet_follow_the_file() -> None:
     given = ["pre_assignment2.launch", "gui:=true"]
-    assert complete("launch", "", given) == ["paused:=", "rate:=", "__ns:="]
+    assert complete("programs:launch_words", "", given) == ["paused:=", "rate:=", "__ns:="]
 
 
 def test_files_of_a_package_follow_it() -> None:
-    assert complete("launch", "", ["air_lab0"])[0] == "simple_controller.launch"
+    assert complete("programs:launch_words", "", ["air_lab0"])[0] == "simple_controller.launch"
 
 
 def test_namespaces_on_the_bus_follow_their_mark() -> None:
-    assert complete("launch", "__ns:=/h", ["simple_controller"]) == ["__ns:=/husky0"]
+    assert complete("programs:launch_words", "__ns:=/h", ["simple_controller"]) == ["__ns:=/husky0"]
 
 
 def test_nodes_are_the_files_and_a_broken_file_has_none(folder: Path) -> None:
     given = ["simple_controller.launch", "__ns:=/a"]
-    assert complete("launched_node", "", given) == ["/a/husky_simple_controller"]
+    assert complete("programs:launched_nodes", "", given) == ["/a/husky_simple_controller"]
     (folder / "broken.yaml").write_text("nodes: [")
-    assert complete("launched_node", "", ["broken.yaml"]) == []
-    assert complete("launch", "", ["broken.yaml"]) == ["__ns:="]
+    assert complete("programs:launched_nodes", "", ["broken.yaml"]) == []
+    assert complete("programs:launch_words", "", ["broken.yaml"]) == ["__ns:="]

@@ -1,10 +1,10 @@
 """What can stand at a place of the command line, for a bus that is known."""
 
+import click
 import pytest
 
-from lcmtools.cli.completion.candidate import FILES
-from lcmtools.cli.completion.situation import Situation
-from lcmtools.cli.completion.words.table import candidates
+from lcmtools.cli.completion.completer import Completer, Source
+from lcmtools.cli.completion.situation import FILES, Situation, candidates
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
 from lcmtools.messages.registry import fingerprint, message_class
 from lcmtools.messages.yaml_input import message_from_values
@@ -36,11 +36,11 @@ GRAPH = Graph(
 )
 
 
-def complete(kind: str, word: str = "", **given: str) -> list[str]:
+def complete(source: Source, word: str = "", **given: str) -> list[str]:
     lists = {name: value.split("|") for name, value in given.items()}
-    situation = Situation(["x"], word, lists, environment={})
+    situation = Situation(word, lists, environment={})
     situation.__dict__["graph"] = GRAPH
-    found = candidates(kind, situation)
+    found = candidates(source, situation)
     return ["files" if one is FILES else one.value for one in found if one.value.startswith(word)]
 
 
@@ -56,15 +56,15 @@ def complete(kind: str, word: str = "", **given: str) -> list[str]:
     ],
 )
 def test_topics_are_spelled_as_the_word_begins(word: str, found: list[str]) -> None:
-    assert complete("topic", word) == found
+    assert complete("bus:topics", word) == found
 
 
 def test_a_topic_that_is_given_already_is_not_offered_again() -> None:
-    assert "/scan" not in complete("topic", "/", topics="/scan|/chatter")
+    assert "/scan" not in complete("bus:topics", "/", topics="/scan|/chatter")
 
 
 def test_a_relative_topic_stands_in_the_namespace() -> None:
-    assert complete("topic", "odo", ns="/husky0") == ["odometry"]
+    assert complete("bus:topics", "odo", ns="/husky0") == ["odometry"]
 
 
 @pytest.mark.parametrize(
@@ -81,13 +81,13 @@ def test_a_relative_topic_stands_in_the_namespace() -> None:
     ],
 )
 def test_fields_are_offered_behind_a_topic(word: str, found: list[str]) -> None:
-    offered = complete("topic_and_field", word)
+    offered = complete("messages:topics_and_fields", word)
     assert len(offered) == len(found)
     assert all(one.endswith(end) for one, end in zip(offered, found, strict=True))
 
 
 def test_a_field_that_is_written_out_leads_on_to_its_own_fields() -> None:
-    assert complete("topic_and_field", "/husky0/odometry/pose") == [
+    assert complete("messages:topics_and_fields", "/husky0/odometry/pose") == [
         "/husky0/odometry/pose",
         "/husky0/odometry/pose/pose",
         "/husky0/odometry/pose/covariance",
@@ -95,20 +95,23 @@ def test_a_field_that_is_written_out_leads_on_to_its_own_fields() -> None:
 
 
 def test_the_value_of_field_is_a_path_of_the_topic() -> None:
-    assert complete("field", "hea", topic="/scan") == ["header"]
-    assert complete("field", "header.", words="/scan") == [
+    assert complete("messages:fields", "hea", topic="/scan") == ["header"]
+    assert complete("messages:fields", "header.", words="/scan") == [
         "header.seq",
         "header.stamp",
         "header.frame_id",
     ]
-    assert complete("field", "position.", topic="/husky0/odometry.pose.pose")[0] == "position.x"
+    assert (
+        complete("messages:fields", "position.", topic="/husky0/odometry.pose.pose")[0]
+        == "position.x"
+    )
 
 
 def test_the_type_of_the_topic_comes_first_and_alone_before_anything_is_typed() -> None:
-    assert complete("type", topic="/chatter") == ["std_msgs/String"]
-    assert complete("type", topic="chatter") == ["std_msgs/String"]
-    assert complete("type", "std_msgs/", topic="/chatter")[0] == "std_msgs/String"
-    assert len(complete("type", "std_msgs/", topic="/chatter")) > 5
+    assert complete("messages:types", topic="/chatter") == ["std_msgs/String"]
+    assert complete("messages:types", topic="chatter") == ["std_msgs/String"]
+    assert complete("messages:types", "std_msgs/", topic="/chatter")[0] == "std_msgs/String"
+    assert len(complete("messages:types", "std_msgs/", topic="/chatter")) > 5
 
 
 @pytest.mark.parametrize(
@@ -122,43 +125,45 @@ def test_the_type_of_the_topic_comes_first_and_alone_before_anything_is_typed() 
     ],
 )
 def test_types_are_spelled_as_the_word_begins(word: str, found: str) -> None:
-    assert complete("type", word)[0] == found
+    assert complete("messages:types", word)[0] == found
 
 
 def test_packages_come_before_types() -> None:
-    packages = complete("type")
+    packages = complete("messages:types")
     assert "geometry_msgs/" in packages
     assert all(name.endswith("/") for name in packages)
 
 
 def test_a_prototype_is_one_word_that_pub_accepts() -> None:
-    (text,) = complete("message", type_="geometry_msgs/Twist")
+    (text,) = complete("messages:prototypes", type_="geometry_msgs/Twist")
     assert text == "{linear: {x: 0.0, y: 0.0, z: 0.0}, angular: {x: 0.0, y: 0.0, z: 0.0}}"
     kind = message_class("nav_msgs/Odometry")
-    (text,) = complete("message", type_="nav_msgs/Odometry")
+    (text,) = complete("messages:prototypes", type_="nav_msgs/Odometry")
     message_from_values(kind, [text])
 
 
 def test_there_is_no_prototype_behind_a_value_or_a_file_or_for_an_unknown_type() -> None:
-    assert complete("message", type_="std_msgs/String", values="x") == []
-    assert complete("message", type_="std_msgs/String", file="x") == []
-    assert complete("message", type_="std_msgs/Bogus") == []
+    assert complete("messages:prototypes", type_="std_msgs/String", values="x") == []
+    assert complete("messages:prototypes", type_="std_msgs/String", file="x") == []
+    assert complete("messages:prototypes", type_="std_msgs/Bogus") == []
 
 
 def test_a_service_leads_to_its_request() -> None:
-    assert complete("service", "") == ["/reset"]
-    assert complete("request", service="/reset") == ["{data: false}"]
-    assert complete("request", "std", service="reset") == ["std_srvs/SetBool"]
-    assert complete("request", service="/reset", words="std_srvs/SetBool") == ["{data: false}"]
+    assert complete("bus:services", "") == ["/reset"]
+    assert complete("messages:requests", service="/reset") == ["{data: false}"]
+    assert complete("messages:requests", "std", service="reset") == ["std_srvs/SetBool"]
+    assert complete("messages:requests", service="/reset", words="std_srvs/SetBool") == [
+        "{data: false}"
+    ]
 
 
 def test_nodes_hosts_and_namespaces_of_the_bus() -> None:
-    assert complete("node") == ["/husky0/driver"]
-    assert complete("node", "dri") == ["driver"]
-    assert complete("node", "/_l") == ["/_lcmtools_echo_1"]
-    assert complete("host") == ["morse"]
-    assert complete("namespace") == ["/husky0"]
-    assert complete("namespace", "hus") == ["husky0"]
+    assert complete("bus:nodes") == ["/husky0/driver"]
+    assert complete("bus:nodes", "dri") == ["driver"]
+    assert complete("bus:nodes", "/_l") == ["/_lcmtools_echo_1"]
+    assert complete("bus:hosts") == ["morse"]
+    assert complete("bus:namespaces") == ["/husky0"]
+    assert complete("bus:namespaces", "hus") == ["husky0"]
 
 
 def test_robots_are_those_that_simulators_take_commands_for() -> None:
@@ -172,9 +177,9 @@ def test_robots_are_those_that_simulators_take_commands_for() -> None:
     other = Node("/other", "4", "morse", 4, endpoints=(steered[0], clock))
 
     def robots(word: str) -> list[str]:
-        situation = Situation(["x"], word, {}, environment={})
+        situation = Situation(word, {}, environment={})
         situation.__dict__["graph"] = Graph(nodes=(*GRAPH.nodes, other, simulator))
-        return [one.value for one in candidates("robot", situation)]
+        return [one.value for one in candidates("bus:robots", situation)]
 
     assert robots("") == robots("/") == ["/", "/husky1"]
     assert "husky1" in robots("hus")
@@ -195,44 +200,58 @@ def test_robots_are_those_that_simulators_take_commands_for() -> None:
 def test_arguments_that_every_node_takes(
     word: str, given: dict[str, str], found: list[str]
 ) -> None:
-    assert complete("program_argument", word, name="talker", **given) == found
+    assert complete("programs:arguments", word, name="talker", **given) == found
 
 
 def test_the_simulator_says_what_its_own_arguments_are() -> None:
-    assert "husky" in complete("program_argument", name="sim", arguments="--world")
-    assert "--world=husky" in complete("program_argument", "--world=", name="sim")
-    assert complete("program_argument", "./", name="sim", arguments="--world") == []
-    assert "files" in complete("program_argument", "", name="sim", arguments="--check")
-    assert "--world" in complete("program_argument", "--wo", name="sim")
+    assert "husky" in complete("programs:arguments", name="sim", arguments="--world")
+    assert "--world=husky" in complete("programs:arguments", "--world=", name="sim")
+    assert complete("programs:arguments", "./", name="sim", arguments="--world") == []
+    assert "files" in complete("programs:arguments", "", name="sim", arguments="--check")
+    assert "--world" in complete("programs:arguments", "--wo", name="sim")
 
 
-def test_a_kind_that_is_not_known_has_no_candidates() -> None:
+def test_a_source_may_be_words_or_files_or_nothing() -> None:
     assert complete("") == []
-    assert complete("one of red green", "g") == ["green"]
-    assert complete("file") == ["files"]
+    assert complete([["red"], ["green"]], "g") == ["green"]
+    assert complete("files") == ["files"]
 
 
 def test_what_is_left_out_of_a_graph_is_any_name_once() -> None:
     names = ["/husky0", "/chatter", "/husky0/odometry", "/scan", "EXAMPLE", "/husky0/driver"]
-    assert complete("name") == names
-    assert complete("name", "/husky0", excluded="/husky0") == names[2:3] + names[5:]
+    assert complete("bus:names") == names
+    assert complete("bus:names", "/husky0", excluded="/husky0") == names[2:3] + names[5:]
 
 
 def test_a_node_stands_behind_the_file_or_in_its_place() -> None:
-    assert complete("file_then_node") == ["files"]
-    assert complete("file_then_node", words="gains.yaml") == ["/husky0/driver"]
-    assert complete("node_or_file") == ["/husky0/driver", "files"]
+    assert complete("bus:nodes_after_file") == ["files"]
+    assert complete("bus:nodes_after_file", words="gains.yaml") == ["/husky0/driver"]
+    assert complete("bus:nodes_and_files") == ["/husky0/driver", "files"]
 
 
 def test_words_that_were_kept_have_their_help() -> None:
-    situation = Situation(["wtf"], "", environment={})
-    found = candidates("listed\nttl\thow far messages go\nloss\twhat is lost", situation)
-    assert [(one.value, one.help) for one in found] == [
-        ("ttl", "how far messages go"),
-        ("loss", "what is lost"),
-    ]
+    kept = [["ttl", "how far messages go"], ["loss", "lost messages"]]
+    found = candidates(kept, Situation(environment={}))
+    assert [[one.value, one.help] for one in found] == kept
+
+
+def test_fixed_words_are_read_together_with_the_command() -> None:
+    source = Completer("programs:rules", is_fixed=True).source()
+    assert ["ttl" in words for words in source].count(True) == 1
+    assert Completer("bus:topics").source() == "bus:topics"
+
+
+def test_clicks_own_completion_gives_the_same_words() -> None:
+    argument = click.Argument(["package"], shell_complete=Completer("messages:packages"))
+    context = click.Context(click.Command("x", params=[argument]))
+    assert [one.value for one in argument.shell_complete(context, "geo")] == ["geometry_msgs"]
 
 
 def test_a_labs_simulator_takes_its_own_arguments_but_no_world() -> None:
-    assert complete("simulator_argument", "--ra", name="husky") == ["--rate"]
-    assert complete("simulator_argument", name="husky") == ["__ns:=", "__name:="]
+    assert complete(
+        "lcmtools.labs.commands.completion:simulator_arguments", "--ra", name="husky"
+    ) == ["--rate"]
+    assert complete("lcmtools.labs.commands.completion:simulator_arguments", name="husky") == [
+        "__ns:=",
+        "__name:=",
+    ]

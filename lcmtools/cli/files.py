@@ -1,4 +1,4 @@
-"""Where files of a user's go, by the XDG rules, and writing one as a whole or not at all."""
+"""A user's folders by the XDG rules, and writing a file as a whole or not at all."""
 
 import contextlib
 import os
@@ -7,12 +7,12 @@ from pathlib import Path
 
 
 def home_folder(environment: Mapping[str, str], variable: str, default: str) -> Path | None:
-    """A folder of the user's; None where the environment names no home.
+    """Return a folder of the user's; None where the environment names no home.
 
     Args:
         environment: The environment variables.
-        variable: Names it where it is absolute ("XDG_CACHE_HOME"), by the XDG rules.
-        default: Where it is in the home otherwise (".cache").
+        variable: Names the folder where it is absolute ("XDG_CACHE_HOME"), by the XDG rules.
+        default: The folder's place in the home otherwise (".cache").
     """
     named = environment.get(variable, "")
     if named.startswith("/"):
@@ -22,13 +22,13 @@ def home_folder(environment: Mapping[str, str], variable: str, default: str) -> 
 
 
 def cache_folder(environment: Mapping[str, str]) -> Path | None:
-    """Where lcmtools keeps what it could find out again."""
+    """Return the folder for data that can be computed again."""
     base = home_folder(environment, "XDG_CACHE_HOME", ".cache")
     return base / "lcmtools" if base else None
 
 
 def runtime_folder(environment: Mapping[str, str]) -> Path | None:
-    """Where lcmtools keeps what is true for a moment."""
+    """Return the folder for data that is valid for a moment."""
     named = environment.get("XDG_RUNTIME_DIR", "")
     if named.startswith("/") and os.access(named, os.W_OK):
         return Path(named) / "lcmtools"
@@ -36,19 +36,15 @@ def runtime_folder(environment: Mapping[str, str]) -> Path | None:
 
 
 def write_atomically(path: Path, text: str, *, private: bool = False) -> None:
-    """Write a file, so that whoever reads it meanwhile sees the old or the new one, whole.
+    """Write a file in an existing folder; a concurrent reader sees the old or the new one, whole.
 
     Where ``path`` is a link, as a settings file kept elsewhere may be, its target is written.
-
-    Args:
-        path: The file; its folder exists.
-        text: What it shall say.
-        private: Only the user may read it; otherwise as an old file had it, or as usual.
+    A private file can be read by the user only; others keep their mode.
 
     Raises:
-        OSError: It cannot be written; then nothing has changed.
+        OSError: It cannot be written; nothing has changed.
     """
-    import tempfile  # what completes a word seldom writes
+    import tempfile  # completion seldom writes
 
     path = path.resolve()
     descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)

@@ -1,0 +1,216 @@
+"""Completers that look at the bus: topics, nodes, namespaces, services, parameters, robots."""
+
+import contextlib
+import time
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from lcmtools.cli.completion.situation import FILES, Candidate, Situation
+from lcmtools.errors import LcmtoolsError
+from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.names import base_name_of, is_hidden, namespace_of, spellings
+
+if TYPE_CHECKING:  # most completions do without
+    from lcmtools.types.lcmtools_msgs import Parameter
+
+TOPIC = ("topic", "topics", "words")
+"""The parameters that are topics."""
+_ANSWER = 0.08  # [s] that a node has to answer
+_DEFAULT_URL = "udpm://239.255.76.67:7667?ttl=0"
+_STATE = "sim_msgs/GetState"
+"""The service that only simulators offer."""
+
+
+def urls(situation: Situation) -> Iterator[Candidate]:
+    """The bus of the environment, the default, and the beginnings of other kinds."""
+    yield Candidate(situation.environment.get("LCM_DEFAULT_URL") or _DEFAULT_URL)
+    yield Candidate(_DEFAULT_URL)
+    yield from (Candidate(provider, is_open=True) for provider in ("tcpq://", "file://"))
+
+
+def topics(situation: Situation) -> Iterator[Candidate]:
+    """The topics; hidden ones only where the word is one.
+
+    A word without a slash may be a plain channel's name, or one in the namespace.
+    """
+    given = situation.all(*TOPIC)
+    for name in situation.graph.topic_names():
+        spelled = _relative(name, situation)
+        if spelled not in given and _is_offered(name, situation):
+            yield Candidate(spelled, " or ".join(types_of(situation.graph, name)))
+
+
+def nodes(situation: Situation) -> Iterator[Candidate]:
+    """The nodes by their full names; by the last part where the word has no slash."""
+    given = situation.all("node", "nodes")
+    for node in situation.graph.nodes:
+        name = node.name if situation.is_global else base_name_of(node.name)
+        is_offered = is_hidden(situation.word) or not (node.is_hidden or node.tool)
+        if is_offered and name not in given and node.name not in given:
+            yield Candidate(name, f"{node.host}, pid {node.pid}")
+
+
+def nodes_and_files(situation: Situation) -> Iterator[Candidate]:
+    """Nodes; files where the word begins no node."""
+    yield from nodes(situation)
+    yield FILES
+
+
+def nodes_after_file(situation: Situation) -> Iterator[Candidate]:
+    """A file, then nodes."""
+    yield from nodes(situation) if situation.given.get("words") else [FILES]
+
+
+def hosts(situation: Situation) -> Iterator[Candidate]:
+    """The computers that nodes run on."""
+    yield from map(Candidate, sorted({node.host for node in situation.graph.nodes}))
+
+
+def namespaces(situation: Situation) -> Iterator[Candidate]:
+    """The namespaces of topics and nodes, and those above them."""
+    names = [*situation.graph.topic_names(), *(node.name for node in situation.graph.nodes)]
+    found: set[str] = set()
+    for name in names:
+        while name.startswith("/") and (name := namespace_of(name)) != "/":
+            found.add(name)
+    for name in sorted(found):
+        if _is_offered(name, situation):
+            yield Candidate(name if situation.is_global else name.removeprefix("/"))
+
+
+def names(situation: Situation) -> Iterator[Candidate]:
+    """Everything that has a name: namespaces, topics, nodes."""
+    given = situation.all("namespace", "excluded")
+    found = (*namespaces(situation), *topics(situation), *nodes(situation))
+    yield from (one for one in found if one.value not in given)
+
+
+def robots(situation: Situation) -> Iterator[Candidate]:
+    """The namespaces of simulated robots."""
+    found = {robot: node.name for node in situation.graph.nodes for robot in _robots_of(node)}
+    for robot, simulator in sorted(found.items()):
+        yield Candidate(robot if situation.is_global else robot.removeprefix("/"), simulator)
+
+
+def services(situation: Situation) -> Iterator[Candidate]:
+    """The services; hidden ones only where the word is one."""
+    given = situation.all("service", "services")
+    for endpoint in _services(situation):
+        name = _relative(endpoint.topic, situation)
+        if name not in given and _is_offered(endpoint.topic, situation):
+            yield Candidate(name, endpoint.type)
+
+
+def parameters(situation: Situation) -> Iterator[Candidate]:
+    """Nodes; after a node its parameters; after a parameter its value.
+
+    The name is rosparam's ("/driver/gain") or ros2's ("driver gain"); the node itself is asked.
+    """
+    before = situation.all("words", "node", "name")
+    if not before:
+        yield from _node_or_parameter(situation)
+        return
+    for one in _parameters_of(_full_name(before[0], situation), situation):
+        if len(before) == 1:
+            yield Candidate(one.name, f"{one.type}, {one.value}")
+        elif one.name == before[1]:
+            yield Candidate(one.value, one.type)
+
+
+def topic_meant(situation: Situation, word: str) -> str | None:
+    """Return the topic on the bus that a word means; None where there is none."""
+    known = set(situation.graph.topic_names())
+    return next((name for name in spellings(word, situation.namespace) if name in known), None)
+
+
+def types_of(graph: Graph, name: str) -> tuple[str, ...]:
+    """Return the types announced for a topic, else the likeliest by its fingerprint."""
+    topic = graph.topic(name)
+    if topic.types:
+        return topic.types
+    from lcmtools.messages.registry import candidates
+
+    return tuple(one for f in topic.fingerprints for one in candidates(f)[:1])
+
+
+def service_type(situation: Situation) -> str:
+    """Return the type of the service before the cursor; "" where no node announces it."""
+    names = spellings(situation.first("service", "services"), situation.namespace)
+    return next((one.type for one in _services(situation) if one.topic in names), "")
+
+
+def _services(situation: Situation) -> list[Endpoint]:
+    found = (one for node in situation.graph.nodes for one in node.having(Role.SERVICE))
+    return sorted(found, key=lambda endpoint: endpoint.topic)
+
+
+def _is_offered(name: str, situation: Situation) -> bool:
+    return not is_hidden(name) or is_hidden(situation.word)
+
+
+def _relative(name: str, situation: Situation) -> str:
+    """A topic's or service's name as the word begins: in full, or within the namespace."""
+    if situation.is_global or not name.startswith("/"):
+        return name
+    return name.removeprefix(situation.namespace.rstrip("/")).removeprefix("/")
+
+
+def _robots_of(node: Node) -> set[str]:
+    """The namespaces that a simulator takes commands for: the last word of their group."""
+    if not any(_STATE in service.types for service in node.having(Role.SERVICE)):
+        return set()
+    groups = {one.group for one in node.having(Role.SUBSCRIBER)}
+    return {group.rpartition(" ")[2] for group in groups if group}
+
+
+def _node_or_parameter(situation: Situation) -> Iterator[Candidate]:
+    """Nodes, and the parameters of one that is written out with a slash behind it."""
+    found = list(nodes(situation))
+    yield from found
+    name, slash, _ = situation.word.rpartition("/")
+    if slash and name and not any(one.value.startswith(situation.word) for one in found):
+        for one in _parameters_of(_full_name(name, situation), situation):
+            yield Candidate(f"{name}/{one.name}", f"{one.type}, {one.value}")
+
+
+def _full_name(name: str, situation: Situation) -> str:
+    if name.startswith("/"):
+        return name
+    return next((node.name for node in situation.graph.named(name)), f"/{name}")
+
+
+def _parameters_of(node: str, situation: Situation) -> "Sequence[Parameter]":
+    """The parameters of a node; none where it does not answer."""
+    from lcmtools.bus.quick_probe import QuickProbe
+    from lcmtools.messages.codec import decode
+    from lcmtools.node.parameters import service_name
+    from lcmtools.node.service import reply_channel, request_channel
+    from lcmtools.types.lcmtools_msgs import Parameters, ServiceReply
+
+    service = service_name(node)
+    client, request = _request(request_channel(service))
+    deadline = time.monotonic() + _ANSWER
+    with (
+        contextlib.suppress(LcmtoolsError, OSError),
+        QuickProbe(situation.url, request, reply_channel(service)) as quick_probe,
+    ):
+        for payload in quick_probe.replies(reply_channel(service), deadline):
+            with contextlib.suppress(LcmtoolsError):
+                reply = decode(ServiceReply, payload)
+                if reply.client == client and reply.status == ServiceReply.OK:
+                    return decode(Parameters.Response, reply.payload).parameters
+    return ()
+
+
+def _request(channel: str) -> tuple[str, bytes]:
+    """The client's id, and the datagram that requests all parameters and changes none."""
+    import uuid
+
+    from lcmtools.messages.codec import encode
+    from lcmtools.types.lcmtools_msgs import Parameters, ServiceRequest
+    from lcmtools.wire.datagram import short_message
+
+    request = ServiceRequest()
+    request.client, request.sequence = uuid.uuid4().hex, 1
+    request.payload = encode(Parameters.Request())
+    return request.client, short_message(0, channel, encode(request))

@@ -1,0 +1,167 @@
+"""Completers for messages: types, packages, field paths, and prototypes to fill in."""
+
+import contextlib
+import re
+from collections.abc import Iterable, Iterator, Sequence
+
+from lcmtools.cli.completion.bus import TOPIC, service_type, topic_meant, topics, types_of
+from lcmtools.cli.completion.situation import Candidate, Situation
+from lcmtools.errors import LcmtoolsError
+from lcmtools.messages.registry import (
+    Message,
+    message_class,
+    service_class,
+    service_name,
+    service_names,
+    type_names,
+)
+
+_SPELLING = re.compile(r"\w+([/.])((?:msg|srv)[/.])?", re.ASCII)
+_LAST = re.compile(r"(.*?)([./]?)([^./\[\]]*)", re.DOTALL)
+_INDICES = ("[0]", "[-1]", "[0:5]", "[::10]")
+
+
+def types(situation: Situation) -> Iterator[Candidate]:
+    """The message types; after a topic that is on the bus, its type before all others.
+
+    Where nothing is typed yet, that one alone: a single key takes it.
+    """
+    topic = situation.first(*TOPIC)
+    name = topic_meant(situation, topic) if topic else None
+    known = types_of(situation.graph, name) if name else ()
+    yield from (Candidate(_spelled(one, situation.word)) for one in known)
+    if situation.word or not known:
+        yield from _by_package(type_names(), situation.word)
+
+
+def service_types(situation: Situation) -> Iterator[Candidate]:
+    """The service types."""
+    yield from _by_package(service_names(), situation.word)
+
+
+def packages(_: Situation) -> Iterator[Candidate]:
+    """The packages that have message types."""
+    yield from map(Candidate, sorted({_package(name) for name in type_names()}))
+
+
+def topics_and_fields(situation: Situation) -> Iterator[Candidate]:
+    """The topics; after one that is written out, with a dot or a slash, its fields."""
+    yield from topics(situation)
+    if any(mark in situation.word[1:] for mark in "./["):
+        topic, path, types = _split(situation, situation.word, has_path=True)
+        for field in _fields_of_any(types, path):
+            yield Candidate(f"{topic}{field.value}", field.help, field.is_open)
+
+
+def fields(situation: Situation) -> Iterator[Candidate]:
+    """The field paths of the topic before the cursor."""
+    _, path, types = _split(situation, situation.first(*TOPIC))
+    for one in _fields_of_any(types, f"{path}.{situation.word}"):
+        yield Candidate(one.value[len(path) + 1 :], one.help, one.is_open)
+
+
+def prototypes(situation: Situation) -> Iterator[Candidate]:
+    """A message of the type before the cursor to fill in, as the first of the values."""
+    name = situation.last("type_")
+    if name and not situation.given.get("values") and not situation.last("file"):
+        with contextlib.suppress(LcmtoolsError):
+            yield Candidate(_prototype(message_class(name)), name)
+
+
+def requests(situation: Situation) -> Iterator[Candidate]:
+    """A request of the service before the cursor to fill in; or its type, where one is begun."""
+    words = situation.all("words")
+    if len(words) > 1 or situation.last("file"):
+        return
+    known = service_type(situation)
+    if not words and known and situation.word:
+        yield Candidate(known, "its type")
+    with contextlib.suppress(LcmtoolsError):
+        name = service_name(words[0]) if words else known
+        if name:
+            yield Candidate(_prototype(service_class(name).Request), name)
+
+
+def _by_package(names: Sequence[str], word: str) -> Iterator[Candidate]:
+    """The packages that the word may begin; the types where it is one, or names one's type."""
+    packages = {_package(name) for name in names}
+    begun = [name for name in sorted(packages) if name.startswith(word)]
+    shorts = [name.rpartition("/")[2] for name in names]
+    unique = [short for short in shorts if shorts.count(short) == 1] if word else []
+    if len(begun) > 1 and word not in packages:
+        yield from (Candidate(f"{name}/", is_open=True) for name in begun)
+    else:
+        yield from (Candidate(_spelled(name, word)) for name in names)
+    yield from map(Candidate, unique)
+
+
+def _spelled(name: str, word: str) -> str:
+    """A type's name as the word begins to spell it."""
+    package, _, short = name.rpartition("/")
+    match = _SPELLING.match(word)
+    return f"{package}{match[1]}{match[2] or ''}{short}" if match else name
+
+
+def _package(name: str) -> str:
+    return name.partition("/")[0]
+
+
+def _split(
+    situation: Situation, word: str, *, has_path: bool = False
+) -> tuple[str, str, Sequence[str]]:
+    """A word as the topic that is on the bus, the field path behind it, and the topic's types."""
+    from lcmtools.messages.path import splits
+
+    for topic, path in splits(word):
+        if topic and (path or not has_path) and (name := topic_meant(situation, topic)):
+            return topic, path, types_of(situation.graph, name)
+    return word, "", ()
+
+
+def _fields_of_any(types: Iterable[str], path: str) -> Iterator[Candidate]:
+    """The field paths that begin as ``path`` does, for messages of any of the types."""
+    for name in types:
+        with contextlib.suppress(LcmtoolsError):  # an unknown type, or no such path
+            yield from _fields(message_class(name), path)
+
+
+def _fields(cls: type[Message], path: str) -> Iterator[Candidate]:
+    from lcmtools.messages.fields import visible_fields
+    from lcmtools.messages.path import parse_path, target
+
+    match = _LAST.fullmatch(path)
+    owner, separator, name = match.groups() if match else (path, "", "")
+    if path.endswith("["):
+        array = path.removesuffix("[")
+        if target(cls, parse_path(array)).dimensions:
+            yield from (Candidate(f"{array}{index}") for index in _INDICES)
+        return
+    found = target(cls, parse_path(owner))
+    if found.message_class is None or (found.dimensions and not found.sliced):
+        return
+    for field in visible_fields(found.message_class):
+        whole = f"{owner}{separator}{field.name}"
+        sizes = (size if isinstance(size, int) else "" for size in field.dimensions)
+        described = field.type + "".join(f"[{size}]" for size in sizes)
+        yield Candidate(whole, described, bool(field.message_class or field.dimensions))
+        if field.name == name and field.message_class and not field.dimensions:
+            yield from _fields(cls, f"{whole}{separator or '.'}")
+
+
+def _prototype(cls: type[Message]) -> str:
+    """The fields of a type with their defaults, as YAML in one line."""
+    from lcmtools.messages.plain import to_plain
+
+    return _flow(to_plain(cls()))
+
+
+def _flow(value: object) -> str:
+    from lcmtools.messages.text import quoted
+
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{name}: {_flow(part)}' for name, part in value.items())}}}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_flow, value))}]"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return quoted(value) if isinstance(value, str) else repr(value)

@@ -1,0 +1,26 @@
+"""Completers of the labs' commands: labs, skeletons, a lab's simulator's arguments."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from lcmtools.cli.completion.programs import arguments
+from lcmtools.cli.completion.situation import Candidate, Situation
+from lcmtools.labs.catalogue import LABS
+from lcmtools.labs.skeletons import NAMES
+
+
+def labs(_: Situation) -> Iterator[Candidate]:
+    """The labs by name."""
+    yield from (Candidate(lab.name, lab.title) for lab in LABS.values())
+
+
+def skeletons(_: Situation) -> Iterator[Candidate]:
+    """The nodes that are there to be filled in."""
+    yield from map(Candidate, NAMES)
+
+
+def simulator_arguments(situation: Situation) -> Iterator[Candidate]:
+    """The simulator's own arguments; the lab decides on its world."""
+    before = ("--world", situation.last("name"), *situation.all("arguments"))
+    given = {**situation.given, "name": ("sim",), "arguments": before}
+    yield from arguments(replace(situation, given=given))
