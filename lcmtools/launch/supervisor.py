@@ -1,58 +1,57 @@
-"""Runs a plan: starts its processes, passes on what they write, starts them again, ends them.
+"""Runs a plan: starts its processes, passes on their lines, starts them again, ends them.
 
-Belongs here: what is done when. It has one thread, and waits for signals, ends and lines at once.
-Must not know how anything is printed: a ``Watcher`` is told.
+Belongs here: the order of things. It has one thread, and waits for signals, ends and lines at once.
+Must not know how anything is printed: that is a ``Watcher``'s.
 """
 
 import math
 import signal
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Protocol
 
-from lcmtools.launch.journal import Journal
-from lcmtools.launch.plan import NodePlan
-from lcmtools.processes.process import Process, Times
+from lcmtools.launch.logs import Journal
+from lcmtools.launch.node_process import NodeProcess
+from lcmtools.launch.plan import NodePlan, Output
+from lcmtools.processes.child import StopTimeouts
 from lcmtools.processes.process_guard import ProcessGuard
-from lcmtools.processes.signals import Wakeup
+from lcmtools.processes.signal_waiter import SignalWaiter
 
 _LOOK_AGAIN = 0.02
 """Seconds between looks at a group whose first process has ended."""
 _LONG_LIFE = 5.0
-"""Seconds; a node that lives shorter, again and again, is started again ever more slowly."""
+"""Seconds; a node that keeps dying sooner is started again after ever longer delays."""
 _SLOWEST = 10.0
 _TALK = ("[INFO] ", "[DEBUG] ")
-"""How lines of a node's log begin that are no errors, although they are in the error stream."""
+"""The beginnings of log lines that are no errors, although they are in the error stream."""
 
 
 class Watcher(Protocol):
-    """Whoever shows what happens.
+    """Shows what happens; both methods that show raise BrokenPipeError when nothing reads."""
 
-    Both raise BrokenPipeError when nobody looks any more.
-    """
-
-    def line(self, process: Process, text: str, *, is_error: bool) -> None:
-        """Show a line that a process has written."""
+    def line(self, node: NodeProcess, text: str, *, is_error: bool) -> None:
+        """Show a line that a node has written."""
 
     def event(self, text: str, *, is_bad: bool = False) -> None:
-        """Something has happened to the processes."""
+        """Show an event."""
 
     def stream(self, *, is_error: bool) -> int:
-        """The descriptor that is written into; events go where errors go."""
+        """Return the descriptor for lines; events go where errors go."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What has become of a node.
+    """The end of a node.
 
     Attributes:
         node: Its full name.
-        code: The exit code of its last run, negative for a signal; None where it was not started.
+        code: The exit code of its last run, negative for a signal; None if it was not started.
         end: The same in words.
-        has_failed: Whether it ended badly, without being asked to and without a new start.
-        restarts: How often it was started again.
+        has_failed: True if it failed, was not asked to end, and was not started again.
+        restarts: Number of further starts.
         log: Its log file, or "".
     """
 
@@ -64,20 +63,15 @@ class Outcome:
     log: str
 
 
-def label(process: Process) -> str:
-    """How a process is called where lines are shown: ``husky0/driver-1``."""
-    return f"{process.plan.name.strip('/')}-{process.number}"
-
-
 class Supervisor:
-    """Runs processes until they have all ended, or are asked to.
+    """Runs processes until they have all ended, or are asked to end.
 
     Args:
-        nodes: What to run.
+        nodes: The nodes to run.
         environment: The variables of all of them.
         folder: For log files.
-        watcher: Is told.
-        times: How long signals are given.
+        watcher: Shows lines and events.
+        timeouts: For the signals that end a process.
     """
 
     def __init__(
@@ -86,85 +80,82 @@ class Supervisor:
         environment: Mapping[str, str],
         folder: Path,
         watcher: Watcher,
-        times: Times,
+        timeouts: StopTimeouts,
     ) -> None:
-        self._processes = [Process(plan, i, times) for i, plan in enumerate(nodes, 1)]
+        self._nodes = [NodeProcess(plan, i) for i, plan in enumerate(nodes, 1)]
         self._environment = environment
         self._watcher = watcher
+        self._timeouts = timeouts
         self._journal = Journal(folder)
-        self._wakeup = Wakeup()
-        self._due: dict[Process, float] = {}  # when those that wait are started again
-        self._short_lives: dict[Process, int] = {}
-        self._draining: set[Process] = set()
-        self._failures: dict[Process, str] = {}
+        self._signals = SignalWaiter()
+        self._due: dict[NodeProcess, float] = {}  # times of further starts
+        self._short_lives: dict[NodeProcess, int] = {}
+        self._draining: set[NodeProcess] = set()  # ended, but perhaps not all of its group
         self._is_stopping = False
         self._is_watched = True
 
     def run(self) -> list[Outcome]:
-        """Run everything; what has become of each."""
-        with self._wakeup, ProcessGuard() as keeper, self._journal:
-            self._start_all(keeper)
-            while self._due or self._draining or any(p.is_running for p in self._processes):
-                self._turn(keeper)
-        return [self._outcome(process) for process in self._processes]
+        """Run everything; return the end of each node."""
+        with self._signals, ProcessGuard() as guard, self._journal:
+            for node in self._nodes:
+                self._handle_signals()
+                if self._is_stopping:
+                    break
+                self._start(node, guard)
+            while self._due or self._draining or any(node.is_running for node in self._nodes):
+                self._turn(guard)
+        return [self._outcome(node) for node in self._nodes]
 
-    def _start_all(self, keeper: ProcessGuard) -> None:
-        for process in self._processes:
-            self._heed()
-            if self._is_stopping:
-                return
-            self._start(process, keeper)
-
-    def _turn(self, keeper: ProcessGuard) -> None:
-        """Wait until something happens, and do what it takes."""
-        of = {stream: process for process in self._processes for stream in process.streams()}
-        for stream in self._wakeup.wait([*of], self._patience()):
-            for is_error, text in of[stream].read(stream):
-                self._take_line(of[stream], text, is_error=is_error)
-        self._heed()
+    def _turn(self, guard: ProcessGuard) -> None:
+        """Wait until something happens, and handle it."""
+        children = [(node, node.child) for node in self._nodes if node.child]
+        of = {stream: (node, child) for node, child in children for stream in child.streams}
+        for stream in self._signals.wait([*of], self._patience()):
+            node, child = of[stream]
+            self._take_lines(node, child.read(stream))
+        self._handle_signals()
         now = time.monotonic()
-        for process in self._processes:
-            if process.poll():
-                self._ended(process, now)
-            if process in self._draining:
-                self._drain(process, keeper, now)
-            number = process.tick(now)
-            if number is not None:
-                self._tell(f"[{label(process)}] does not end: {number.name} is sent", is_bad=True)
-            if self._due.get(process, math.inf) <= now:
-                self._start(process, keeper)
+        for node in self._nodes:
+            if node.has_just_ended():
+                self._ended(node, now)
+            if node in self._draining:
+                self._drain(node, now)
+            if node.child and (number := node.child.tick(now)) is not None:
+                self._tell(f"[{node.label}] does not end: {number.name} is sent", is_bad=True)
+            if self._due.get(node, math.inf) <= now:
+                self._start(node, guard)
 
     def _patience(self) -> float | None:
-        """Seconds until something has to be done even if nothing happens."""
+        """Return the seconds until something has to be done even if nothing happens."""
         if self._draining:
             return _LOOK_AGAIN
-        times = [*self._due.values(), *(p.next_step for p in self._processes if p.is_running)]
-        first = min(times, default=math.inf)
+        steps = [node.child.next_step for node in self._nodes if node.child and node.is_running]
+        first = min([*self._due.values(), *steps], default=math.inf)
         return None if math.isinf(first) else first - time.monotonic()
 
-    def _start(self, process: Process, keeper: ProcessGuard) -> None:
-        self._due.pop(process, None)
-        if failure := self._journal.begin(process):
-            self._tell(f"[{label(process)}] {failure}", is_bad=True)
+    def _start(self, node: NodeProcess, guard: ProcessGuard) -> None:
+        self._due.pop(node, None)
+        if error := self._journal.begin(node):
+            self._tell(f"[{node.label}] {error}", is_bad=True)
         try:
-            process.start(self._environment, keeper.in_child(), time.monotonic())
+            child = node.start(self._environment, guard, self._timeouts)
         except OSError as error:
-            self._failures[process] = f"cannot be started: {error.strerror}"
-            self._tell(f"[{label(process)}] {self._failures[process]}", is_bad=True)
+            node.failure = f"cannot be started: {error.strerror}"
+            self._tell(f"[{node.label}] {node.failure}", is_bad=True)
             self._stop()
             return
-        again = " again" if process.starts > 1 else ""
-        self._tell(f"[{label(process)}] started{again}, pid {process.pid}")
+        again = " again" if node.starts > 1 else ""
+        self._tell(f"[{node.label}] started{again}, pid {child.pid}")
 
-    def _heed(self) -> None:
-        """Do what signals ask for: the first to end, each further one to end sooner."""
-        for number in self._wakeup.take():
-            if not self._is_stopping:
-                again = " (Ctrl-C again: at once)" if number == signal.SIGINT else ""
-                self._tell(f"asking all nodes to end{again}")
-                self._stop()
-            else:
+    def _handle_signals(self) -> None:
+        """The first signal asks all nodes to end, each further one to end sooner."""
+        for number in self._signals.take():
+            if self._is_stopping:
                 self._ask_all()
+                continue
+            again = " (Ctrl-C again: at once)" if number == signal.SIGINT else ""
+            self._tell(f"asking all nodes to end{again}")
+            self._stop()
 
     def _stop(self) -> None:
         self._is_stopping = True
@@ -173,121 +164,86 @@ class Supervisor:
 
     def _ask_all(self) -> None:
         now = time.monotonic()
-        for process in reversed(self._processes):  # those that were started last go first
-            if process.is_running or process in self._draining:
-                process.was_asked = process.was_asked or process.is_running
-                process.ask_to_end(now)
+        for node in reversed(self._nodes):  # those that were started last go first
+            if node.child and (node.is_running or node in self._draining):
+                node.was_asked = node.was_asked or node.is_running
+                node.child.ask_to_end(now)
 
-    def _ended(self, process: Process, now: float) -> None:
+    def _ended(self, node: NodeProcess, now: float) -> None:
         """A node's own process has ended; others of its group may be left."""
-        self._draining.add(process)
-        for stream in process.streams():  # its last words come before its end
-            for is_error, text in process.read(stream):
-                self._take_line(process, text, is_error=is_error)
-        if not process.group_is_gone() and not process.was_asked:
-            process.ask_to_end(now)
-        if process.was_asked:
+        child = node.child
+        assert child is not None
+        self._draining.add(node)
+        for stream in child.streams:  # its last lines come before its end
+            self._take_lines(node, child.read(stream))
+        if node.was_asked:
             return
-        is_bad = process.code != 0
-        self._tell(f"[{label(process)}] {end_text(process)}{self._hint(process)}", is_bad=is_bad)
-        if process.plan.is_required and not self._is_stopping:
-            self._tell(f"[{label(process)}] is required: asking all nodes to end")
+        if not child.group_is_gone():
+            child.ask_to_end(now)
+        log = self._journal.path(node) if node.code else ""
+        text = f"[{node.label}] {node.end_text()}{f'; its log: {log}' if log else ''}"
+        self._tell(text, is_bad=node.code != 0)
+        if node.plan.is_required and not self._is_stopping:
+            self._tell(f"[{node.label}] is required: asking all nodes to end")
             self._stop()
 
-    def _drain(self, process: Process, keeper: ProcessGuard, now: float) -> None:
-        """See to the end of a group."""
-        if not process.group_is_gone():
+    def _drain(self, node: NodeProcess, now: float) -> None:
+        """Wait for the end of a group."""
+        child = node.child
+        if child is None or not child.group_is_gone():
             return
-        self._draining.discard(process)
-        process.settle()
-        for is_error, text in process.rest():
-            self._take_line(process, text, is_error=is_error)
-        keeper.forget(process.pid)
-        if process.was_asked:
-            self._tell(f"[{label(process)}] {end_text(process)}")
-        elif process.plan.respawn and not self._is_stopping:
-            self._due[process] = now + self._delay(process, now)
+        self._draining.discard(node)
+        self._take_lines(node, child.rest())
+        child.release()
+        if node.was_asked:
+            self._tell(f"[{node.label}] {node.end_text()}")
+        elif node.plan.respawn and not self._is_stopping:
+            self._due[node] = now + self._delay(node, now)
 
-    def _delay(self, process: Process, now: float) -> float:
-        """Seconds until a node is started again: longer if it keeps dying young."""
-        is_young = now - process.started_at < _LONG_LIFE
-        young = self._short_lives.get(process, 0) + 1 if is_young else 0
-        self._short_lives[process] = young
+    def _delay(self, node: NodeProcess, now: float) -> float:
+        """Return the seconds until a node is started again: more if it keeps dying young."""
+        is_young = now - node.started_at < _LONG_LIFE
+        young = self._short_lives.get(node, 0) + 1 if is_young else 0
+        self._short_lives[node] = young
         slower = min(_SLOWEST, 0.5 * 2 ** (young - 2)) if young > 1 else 0.0
-        delay = max(process.plan.respawn_delay, slower)
+        delay = max(node.plan.respawn_delay, slower)
         if delay:
-            self._tell(f"[{label(process)}] starts again in {delay:g} s")
+            self._tell(f"[{node.label}] starts again in {delay:g} s")
         return delay
 
-    def _take_line(self, process: Process, text: str, *, is_error: bool) -> None:
-        failure = self._journal.write(process, text)
-        if failure:
-            self._tell(f"[{label(process)}] {failure}", is_bad=True)
-        is_wrong = is_error and not text.startswith(_TALK)
-        if is_wrong or self._journal.is_shown(process):
-            self._show(
-                lambda: self._watcher.line(process, text, is_error=is_error), is_error=is_error
-            )
+    def _take_lines(self, node: NodeProcess, lines: Iterable[tuple[bool, str]]) -> None:
+        for is_error, text in lines:
+            if error := self._journal.write(node, text):
+                self._tell(f"[{node.label}] {error}", is_bad=True)
+            is_wrong = is_error and not text.startswith(_TALK)
+            if is_wrong or node.plan.output is not Output.LOG:
+                show = partial(self._watcher.line, node, text, is_error=is_error)
+                self._show(show, is_error=is_error)
 
     def _tell(self, text: str, *, is_bad: bool = False) -> None:
         self._show(lambda: self._watcher.event(text, is_bad=is_bad), is_error=True)
 
     def _show(self, write: Callable[[], None], *, is_error: bool) -> None:
-        """Show something, unless the screen takes nothing and there is something to do."""
+        """Show something, unless the screen takes nothing while the nodes are to end."""
         if not self._is_watched:
             return
         stream = self._watcher.stream(is_error=is_error)
-        if self._wakeup.wait_writable(stream, is_patient=not self._is_stopping):
-            try:
-                write()
-            except BrokenPipeError:
-                self._leave()
+        if not self._signals.wait_writable(stream, is_patient=not self._is_stopping):
+            return
+        try:
+            write()
+        except BrokenPipeError:  # nothing reads any more: end
+            self._is_watched = False
+            if not self._is_stopping:
+                self._stop()
 
-    def _leave(self) -> None:
-        """Nobody looks any more: end."""
-        self._is_watched = False
-        if not self._is_stopping:
-            self._stop()
-
-    def _hint(self, process: Process) -> str:
-        log = self._journal.path(process)
-        return f"; its log: {log}" if log and process.code else ""
-
-    def _outcome(self, process: Process) -> Outcome:
-        failure = self._failures.get(process, "")
-        died = process.code not in (0, None) and not process.was_asked
-        is_mended = process.plan.respawn  # or would have been, but for the end of all
+    def _outcome(self, node: NodeProcess) -> Outcome:
+        died = node.code not in (0, None) and not node.was_asked
         return Outcome(
-            node=process.plan.name,
-            code=process.code,
-            end=failure or end_text(process),
-            has_failed=bool(failure) or (died and not is_mended),
-            restarts=max(0, process.starts - 1),
-            log=self._journal.path(process),
+            node=node.plan.name,
+            code=node.code,
+            end=node.end_text(),
+            has_failed=bool(node.failure) or (died and not node.plan.respawn),
+            restarts=max(0, node.starts - 1),
+            log=self._journal.path(node),
         )
-
-
-def end_text(process: Process) -> str:
-    """How a process's last run has ended, in words."""
-    if process.code is None:
-        return "not started"
-    asked = " when asked to" if process.was_asked else ""
-    if process.code < 0:
-        name = _signal_name(-process.code)
-        return f"ended by {name}" if process.was_asked else f"died by {name}"
-    if process.code == 0:
-        return f"ended{asked}"
-    verb = "ended" if process.was_asked else "died"
-    return f"{verb} with exit code {process.code}{asked}"
-
-
-def _signal_name(number: int) -> str:
-    try:
-        return signal.Signals(number).name
-    except ValueError:
-        return f"signal {number}"
-
-
-def base_environment(environment: Mapping[str, str]) -> dict[str, str]:
-    """The variables of all nodes: Python's print comes at once, as it would on a terminal."""
-    return {"PYTHONUNBUFFERED": "1", **environment}

@@ -1,4 +1,4 @@
-"""Child processes: started, listened to, signalled, and surely ended.
+"""Child processes: started, read, signalled, and certain to end.
 
 Must not know launch files, labs or buses.
 """

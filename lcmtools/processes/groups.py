@@ -1,7 +1,4 @@
-"""Groups of processes: sending them a signal, and whether anything of one is left.
-
-Belongs here: what the system knows of groups. Must not know nodes.
-"""
+"""Groups of processes: sending them a signal, and finding out if anything of one is left."""
 
 import contextlib
 import os
@@ -9,8 +6,8 @@ from pathlib import Path
 
 
 def send(group: int, number: int) -> bool:
-    """Send a signal to a group of processes; whether there is one."""
-    if group <= 0:  # 0 would be the launcher's own
+    """Send a signal to a group of processes; return True if there is one."""
+    if group <= 0:  # 0 would be this process's own
         return False
     try:
         os.killpg(group, number)
@@ -22,10 +19,10 @@ def send(group: int, number: int) -> bool:
 
 
 def is_gone(group: int) -> bool:
-    """Whether nothing of a group runs any more.
+    """Return True if nothing of a group runs any more.
 
-    What has ended may stay in the group for ever, where the system's first process, which inherits
-    it, takes no notice of it, as in many containers. Where there is no /proc that is not known.
+    A process that has ended may stay in the group for ever, if the system's first process, which
+    inherits it, never waits for it, as in many containers. Without /proc that is not known.
     """
     if not send(group, 0):
         return True
@@ -34,8 +31,8 @@ def is_gone(group: int) -> bool:
 
 
 def _runs_in(path: Path, group: int) -> bool:
-    """Whether a process, by its stat file, is in a group and runs."""
-    with contextlib.suppress(OSError, IndexError):  # it has ended just now
+    """Return True if a process, by its stat file, is in a group and runs."""
+    with contextlib.suppress(OSError, IndexError):  # it has just ended
         # after the name, which may have blanks: state, parent, group (proc_pid_stat(5))
         state, _, of_group = path.read_text(errors="replace").rpartition(")")[2].split()[:3]
         return of_group == str(group) and state not in "ZX"

@@ -1,20 +1,17 @@
-"""Bytes of a process, as lines.
-
-Belongs here: where a line ends. Must not know processes.
-"""
+"""The bytes that a process writes, as lines."""
 
 LONGEST = 65_536
 """Bytes; a longer line comes in pieces, so that one that never ends takes no memory."""
 
 
 class Lines:
-    """Takes what a process writes piece by piece; gives the lines."""
+    """Takes the output of a process piece by piece; returns the lines."""
 
     def __init__(self) -> None:
         self._rest = b""
 
     def take(self, piece: bytes) -> list[str]:
-        """The lines that are whole now, without their ends."""
+        """Return the lines that are complete now, without their ends."""
         *whole, self._rest = (self._rest + piece).split(b"\n")
         if len(self._rest) > LONGEST:
             whole.append(self._rest)
@@ -22,7 +19,7 @@ class Lines:
         return [_text(line) for line in whole]
 
     def end(self) -> list[str]:
-        """What is left of a line that nothing has ended."""
+        """Return the rest: a line without an end."""
         rest, self._rest = self._rest, b""
         return [_text(rest)] if rest else []
 

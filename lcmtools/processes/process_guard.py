@@ -1,74 +1,46 @@
-"""What makes sure that no process outlives its launcher, even one that is killed.
-
-Belongs here: the warden's start, and what is done in a new process before it becomes a node.
-"""
+"""The guard that lets no child process outlive this one, even if this one is killed."""
 
 import contextlib
-import ctypes
 import os
-import signal
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
-_PR_SET_PDEATHSIG = 1
+_REAPER = str(Path(__file__).with_name("reaper.py"))
 
 
 class ProcessGuard:
-    """Tells the warden which groups of processes there are."""
+    """Runs the reaper, which knows the groups of the child processes.
+
+    Attributes:
+        stream: The descriptor into which a new process writes its group ("+123", a line).
+    """
 
     def __init__(self) -> None:
-        script = str(Path(__file__).with_name("warden.py"))
-        # -I -S: it needs nothing that is installed, and nobody's folder may stand in its way
-        self._warden = subprocess.Popen(  # noqa: S603 - our own program
-            [sys.executable, "-I", "-S", script],
+        # -I -S: it needs nothing that is installed, and no other module may take its imports' place
+        self._reaper = subprocess.Popen(  # noqa: S603 - our own program
+            [sys.executable, "-I", "-S", _REAPER],
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             start_new_session=True,
             bufsize=0,
         )
-        self._prctl = _find_prctl()
+        assert self._reaper.stdin is not None
+        self._pipe = self._reaper.stdin
+        self.stream = self._pipe.fileno()
 
     def __enter__(self) -> "ProcessGuard":
-        """It runs already."""
+        """Return it; the reaper runs."""
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Let the warden go; it ends whatever has not been forgotten."""
-        assert self._warden.stdin is not None
+        """Let the reaper end; it ends the groups that have not been forgotten."""
         with contextlib.suppress(OSError):
-            self._warden.stdin.close()
-        self._warden.wait()
-
-    def in_child(self) -> Callable[[], None]:
-        """What a new process, alone in its group, does before it becomes a node."""
-        launcher = os.getpid()
-
-        def bind() -> None:
-            if self._prctl is not None:
-                self._prctl(_PR_SET_PDEATHSIG, int(signal.SIGINT), 0, 0, 0)
-            self._tell(f"+{os.getpid()}\n")
-            if os.getppid() != launcher:  # it died before the kernel was asked to tell
-                os._exit(1)
-
-        return bind
+            self._pipe.close()
+        self._reaper.wait()
 
     def forget(self, group: int) -> None:
-        """A group of processes is gone."""
-        self._tell(f"-{group}\n")
-
-    def _tell(self, line: str) -> None:
-        assert self._warden.stdin is not None
-        with contextlib.suppress(OSError):  # somebody has killed it
-            os.write(self._warden.stdin.fileno(), line.encode())
-
-
-def _find_prctl() -> "Callable[..., int] | None":
-    if sys.platform != "linux":
-        return None
-    try:
-        return ctypes.CDLL(None).prctl
-    except (OSError, AttributeError):
-        return None
+        """Tell the reaper that a group of processes is gone."""
+        with contextlib.suppress(OSError, ValueError):  # the reaper has been killed, or has ended
+            os.write(self._pipe.fileno(), f"-{group}\n".encode())

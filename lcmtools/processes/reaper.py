@@ -1,9 +1,8 @@
-"""The warden: a program of its own that ends a launch's processes when the launcher was killed.
+"""The reaper: a program of its own that ends child processes when their parent was killed.
 
-It reads the groups of processes that there are from a pipe ("+123", "-123", a line each). When the
-launcher ends, however it ends, the pipe does too; whatever is left then gets SIGINT where the
-kernel has not sent it, SIGTERM after a moment, and SIGKILL. It imports nothing of lcmtools, so that
-it starts in a moment.
+It reads the groups of processes from a pipe ("+123", "-123", a line each). The pipe ends with the
+parent, however that ends; the groups that are left then get SIGINT where the kernel has not sent
+it, SIGTERM after a moment, and SIGKILL. It imports nothing of lcmtools, so that it starts quickly.
 """
 
 import contextlib
@@ -13,11 +12,11 @@ import sys
 import time
 
 _GRACE = 0.5
-"""Seconds from one signal to the next: a controller lets its robot stand within that."""
+"""Seconds from one signal to the next: enough for a controller to stop its robot."""
 
 
 def serve(stream: int) -> set[int]:
-    """Read until the launcher is gone; the groups that are left."""
+    """Read until the parent is gone; return the groups that are left."""
     groups: set[int] = set()
     rest = b""
     while piece := os.read(stream, 4096):
@@ -29,7 +28,7 @@ def serve(stream: int) -> set[int]:
 
 
 def end(groups: set[int], *, is_asked: bool) -> None:
-    """End groups of processes, those that ignore it too."""
+    """End groups of processes, including those that ignore signals."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
         groups = {group for group in groups if _send(group, 0)}
         if not (is_asked and number == signal.SIGINT):
@@ -41,21 +40,21 @@ def end(groups: set[int], *, is_asked: bool) -> None:
 
 
 def _send(group: int, number: int) -> bool:
-    """Send a signal; whether there was anybody."""
+    """Send a signal; return True if the group exists."""
     with contextlib.suppress(ProcessLookupError):
         try:
             os.killpg(group, number)
-        except PermissionError:  # some of them are somebody else's
+        except PermissionError:  # some of them belong to another user
             return False
         return True
     return False
 
 
 def main() -> None:
-    """Wait on standard input."""
+    """Serve standard input."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
-    # where there is prctl, the kernel has sent SIGINT to the nodes themselves
+    # where there is prctl, the kernel has sent SIGINT to the processes themselves
     end(serve(sys.stdin.fileno()), is_asked=sys.platform == "linux")
 
 

@@ -29,9 +29,9 @@ from lcmtools.launch.logs import make_folder
 from lcmtools.launch.packages import find_files, lab_files
 from lcmtools.launch.plan import NodePlan, Output, Plan
 from lcmtools.launch.reading import Given, make_plan
-from lcmtools.launch.supervisor import Supervisor, base_environment
+from lcmtools.launch.supervisor import Supervisor
 from lcmtools.names import base_name_of, did_you_mean
-from lcmtools.processes.process import Times
+from lcmtools.processes.child import StopTimeouts
 from lcmtools.settings import usual_namespace
 
 _QUESTIONS = (
@@ -151,7 +151,7 @@ def command(  # noqa: PLR0913 - one for each option
         return 0
     if wait:
         wait_for_bus(chosen_url())
-    return _run(plan, output, Times(sigint_timeout, sigterm_timeout))
+    return _run(plan, output, StopTimeouts(sigint_timeout, sigterm_timeout))
 
 
 def _read(typed: Typed) -> list[File]:
@@ -204,7 +204,7 @@ def _print(records: Iterable[object], rows: Iterable[str], *, as_json: bool) -> 
     document(list(records)) if as_json else lines(rows)
 
 
-def _run(plan: Plan, output: str | None, times: Times) -> int:
+def _run(plan: Plan, output: str | None, timeouts: StopTimeouts) -> int:
     """Run the nodes; the exit code."""
     if not plan.nodes:
         raise UsageError(
@@ -212,11 +212,12 @@ def _run(plan: Plan, output: str | None, times: Times) -> int:
         )
     nodes = [_with_bus(_with_output(node, output)) for node in plan.nodes]
     url = chosen_url()
-    environment = base_environment({**os.environ, "LCM_DEFAULT_URL": str(url)})
+    # a node's print comes at once, as it would on a terminal
+    environment = {"PYTHONUNBUFFERED": "1", **os.environ, "LCM_DEFAULT_URL": str(url)}
     folder = make_folder(os.environ)
     hidden = any(node.output is Output.LOG for node in nodes)
     talk(f"log files: {folder}{'; --screen shows all lines here too' if hidden else ''}")
-    outcomes = Supervisor(nodes, environment, folder, Screen(), times).run()
+    outcomes = Supervisor(nodes, environment, folder, Screen(), timeouts).run()
     sys.stdout.flush()
     talk("\n".join(outcome_rows(outcomes)))
     return int(any(outcome.has_failed for outcome in outcomes))

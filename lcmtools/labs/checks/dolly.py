@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from lcmtools.labs.checks.circle import fit_radius
-from lcmtools.labs.checks.programs import Program
+from lcmtools.labs.checks.programs import CheckedProgram
 from lcmtools.labs.checks.response import BAND, is_within
 from lcmtools.labs.checks.row import Row, row
 from lcmtools.labs.checks.stage import Stage
@@ -44,7 +44,7 @@ def check_mover(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
     stage.listen(Twist, _VELOCITY, lambda twist: heard.append(_Heard(time.monotonic(), twist)))
     stage.listen(Odometry, _TRUTH, path.append)
     program = stage.start(command)
-    stage.wait(lambda: heard or program.code() is not None, _FIRST)
+    stage.wait(lambda: heard or program.code is not None, _FIRST)
     if not heard:
         yield _silent(
             program, "commands the robot", "messages that come", f"publish on {_VELOCITY}"
@@ -55,7 +55,7 @@ def check_mover(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
     yield _command_row(heard[-1].twist)
     path.clear()
     began = stage.time
-    stage.wait(lambda: stage.time - began > _ROUND or program.code() is not None, 3 * _ROUND)
+    stage.wait(lambda: stage.time - began > _ROUND or program.code is not None, 3 * _ROUND)
     yield _circle_row(path)
     yield ends_on_ctrl_c(program)
 
@@ -100,16 +100,16 @@ def check_reader(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
     scans: list[LaserScan] = []
     stage.listen(LaserScan, _SCAN, scans.append)
     program = stage.start(command)
-    stage.wait(lambda: _lines(program) > 1 or program.code() is not None, _FIRST)
-    stage.wait(lambda: program.code() is not None, _MOMENT)  # several lines may be a crash
+    stage.wait(lambda: _lines(program) > 1 or program.code is not None, _FIRST)
+    stage.wait(lambda: program.code is not None, _MOMENT)  # several lines may be a crash
     what, wanted = "prints ranges", "ranges of the scan"
-    if not _lines(program) or program.code() is not None:
+    if not _lines(program) or program.code is not None:
         yield _silent(program, what, wanted, f"print what comes on {_SCAN}")
         return
     if not scans and not stage.wait(lambda: scans, 2.0):
         yield Row(what, wanted, "no scan came", is_ok=False, hint="does the simulator still run?")
         return
-    found = ranges_in(program.output(), scans[-1].ranges)
+    found = ranges_in(program.printed(), scans[-1].ranges)
     yield row(
         what,
         wanted,
@@ -135,12 +135,12 @@ def _tolerance(decimals: str) -> float:
     return float(0.5 * 10.0 ** -len(decimals)) + _NOISE
 
 
-def _lines(program: Program) -> int:
-    return sum(bool(line.strip()) for line in program.output().splitlines())
+def _lines(program: CheckedProgram) -> int:
+    return sum(bool(line.strip()) for line in program.printed().splitlines())
 
 
-def _silent(program: Program, what: str, wanted: str, task: str) -> Row:
-    if program.code() is not None:
+def _silent(program: CheckedProgram, what: str, wanted: str, task: str) -> Row:
+    if program.code is not None:
         return fate(what, program, wanted)
     hint = f"does it {task}? lcmtools wtf beside it says whether it is connected"
     return Row(what, wanted, f"none within {_FIRST:g} s", is_ok=False, hint=hint)

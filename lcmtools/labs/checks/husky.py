@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from lcmtools.labs.checks.programs import Program
+from lcmtools.labs.checks.programs import CheckedProgram
 from lcmtools.labs.checks.response import BAND, Response, analyse, is_within
 from lcmtools.labs.checks.row import Row, row
 from lcmtools.labs.checks.stage import Stage
@@ -101,12 +101,12 @@ def check_controller(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
     robot = _Robot(stage)
     program = stage.start(command)
     robot.desire(_STILL)
-    stage.wait(lambda: robot.commands or program.code() is not None, _FIRST_COMMAND)
+    stage.wait(lambda: robot.commands or program.code is not None, _FIRST_COMMAND)
     yield _commands_row(robot, program)
     if not robot.commands:
         return
     for step in STEPS:
-        if program.code() is not None:
+        if program.code is not None:
             yield fate(f"drive at {step.target:g} {step.unit}", program)
             return
         yield _drive(stage, robot, step)
@@ -114,9 +114,9 @@ def check_controller(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
     yield ends_on_ctrl_c(program)
 
 
-def _commands_row(robot: _Robot, program: Program) -> Row:
+def _commands_row(robot: _Robot, program: CheckedProgram) -> Row:
     what, wanted = "commands the robot", "messages that come"
-    if program.code() is not None and not robot.commands:
+    if program.code is not None and not robot.commands:
         return fate(what, program, wanted)
     return row(
         what,
@@ -194,7 +194,7 @@ def check_evaluator(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
     desired = Step(0.3, 0.4)
     error = math.hypot(desired.forward, desired.turn_rate)
     robot.desire(desired)
-    stage.wait(lambda: len(heard) > 5 or program.code() is not None, _FIRST_COMMAND)  # noqa: PLR2004 - some
+    stage.wait(lambda: len(heard) > 5 or program.code is not None, _FIRST_COMMAND)  # noqa: PLR2004 - some
     if not heard:
         yield _silent(program)
         return
@@ -222,9 +222,9 @@ def check_evaluator(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
     yield ends_on_ctrl_c(program)
 
 
-def _silent(program: Program) -> Row:
+def _silent(program: CheckedProgram) -> Row:
     what, wanted = "publishes", "messages that come"
-    if program.code() is not None:
+    if program.code is not None:
         return fate(what, program, wanted)
     hint = (
         f"does it read odometry and desired_velocity, and publish {_ROBOT}/evaluation_stat?"

@@ -7,7 +7,7 @@ from pathlib import Path
 from lcmtools.errors import DecodeError
 from lcmtools.labs.checks.keys import DIRECTIONS, FACTORS, STOP, Command, after, changed
 from lcmtools.labs.checks.likeness import GOOD, explained
-from lcmtools.labs.checks.programs import Program
+from lcmtools.labs.checks.programs import CheckedProgram
 from lcmtools.labs.checks.row import Row, row
 from lcmtools.labs.checks.stage import Stage
 from lcmtools.labs.checks.verdicts import ends_on_ctrl_c, fate
@@ -27,7 +27,7 @@ _COLUMNS, _ROWS = 160, 120  # so many pixels are compared
 class _Keyboard:
     """Presses keys, and knows what the robot was told last."""
 
-    def __init__(self, stage: Stage, program: Program) -> None:
+    def __init__(self, stage: Stage, program: CheckedProgram) -> None:
         self._stage = stage
         self.program = program
         self.last: Command | None = None
@@ -37,7 +37,7 @@ class _Keyboard:
         """Whether pressing a key, again and again, brings a command that moves the robot."""
         for _ in range(round(_FIRST / _AGAIN)):
             self.program.press(key)
-            if self._stage.wait(self._moves, _AGAIN) or self.program.code() is not None:
+            if self._stage.wait(self._moves, _AGAIN) or self.program.code is not None:
                 break
         return self._moves()
 
@@ -94,7 +94,7 @@ def check_teleop(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
 def _first_key(keyboard: _Keyboard) -> Row:
     is_ok = keyboard.is_answered("i")
     what, wanted = "answers to i", "a Twist"
-    if not is_ok and keyboard.program.code() is not None:
+    if not is_ok and keyboard.program.code is not None:
         return fate(what, keyboard.program, wanted)
     hint = f"read single keys, without Enter (tty.setcbreak), and publish on {_VELOCITY} after each"
     return row(what, wanted, "it comes" if is_ok else "nothing comes", is_ok=is_ok, hint=hint)
@@ -122,11 +122,11 @@ def _key_row(keyboard: _Keyboard, key: str, meaning: str, wanted: Command) -> Ro
 
 
 def _ending(keyboard: _Keyboard) -> Row:
-    if keyboard.program.code() is not None:
+    if keyboard.program.code is not None:
         return fate("stands at the end", keyboard.program)
     keyboard.settled("i")
     keyboard.last = None
-    keyboard.program.interrupt()
+    keyboard.program.ends_on_interrupt()
     stands = keyboard.comes(Command(0.0, 0.0))
     return row(
         "stands at the end",
@@ -156,7 +156,7 @@ def check_viewer(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
         seen.extend(filter(None, [_read(file)]))
         return bool(seen)
 
-    stage.wait(lambda: has_come() or program.code() is not None, _PICTURE)
+    stage.wait(lambda: has_come() or program.code is not None, _PICTURE)
     picture = seen[0] if has_come() else None
     what, wanted = "saves a picture", "a PNG file"
     if picture is None:
@@ -173,15 +173,15 @@ def check_viewer(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
         hint="pixels of the same depth do not look the same: 16UC1 is two bytes a pixel, low byte"
         " first, in mm, 0 for none; rows from the top",
     )
-    if program.code() is None:
+    if program.code is None:
         yield ends_on_ctrl_c(program)
 
 
-def _no_picture(what: str, wanted: str, file: Path, program: Program) -> Row:
+def _no_picture(what: str, wanted: str, file: Path, program: CheckedProgram) -> Row:
     if file.exists():
         hint = "8-bit grey or colour, or 16-bit grey, can be read"
         return Row(what, wanted, "a file that is no such PNG", is_ok=False, hint=hint)
-    if program.code() is not None:
+    if program.code is not None:
         return fate(what, program, wanted)
     hint = f"does it subscribe to {_DEPTH}, and save what comes where --save or {PICTURE} says?"
     return Row(what, wanted, f"none within {_PICTURE:g} s", is_ok=False, hint=hint)

@@ -1,6 +1,6 @@
 """Where a lab's check plays: a bus of its own with a simulator on it, and whoever watches.
 
-Nothing of it is left when it is over, however it ends: processes are in groups that their keeper
+Nothing of it is left when it is over, however it ends: processes are in groups that their guard
 knows, and files in a folder that goes away.
 """
 
@@ -19,7 +19,7 @@ import lcmtools
 from lcmtools import Node
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.labs.catalogue import Lab
-from lcmtools.labs.checks.programs import Program
+from lcmtools.labs.checks.programs import CheckedProgram
 from lcmtools.messages.registry import Message
 from lcmtools.processes.process_guard import ProcessGuard
 from lcmtools.types.rosgraph_msgs import Clock
@@ -75,21 +75,20 @@ class Stage:
         """End everything."""
         self._owned.close()
 
-    def start(self, command: Sequence[str], *, has_keys: bool = False) -> Program:
+    def start(self, command: Sequence[str], *, has_keys: bool = False) -> CheckedProgram:
         """Start a program on this bus; it ends with the stage at the latest.
 
         Raises:
             UsageError: It cannot be started.
         """
         self._programs += 1
-        program = Program(
+        program = CheckedProgram(
             command,
             self._environment(),
             self.folder / f"output_{self._programs}",
-            self._keeper.in_child(),
+            self._guard,
             has_keys=has_keys,
         )
-        self._owned.callback(self._keeper.forget, program.pid)
         return self._owned.enter_context(program)
 
     def listen(
@@ -131,7 +130,7 @@ class Stage:
     def _set_up(self) -> None:
         folder = tempfile.TemporaryDirectory(prefix="lcmtools-lab-")
         self.folder = Path(self._owned.enter_context(folder))
-        self._keeper = self._owned.enter_context(ProcessGuard())
+        self._guard = self._owned.enter_context(ProcessGuard())
         lcmtools.init([], url=self.url, handle_signals=False)
         self._owned.callback(lcmtools.shutdown)
         self.node = self._owned.enter_context(Node(f"_lcmtools_lab_{os.getpid()}", tool=True))
@@ -139,7 +138,7 @@ class Stage:
         self.listen(Clock, "/clock", self._tick)
         world = ("--world", self.lab.world, "--rate", f"{self.rate:g}")
         simulator = self.start(("lcmtools", "run", "sim", *world))
-        self.wait(lambda: self.time > 0.0 or simulator.code() is not None, _START)
+        self.wait(lambda: self.time > 0.0 or simulator.code is not None, _START)
         if not self.time > 0.0:
             raise _no_start(simulator)
 
@@ -154,11 +153,11 @@ class Stage:
         return {**here, **ours, "NO_COLOR": "1"}
 
 
-def _no_start(simulator: Program) -> LcmtoolsError:
+def _no_start(simulator: CheckedProgram) -> LcmtoolsError:
     """What is told of a simulator that does not start."""
     says = simulator.last_words() or f"it said nothing for {_START:g} s"
     what = f"the simulator did not start: {says}"
-    is_missing = simulator.code() == MissingExtra.exit_code
+    is_missing = simulator.code == MissingExtra.exit_code
     return MissingExtra(what) if is_missing else LcmtoolsError(what)
 
 

@@ -2,13 +2,13 @@
 
 import signal
 
-from lcmtools.labs.checks.programs import Program
+from lcmtools.labs.checks.programs import CheckedProgram
 from lcmtools.labs.checks.row import Row, row
 
 
-def fate(what: str, program: Program, wanted: str = "it runs") -> Row:
+def fate(what: str, program: CheckedProgram, wanted: str = "it runs") -> Row:
     """A row about a program that ended where it should have gone on."""
-    code = program.code()
+    code = program.code
     if code is None:
         ending = "it runs"
     elif code < 0:
@@ -20,12 +20,12 @@ def fate(what: str, program: Program, wanted: str = "it runs") -> Row:
     return Row(what, wanted, ending, is_ok=False, hint=hint)
 
 
-def ends_on_ctrl_c(program: Program) -> Row:
+def ends_on_ctrl_c(program: CheckedProgram) -> Row:
     """A row about whether Ctrl-C ends it; it has ended afterwards."""
-    runs = program.code() is None
+    runs = program.code is None
     if not runs:
         return fate("ends on Ctrl-C", program)
-    ends = program.interrupt()
+    ends = program.ends_on_interrupt()
     return row(
         "ends on Ctrl-C",
         "within 4 s",

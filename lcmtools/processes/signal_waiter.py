@@ -1,6 +1,6 @@
-"""Signals as something to wait for, instead of something that interrupts.
+"""Signals as events to wait for, beside descriptors and the time.
 
-Belongs here: the handlers while processes are looked after. What a signal means is not known here.
+Belongs here: the handlers while child processes run. Must not know what a signal means.
 """
 
 import contextlib
@@ -13,26 +13,31 @@ from types import FrameType
 _ASKING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
-class Wakeup:
-    """As a context, takes Ctrl-C, SIGTERM, SIGHUP and children's ends as events."""
+class SignalWaiter:
+    """A context in which SIGINT, SIGTERM, SIGHUP and the ends of children are events.
+
+    Signals belong to the whole process: inside the context its handlers for these four, and its
+    wake-up descriptor, are replaced; on leaving it they are as before. Only the main thread may
+    enter it.
+    """
 
     def __init__(self) -> None:
         self._receiver, self._sender = socket.socketpair()
         self._asked: list[int] = []
-        self._is_late = False  # something has happened that nobody has waited for yet
+        self._is_late = False  # something has happened that wait has not reported yet
 
-    def __enter__(self) -> "Wakeup":
-        """Put the handlers in place."""
+    def __enter__(self) -> "SignalWaiter":
+        """Install the handlers."""
         for end in (self._receiver, self._sender):
             end.setblocking(False)  # noqa: FBT003 - socket's own
         self._before = {number: signal.signal(number, self._note) for number in _ASKING}
-        # a handler has to be there for a signal to wake anybody up
+        # only a signal with a handler of Python wakes up
         self._before[signal.SIGCHLD] = signal.signal(signal.SIGCHLD, _nothing)
         self._previous = signal.set_wakeup_fd(self._sender.fileno(), warn_on_full_buffer=False)
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Put back what was there."""
+        """Restore the handlers that were there before."""
         signal.set_wakeup_fd(self._previous)
         for number, handler in self._before.items():
             signal.signal(number, handler)
@@ -40,12 +45,12 @@ class Wakeup:
         self._sender.close()
 
     def take(self) -> list[int]:
-        """The signals that have asked to end since the last time."""
+        """Return the signals that have asked to end since the last call."""
         asked, self._asked = self._asked, []
         return asked
 
     def wait(self, streams: Sequence[int], timeout: float | None) -> list[int]:
-        """Wait for a signal, a child's end, a descriptor or the time; the descriptors."""
+        """Wait for a signal, a child's end, a descriptor or the time; return ready descriptors."""
         poll = select.poll()
         for stream in (self._receiver.fileno(), *streams):
             poll.register(stream, select.POLLIN)
@@ -56,11 +61,9 @@ class Wakeup:
         return [stream for stream, _ in ready if stream != self._receiver.fileno()]
 
     def wait_writable(self, stream: int, *, is_patient: bool) -> bool:
-        """Wait until a descriptor can be written into; False if a signal asks to end before.
+        """Wait until a descriptor can be written to; return False if a signal asks to end before.
 
-        Args:
-            stream: The descriptor, which may be a terminal that somebody has stopped by Ctrl-S.
-            is_patient: Wait at all.
+        Ctrl-S may have stopped a terminal. Without ``is_patient``, return at once.
         """
         poll = select.poll()
         poll.register(self._receiver.fileno(), select.POLLIN)
@@ -84,4 +87,4 @@ class Wakeup:
 
 
 def _nothing(_number: int, _frame: FrameType | None) -> None:
-    """Only wakes up."""
+    """Do nothing: the signal wakes up the wait."""

@@ -1,0 +1,246 @@
+"""A child process: its start, its output, its keyboard, and the signals that end it.
+
+Belongs here: one process and its group. Deciding when to do what is the caller's business. No code
+of this process runs between fork and exec, where it could deadlock once there are threads: a small
+program, exec_child.py, prepares the new process and becomes the command.
+"""
+
+import contextlib
+import os
+import pty
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, TYPE_CHECKING
+
+from lcmtools.processes.groups import is_gone, send
+from lcmtools.processes.lines import Lines
+from lcmtools.processes.process_guard import ProcessGuard
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+_EXEC = str(Path(__file__).with_name("exec_child.py"))
+_PIECE = 65_536
+_MOST_PIECES = 100
+"""A pipe holds less."""
+_NEVER = float("inf")
+_KILL_WAIT = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class StopTimeouts:
+    """Seconds from SIGINT to SIGTERM, and from SIGTERM to SIGKILL."""
+
+    interrupt: float = 15.0
+    terminate: float = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """The way in which a process is started.
+
+    Attributes:
+        command: Its words.
+        environment: All its variables.
+        directory: Its working directory; "" for this process's.
+        takes_input: Standard input is this process's, else empty.
+        has_keyboard: Standard input is a terminal of its own, see ``press``.
+        takes_terminal: Standard output and error are this process's.
+        output: A file for all that it prints; without one its lines are read.
+        most_bytes: Limit of the size of each file that it writes; 0 for none.
+    """
+
+    command: Sequence[str]
+    environment: Mapping[str, str]
+    directory: str = ""
+    takes_input: bool = False
+    has_keyboard: bool = False
+    takes_terminal: bool = False
+    output: Path | None = None
+    most_bytes: int = 0
+
+
+class ChildProcess:
+    """A process in a session and group of its own.
+
+    Args:
+        start: The way in which it is started.
+        guard: Ends its group if this process is killed.
+        timeouts: For the signals that end it.
+
+    Attributes:
+        pid: Its number, and its group's.
+        next_step: The time at which the next signal is due, see ``tick``.
+
+    Raises:
+        OSError: The system does not start it.
+    """
+
+    def __init__(self, start: Start, guard: ProcessGuard, timeouts: StopTimeouts) -> None:
+        self._guard = guard
+        self._keyboard: int | None = None
+        self._output = start.output
+        self._popen = self._started(start)
+        self.pid = self._popen.pid
+        self._lines: dict[int, tuple[IO[bytes], Lines, bool]] = {}
+        for stream, is_error in ((self._popen.stdout, False), (self._popen.stderr, True)):
+            if stream is not None:
+                os.set_blocking(stream.fileno(), False)
+                self._lines[stream.fileno()] = (stream, Lines(), is_error)
+        self._ladder = [
+            (signal.SIGINT, timeouts.interrupt),
+            (signal.SIGTERM, timeouts.terminate),
+            (signal.SIGKILL, _NEVER),
+        ]
+        self.next_step = _NEVER
+
+    def __enter__(self) -> "Self":
+        """Return it; it runs."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End it."""
+        self.end()
+
+    @property
+    def code(self) -> int | None:
+        """Its exit code, negative for a signal; None while it runs."""
+        return self._popen.poll()
+
+    @property
+    def streams(self) -> list[int]:
+        """The descriptors that its lines come from."""
+        return list(self._lines)
+
+    def read(self, stream: int) -> Iterator[tuple[bool, str]]:
+        """Return the lines that have come, each with True if it is of the error stream."""
+        _, lines, is_error = self._lines[stream]
+        try:
+            piece = os.read(stream, _PIECE)
+        except BlockingIOError:
+            return
+        for line in lines.take(piece) if piece else lines.end():
+            yield is_error, line
+        if not piece:
+            self._close(stream)
+
+    def rest(self) -> Iterator[tuple[bool, str]]:
+        """Return what is left to read; processes left behind may still hold the streams."""
+        for stream in self.streams:
+            _, lines, is_error = self._lines[stream]
+            with contextlib.suppress(BlockingIOError):
+                for _ in range(_MOST_PIECES):
+                    yield from ((is_error, line) for line in lines.take(os.read(stream, _PIECE)))
+            yield from ((is_error, line) for line in lines.end())
+            self._close(stream)
+
+    def output(self, most: int) -> str:
+        """Return the last bytes that it has printed into its file."""
+        assert self._output is not None
+        with self._output.open("rb") as stream:
+            stream.seek(max(0, stream.seek(0, os.SEEK_END) - most))
+            return stream.read(most).decode(errors="replace")
+
+    def press(self, key: str) -> None:
+        """Press a key on its keyboard."""
+        assert self._keyboard is not None
+        with contextlib.suppress(OSError):  # it has ended, which the caller sees
+            os.write(self._keyboard, key.encode())
+
+    def wait(self, timeout: float) -> bool:
+        """Wait for its end; return True if it came within so many seconds."""
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._popen.wait(timeout)
+        return self.code is not None
+
+    def group_is_gone(self) -> bool:
+        """Return True if nothing of its group is left."""
+        return is_gone(self.pid)
+
+    def ask_to_end(self, now: float) -> signal.Signals | None:
+        """Send the first signal that ends it, or the next one without waiting for its time."""
+        if not self._ladder:
+            return None
+        number, patience = self._ladder.pop(0)
+        self.next_step = now + patience
+        send(self.pid, number)
+        return number
+
+    def tick(self, now: float) -> signal.Signals | None:
+        """Send the next signal if it is due; return it."""
+        return self.ask_to_end(now) if now >= self.next_step else None
+
+    def interrupt(self, timeout: float) -> bool:
+        """Press Ctrl-C; return True if it ended within so many seconds."""
+        send(self.pid, signal.SIGINT)
+        return self.wait(timeout)
+
+    def end(self) -> None:
+        """End it, and whatever it has started."""
+        for number, patience in self._ladder:
+            if self.code is None or number is signal.SIGKILL:
+                send(self.pid, number)
+                self.wait(min(patience, _KILL_WAIT))
+        self.release()
+
+    def release(self) -> None:
+        """Free what belongs to it, once its group is gone."""
+        self.next_step = _NEVER
+        for stream in self.streams:
+            self._close(stream)
+        if self._keyboard is not None:
+            os.close(self._keyboard)
+            self._keyboard = None
+        self._guard.forget(self.pid)
+
+    def _close(self, stream: int) -> None:
+        self._lines.pop(stream)[0].close()
+
+    def _started(self, start: Start) -> "subprocess.Popen[bytes]":
+        with contextlib.ExitStack() as opened:
+            terminal: int | None = None
+            if start.has_keyboard:
+                keyboard, terminal = pty.openpty()
+                opened.callback(os.close, terminal)
+                not_started = opened.enter_context(contextlib.ExitStack())
+                not_started.callback(os.close, keyboard)
+            stdout: int | IO[bytes] | None = None if start.takes_terminal else subprocess.PIPE
+            if start.output is not None:
+                stdout = opened.enter_context(start.output.open("wb"))
+            status, report = os.pipe()
+            read = opened.enter_context(open(status, "rb"))  # noqa: PTH123 - a descriptor
+            options = (report, self._guard.stream, os.getpid(), start.most_bytes)
+            try:
+                popen = subprocess.Popen(  # noqa: S603 - the user's own
+                    [
+                        *(sys.executable, "-I", "-S", _EXEC, *map(str, options)),
+                        str(int(start.has_keyboard)),
+                        f"={text}" if (text := start.environment.get("LC_CTYPE")) else "",
+                        *start.command,
+                    ],
+                    env=dict(start.environment),
+                    cwd=start.directory or None,
+                    stdin=terminal if terminal is not None else _input(start),
+                    stdout=stdout,
+                    stderr=subprocess.STDOUT if start.output else stdout,
+                    start_new_session=True,
+                    pass_fds=(report, self._guard.stream),
+                )
+            finally:
+                os.close(report)
+            if failure := read.read():
+                popen.communicate()  # it has ended: this closes its pipes
+                self._guard.forget(popen.pid)
+                raise OSError(int(failure), os.strerror(int(failure)))
+            if start.has_keyboard:
+                not_started.pop_all()
+                self._keyboard = keyboard
+            return popen
+
+
+def _input(start: Start) -> int | None:
+    return None if start.takes_input or start.takes_terminal else subprocess.DEVNULL

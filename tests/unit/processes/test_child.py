@@ -1,0 +1,103 @@
+"""Child processes: their environment, their failures, their keyboard, and their end."""
+
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
+from lcmtools.processes.process_guard import ProcessGuard
+
+TIMEOUTS = StopTimeouts(20.0, 20.0)
+ENVIRONMENT = {"PATH": os.environ["PATH"]}
+
+
+@pytest.fixture
+def guard() -> Iterator[ProcessGuard]:
+    with ProcessGuard() as guard:
+        yield guard
+
+
+def run(guard: ProcessGuard, script: str, tmp_path: Path, **options: int) -> str:
+    """Return all that a shell's script prints."""
+    start = Start(["sh", "-c", script], ENVIRONMENT, output=tmp_path / "output", **options)  # type: ignore[arg-type]
+    with ChildProcess(start, guard, TIMEOUTS) as child:
+        assert child.wait(20)
+        return child.output(10_000)
+
+
+def test_it_has_the_given_environment_and_signals_and_no_descriptors(
+    guard: ProcessGuard, tmp_path: Path
+) -> None:
+    script = "env | grep -v -e ^_= -e ^PWD= -e ^SHLVL= -e ^OLDPWD=; ls /proc/self/fd; "
+    script += "grep -e SigIgn -e SigBlk /proc/self/status"
+    names, *rest = run(guard, script, tmp_path).split("\n0\n")
+    assert names == f"PATH={os.environ['PATH']}"
+    assert rest[0].split()[:3] == ["1", "2", "3"], "3 is the folder that ls reads"
+    assert [word for word in rest[0].split()[3:] if not word.startswith("Sig")] == ["0" * 16] * 2
+
+
+def test_what_cannot_be_started_raises_the_systems_error(
+    guard: ProcessGuard, tmp_path: Path
+) -> None:
+    broken = tmp_path / "broken"
+    broken.write_bytes(b"\x7fELF nothing more")
+    broken.chmod(0o755)
+    for command, error in ((["./there_is_none"], FileNotFoundError), ([str(broken)], OSError)):
+        with pytest.raises(error):
+            ChildProcess(Start(command, ENVIRONMENT), guard, TIMEOUTS)
+
+
+def test_lines_come_from_both_streams(guard: ProcessGuard) -> None:
+    start = Start(["sh", "-c", "echo one; echo two >&2; printf three"], ENVIRONMENT)
+    with ChildProcess(start, guard, TIMEOUTS) as child:
+        assert child.wait(20)
+        assert list(child.rest()) == [(False, "one"), (False, "three"), (True, "two")]
+        assert child.code == 0
+
+
+def test_keys_come_through_a_controlling_terminal(guard: ProcessGuard, tmp_path: Path) -> None:
+    script = "read line < /dev/tty; echo got $line"
+    start = Start(["sh", "-c", script], ENVIRONMENT, has_keyboard=True, output=tmp_path / "output")
+    with ChildProcess(start, guard, TIMEOUTS) as child:
+        child.press("w\n")
+        assert child.wait(20)
+        assert child.output(100) == "got w\n"
+
+
+def test_files_that_it_writes_are_limited(guard: ProcessGuard, tmp_path: Path) -> None:
+    assert len(run(guard, "yes", tmp_path, most_bytes=5000)) == 5000
+
+
+def test_it_is_started_while_other_threads_run(guard: ProcessGuard, tmp_path: Path) -> None:
+    stop = threading.Event()
+    thread = threading.Thread(target=stop.wait)
+    thread.start()
+    try:
+        assert run(guard, "echo it runs", tmp_path) == "it runs\n"
+    finally:
+        stop.set()
+        thread.join()
+
+
+def test_end_reaches_what_ignores_signals_and_what_it_has_started(
+    guard: ProcessGuard, tmp_path: Path, wait_until: Callable[..., None]
+) -> None:
+    script = "trap '' INT TERM; sleep 1000 & echo $!; wait; sleep 1000"
+    start = Start(["sh", "-c", script], ENVIRONMENT, output=tmp_path / "output")
+    with ChildProcess(start, guard, StopTimeouts(0.1, 0.1)) as child:
+        wait_until(lambda: child.output(100).endswith("\n"))
+        child.end()
+        assert child.code == -signal.SIGKILL
+        wait_until(child.group_is_gone)
+
+
+def test_the_guard_ends_what_is_left(tmp_path: Path, wait_until: Callable[..., None]) -> None:
+    start = Start(["sleep", "1000"], ENVIRONMENT, output=tmp_path / "output")
+    with ProcessGuard() as guard:
+        child = ChildProcess(start, guard, TIMEOUTS)
+    wait_until(lambda: child.code is not None)
+    child.release()
