@@ -4,6 +4,7 @@ Nothing here waits for luck: every wait has a condition and a deadline.
 """
 
 import ctypes
+import itertools
 import os
 import queue
 import shutil
@@ -225,15 +226,24 @@ class Program:
         self._arriving.put(None)
 
 
+_FOLDERS = itertools.count()
+
+
+@pytest.fixture(scope="session")
+def _own_folders(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("own")
+
+
 @pytest.fixture(autouse=True)
-def _clean_environment(
-    monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
-) -> None:
+def _clean_environment(monkeypatch: pytest.MonkeyPatch, _own_folders: Path) -> None:
     """No bus and no settings of the developer's own, and node records in the test's folder."""
     for name in _INHERITED:
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path_factory.mktemp("runtime")))
-    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("config")))
+    own = _own_folders / str(next(_FOLDERS))  # mktemp looks at all folders each time
+    for variable in ("XDG_RUNTIME_DIR", "XDG_CONFIG_HOME"):
+        folder = own / variable
+        folder.mkdir(0o700, parents=True)
+        monkeypatch.setenv(variable, str(folder))
 
 
 @pytest.fixture
@@ -420,7 +430,21 @@ def _node_starter(usual_url: str) -> Iterator[Callable[..., LiveNode]]:
 
 @pytest.fixture(scope="session")
 def lcmtools() -> Callable[..., subprocess.CompletedProcess[str]]:
-    """``lcmtools("list", "-v", **environment)``: runs the installed command to its end."""
+    """``lcmtools("list", "-v", stdin="", **environment)``: ``cli`` in older tests' words."""
+
+    def run(
+        *arguments: str, stdin: str = "", timeout: float = 40.0, **environment: str
+    ) -> subprocess.CompletedProcess[str]:
+        del timeout
+        result = call(*arguments, input=stdin, env=environment)
+        return subprocess.CompletedProcess(arguments, result.code, result.out, result.err)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def lcmtools_process() -> Callable[..., subprocess.CompletedProcess[str]]:
+    """``lcmtools_process("list", "-v", **environment)``: the installed command, in a process."""
 
     def run(
         *arguments: str, stdin: str = "", timeout: float = 40.0, **environment: str

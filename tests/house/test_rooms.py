@@ -73,43 +73,45 @@ def commands() -> list[list[str]]:
     return words
 
 
-def modules_after(*arguments: str) -> set[str]:
-    """The modules that a command has imported when it ends."""
+def newly_loaded(*lines: str) -> dict[str, set[str]]:
+    """The modules that each command has imported when it ends, without those of earlier ones."""
     script = (
-        "import json, sys\n"
+        "import json, shlex, sys\n"
         "from lcmtools.cli.main import main\n"
-        "main(sys.argv[1:])\n"
-        "print(json.dumps(sorted(sys.modules)), file=sys.stderr)\n"
+        "known, found = set(), {}\n"
+        "for line in sys.argv[1:]:\n"
+        "    main(shlex.split(line))\n"
+        "    found[line] = sorted(set(sys.modules) - known)\n"
+        "    known |= set(sys.modules)\n"
+        "print(json.dumps(found), file=sys.stderr)\n"
     )
     done = subprocess.run(
-        [sys.executable, "-c", script, *arguments], capture_output=True, text=True, check=True
+        [sys.executable, "-c", script, *lines], capture_output=True, text=True, check=True
     )
-    return set(json.loads(done.stderr.splitlines()[-1]))
+    found = json.loads(done.stderr.splitlines()[-1])
+    assert list(found) == list(lines)
+    return {line: set(modules) for line, modules in found.items()}
 
 
-@pytest.mark.parametrize(
-    "arguments", [["--help"], ["topic", "--help"], ["node", "--help"], ["--version"]]
-)
-def test_help_loads_neither_the_bus_nor_yaml_nor_types(arguments: list[str]) -> None:
-    loaded = modules_after(*arguments)
-    heavy = {"lcm", "yaml", "numpy", "pybullet", "lcmtools.bus", "lcmtools.types", "lcmtools.node"}
-    assert not loaded & heavy
+def test_help_loads_neither_the_bus_nor_yaml_nor_types() -> None:
+    loaded = newly_loaded("--help", "topic --help", "node --help", "--version")
+    others = {"lcmtools.bus", "lcmtools.types", "lcmtools.node"}
+    too_many = {line: names & (HEAVY | others) for line, names in loaded.items()}
+    assert {line: names for line, names in too_many.items() if names} == {}
 
 
 def test_list_loads_only_what_it_needs() -> None:
-    loaded = modules_after("list", "--domain", "99")
+    (loaded,) = newly_loaded("list --domain 99").values()
     assert "lcmtools.bus.tap" in loaded
     assert not loaded & {"lcm", "yaml", "numpy", "pybullet", "lcmtools.types.sensor_msgs"}
 
 
-@pytest.mark.parametrize("words", commands(), ids=" ".join)
-def test_no_commands_help_loads_what_is_heavy(words: list[str]) -> None:
-    assert not modules_after(*words, "--help") & HEAVY
+def test_no_commands_help_loads_what_is_heavy() -> None:
+    loaded = newly_loaded(*(" ".join([*words, "--help"]) for words in commands()))
+    assert {line: names & HEAVY for line, names in loaded.items() if names & HEAVY} == {}
 
 
-@pytest.mark.parametrize("line", LOOKS)
-def test_who_only_looks_loads_nothing_heavy(
-    line: str, bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_who_only_looks_loads_nothing_heavy(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
-    assert not modules_after(*line.split()) & HEAVY
+    loaded = newly_loaded(*LOOKS)
+    assert {line: names & HEAVY for line, names in loaded.items() if names & HEAVY} == {}
