@@ -1,31 +1,33 @@
-# make demo    a virtual environment, the installation, and the Husky lab as a script
-# make test    the same environment, and all tests
-# make faults  the faults suite: faults are planted, and wtf has to name each and nothing else
-# make man     the man pages anew, from the commands' own help
-# make check   types fresh, ruff, mypy, import rules, spelling
+# make demo       a virtual environment, the installation, and the Husky lab as a script
+# make test       the same environment, and the tests that a change should pass at once
+# make test-slow  the faults suite, the labs, every block of the documents, several hosts
+# make man        the man pages anew, from the commands' own help
+# make check      types fresh, ruff, mypy, import rules, spelling
 
 # pybullet has wheels for Python 3.9 to 3.11; an interpreter that it fits is preferred
 PYTHON ?= $(shell command -v python3.11 || command -v python3.10 || command -v python3)
 VENV ?= .venv
+# how many tests run at a time: more than processors, for many of them wait
+JOBS ?= 3
 # -e: sources are used in place; empty: what is installed is what a user would get
 EDITABLE ?= -e
 BIN := $(VENV)/bin
+FAST := $(addprefix tests/,unit house cli physics process)
+SLOW := $(addprefix tests/,faults labs docs hosts)
 SOURCES := lcmtools sim tests bench lcm_types
 
-.PHONY: demo test faults check types man format bench clean
+.PHONY: demo test test-slow check types man format bench clean
 
 demo: $(VENV)/.installed
 	PATH="$(abspath $(BIN)):$$PATH" labs/husky/lab.sh
 
-# Real processes with real deadlines disturb one another: what fails is tried once more, alone.
+# What depends on the processor (the mark timing) comes last, one after the other.
 test: $(VENV)/.installed-dev
-	$(BIN)/pytest -n 3 --dist worksteal $(ARGS) || { \
-	  echo "== what failed, once more, with the computer to itself" && \
-	  $(BIN)/pytest --last-failed --last-failed-no-failures none --maxfail 5 $(ARGS) && \
-	  echo "== all of it passes alone; what it is stands above"; }
+	$(BIN)/pytest -n $(JOBS) --dist worksteal -m "not timing" $(FAST) $(ARGS)
+	$(BIN)/pytest -m timing $(FAST) $(ARGS)
 
-faults: $(VENV)/.installed-dev
-	$(BIN)/pytest -n 3 --dist worksteal tests/faults $(ARGS)
+test-slow: $(VENV)/.installed-dev
+	$(BIN)/pytest -n $(JOBS) --dist worksteal $(SLOW) $(ARGS)
 
 check: $(VENV)/.installed-dev
 	$(BIN)/python lcm_types/generate.py --check

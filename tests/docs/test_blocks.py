@@ -18,7 +18,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -39,7 +39,8 @@ _FENCE = re.compile(r"((?:^[ ]*<!--.*?-->\n+)*)^```(\S*)\n(.*?)^```$", re.MULTIL
 _NOTE = re.compile(r"<!-- (with|not run|file): (.*?) -->")
 _INLINE = re.compile(r"`lcmtools ([a-z][a-z-]*)(?: ([a-z][a-z-]*))?")
 LANGUAGES = {"console", "python", "yaml", "xml", "text", "c", "cpp"}
-GOING_ON = 2.5  # [s] after which a command that still runs is meant to go on
+GOING_ON = 2.5  # [s] after which a command that still runs and shows nothing is meant to go on
+ENDING = 0.3  # [s] in which a command that has shown all comes to its end
 LONGEST = 120.0
 
 
@@ -120,8 +121,12 @@ class Shell:
         """Run a command as a reader would; what is wrong with it, or None."""
         with self.going(command.text) as running:
             began = time.monotonic()
+            told = any(line.strip() != "…" for line in command.shown)
             while running.code() is None and time.monotonic() - began < LONGEST:
-                if time.monotonic() - began > GOING_ON and shows(running.output(), command.shown):
+                if shows(running.output(), command.shown) and (
+                    told or time.monotonic() - began > GOING_ON
+                ):
+                    running.wait(ENDING)
                     break
                 time.sleep(0.05)
             goes_on = running.code() is None
@@ -129,8 +134,7 @@ class Shell:
             output, code = running.output(), running.code()
         if not shows(output, command.shown):
             return f"$ {command.text}\nprinted:\n{output}\ninstead of:\n" + "\n".join(command.shown)
-        is_told = any(line.strip() != "…" for line in command.shown)
-        if code not in (0, *((130, -signal.SIGINT) if goes_on else ())) and not is_told:
+        if code not in (0, *((130, -signal.SIGINT) if goes_on else ())) and not told:
             return f"$ {command.text}\nended with {code}:\n{output}"
         return None
 
@@ -184,6 +188,11 @@ class Running:
         """Its exit code; None while it runs."""
         return self._process.poll()
 
+    def wait(self, timeout: float) -> None:
+        """Wait for its end, for so many seconds at most."""
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(timeout)
+
     def output(self) -> str:
         """What it has printed."""
         return self._output.read_text(errors="replace")
@@ -219,40 +228,60 @@ def shows(output: str, shown: list[str]) -> bool:
 @pytest.mark.usefixtures("quiet_network")
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
 def test_every_block_does_what_it_shows(
-    document: Path, tmp_path: Path, free_port: Callable[[], int], lcmtools_path: str
+    document: Path, tmp_path: Path, bus_url: str, lcmtools_path: str
 ) -> None:
     wrong = []
-    for block in blocks(document):
-        where = f"{document.relative_to(ROOT)}:{block.line}"
-        if "file" in block.notes:
-            (tmp_path / block.notes["file"]).write_text(block.text)
-        if block.language != "console" or "not run" in block.notes:
-            continue
-        bus_url = f"udpm://239.255.76.67:{free_port()}?ttl=0"
-        wrong += [
-            f"{where}\n{problem}"
-            for problem in play(block, Shell(tmp_path, bus_url, lcmtools_path))
-        ]
+    with ExitStack() as stack:
+        beside = Beside(Shell(tmp_path, bus_url, lcmtools_path), stack)
+        for block in blocks(document):
+            where = f"{document.relative_to(ROOT)}:{block.line}"
+            if "file" in block.notes:
+                (tmp_path / block.notes["file"]).write_text(block.text)
+            if block.language == "console" and "not run" not in block.notes:
+                wrong += [f"{where}\n{problem}" for problem in play(block, beside)]
     assert wrong == [], "\n\n".join(wrong)
 
 
-def play(block: Block, shell: Shell) -> list[str]:
+class Beside:
+    """The commands that run beside a document's blocks, for as long as the next one wants them too.
+
+    Args:
+        shell: Runs them.
+        stack: Ends them with the document.
+    """
+
+    def __init__(self, shell: Shell, stack: ExitStack) -> None:
+        self.shell = shell
+        self._stack = stack
+        self._running: dict[str, Running] = {}
+
+    def be(self, commands: Sequence[str]) -> None:
+        """Let these run and no others."""
+        for command, running in list(self._running.items()):
+            if command not in commands or running.code() is not None:
+                self._running.pop(command).end()
+        for command in commands:
+            if command not in self._running:
+                going = self.shell.going(f"exec {command}")
+                self._running[command] = self._stack.enter_context(going)
+        if commands:
+            self.shell.wait_for(commands)
+
+    def commands(self) -> list[str]:
+        """Those that run."""
+        return list(self._running)
+
+
+def play(block: Block, beside: Beside) -> list[str]:
     """Run a block; what is wrong."""
     wrong = []
     parts = block.notes.get("with", "").split(";")
-    beside = [f"lcmtools {part.strip()}" for part in parts if part.strip()]
-    with ExitStack() as running:
-        for started in beside:
-            running.enter_context(shell.going(f"exec {started}"))
-        if beside:
-            shell.wait_for(beside)
-        for command in block.commands():
-            if command.text.endswith("&"):
-                beside.append(command.text)
-                running.enter_context(shell.going(f"exec {command.text[:-1]}"))
-                shell.wait_for(beside)
-            elif problem := shell.run(command):
-                wrong.append(problem)
+    beside.be([f"lcmtools {part.strip()}" for part in parts if part.strip()])
+    for command in block.commands():
+        if command.text.endswith("&"):
+            beside.be([*beside.commands(), command.text[:-1].strip()])
+        elif problem := beside.shell.run(command):
+            wrong.append(problem)
     return wrong
 
 

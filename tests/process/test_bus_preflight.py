@@ -23,6 +23,7 @@ from lcmtools.errors import BusError
 _URL = parse_url("udpm://239.255.76.67:7667?ttl=0")
 
 
+@pytest.mark.timing
 @pytest.mark.usefixtures("bare_network")
 @pytest.mark.parametrize("open_bus", [LcmBus, Tap])
 def test_no_route_is_an_error_at_once_whose_hint_mends_it(
@@ -48,6 +49,7 @@ def test_no_route_for_mpudpm_is_the_same_error() -> None:
         LcmBus(parse_url("mpudpm://239.255.76.67:7667"))
 
 
+@pytest.mark.timing
 @pytest.mark.usefixtures("private_network")
 def test_a_check_that_succeeds_takes_under_50_ms(stopwatch: Callable[[], Any]) -> None:
     check_multicast(_URL)
@@ -56,6 +58,7 @@ def test_a_check_that_succeeds_takes_under_50_ms(stopwatch: Callable[[], Any]) -
     assert watch.seconds() < 0.05
 
 
+@pytest.mark.timing
 @pytest.mark.usefixtures("private_network")
 def test_a_group_that_is_shut_off_is_an_error_at_once(
     ip: Callable[..., None], stopwatch: Callable[[], Any]
@@ -75,6 +78,7 @@ def test_a_forbidden_group_points_to_the_firewall(ip: Callable[..., None]) -> No
     assert "239.255.76.67 port 7667" in caught.value.hint
 
 
+@pytest.mark.timing
 @pytest.mark.usefixtures("private_network")
 def test_a_datagram_that_does_not_come_back_is_an_error_within_half_a_second(
     stopwatch: Callable[[], Any],

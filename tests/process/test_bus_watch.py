@@ -42,6 +42,7 @@ def context(bus_url: str) -> Iterator[Context]:
     context.close()
 
 
+@pytest.mark.timing
 def test_the_graph_is_complete_at_once(
     context: Context, open_monitor: Callable[[str], BusMonitor], stopwatch: Callable[[], Any]
 ) -> None:
@@ -124,6 +125,7 @@ while True:
     assert graph.topic_names() == [f"CHANNEL_{number}" for number in range(10)]
 
 
+@pytest.mark.timing
 @pytest.mark.usefixtures("private_network")
 def test_nobody_is_waited_for_on_an_empty_bus(stopwatch: Callable[[], Any]) -> None:
     with BusMonitor(parse_url("udpm://"), "list", os.environ) as watch:

@@ -190,10 +190,10 @@ def test_ones_own_node_with_a_name_of_lcmtools_is_pointed_out(lcmtools: Run) -> 
 )
 @pytest.mark.usefixtures("space")
 def test_packages_are_completed(
-    line: str, answer: str, lcmtools: Run, bus_url: str, wait_until: Callable[..., None]
+    line: str, answer: str, lcmtools_process: Run, bus_url: str, wait_until: Callable[..., None]
 ) -> None:
     def is_completed() -> bool:
-        asked = lcmtools(line, _LCMTOOLS_COMPLETE="bash", LCM_DEFAULT_URL=bus_url)
+        asked = lcmtools_process(line, _LCMTOOLS_COMPLETE="bash", LCM_DEFAULT_URL=bus_url)
         assert asked.stderr == ""
         return answer in asked.stdout.split()
 

@@ -93,25 +93,25 @@ def test_a_domain_that_has_no_effect_is_told(
     assert talker.lines[0].endswith("--domain 3 has no effect: LCM_DEFAULT_URL wins")
 
 
-def test_exit_code_is_the_nodes(lcmtools: Run, tmp_path: Path) -> None:
+def test_exit_code_is_the_nodes(lcmtools_process: Run, tmp_path: Path) -> None:
     metadata = tmp_path / "mine-1.0.dist-info"
     metadata.mkdir()
     (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
     (metadata / "entry_points.txt").write_text("[lcmtools.nodes]\nmine = mine:main\n")
     (tmp_path / "mine.py").write_text("def main(args=None):\n    print(args)\n    return 7\n")
     environment = {"PYTHONPATH": str(tmp_path)}
-    result = lcmtools("run", "mine", "a", "--b", "c:=d", **environment)
+    result = lcmtools_process("run", "mine", "a", "--b", "c:=d", **environment)
     assert (result.returncode, result.stdout) == (7, "['a', '--b', 'c:=d']\n")
-    assert "mine mine" in lcmtools("run", "--list", **environment).stdout.splitlines()
+    assert "mine mine" in lcmtools_process("run", "--list", **environment).stdout.splitlines()
 
 
 def test_simulator_without_pybullet_says_what_to_type_with_exit_code_3(
-    lcmtools: Run, tmp_path: Path
+    lcmtools_process: Run, tmp_path: Path
 ) -> None:
     (tmp_path / "pybullet.py").write_text(
         "raise ModuleNotFoundError(\"No module named 'pybullet'\", name='pybullet')\n"
     )
-    result = lcmtools("run", "sim", PYTHONPATH=str(tmp_path))
+    result = lcmtools_process("run", "sim", PYTHONPATH=str(tmp_path))
     assert (result.returncode, result.stdout) == (3, "")
     assert result.stderr.count("\n") == 1
     assert result.stderr.startswith("lcmtools run sim: the simulator needs pybullet")
@@ -119,7 +119,7 @@ def test_simulator_without_pybullet_says_what_to_type_with_exit_code_3(
 
 
 def test_node_whose_package_is_missing_says_what_to_type_with_exit_code_3(
-    lcmtools: Run, tmp_path: Path
+    lcmtools_process: Run, tmp_path: Path
 ) -> None:
     (tmp_path / "lcm.py").write_text(
         "raise ModuleNotFoundError(\"No module named 'lcm'\", name='lcm')\n"
@@ -128,7 +128,7 @@ def test_node_whose_package_is_missing_says_what_to_type_with_exit_code_3(
     metadata.mkdir()
     (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
     (metadata / "entry_points.txt").write_text("[lcmtools.nodes]\nmine = lcm:main\n")
-    result = lcmtools("run", "mine", PYTHONPATH=str(tmp_path))
+    result = lcmtools_process("run", "mine", PYTHONPATH=str(tmp_path))
     assert (result.returncode, result.stdout) == (3, "")
     assert result.stderr == (
         "lcmtools run: mine needs the Python package 'lcm', which is not installed;"

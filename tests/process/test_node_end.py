@@ -130,6 +130,7 @@ with Node("victim") as node:
 }
 
 
+@pytest.mark.timing
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
 @pytest.mark.parametrize("doing", _BUSY)
 def test_a_signal_ends_a_node_soon_with_a_goodbye(
@@ -186,6 +187,7 @@ def test_shutdown_in_a_callback_ends_the_program(
     assert _goodbyes(watch) == ["/victim"]
 
 
+@pytest.mark.timing
 def test_a_second_ctrl_c_breaks_a_callback_off_at_once_and_the_goodbye_is_said(
     run: Callable[..., Any], watch: BusMonitor, stopwatch: Callable[..., Any]
 ) -> None:

@@ -98,7 +98,7 @@ def test_commands_that_start_at_once_all_get_the_same(
 
 
 def test_types_of_an_installed_package_are_known_everywhere(
-    lcmtools: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    lcmtools_process: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     site = tmp_path / "site"
     metadata = site / "lab_types-1.0.dist-info"
@@ -111,11 +111,13 @@ def test_types_of_an_installed_package_are_known_everywhere(
         "package lab_types;\r\nstruct Far { std_msgs.Header header; }\r\n"
     )
     monkeypatch.setenv("PYTHONPATH", str(site))
-    assert "lab_types/Far" in lcmtools("msg", "list").stdout.splitlines()
-    assert lcmtools("msg", "show", "lab_types/Far").stdout.startswith("std_msgs/Header header\n")
+    assert "lab_types/Far" in lcmtools_process("msg", "list").stdout.splitlines()
+    assert lcmtools_process("msg", "show", "lab_types/Far").stdout.startswith(
+        "std_msgs/Header header\n"
+    )
     made = "package fleet;\nstruct Uses { lab_types.Far far; }\n"
     (tmp_path / "types" / "Uses.lcm").write_text(made)
-    shown = lcmtools("msg", "show", "fleet/Uses")
+    shown = lcmtools_process("msg", "show", "fleet/Uses")
     assert (shown.stderr, shown.stdout[:18]) == ("", "lab_types/Far far\n")
 
 

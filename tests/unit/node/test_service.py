@@ -101,6 +101,7 @@ def test_a_slow_service_is_called_once(begin: Begin, serve: Serve) -> None:
     assert calls == [1, 1]
 
 
+@pytest.mark.timing
 def test_no_answer_is_an_error_in_time(begin: Begin, stopwatch: Callable[[], Any]) -> None:
     begin()
     client = Node("client").create_client(Trigger, "/nobody")

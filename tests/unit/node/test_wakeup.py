@@ -34,6 +34,7 @@ def test_a_set_flag_makes_the_next_wait_return_at_once_and_only_that(
     wakeup.close()
 
 
+@pytest.mark.timing
 def test_no_wake_up_is_lost_between_threads() -> None:
     """Work that is ready before the flag is set is always found without waiting long."""
     wakeup, work, done = Wakeup(), [], threading.Event()
