@@ -1,7 +1,7 @@
 # make demo       a virtual environment, the installation, and the Husky lab as a script
 # make test       the same environment, and the tests that a change should pass at once
 # make test-slow  the faults suite, the labs, every block of the documents, several hosts
-# make man        the man pages anew, from the commands' own help
+# make man        the man pages, into build/man; a built wheel has them
 # make check      types fresh, ruff, mypy, import rules, spelling
 
 # pybullet has wheels for Python 3.9 to 3.11; an interpreter that it fits is preferred
@@ -14,7 +14,7 @@ EDITABLE ?= -e
 BIN := $(VENV)/bin
 FAST := $(addprefix tests/,unit house cli physics process)
 SLOW := $(addprefix tests/,faults labs docs hosts)
-SOURCES := lcmtools sim tests bench lcm_types
+SOURCES := lcmtools sim tests bench lcm_types hatch_build.py
 
 .PHONY: demo test test-slow check types man format bench clean
 
@@ -35,14 +35,13 @@ check: $(VENV)/.installed-dev
 	$(BIN)/ruff format --check $(SOURCES)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/python -m lcmtools.cli.manual docs/man --check
 	$(BIN)/codespell README.md ARCHITECTURE.md CONTRIBUTING.md CHANGELOG.md docs/*.md labs lcm_types lcmtools sim
 
 types: $(VENV)/.installed-dev
 	$(BIN)/python lcm_types/generate.py
 
 man: $(VENV)/.installed-dev
-	$(BIN)/python -m lcmtools.cli.manual docs/man
+	$(BIN)/python -m lcmtools.cli.manual build/man
 
 format: $(VENV)/.installed-dev
 	$(BIN)/ruff check --fix $(SOURCES)

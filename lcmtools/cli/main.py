@@ -35,6 +35,10 @@ from lcmtools.cli.options import CONTEXT, bus_options, manner_options
 from lcmtools.messages.type_source import set_supply
 from lcmtools.packages import provide_user_types
 
+EXIT_CODES = (
+    "0 done, 1 failed, 2 wrong usage, 3 an extra is missing, 4 nothing came within --timeout,"
+    " 130 Ctrl-C, 143 SIGTERM. A node that is asked to end exits with 0."
+)
 _EPILOG = """\b
 Examples:
   lcmtools list

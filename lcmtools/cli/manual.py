@@ -1,8 +1,6 @@
-"""The man pages, made from what the commands say of themselves.
+"""The man pages, made from the commands' own help.
 
-``python -m lcmtools.cli.manual docs/man`` writes them, ``--check`` only says which are stale. They
-are committed, so that building lcmtools needs nothing of it, and a test proves them fresh.
-How a page looks is decided here; what it says is in the commands' help.
+``python -m lcmtools.cli.manual FOLDER`` writes them; building a wheel does so (hatch_build.py).
 """
 
 import re
@@ -14,8 +12,7 @@ import click
 
 from lcmtools import __version__
 from lcmtools.cli.lazy import LazyGroup
-from lcmtools.cli.main import root
-from lcmtools.cli.output import lines
+from lcmtools.cli.main import EXIT_CODES, root
 from lcmtools.settings import SETTINGS
 
 Words = tuple[str, ...]
@@ -29,7 +26,7 @@ _ENVIRONMENT = {
 
 
 def commands(command: click.Command = root, words: Words = ("lcmtools",)) -> Iterator[Words]:
-    """The words of every command that has a page: second names of one that has it are left out."""
+    """Yield the words of every command that has a page; aliases of such a one have none."""
     yield words
     if isinstance(command, LazyGroup):
         context = click.Context(command)
@@ -40,53 +37,39 @@ def commands(command: click.Command = root, words: Words = ("lcmtools",)) -> Ite
 
 
 def page(words: Words) -> str:
-    """The man page of a command, in roff's man macros."""
+    """Return the man page of a command, in roff's man macros."""
     context = _context(words)
-    command = context.command
-    paragraphs = _paragraphs(command)
+    command, name = context.command, _escaped("-".join(words))
     summary = _summary(context)
     rows = [
-        f'.TH "{_escaped("-".join(words)).upper()}" "1" "" "lcmtools {__version__}" "lcmtools"',
-        ".SH NAME",
-        f"{_escaped('-'.join(words))} \\- {_escaped(summary[:1].lower() + summary[1:])}",
-        ".SH SYNOPSIS",
-        f".B {_escaped(' '.join(words))}",
+        f'.TH "{name.upper()}" "1" "" "lcmtools {__version__}" "lcmtools"',
+        *(".SH NAME", f"{name} \\- {_escaped(summary[:1].lower() + summary[1:])}"),
+        *(".SH SYNOPSIS", f".B {_escaped(' '.join(words))}"),
         _escaped(" ".join(_synopsis(command))),
-        ".SH DESCRIPTION",
-        *_description(paragraphs),
-        *_options(context),
+        *(".SH DESCRIPTION", *_description(command)),
+        *(".SH OPTIONS", *_options(command)),
     ]
     if isinstance(command, LazyGroup):
-        rows += [".SH COMMANDS", *_below(command, words)]
-    return "\n".join([*rows, *_surroundings(), *_see_also(words)]) + "\n"
+        rows.append(".SH COMMANDS")
+        for below, text in command.help_lines():
+            rows += [".TP", f".BR {_escaped('-'.join((*words, below)))} (1)", _escaped(text)]
+    rows += [".SH EXIT STATUS", _escaped(EXIT_CODES), ".SH ENVIRONMENT"]
+    for variable, option in _ENVIRONMENT.items():
+        rows += [".TP", f".B {variable}", f"As {_escaped(option)}; an option wins over it."]
+    above = "lcmtools-config" if len(words) == 1 else "-".join(words[:-1])
+    rows += [
+        *(".SH FILES", ".TP", ".I $XDG_CONFIG_HOME/lcmtools/config.yaml"),
+        f"Settings where neither option nor variable says else: {', '.join(SETTINGS)}.",
+        *(".SH SEE ALSO", f".BR {_escaped(above)} (1)"),
+    ]
+    return "\n".join(rows) + "\n"
 
 
-def stale(folder: Path) -> dict[Path, str | None]:
-    """The pages that are not what they should be, with their text; None for a stray one."""
-    wanted = {folder / f"{'-'.join(words)}.1": page(words) for words in commands()}
-    strays: dict[Path, str | None] = dict.fromkeys(set(folder.glob("*.1")) - set(wanted))
-    different = {
-        path: text
-        for path, text in wanted.items()
-        if not path.exists() or path.read_text("utf-8") != text
-    }
-    return {**strays, **different}
-
-
-def main(arguments: Sequence[str]) -> int:
-    """Write the pages into a folder; with ``--check`` only say which are stale."""
-    folder = Path(next(word for word in arguments if not word.startswith("-")))
-    changes = stale(folder)
-    lines(f"stale: {path}" for path in sorted(changes))
-    if "--check" in arguments:
-        return 1 if changes else 0
+def write_pages(folder: Path) -> None:
+    """Write the page of every command into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
-    for path, text in changes.items():
-        if text is None:
-            path.unlink()
-        else:
-            path.write_text(text, "utf-8")
-    return 0
+    for words in commands():
+        (folder / f"{'-'.join(words)}.1").write_text(page(words), "utf-8")
 
 
 def _context(words: Words) -> click.Context:
@@ -101,87 +84,47 @@ def _context(words: Words) -> click.Context:
 
 
 def _summary(context: click.Context) -> str:
-    """One line on what the command does, for NAME."""
     above = context.parent.command if context.parent else None
     listed = dict(above.help_lines()) if isinstance(above, LazyGroup) else {}
     text = listed.get(context.info_name or "") or context.command.get_short_help_str(100)
     return text.rstrip(".")
 
 
-def _paragraphs(command: click.Command) -> list[list[str]]:
-    """The help's paragraphs as lines; click's mark is first where lines are to stay as they are."""
+def _description(command: click.Command) -> Iterator[str]:
+    """The help's paragraphs; click's mark is before lines that stay as they are."""
     text = "\n\n".join(part for part in (command.help, command.epilog) if part)
-    return [paragraph.split("\n") for paragraph in re.split(r"\n\s*\n", text.strip())]
-
-
-def _description(paragraphs: Sequence[Sequence[str]]) -> Iterator[str]:
-    for number, (first, *rest) in enumerate(paragraphs):
-        if first.strip() != "\b":
+    for number, paragraph in enumerate(re.split(r"\n\s*\n", text.strip())):
+        first, *rest = (row.strip() for row in paragraph.split("\n"))
+        if first != "\b":
             yield from ([".PP"] if number else [])
-            yield from (_escaped(row.strip()) for row in (first, *rest))
-        elif rest[0].strip() == "Examples:":
-            yield ".SH EXAMPLES"
-            yield from _verbatim(rest[1:])
+            yield from map(_escaped, (first, *rest))
         else:
-            yield ".PP"
-            yield from _verbatim(rest)
-
-
-def _verbatim(rows: Sequence[str]) -> list[str]:
-    return [".nf", *(_escaped(row.strip()) for row in rows), ".fi"]
+            is_example = rest[0] == "Examples:"
+            yield ".SH EXAMPLES" if is_example else ".PP"
+            yield from (".nf", *map(_escaped, rest[is_example:]), ".fi")
 
 
 def _synopsis(command: click.Command) -> Iterator[str]:
+    """As "[OPTIONS] TOPIC", "[TYPE]" or "NODE...", whatever click's version makes of it."""
     yield "[OPTIONS]"
-    for parameter in command.params:
-        if isinstance(parameter, click.Argument):
-            yield _argument(parameter)
+    for one in command.params:
+        if isinstance(one, click.Argument):
+            name = one.metavar or str(one.name).upper()
+            many = "..." if one.nargs == -1 and not name.endswith(("...", "...]")) else ""
+            is_whole = one.required or name.startswith("[")
+            yield f"{name}{many}" if is_whole else f"[{name}{many}]"
     if isinstance(command, click.Group):
         yield "COMMAND [ARGS...]"
 
 
-def _argument(argument: click.Argument) -> str:
-    """As "TOPIC", "[TYPE]" or "NODE...", whatever click's version makes of it."""
-    name = argument.metavar or str(argument.name).upper()
-    many = "..." if argument.nargs == -1 and not name.endswith(("...", "...]")) else ""
-    return f"{name}{many}" if argument.required or name.startswith("[") else f"[{name}{many}]"
-
-
-def _options(context: click.Context) -> Iterator[str]:
-    yield ".SH OPTIONS"
-    for option in context.command.params:
+def _options(command: click.Command) -> Iterator[str]:
+    for option in command.params:
         if isinstance(option, click.Option) and not option.hidden:
             names = ", ".join([*option.opts, *option.secondary_opts])
-            value = option.metavar or option.type.name.upper()
-            yield from (".TP", f".B {_escaped(names)}{'' if option.is_flag else f' {value}'}")
+            value = "" if option.is_flag else f" {option.metavar or option.type.name.upper()}"
+            yield from (".TP", f".B {_escaped(names)}{value}")
             yield _escaped(" ".join((option.help or "").split()))
     yield from (".TP", f".B {_escaped('-h, --help')}", "Show the help and exit.")
-
-
-def _below(group: LazyGroup, words: Words) -> Iterator[str]:
-    for name, text in group.help_lines():
-        yield from (".TP", f".BR {_escaped('-'.join((*words, name)))} (1)", _escaped(text))
-
-
-def _surroundings() -> Iterator[str]:
-    """What is true of every command."""
-    yield from (".SH EXIT STATUS", _escaped(EXIT_CODES))
-    yield ".SH ENVIRONMENT"
-    for variable, option in _ENVIRONMENT.items():
-        yield from (".TP", f".B {variable}", f"As {_escaped(option)}; an option wins over it.")
-    yield from (".SH FILES", ".TP", ".I $XDG_CONFIG_HOME/lcmtools/config.yaml")
-    yield f"Settings where neither option nor variable says else: {', '.join(SETTINGS)}."
-
-
-def _see_also(words: Words) -> list[str]:
-    above = "lcmtools-config" if len(words) == 1 else "-".join(words[:-1])
-    return [".SH SEE ALSO", f".BR {_escaped(above)} (1)"]
-
-
-EXIT_CODES = (
-    "0 done, 1 failed, 2 wrong usage, 3 an extra is missing, 4 nothing came within --timeout,"
-    " 130 Ctrl-C, 143 SIGTERM. A node that is asked to end exits with 0."
-)
 
 
 def _escaped(text: str) -> str:
@@ -191,5 +134,11 @@ def _escaped(text: str) -> str:
     return f"\\&{text}" if text.startswith(".") else text
 
 
+def main(arguments: Sequence[str]) -> None:
+    """Write the pages into the folder that is named."""
+    (folder,) = arguments
+    write_pages(Path(folder))
+
+
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    main(sys.argv[1:])

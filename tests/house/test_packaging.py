@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from lcmtools.cli.manual import commands, page
+
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -86,10 +88,12 @@ def test_wheel_holds_nothing_but_the_two_packages(wheel: zipfile.ZipFile) -> Non
 
 
 def test_wheel_holds_the_man_pages_where_man_finds_them(wheel: zipfile.ZipFile) -> None:
-    pages = {path.name for path in (ROOT / "docs" / "man").glob("*.1")}
+    pages = {f"{'-'.join(words)}.1": page(words) for words in commands()}
     folder = "/data/share/man/man1/"
-    assert {name.partition(folder)[2] for name in wheel.namelist() if folder in name} == pages
-    assert "lcmtools-echo.1" in pages
+    shipped = {name.partition(folder)[2]: name for name in wheel.namelist() if folder in name}
+    assert set(shipped) == set(pages)
+    name = "lcmtools-echo.1"
+    assert wheel.read(shipped[name]).decode() == pages[name]
 
 
 def test_every_entry_point_is_in_the_wheel(wheel: zipfile.ZipFile) -> None:
@@ -110,7 +114,7 @@ def test_sdist_holds_every_file_of_the_folder(sdist: Path, folder: str) -> None:
 
 
 def test_sdist_holds_pages_and_project_file(sdist: Path) -> None:
-    expected = {"LICENSE", "README.md", "pyproject.toml"}
+    expected = {"LICENSE", "README.md", "hatch_build.py", "pyproject.toml"}
     assert expected - {path.name for path in sdist.iterdir()} == set()
 
 

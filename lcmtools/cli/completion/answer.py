@@ -15,7 +15,6 @@ from lcmtools.cli.completion.line import Place, locate
 from lcmtools.cli.completion.shells import SHELLS, Request
 from lcmtools.cli.completion.situation import FILES, Candidate, Situation, candidates
 from lcmtools.cli.completion.tree import Tree
-from lcmtools.packages import provide_user_types
 
 VARIABLE = "_LCMTOOLS_COMPLETE"
 """The environment variable with the name of the shell that asks."""
@@ -27,7 +26,6 @@ def run() -> None:
     _be_silent()
     try:
         tree = Tree(os.environ)
-        provide_user_types()
         lines = answer(os.environ[VARIABLE], sys.argv[1:], tree)
         with contextlib.suppress(OSError):
             os.write(1, "".join(f"{line}\n" for line in lines).encode("utf-8", "surrogateescape"))
@@ -59,6 +57,10 @@ def complete(request: Request, tree: Tree, environment: Mapping[str, str]) -> li
         return [Candidate(name, text) for name, text in place.command.commands.items()]
     if place.kind == "options":
         return list(_options(place))
+    if ":" in place.source:  # a function, which may look up types
+        from lcmtools.packages import provide_user_types
+
+        provide_user_types()
     word = request.word[len(place.before) :]
     found = candidates(place.source, Situation(word, place.given, environment))
     return [

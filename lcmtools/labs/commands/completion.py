@@ -3,24 +3,27 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
-from lcmtools.cli.completion.programs import arguments
 from lcmtools.cli.completion.situation import Candidate, Situation
-from lcmtools.labs.catalogue import LABS
-from lcmtools.labs.skeletons import NAMES
 
 
 def labs(_: Situation) -> Iterator[Candidate]:
     """The labs by name."""
+    from lcmtools.labs.catalogue import LABS
+
     yield from (Candidate(lab.name, lab.title) for lab in LABS.values())
 
 
 def skeletons(_: Situation) -> Iterator[Candidate]:
     """The nodes that are there to be filled in."""
+    from lcmtools.labs.skeletons import NAMES
+
     yield from map(Candidate, NAMES)
 
 
 def simulator_arguments(situation: Situation) -> Iterator[Candidate]:
     """The simulator's own arguments; the lab decides on its world."""
+    from lcmtools.cli.completion.programs import arguments
+
     before = ("--world", situation.last("name"), *situation.all("arguments"))
     given = {**situation.given, "name": ("sim",), "arguments": before}
     yield from arguments(replace(situation, given=given))
