@@ -1,33 +1,25 @@
 """Words that begin with "-" and are no options: negative numbers, and documents of YAML.
 
-Belongs here: telling them apart, and how they pass a parser that takes them for options. Must not
-import click, for the sake of completion.
+Must not import click, for the sake of completion.
 """
 
 import re
 
+_VALUE = r"-(\.?\d|\.?inf|\.?nan\b|\s|--(?=\s))"
+_IS_VALUE = re.compile(_VALUE, re.IGNORECASE)
+_IS_SHIELDED = re.compile(f"^ (?={_VALUE})", re.IGNORECASE)
 
-class Dashes:
-    """What a command takes for a value although it begins with "-".
 
-    Args:
-        but: What is none, as a regular expression of the whole word.
-    """
+def is_value(word: str) -> bool:
+    """Return whether a word is a value and no option, although it begins with "-"."""
+    return _IS_VALUE.match(word) is not None
 
-    def __init__(self, but: str = "") -> None:
-        no = f"(?!{but}$)" if but else ""
-        value = rf"{no}-(\.?\d|\.?inf|\.?nan\b|\s|--(?=\s))"
-        self._value = re.compile(value, re.IGNORECASE)
-        self._shielded = re.compile(f"^ (?={value})", re.IGNORECASE)
 
-    def is_value(self, word: str) -> bool:
-        """Whether a word is a value and no option."""
-        return self._value.match(word) is not None
+def shielded(word: str) -> str:
+    """Return a word as click takes it for what it is: a value with a blank before it."""
+    return f" {word}" if is_value(word) else word
 
-    def shielded(self, word: str) -> str:
-        """A word as a parser takes it for what it is: a value has a blank before it."""
-        return f" {word}" if self.is_value(word) else word
 
-    def bare(self, word: str) -> str:
-        """A word without its shield."""
-        return self._shielded.sub("", word)
+def bare(word: str) -> str:
+    """Return a word without its shield."""
+    return _IS_SHIELDED.sub("", word)

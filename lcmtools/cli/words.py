@@ -1,50 +1,91 @@
-"""Command lines whose last argument takes every word that is no option, "-1" and "-0.5" too."""
+"""Commands whose last argument takes every word that is no option, "-1" and "-0.5" too."""
 
+import re
 from collections.abc import Collection, Iterator, Sequence
 from itertools import pairwise
 from typing import ClassVar
 
 import click
 
-from lcmtools.cli.dashes import Dashes
+from lcmtools.cli.dashes import bare, shielded
 
 WITHOUT_END = "forever"
-"""What the options of ``may_stand_alone`` are where they stand alone."""
+"""The value of an option of ``may_stand_alone`` that stands alone."""
+
+_EXCLUDE_ONE = frozenset(("-r", "--rate", "-t", "--times"))
+"""Options that the option -1 cannot stand beside."""
+_ONE_AND_MORE = re.compile("-1[a-z]+", re.IGNORECASE)  # "-1v" is two options
+_ONE_VALUE = 3  # words: TOPIC, TYPE and the value
+_ENDS_IN_ONE = f"{__name__}.ends_in_one"
 
 
 class CommandWithWords(click.Command):
     """A command whose last argument takes negative numbers and YAML as they are.
 
-    What follows an option that takes a value is that value, whatever it looks like.
+    A word behind an option that takes a value is that value, whatever it looks like.
 
     Attributes:
         may_stand_alone: Options whose value is given with "=" or not at all.
-        dashes: Which words that begin with "-" are none of click's options.
     """
 
-    may_stand_alone: tuple[str, ...] = ()
-    dashes: ClassVar[Dashes] = Dashes()
+    may_stand_alone: ClassVar[tuple[str, ...]] = ()
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse the command line."""
-        rest = super().parse_args(ctx, list(self.shielded(args)))
+        rest = super().parse_args(ctx, list(self._shielded(args)))
         name = next(p.name for p in self.params if p.nargs == -1) or ""
-        ctx.params[name] = tuple(self.dashes.bare(word) for word in ctx.params[name] or ())
+        ctx.params[name] = tuple(map(bare, ctx.params[name] or ()))
         return rest
 
-    def shielded(self, words: Sequence[str]) -> Iterator[str]:
+    def _shielded(self, words: Sequence[str]) -> Iterator[str]:
         """The words as click takes them for what they are."""
-        options = self.options_with_value()
+        options = self._options_with_value()
         for before, word in pairwise(["", *words]):
-            yield word if before in options else self.shielded_word(word)
+            if before in options:
+                yield word
+            elif word in self.may_stand_alone:
+                yield f"{word}={WITHOUT_END}"
+            else:
+                yield self._shield(word)
 
-    def options_with_value(self) -> Collection[str]:
-        """The names of the options that take the next word, whatever it is."""
+    def _options_with_value(self) -> Collection[str]:
+        """The names of the options that take the next word."""
         options = (p for p in self.params if isinstance(p, click.Option) and not p.is_flag)
         return {name for option in options for name in option.opts} - set(self.may_stand_alone)
 
-    def shielded_word(self, word: str) -> str:
-        """A word that belongs to no option before it, as click takes it."""
-        if word in self.may_stand_alone:
-            return f"{word}={WITHOUT_END}"
-        return self.dashes.shielded(word)
+    def _shield(self, word: str) -> str:
+        return shielded(word)
+
+
+class CommandWithOnce(CommandWithWords):
+    """A command with the option -1: the first -1 is the option, as in "rostopic pub -1".
+
+    It is a value where the option cannot be meant: "-r 5 /speed std_msgs/Int32 -1".
+    """
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse the command line."""
+        ctx.meta[_ENDS_IN_ONE] = args.count("-1") == 1 and args[-1] == "-1"
+        return super().parse_args(ctx, args)
+
+    def _shielded(self, words: Sequence[str]) -> Iterator[str]:
+        options = self._options_with_value()
+        free = [word for before, word in pairwise(["", *words]) if before not in options]
+        plain = [word for word in free if word == "-1" or not word.startswith("-")]
+        is_value = (
+            len(plain) == _ONE_VALUE and plain[-1] == "-1" and not _EXCLUDE_ONE.isdisjoint(free)
+        )
+        for before, word in pairwise(["", *words]):
+            if before in options or (word == "-1" and not is_value):
+                is_value = is_value or before not in options
+                yield word
+            else:
+                yield self._shield(word)
+
+    def _shield(self, word: str) -> str:
+        return word if _ONE_AND_MORE.fullmatch(word) else shielded(word)
+
+
+def ends_in_one() -> bool:
+    """Return whether the command line ends in its only "-1": the option, or a value."""
+    return bool(click.get_current_context().meta[_ENDS_IN_ONE])

@@ -7,9 +7,10 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Sequence
+from functools import partial
 from types import FrameType
 
-from lcmtools.arguments import looks_special, misspelt, split_arguments
+from lcmtools.arguments import NodeArguments, looks_special, misspelt, split_arguments
 from lcmtools.bus.base import Bus
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl, choose_url
@@ -63,10 +64,7 @@ def init(
     bus_url, source = choose_url(
         arguments.lcm_url or url, arguments.domain, os.environ, read_user_file(os.environ)
     )
-    _process.context = Context(
-        _open_bus(bus_url), arguments, os.environ, NodeRecords(bus_url, os.environ), bus_url
-    )
-    _process.context.on_asked_to_end = _end_as_by_signal
+    _process.context = open_context(bus_url, arguments)
     if not has_supply():
         provide_user_types()
     if arguments.domain and source != "--domain":
@@ -83,6 +81,18 @@ def init(
         }
     atexit.register(shutdown)
     return rest
+
+
+def open_context(url: BusUrl, arguments: NodeArguments) -> Context:
+    """Connect to a bus, beside the process's own connection; the caller closes it.
+
+    Raises:
+        BusError: The bus cannot be reached, with what to type.
+    """
+    records = NodeRecords(url, os.environ)
+    context = Context(_open_bus(url), arguments, os.environ, records, url)
+    context.on_asked_to_end = partial(_end_as_by_signal, context)
+    return context
 
 
 def shutdown() -> None:
@@ -160,12 +170,12 @@ def _interrupted(number: int, _frame: FrameType | None) -> None:
     thread.start()
 
 
-def _end_as_by_signal() -> None:
+def _end_as_by_signal(context: Context) -> None:
     """Do what SIGTERM would do to this program, if it has an answer to that; from any thread."""
-    main, context = threading.main_thread().ident, _process.context
+    main = threading.main_thread().ident
     if main is not None and callable(signal.getsignal(signal.SIGTERM)):
         signal.pthread_kill(main, signal.SIGTERM)
-    elif context is not None:
+    else:
         context.stop()
 
 

@@ -1,4 +1,20 @@
-"""Publishing for a person: values from YAML, a file or a stream, subscribers, rate, latch.
+"""Publishing for a person: values from YAML, a file or a stream; services and parameters.
 
-Nothing here prints or knows a command line.
+Nothing here prints or knows a command line. ``publish`` is what ``lcmtools pub`` does.
 """
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from lcmtools.publish.publication import publish as publish
+
+__all__ = ["publish"]
+
+
+def __getattr__(name: str) -> object:
+    """Import ``publish`` when it is first used: services and parameters do without it."""
+    if name != "publish":
+        raise AttributeError(f"module 'lcmtools.publish' has no attribute '{name}'")
+    from lcmtools.publish.publication import publish
+
+    return publish

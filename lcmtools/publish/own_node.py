@@ -1,56 +1,38 @@
-"""The node that a command is while it publishes.
-
-Belongs here: its name, its names and its clock. Must not know what it publishes.
-"""
+"""The hidden node of a command while it publishes, calls services or reads parameters."""
 
 import contextlib
 import os
-from collections.abc import Iterator, Sequence
-from functools import partial
+from collections.abc import Iterator
+from dataclasses import replace
 
-import lcmtools
 from lcmtools.arguments import NodeArguments
-from lcmtools.cli.options import chosen_url
-from lcmtools.errors import NothingReceived
-from lcmtools.publish.subscriber_wait import wait_until
+from lcmtools.bus.url import BusUrl
+from lcmtools.node.node import Node
+from lcmtools.node.process import open_context
+
+_NOTHING_SAID = NodeArguments()
 
 
 @contextlib.contextmanager
-def own_node(names: NodeArguments, *, simulated: bool) -> Iterator[lcmtools.Node]:
-    """A node of this command's own.
+def own_node(
+    tool: str, url: BusUrl, arguments: NodeArguments = _NOTHING_SAID, *, simulated: bool = False
+) -> Iterator[Node]:
+    """A node on a connection of its own, beside the other nodes of this process.
+
+    Args:
+        tool: The command's name, announced as a part of the node's name.
+        url: The bus.
+        arguments: Name, namespace and remaps; the rest is not used.
+        simulated: Take the time from /clock.
 
     Raises:
         InvalidName: A name breaks the naming rules.
-        BusError: The bus cannot be reached.
+        BusError: The bus cannot be reached, with what to type.
     """
-    arguments = [*_as_arguments(names), *(["_use_sim_time:=true"] if simulated else [])]
-    lcmtools.init(arguments, url=str(chosen_url()), handle_signals=False)
+    parameters = {"use_sim_time": "true"} if simulated else {}
+    context = open_context(url, replace(arguments, parameters=parameters))
     try:
-        with lcmtools.Node(f"_lcmtools_pub_{os.getpid()}", tool=True) as node:
+        with Node(f"_lcmtools_{tool}_{os.getpid()}", tool=True, context=context) as node:
             yield node
     finally:
-        lcmtools.shutdown()
-
-
-def _as_arguments(names: NodeArguments) -> Sequence[str]:
-    """The naming arguments among the values, for the node."""
-    return [
-        *([f"__ns:={names.namespace}"] if names.namespace else []),
-        *([f"__name:={names.name}"] if names.name else []),
-        *(f"{source}:={target}" for source, target in names.remaps),
-        *(["--lcm-url", names.lcm_url] if names.lcm_url else []),
-        *(["--domain", names.domain] if names.domain else []),
-    ]
-
-
-def wait_for_clock(node: lcmtools.Node, timeout: float | None) -> None:
-    """Wait until the simulation's time is known.
-
-    Raises:
-        NothingReceived: It does not come within the time.
-    """
-    pause = partial(lcmtools.spin_once, node)
-    if not wait_until(node.get_clock().now, timeout, lambda: "waiting for /clock", pause):
-        raise NothingReceived(
-            f"nothing came on /clock within {timeout:g} s", "is the simulator running?"
-        )
+        context.close()

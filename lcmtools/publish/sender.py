@@ -1,34 +1,47 @@
-"""Sending messages in time: as they come, at a rate, and again to those who come late.
+"""Sending messages in time: as they come, at a rate, and again to late subscribers.
 
 Belongs here: when what is sent. Must not know where messages come from.
 """
 
+import itertools
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import TypeAlias
 
-import lcmtools
-from lcmtools.cli.output import talk
-from lcmtools.errors import BusError
-from lcmtools.messages.message_template import MessageTemplate
-from lcmtools.messages.plain import to_json
+from lcmtools.errors import BusError, UsageError
 from lcmtools.messages.registry import Message
 from lcmtools.node.node import Node
 from lcmtools.node.publisher import Publisher
-from lcmtools.publish.pace import Pace
+from lcmtools.node.spin import spin_once
+from lcmtools.publish.incoming import Incoming, Notify, Template
+from lcmtools.publish.schedule import Schedule, due_times
 
-_POLL = 0.02  # [s] between two looks at who subscribes
+OnSent: TypeAlias = Callable[[int, Message, bool], None]
+"""Called with the number of a message, the message, and True where it was sent again."""
+
+_POLL = 0.02  # [s] between two looks for new subscribers
 _MOST_BEHIND = 0.1  # [s] that are made up for; a computer that slept sends no burst
+
+
+class BrokenOff(UsageError):  # noqa: N818 - named for what happened, as in errors.py
+    """A stream went wrong after some of its messages had been sent."""
+
+    exit_code = 1
 
 
 class Sender:
     """Sends messages with a publisher.
 
     Args:
-        node: The publisher's node, whose clock the stamps are taken from.
-        publisher: What sends them.
-        latches: Whether who subscribes late is sent the last message.
-        is_verbose: Whether to tell the person of every message.
-        endures: Whether a network that fails after the first message is waited for.
+        node: The publisher's node, whose clock gives the stamps.
+        publisher: The publisher.
+        latch: Send the last message again to late subscribers.
+        endures: Wait for a network that fails after the first message.
+        notify: Gets what the person should read.
+        on_sent: Called for every message.
+
+    Attributes:
+        count: Messages that have been sent.
     """
 
     def __init__(
@@ -36,93 +49,104 @@ class Sender:
         node: Node,
         publisher: Publisher[Message],
         *,
-        latches: bool,
-        is_verbose: bool,
+        latch: bool,
         endures: bool,
+        notify: Notify,
+        on_sent: OnSent,
     ) -> None:
         self.count = 0
-        self._endures = endures
-        self._is_cut_off = False
         self._node = node
         self._publisher = publisher
-        self._latches = latches
-        self._is_verbose = is_verbose
+        self._latch = latch
+        self._endures = endures
+        self._notify = notify
+        self._on_sent = on_sent
+        self._is_cut_off = False
         self._spins = bool(node.get_parameter("use_sim_time").value)
-        self._last: MessageTemplate[Message] | None = None
+        self._last: Template | None = None
         self._served: frozenset[str] = frozenset()
         self._next_look = 0.0
 
-    def send(self, draft: MessageTemplate[Message]) -> None:
-        """Send a message, stamped with the time where it asks for that.
+    def send_all(self, incoming: Incoming, schedule: Schedule) -> None:
+        """Send messages until there are no more, or enough of them.
 
         Raises:
-            BusError: The bus does not take it, and that is not endured.
+            BusError: The bus does not take one, and that is not endured.
+            BrokenOff: The stream goes wrong after some messages.
         """
-        self._last = draft
-        if not self._is_sent(draft):
+        repeats = schedule.is_endless or (schedule.count and not incoming.is_stream)
+        templates = itertools.cycle(incoming.templates) if repeats else incoming.templates
+        most_behind = max(_MOST_BEHIND, 1 / schedule.rate if schedule.rate else 0.0)
+        due = due_times(schedule.rate, most_behind)
+        for template in self._unbroken(templates):
+            if template is None:
+                self._attend()
+                continue
+            self._pause(next(due) - time.monotonic())
+            self._send(template)
+            if self.count == schedule.count:
+                break
+        self._pause(schedule.stay)
+
+    def _unbroken(self, templates: Iterator[Template | None]) -> Iterator[Template | None]:
+        """The messages; an error after some of them says how many have been sent."""
+        try:
+            yield from templates
+        except UsageError as error:
+            if not self.count:
+                raise
+            sent = "1 message has" if self.count == 1 else f"{self.count} messages have"
+            hint = f"{error.hint}; " if error.hint else ""
+            raise BrokenOff(error.what, f"{hint}{sent} been sent") from None
+
+    def _send(self, template: Template) -> None:
+        self._last = template
+        if not self._is_sent(template):
             return
         self.count += 1
-        if self._latches:
+        if self._latch:
             self._served = self._publisher.subscriber_ids()
-        if self._is_verbose:
-            talk(f"publishing #{self.count}: {to_json(draft.message)}")
+        self._on_sent(self.count, template.message, False)  # noqa: FBT003 - the first time
 
-    def pause(self, seconds: float) -> None:
-        """Let time pass, and serve who comes late meanwhile."""
+    def _pause(self, seconds: float) -> None:
+        """Let time pass, and serve late subscribers meanwhile."""
         end = time.monotonic() + seconds
         while True:
-            self.attend()
+            self._attend()
             left = end - time.monotonic()
             if left <= 0:
                 return
-            step = min(left, _POLL) if self._latches else left
+            step = min(left, _POLL) if self._latch else left
             if self._spins:
-                lcmtools.spin_once(self._node, step)
+                spin_once(self._node, step)
             else:
                 time.sleep(step)
 
-    def attend(self) -> None:
-        """Send the last message again if somebody has subscribed since."""
+    def _attend(self) -> None:
+        """Send the last message again if there is a new subscriber."""
         if self._spins:
-            lcmtools.spin_once(self._node)
-        if not self._latches or self._last is None or time.monotonic() < self._next_look:
+            spin_once(self._node)
+        if not self._latch or self._last is None or time.monotonic() < self._next_look:
             return
         self._next_look = time.monotonic() + _POLL
         present = self._publisher.subscriber_ids()
-        if present - self._served and self._is_sent(self._last) and self._is_verbose:
-            talk(f"publishing #{self.count} again, to who has just subscribed")
+        if present - self._served and self._is_sent(self._last):
+            self._on_sent(self.count, self._last.message, True)  # noqa: FBT003 - again
         self._served = present
 
-    def _is_sent(self, draft: MessageTemplate[Message]) -> bool:
-        """Send a message; False where the network is gone, which is said once."""
-        payload = draft.payload(self._node.get_clock().now())
+    def _is_sent(self, template: Template) -> bool:
+        """Send a message; return False where the network is gone, which is said once."""
+        payload = template.payload(self._node.get_clock().now())
         try:
             self._publisher.publish_payload(payload)
         except BusError as error:
             if not self._endures or not self.count:
                 raise
             if not self._is_cut_off:
-                talk(f"lcmtools pub: {error.what}; waiting for the network")
+                self._notify(f"{error.what}; waiting for the network")
             self._is_cut_off = True
             return False
         if self._is_cut_off:
-            talk("lcmtools pub: messages leave again")
+            self._notify("messages leave again")
         self._is_cut_off = False
         return True
-
-
-def send_all(sender: Sender, drafts: Iterator[MessageTemplate[Message] | None], pace: Pace) -> None:
-    """Send messages until there are no more, or enough of them."""
-    period = 1 / pace.rate if pace.rate else 0.0
-    due = time.monotonic()
-    for draft in drafts:
-        if draft is None:
-            sender.attend()
-            continue
-        sender.pause(due - time.monotonic())
-        sender.send(draft)
-        if sender.count == pace.count:
-            break
-        behind = time.monotonic() - due - period
-        due += period + (behind if behind > max(_MOST_BEHIND, period) else 0.0)
-    sender.pause(pace.stay)

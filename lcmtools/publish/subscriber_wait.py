@@ -1,104 +1,115 @@
-"""Waiting for those who are to hear what a command publishes.
+"""Waiting for subscribers before the first message.
 
-Belongs here: whom to wait for, how long, and what the person is told meanwhile. Must not know what
-is published.
+Belongs here: which ones to wait for, how long, and what the person reads meanwhile. Must not know
+what is published.
 """
 
 import os
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from lcmtools.bus.listeners import listening_processes, listening_sockets
 from lcmtools.bus.url import BusUrl
-from lcmtools.cli.output import talk
 from lcmtools.errors import NothingReceived
 from lcmtools.messages.registry import Message
 from lcmtools.names import did_you_mean, is_hidden
 from lcmtools.node.node import Node
 from lcmtools.node.publisher import Publisher
+from lcmtools.node.spin import spin_once
+from lcmtools.publish.incoming import Notify
 
-_LONGEST = 1.0  # [s] for anybody, where nobody was asked for
+_LONGEST = 1.0  # [s] for any subscriber, where no number was given
 _ANSWERED = 0.25  # [s] after which every node that is there has announced itself
-_PATIENCE = 2.0  # [s] before the person is told what is waited for
+_PATIENCE = 2.0  # [s] before the person reads what is waited for
 _POLL = 0.01  # [s]
 
 
-@dataclass(frozen=True, slots=True)
-class Wanted:
-    """Whom to wait for.
-
-    Attributes:
-        subscribers: How many; None for one, and not for long.
-        timeout: How long [s]; None for as long as it takes.
-    """
-
-    subscribers: int | None
-    timeout: float | None
-
-
 class SubscriberWait:
-    """Those who can hear a publisher.
+    """The wait for a publisher's subscribers.
 
     Args:
         node: The publisher's node.
-        publisher: Whom they are to hear.
+        publisher: The publisher.
         url: The bus.
+        notify: Gets what the person should read.
     """
 
-    def __init__(self, node: Node, publisher: Publisher[Message], url: BusUrl) -> None:
+    def __init__(
+        self, node: Node, publisher: Publisher[Message], url: BusUrl, notify: Notify
+    ) -> None:
         self._node = node
         self._publisher = publisher
+        self._notify = notify
         self._sockets = listening_sockets(url)
-        publisher.subscriber_ids()  # asks the nodes: the answers come while other things are done
+        publisher.subscriber_ids()  # probes the nodes: they answer while other things are done
 
-    def wait(self, wanted: Wanted) -> None:
-        """Wait for those who are wanted.
+    def wait(self, subscribers: int | None, timeout: float | None) -> None:
+        """Wait for so many subscribers; for None, up to a second for one.
+
+        Args:
+            subscribers: How many; None for one, and not for long.
+            timeout: Longest wait for so many [s]; None for as long as it takes.
 
         Raises:
             NothingReceived: They do not come within the time.
         """
-        if wanted.subscribers is None:
-            self._wait_for_anybody()
-        elif not wait_until(
-            lambda: self._publisher.subscriber_count() >= (wanted.subscribers or 0),
-            wanted.timeout,
-            lambda: f"waiting for {self._situation(wanted)}",
+        if subscribers is None:
+            self._wait_for_any()
+            return
+
+        def situation() -> str:
+            plural = "" if subscribers == 1 else "s"
+            topic, count = self._publisher.topic, self._publisher.subscriber_count()
+            return f"{subscribers} subscriber{plural} of {topic}{self._misfits()}; {count} so far"
+
+        if not wait_until(
+            lambda: self._publisher.subscriber_count() >= subscribers,
+            timeout,
+            lambda: self._notify(f"waiting for {situation()}"),
         ):
             raise NothingReceived(
-                f"not within {wanted.timeout:g} s: {self._situation(wanted)}",
+                f"not within {timeout:g} s: {situation()}",
                 f"lcmtools info {self._publisher.topic} shows who is there",
             )
 
-    def _wait_for_anybody(self) -> None:
-        """Plain LCM programs never announce what they hear: for them there is no waiting."""
+    def wait_for_clock(self, timeout: float | None) -> None:
+        """Wait until the simulated time is known.
+
+        Raises:
+            NothingReceived: It does not come within the time.
+        """
+
+        def tell() -> None:
+            self._notify("waiting for /clock")
+
+        clock = self._node.get_clock()
+        if not wait_until(clock.now, timeout, tell, lambda pause: spin_once(self._node, pause)):
+            raise NothingReceived(
+                f"nothing came on /clock within {timeout:g} s", "is the simulator running?"
+            )
+
+    def _wait_for_any(self) -> None:
+        """Plain LCM programs never announce their subscriptions: for them there is no waiting."""
         if wait_until(self._publisher.subscriber_count, _ANSWERED):
             return
-        if self._has_plain_listeners() and not self._deaf():
+        if self._has_plain_listeners() and not self._misfits():
             return
         if not wait_until(self._publisher.subscriber_count, _LONGEST - _ANSWERED):
-            topic = self._publisher.topic
-            deaf = self._deaf()
-            heard = (one for one in self._node.subscribed_topics() - {topic} if not is_hidden(one))
-            near = "" if deaf else did_you_mean(topic, heard)
-            talk(
-                f"lcmtools pub: no node subscribes to {topic}{deaf} yet;"
+            topic, misfits = self._publisher.topic, self._misfits()
+            others = (one for one in self._node.subscribed_topics() - {topic} if not is_hidden(one))
+            near = "" if misfits else did_you_mean(topic, others)
+            self._notify(
+                f"no node subscribes to {topic}{misfits} yet;"
                 f" {f'{near} ' if near else ''}publishing all the same"
             )
 
     def _has_plain_listeners(self) -> bool:
-        """Whether programs that are no nodes receive from the bus, on whatever channel."""
+        """True if programs that are no nodes receive from the bus, on whatever channel."""
         nodes = {node.pid for node in self._node.graph().nodes} | {os.getpid()}
         return any(process.pid not in nodes for process in listening_processes(self._sockets))
 
-    def _situation(self, wanted: Wanted) -> str:
-        plural = "" if wanted.subscribers == 1 else "s"
-        count = self._publisher.subscriber_count()
-        topic = self._publisher.topic
-        return f"{wanted.subscribers} subscriber{plural} of {topic}{self._deaf()}; {count} so far"
-
-    def _deaf(self) -> str:
-        """Who subscribes to the topic as another type, and so cannot hear; "" for nobody."""
+    def _misfits(self) -> str:
+        """The nodes that subscribe to the topic as another type; "" for none."""
         own = self._publisher.endpoint()
         names = [
             f"{node.name} does as {endpoint.type}"
@@ -112,28 +123,20 @@ class SubscriberWait:
 def wait_until(
     condition: Callable[[], object],
     timeout: float | None,
-    waited_for: Callable[[], str] | None = None,
+    tell: Callable[[], None] | None = None,
     pause: Callable[[float], None] = time.sleep,
 ) -> bool:
-    """Wait for a condition; the person is told when that takes long.
+    """Return whether a condition comes true within so many seconds (None: any time).
 
-    Args:
-        condition: What is waited for.
-        timeout: How long [s]; None for as long as it takes.
-        waited_for: Says what it is.
-        pause: Lets some seconds pass.
-
-    Returns:
-        Whether it has come true.
+    ``tell`` is called once when that takes long; ``pause`` lets some seconds pass.
     """
     start = time.monotonic()
-    told = waited_for is None
     while not condition():
         waited = time.monotonic() - start
         if timeout is not None and waited >= timeout:
             return False
-        if not told and waited >= _PATIENCE and waited_for is not None:
-            told = True
-            talk(f"lcmtools pub: {waited_for()}")
+        if tell and waited >= _PATIENCE:
+            tell()
+            tell = None
         pause(_POLL)
     return True

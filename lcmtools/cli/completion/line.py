@@ -8,11 +8,9 @@ from dataclasses import dataclass, field
 
 from lcmtools.cli.completion.completer import Source
 from lcmtools.cli.completion.tree import Argument, Command, Option
-from lcmtools.cli.dashes import Dashes
+from lcmtools.cli.dashes import is_value
 
 Describe = Callable[[Sequence[str]], Command | None]
-
-_DASHES = Dashes()
 
 
 @dataclass(slots=True)
@@ -138,4 +136,4 @@ def _option_of(place: Place, word: str) -> tuple[Option | None, str | None]:
 
 
 def _is_option(place: Place, word: str) -> bool:
-    return word.startswith("-") and not place.options_are_over and not _DASHES.is_value(word)
+    return word.startswith("-") and not place.options_are_over and not is_value(word)

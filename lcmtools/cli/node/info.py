@@ -20,6 +20,7 @@ from lcmtools.graph.model import Graph, Node
 from lcmtools.observe.find import find_nodes
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.programs import Program, programs
+from lcmtools.publish.parameters import Answers
 
 
 @click.command("info", context_settings=CONTEXT)
@@ -43,7 +44,7 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
         found = [one for word in nodes for one in _find(monitor, graph, word)]
         graph = monitor.graph()
     asked = [] if quiet and not as_json else [one for one in found if isinstance(one, Node)]
-    known = parameters.ask(asked, graph)
+    known = parameters.ask(asked, monitor.url)
     now = time.time_ns()
     if as_json:
         document([_record(one, graph, now, known) for one in found])
@@ -79,7 +80,7 @@ def _find(monitor: BusMonitor, graph: Graph, word: str) -> list[Node] | list[Pro
         raise unknown  # noqa: TRY201 - the first error, not that of looking further
 
 
-def _about(node: Node, graph: Graph, now: int, known: parameters.Known) -> list[str]:
+def _about(node: Node, graph: Graph, now: int, known: Answers) -> list[str]:
     """What rosnode info prints after it has contacted a node, and more."""
     return [
         *sections.process(node, now),
@@ -107,9 +108,7 @@ def _program_text(program: Program, now: int, *, quiet: bool) -> list[str]:
     return rows
 
 
-def _record(
-    one: Node | Program, graph: Graph, now: int, known: parameters.Known
-) -> dict[str, object]:
+def _record(one: Node | Program, graph: Graph, now: int, known: Answers) -> dict[str, object]:
     if isinstance(one, Program):
         return program_record(one)
     return {

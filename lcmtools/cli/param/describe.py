@@ -5,10 +5,10 @@ import click
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options, json_option
 from lcmtools.cli.output import document, lines
-from lcmtools.cli.param.ask import look, pick, timeout_option
-from lcmtools.cli.param.shown import record
-from lcmtools.cli.param.target import find_target
+from lcmtools.cli.param.common import look, record, timeout_option
 from lcmtools.node.remote import RemoteParameter
+from lcmtools.publish.parameter_target import find_target
+from lcmtools.publish.parameters import pick
 
 
 @click.command("describe", context_settings=CONTEXT)
@@ -18,17 +18,17 @@ from lcmtools.node.remote import RemoteParameter
 @json_option
 @bus_options
 def command(node: str, name: str, *, timeout: float, as_json: bool) -> None:
-    """Say what a parameter is for: type, value, description and range; all without a NAME.
+    """Show a parameter's type, value, description and range; all parameters without a NAME.
 
     \b
     Examples:
       lcmtools param describe simple_controller kp
       lcmtools param describe /husky0/simple_controller
     """  # noqa: D301 - \b is click's mark
-    asker = look(timeout)
-    target = find_target(asker.graph, [node, name] if name else [node])
+    graph, client = look(timeout)
+    target = find_target(graph, [node, name] if name else [node])
     full = target.node.name
-    found = asker.ask_one(target.node)
+    found = client.get(full)
     wanted = target.parameter
     parameters = list(found.values()) if wanted is None else [pick(found, wanted, full)]
     if as_json:
@@ -38,7 +38,7 @@ def command(node: str, name: str, *, timeout: float, as_json: bool) -> None:
 
 
 def _rows(node: str, parameter: RemoteParameter) -> list[str]:
-    """As ros2 param describe has it, with the value."""
+    """The lines of ros2 param describe, and the value."""
     rows = [
         f"Parameter: {node}/{parameter.name}",
         f"  Type: {parameter.kind}",

@@ -9,11 +9,17 @@ import click
 from lcmtools.cli.completion.completer import complete, complete_files
 from lcmtools.cli.options import CONTEXT, bus_options, json_option
 from lcmtools.cli.output import document, lines
-from lcmtools.cli.param.ask import complain_of, living_nodes, look, timeout_option
-from lcmtools.cli.param.shown import json_values, tree
-from lcmtools.cli.param.target import find_target
+from lcmtools.cli.param.common import (
+    complain_of,
+    json_values,
+    living_nodes,
+    look,
+    timeout_option,
+    tree,
+)
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node
+from lcmtools.publish.parameter_target import find_target
 
 _MOST_WORDS = 2
 
@@ -39,9 +45,9 @@ def command(words: tuple[str, ...], *, output: str | None, timeout: float, as_js
       lcmtools param dump gains.yaml /husky0
       lcmtools param dump -o all.yaml
     """  # noqa: D301 - \b is click's mark
-    asker = look(timeout)
-    file, nodes = _meant(asker.graph, words, output)
-    answers, errors = asker.ask(nodes) if nodes else ({}, [])
+    graph, client = look(timeout)
+    file, nodes = _meant(graph, words, output)
+    answers, errors = client.get_all(nodes)
     if as_json:
         document({node: json_values(parameters) for node, parameters in answers.items()})
     elif file in (None, "-"):
@@ -54,12 +60,7 @@ def command(words: tuple[str, ...], *, output: str | None, timeout: float, as_js
 def _meant(
     graph: Graph, words: Sequence[str], output: str | None
 ) -> tuple[str | None, Sequence[Node]]:
-    """The file and the nodes that are meant; rosparam writes the file first, ros2 has no file.
-
-    Raises:
-        UsageError: There are too many words.
-        LcmtoolsError: There is no such node.
-    """
+    """The file and the nodes that are meant; rosparam writes the file first, ros2 has no file."""
     if len(words) > _MOST_WORDS or (output and len(words) > 1):
         raise UsageError("there is more than a file and a node", "see lcmtools param dump --help")
     if not words:

@@ -5,9 +5,8 @@ import click
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option
 from lcmtools.cli.output import document, lines, talk
-from lcmtools.cli.param.ask import complain_of, living_nodes, look, timeout_option
-from lcmtools.cli.param.shown import record
-from lcmtools.cli.param.target import find_target
+from lcmtools.cli.param.common import complain_of, living_nodes, look, record, timeout_option
+from lcmtools.publish.parameter_target import find_target
 
 
 @click.command("list", context_settings=CONTEXT)
@@ -36,12 +35,12 @@ def command(
       lcmtools param list
       lcmtools param list simple_controller -v
     """  # noqa: D301 - \b is click's mark
-    asker = look(timeout)
+    graph, client = look(timeout)
     if node:
-        nodes = list(find_target(asker.graph, [node]).nodes)
+        nodes = list(find_target(graph, [node]).nodes)
     else:
-        nodes = living_nodes(asker.graph, show_all=show_all)
-    answers, errors = asker.ask(nodes) if nodes else ({}, [])
+        nodes = living_nodes(graph, show_all=show_all)
+    answers, errors = client.get_all(nodes)
     found = [(name, p) for name, parameters in answers.items() for p in parameters.values()]
     if as_json:
         document([record(name, parameter) for name, parameter in found])
@@ -53,5 +52,5 @@ def command(
             for name, p in found
         )
     if not nodes:
-        talk(f"no node with parameters on {asker.url}")
+        talk(f"no node with parameters on {client.url}")
     return complain_of(errors)

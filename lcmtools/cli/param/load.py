@@ -1,7 +1,7 @@
 """``lcmtools param load``."""
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -9,13 +9,11 @@ import click
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options
 from lcmtools.cli.output import talk
-from lcmtools.cli.param.ask import Asker, look, timeout_option
-from lcmtools.cli.param.changes import Change, changes_of
-from lcmtools.cli.param.file import leaves
-from lcmtools.cli.param.target import require_parameters, with_parameters
-from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError
-from lcmtools.node.remote import RefusedParameters
+from lcmtools.cli.param.common import look, timeout_option
+from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.observe.find import find_node
+from lcmtools.publish.parameter_file import changes_of, make_changes, read_leaves
+from lcmtools.publish.parameters import nodes_with_parameters, require_parameters
 
 _MOST_WORDS = 2
 
@@ -42,50 +40,22 @@ def command(words: tuple[str, ...], *, timeout: float) -> None:
       lcmtools param load gains.yaml /husky0/simple_controller
     """  # noqa: D301 - \b is click's mark
     file, name = _meant(words)
-    found = leaves(_read(file), "standard input" if file == "-" else file)
+    found = read_leaves(_read(file), "standard input" if file == "-" else file)
     if not found:
         raise InvalidFile(f"{file} has no parameter in it", "for example kp: 0.5")
-    asker = look(timeout)
-    node = require_parameters(find_node(asker.graph, name)) if name else None
-    nodes = [node] if node else [n for n in with_parameters(asker.graph) if not n.stale]
-    answers, errors = asker.ask(nodes) if nodes else ({}, [])
+    graph, client = look(timeout)
+    node = require_parameters(find_node(graph, name)) if name else None
+    nodes = [node] if node else [n for n in nodes_with_parameters(graph) if not n.stale]
+    answers, errors = client.get_all(nodes)
     if node and errors:
         raise errors[0]
     for target, changes in changes_of(found, answers, node.name if node else None).items():
-        _set(asker, target, changes)
+        make_changes(client, target, changes)
         talk(f"{target}: {', '.join(changes)} set")
 
 
-def _set(asker: Asker, node: str, changes: Mapping[str, Change]) -> None:
-    """Change parameters of one node, all or none.
-
-    Raises:
-        LcmtoolsError: The node refuses; with the file and line of what it refuses.
-    """
-    try:
-        asker.set(find_node(asker.graph, node), {name: c.text for name, c in changes.items()})
-    except RefusedParameters as error:
-        places = [
-            change.place
-            for name, change in changes.items()
-            if any(
-                reason.startswith((f"parameter {name}:", f"parameter {name} "))
-                for reason in error.reasons
-            )
-        ]
-        raise LcmtoolsError(f"{(places or [_file_of(changes)])[0]}: {error.what}") from None
-
-
-def _file_of(changes: Mapping[str, Change]) -> str:
-    return next(iter(changes.values())).place.rpartition(":")[0]
-
-
 def _meant(words: Sequence[str]) -> tuple[str, str | None]:
-    """The file and the node; ros2 writes the node first.
-
-    Raises:
-        UsageError: There are too many words.
-    """
+    """The file and the node; ros2 writes the node first."""
     if len(words) > _MOST_WORDS:
         raise UsageError("there is more than a file and a node", "see lcmtools param load --help")
     if len(words) == 1:

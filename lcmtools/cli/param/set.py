@@ -7,12 +7,13 @@ import click
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options
 from lcmtools.cli.output import talk
-from lcmtools.cli.param.ask import Asker, look, timeout_option
-from lcmtools.cli.param.target import Target, find_target
+from lcmtools.cli.param.common import look, timeout_option
 from lcmtools.cli.words import CommandWithWords
 from lcmtools.errors import UsageError
 from lcmtools.messages.setting import ANY, text_of
 from lcmtools.messages.yaml_input import parse_values
+from lcmtools.publish.parameter_target import Target, find_target
+from lcmtools.publish.parameters import ParameterClient
 
 _EXAMPLE = "for example: lcmtools param set /husky0/simple_controller kp 0.5"
 
@@ -27,7 +28,7 @@ def command(words: tuple[str, ...], *, timeout: float) -> None:
     """Change a parameter of a node that runs: NODE NAME VALUE, or /node/name VALUE.
 
     VALUE is YAML, and of the type that the parameter has. Several parameters of a node change
-    together, or none does, when VALUE is a dict. What the node refuses is said, with exit code 1.
+    together, or none does, when VALUE is a dict. If the node refuses, the exit code is 1.
 
     \b
     Examples:
@@ -39,20 +40,16 @@ def command(words: tuple[str, ...], *, timeout: float) -> None:
         problem = "the value is missing" if len(words) < 2 else "there are more words than a value"  # noqa: PLR2004
         hint = _EXAMPLE if len(words) < 2 else "put the value in quotes"  # noqa: PLR2004 - name and value
         raise UsageError(problem, hint)
-    asker = look(timeout)
-    target = find_target(asker.graph, words[:-1])
-    texts = _texts(asker, target, words[-1])
-    parameters = asker.set(target.node, texts)
+    graph, client = look(timeout)
+    target = find_target(graph, words[:-1])
+    texts = _texts(client, target, words[-1])
+    parameters = client.set(target.node.name, texts)
     for name in texts:
         talk(f"{target.node.name}/{name} is now {parameters[name].text}")
 
 
-def _texts(asker: Asker, target: Target, value: str) -> Mapping[str, str]:
-    """The new values by name: one, or those in a dict.
-
-    Raises:
-        UsageError: It is not said which parameter is meant.
-    """
+def _texts(client: ParameterClient, target: Target, value: str) -> Mapping[str, str]:
+    """The new values by name: one, or those in a dict."""
     if target.parameter is not None:
         return {target.parameter: value}
     values = parse_values([value])
@@ -60,6 +57,6 @@ def _texts(asker: Asker, target: Target, value: str) -> Mapping[str, str]:
         raise UsageError(
             f"the parameter's name or its value is missing, for {target.node.name}", _EXAMPLE
         )
-    known = asker.ask_one(target.node)
+    known = client.get(target.node.name)
     kinds = {name: known[name].kind if name in known else ANY for name in values}
     return {name: text_of(part, kinds[name]) for name, part in values.items()}

@@ -5,8 +5,8 @@ import click
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
 from lcmtools.cli.output import data, document
-from lcmtools.cli.service.offered import class_of, find_service
 from lcmtools.messages.fields import visible_fields
+from lcmtools.observe.services import find_service
 
 
 @click.command("args", context_settings=CONTEXT)
@@ -23,5 +23,5 @@ def command(service: str, *, as_json: bool) -> None:
     """  # noqa: D301 - \b is click's mark
     with open_monitor("service_args") as monitor:
         found = find_service(monitor.settle(foreign=False), service)
-    names = [field.name for field in visible_fields(class_of(found).Request)]
+    names = [field.name for field in visible_fields(found.type_class().Request)]
     document(names) if as_json else data(" ".join(names))

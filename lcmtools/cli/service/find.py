@@ -5,8 +5,8 @@ import click
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines, talk
-from lcmtools.cli.service.offered import shown
 from lcmtools.messages.registry import service_name
+from lcmtools.observe.services import offered_services
 
 
 @click.command("find", context_settings=CONTEXT)
@@ -27,7 +27,7 @@ def command(type_: str, *, show_all: bool, as_json: bool) -> None:
     name = service_name(type_)
     with open_monitor("service_find") as monitor:
         graph, url = monitor.settle(foreign=False), monitor.url
-    found = [s.name for s in shown(graph, show_all=show_all) if name in s.types]
+    found = [s.name for s in offered_services(graph, show_all=show_all) if name in s.types]
     document(found) if as_json else lines(found)
     if not found:
         talk(f"no services of type {name} on {url}")

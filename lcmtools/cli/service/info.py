@@ -6,8 +6,8 @@ from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.describe import callback_record, callback_times, listed_node, node_record
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines
-from lcmtools.cli.service.offered import Offered, arguments, find_service
 from lcmtools.graph.model import Endpoint, Node
+from lcmtools.observe.services import OfferedService, find_service
 
 
 @click.command("info", context_settings=CONTEXT)
@@ -21,7 +21,7 @@ from lcmtools.graph.model import Endpoint, Node
 @json_option
 @bus_options
 def command(services: tuple[str, ...], *, as_json: bool) -> None:
-    """Show who answers a service, its type and its arguments, and who calls it.
+    """Show a service's node, type, arguments and clients.
 
     \b
     Examples:
@@ -38,10 +38,10 @@ def command(services: tuple[str, ...], *, as_json: bool) -> None:
     lines(row for heading, s in zip(rows, found, strict=True) for row in [*heading, *_text(s)])
 
 
-def _text(service: Offered) -> list[str]:
+def _text(service: OfferedService) -> list[str]:
     """As rosservice info prints it, with the process beside the node."""
     rows = [row for node, endpoint in service.servers for row in _server(node, endpoint)]
-    names = arguments(service)
+    names = service.arguments()
     rows.append(f"Type: {service.type_text}")
     rows.append(f"Args: {'unknown' if names is None else ' '.join(names)}")
     if service.clients:
@@ -59,11 +59,11 @@ def _server(node: Node, endpoint: Endpoint) -> list[str]:
     ]
 
 
-def _record(service: Offered) -> dict[str, object]:
+def _record(service: OfferedService) -> dict[str, object]:
     return {
         "service": service.name,
         "types": list(service.types),
-        "args": arguments(service),
+        "args": service.arguments(),
         "servers": [
             {**node_record(n), "calls": e.messages, **callback_record(e)}
             for n, e in service.servers

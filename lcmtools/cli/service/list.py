@@ -5,7 +5,7 @@ import click
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines, talk
-from lcmtools.cli.service.offered import Offered, shown
+from lcmtools.observe.services import OfferedService, offered_services
 
 
 @click.command("list", context_settings=CONTEXT)
@@ -29,7 +29,7 @@ def command(
     """  # noqa: D301 - \b is click's mark
     with open_monitor("service_list") as monitor:
         graph, url = monitor.settle(foreign=False), monitor.url
-    services = shown(graph, namespace, show_all=show_all)
+    services = offered_services(graph, namespace, show_all=show_all)
     if as_json:
         document([_record(service) for service in services])
     else:
@@ -38,7 +38,7 @@ def command(
         talk(f"no services{f' in {namespace}' if namespace else ''} on {url}")
 
 
-def _row(service: Offered, *, show_types: bool, show_nodes: bool) -> str:
+def _row(service: OfferedService, *, show_types: bool, show_nodes: bool) -> str:
     words = [service.name]
     if show_types:
         words.append(f"[{service.type_text}]")
@@ -49,7 +49,7 @@ def _row(service: Offered, *, show_types: bool, show_nodes: bool) -> str:
     return " ".join(words)
 
 
-def _record(service: Offered) -> dict[str, object]:
+def _record(service: OfferedService) -> dict[str, object]:
     return {
         "service": service.name,
         "types": list(service.types),

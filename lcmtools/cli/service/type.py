@@ -5,8 +5,8 @@ import click
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines
-from lcmtools.cli.service.offered import find_service
 from lcmtools.errors import LcmtoolsError
+from lcmtools.observe.services import find_service
 
 
 @click.command("type", context_settings=CONTEXT)

@@ -3,17 +3,14 @@
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, bus_options, json_option
-from lcmtools.cli.sim.simulator import ask, sim_option, tell, timeout_option
+from lcmtools.cli.options import CONTEXT
+from lcmtools.cli.sim.common import call, json_sim_options, show
 from lcmtools.types.sim_msgs import Delete
 
 
 @click.command("delete", context_settings=CONTEXT)
 @click.argument("robot", shell_complete=complete("bus:robots"))
-@sim_option
-@timeout_option
-@json_option
-@bus_options
+@json_sim_options
 def command(robot: str, *, name: str | None, timeout: float, as_json: bool) -> None:
     """Take a robot away.
 
@@ -24,4 +21,4 @@ def command(robot: str, *, name: str | None, timeout: float, as_json: bool) -> N
     """  # noqa: D301 - \b is click's mark
     request = Delete.Request()
     request.robot = robot
-    tell(ask(name, "delete", Delete, request, timeout), as_json=as_json)
+    show(call(name, "delete", Delete, request, timeout), as_json=as_json)

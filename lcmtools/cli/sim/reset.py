@@ -2,16 +2,13 @@
 
 import click
 
-from lcmtools.cli.options import CONTEXT, bus_options, json_option
-from lcmtools.cli.sim.simulator import ask, sim_option, tell, timeout_option
+from lcmtools.cli.options import CONTEXT
+from lcmtools.cli.sim.common import call, json_sim_options, show
 from lcmtools.types.std_srvs import Trigger
 
 
 @click.command("reset", context_settings=CONTEXT)
-@sim_option
-@timeout_option
-@json_option
-@bus_options
+@json_sim_options
 def command(*, name: str | None, timeout: float, as_json: bool) -> None:
     """Begin anew: time 0, and every robot where it started.
 
@@ -20,4 +17,4 @@ def command(*, name: str | None, timeout: float, as_json: bool) -> None:
       lcmtools sim reset
       lcmtools sim reset --timeout 10s
     """  # noqa: D301 - \b is click's mark
-    tell(ask(name, "reset", Trigger, Trigger.Request(), timeout), as_json=as_json)
+    show(call(name, "reset", Trigger, Trigger.Request(), timeout), as_json=as_json)

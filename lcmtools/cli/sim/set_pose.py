@@ -3,8 +3,8 @@
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, bus_options, json_option
-from lcmtools.cli.sim.simulator import ask, read_pose, sim_option, tell, timeout_option
+from lcmtools.cli.options import CONTEXT
+from lcmtools.cli.sim.common import call, json_sim_options, read_pose, show
 from lcmtools.cli.words import CommandWithWords
 from lcmtools.types.sim_msgs import SetPose
 
@@ -12,10 +12,7 @@ from lcmtools.types.sim_msgs import SetPose
 @click.command("set-pose", cls=CommandWithWords, context_settings=CONTEXT)
 @click.argument("robot", shell_complete=complete("bus:robots"))
 @click.argument("words", metavar="X Y [YAW]", nargs=-1, required=True)
-@sim_option
-@timeout_option
-@json_option
-@bus_options
+@json_sim_options
 def command(
     robot: str, words: tuple[str, ...], name: str | None, *, timeout: float, as_json: bool
 ) -> None:
@@ -28,4 +25,4 @@ def command(
     """  # noqa: D301 - \b is click's mark
     request = SetPose.Request()
     request.robot, request.pose = robot, read_pose(words)
-    tell(ask(name, "set_pose", SetPose, request, timeout), as_json=as_json)
+    show(call(name, "set_pose", SetPose, request, timeout), as_json=as_json)

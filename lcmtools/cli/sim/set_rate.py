@@ -4,18 +4,15 @@ import math
 
 import click
 
-from lcmtools.cli.options import CONTEXT, bus_options, json_option
-from lcmtools.cli.sim.simulator import ask, sim_option, tell, timeout_option
+from lcmtools.cli.options import CONTEXT
+from lcmtools.cli.sim.common import call, json_sim_options, show
 from lcmtools.errors import UsageError
 from lcmtools.types.sim_msgs import SetRate
 
 
 @click.command("set-rate", context_settings=CONTEXT)
 @click.argument("rate")
-@sim_option
-@timeout_option
-@json_option
-@bus_options
+@json_sim_options
 def command(rate: str, *, name: str | None, timeout: float, as_json: bool) -> None:
     """Let simulated time pass RATE times as fast as real time; 0: as fast as possible.
 
@@ -26,7 +23,7 @@ def command(rate: str, *, name: str | None, timeout: float, as_json: bool) -> No
     """  # noqa: D301 - \b is click's mark
     request = SetRate.Request()
     request.rate = _read_rate(rate)
-    tell(ask(name, "set_rate", SetRate, request, timeout), as_json=as_json)
+    show(call(name, "set_rate", SetRate, request, timeout), as_json=as_json)
 
 
 def _read_rate(text: str) -> float:

@@ -5,9 +5,9 @@ from pathlib import Path
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, bus_options, whole_number
+from lcmtools.cli.options import CONTEXT, whole_number
 from lcmtools.cli.output import talk
-from lcmtools.cli.sim.simulator import ask, sim_option, timeout_option
+from lcmtools.cli.sim.common import call, sim_options
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.types.sim_msgs import Snapshot
 
@@ -24,9 +24,7 @@ from lcmtools.types.sim_msgs import Snapshot
 @click.option("--width", type=whole_number(1), metavar="N", default=800, help="Pixels (else 800).")
 @click.option("--height", type=whole_number(1), metavar="N", default=600, help="Pixels (else 600).")
 @click.option("--force", is_flag=True, help="Overwrite a file that is there.")
-@sim_option
-@timeout_option
-@bus_options
+@sim_options
 def command(  # noqa: PLR0913 - one parameter an option
     file: str,
     *,
@@ -49,7 +47,7 @@ def command(  # noqa: PLR0913 - one parameter an option
         raise UsageError(f"{file} is there already", "--force overwrites it")
     request = Snapshot.Request()
     request.robot, request.width, request.height = robot, width, height
-    picture = bytes(ask(name, "snapshot", Snapshot, request, timeout).image.data)
+    picture = bytes(call(name, "snapshot", Snapshot, request, timeout).image.data)
     if file == "-":
         with click.open_file("-", "wb") as stream:
             stream.write(picture)

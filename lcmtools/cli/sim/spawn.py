@@ -3,8 +3,8 @@
 import click
 
 from lcmtools.cli.completion.completer import complete_words
-from lcmtools.cli.options import CONTEXT, bus_options, json_option
-from lcmtools.cli.sim.simulator import ask, read_pose, sim_option, tell, timeout_option
+from lcmtools.cli.options import CONTEXT
+from lcmtools.cli.sim.common import call, json_sim_options, read_pose, show
 from lcmtools.cli.words import CommandWithWords
 from lcmtools.types.sim_msgs import Spawn
 
@@ -13,10 +13,7 @@ from lcmtools.types.sim_msgs import Spawn
 @click.argument("model", shell_complete=complete_words("dolly", "husky", "pioneer"))
 @click.argument("robot")
 @click.argument("words", metavar="[X Y [YAW]]", nargs=-1)
-@sim_option
-@timeout_option
-@json_option
-@bus_options
+@json_sim_options
 def command(
     model: str,
     robot: str,
@@ -35,4 +32,4 @@ def command(
     """  # noqa: D301 - \b is click's mark
     request = Spawn.Request()
     request.model, request.robot, request.pose = model, robot, read_pose(words)
-    tell(ask(name, "spawn", Spawn, request, timeout), as_json=as_json)
+    show(call(name, "spawn", Spawn, request, timeout), as_json=as_json)

@@ -3,9 +3,9 @@
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, bus_options, json_option
+from lcmtools.cli.options import CONTEXT
 from lcmtools.cli.output import data
-from lcmtools.cli.sim.simulator import ask, sim_option, tell, timeout_option
+from lcmtools.cli.sim.common import call, json_sim_options, show
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.plain_text import Writer
 from lcmtools.types.sim_msgs import GetState
@@ -15,10 +15,7 @@ _OUTCOME = ("success", "message")
 
 @click.command("state", context_settings=CONTEXT)
 @click.argument("robot", shell_complete=complete("bus:robots"))
-@sim_option
-@timeout_option
-@json_option
-@bus_options
+@json_sim_options
 def command(robot: str, *, name: str | None, timeout: float, as_json: bool) -> None:
     """Show where a robot truly is and how it moves.
 
@@ -29,9 +26,9 @@ def command(robot: str, *, name: str | None, timeout: float, as_json: bool) -> N
     """  # noqa: D301 - \b is click's mark
     request = GetState.Request()
     request.robot = robot
-    response = ask(name, "get_state", GetState, request, timeout)
+    response = call(name, "get_state", GetState, request, timeout)
     if as_json:
-        tell(response, as_json=True)
+        show(response, as_json=True)
     else:
         told = {name: value for name, value in to_plain(response).items() if name not in _OUTCOME}
         data(Writer().block(told))

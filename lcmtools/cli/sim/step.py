@@ -2,17 +2,14 @@
 
 import click
 
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, whole_number
-from lcmtools.cli.sim.simulator import ask, sim_option, tell, timeout_option
+from lcmtools.cli.options import CONTEXT, whole_number
+from lcmtools.cli.sim.common import call, json_sim_options, show
 from lcmtools.types.sim_msgs import Step
 
 
 @click.command("step", context_settings=CONTEXT)
 @click.argument("steps", type=whole_number(1), default=1)
-@sim_option
-@timeout_option
-@json_option
-@bus_options
+@json_sim_options
 def command(steps: int, *, name: str | None, timeout: float, as_json: bool) -> None:
     """Let a paused simulator do STEPS steps (else one), as fast as it can.
 
@@ -23,4 +20,4 @@ def command(steps: int, *, name: str | None, timeout: float, as_json: bool) -> N
     """  # noqa: D301 - \b is click's mark
     request = Step.Request()
     request.steps = steps
-    tell(ask(name, "step", Step, request, timeout), as_json=as_json)
+    show(call(name, "step", Step, request, timeout), as_json=as_json)

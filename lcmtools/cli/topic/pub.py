@@ -9,18 +9,17 @@ from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options, chosen_url, duration, whole_number
 from lcmtools.cli.options import rate as rate_option
 from lcmtools.cli.output import talk
-from lcmtools.cli.topic.negative import CommandWithValues, ends_in_one
+from lcmtools.cli.words import CommandWithOnce, ends_in_one
 from lcmtools.errors import UsageError
 from lcmtools.messages.fields import fields
-from lcmtools.messages.registry import message_class
+from lcmtools.messages.plain import to_json
+from lcmtools.messages.registry import Message, message_class
 from lcmtools.publish.incoming import read_incoming
-from lcmtools.publish.own_node import own_node, wait_for_clock
-from lcmtools.publish.pace import PublishOptions
-from lcmtools.publish.sender import Sender, send_all
-from lcmtools.publish.subscriber_wait import SubscriberWait, Wanted
+from lcmtools.publish.publication import publish
+from lcmtools.publish.schedule import Schedule
 
 
-@click.command("pub", cls=CommandWithValues, context_settings=CONTEXT)
+@click.command("pub", cls=CommandWithOnce, context_settings=CONTEXT)
 @click.argument("topic", shell_complete=complete("bus:topics"))
 @click.argument("type_", metavar="TYPE", shell_complete=complete("messages:types"))
 @click.argument("values", nargs=-1, shell_complete=complete("messages:prototypes"))
@@ -54,12 +53,12 @@ from lcmtools.publish.subscriber_wait import SubscriberWait, Wanted
 @click.option(
     "--keep-alive", type=duration, help="Stay so long after the last message, latching it."
 )
-@click.option("-v", "--verbose", is_flag=True, help="Tell of every message on standard error.")
+@click.option("-v", "--verbose", is_flag=True, help="Print every message to standard error.")
 @click.option(
     "-s",
     "--substitute-keywords",
     is_flag=True,
-    help="As rostopic: stamp each message anew. It is always done.",
+    help="As rostopic: stamp each message. It is always done.",
 )
 @click.option(
     "--use-rostime", "--use-sim-time", "simulated", is_flag=True, help="Take stamps from /clock."
@@ -108,7 +107,7 @@ def command(  # noqa: PLR0913 - one parameter an option
     One value that is a dict names fields; otherwise values are the fields in order. Fields that
     are left out keep their defaults. A time may be "now", and a header "auto": each message is
     stamped when it is sent. Without -r, -1 and -t the message is sent once and again to each
-    subscriber that appears, until Ctrl-C. While the network is gone, what repeats waits for it.
+    new subscriber, until Ctrl-C. While the network is gone, what repeats waits for it.
 
     The first message waits up to a second for a subscriber, or for as many as -w says. -1 ends at
     once after that; to stay three seconds longer, as rostopic does, add --keep-alive 3s.
@@ -125,60 +124,59 @@ def command(  # noqa: PLR0913 - one parameter an option
       lcmtools pub -1 -w 2 --timeout 10s /start std_msgs/Empty
       lcmtools echo --json /odom | lcmtools pub /odom_copy nav_msgs/Odometry -
     """  # noqa: D301 - \b is click's mark
-    del substitute_keywords  # stamps are always set anew
-    _check_options(rate=rate, once=once, times=times)
+    del substitute_keywords  # stamps are always set on sending
+    if once and (rate is not None or times is not None):
+        raise UsageError(f"-{'r' if rate else 't'} and -1 exclude each other", "use one of them")
     _check_topic(topic, literal=literal)
-    wanted = _wanted(subscribers, timeout, is_counted=once or bool(times), simulated=simulated)
+    if timeout is not None and subscribers is None and (once or times):
+        subscribers = 1  # as ros2
+    elif timeout is not None and subscribers is None and not simulated:
+        raise UsageError("--timeout is how long to wait for subscribers", "say how many by -w N")
     flags = {"--ns": [ns], "--name": [name], "--remap": remap}
     said = [f"{flag}={value}" for flag, given in flags.items() for value in given if value]
-    names, words = split_arguments([*said, *values])
+    arguments, words = split_arguments([*said, *values])
     kind = message_class(type_)
     if ends_in_one() and not (words or file) and fields(kind):
         raise UsageError("-1 may mean the option or the value", "write --once, or -- -1")
-    wish = PublishOptions(rate, 1 if once else times, once, latch, keep_alive)
-    incoming = read_incoming(kind, words, file)
-    pace = wish.pace(incoming)
-    with own_node(names, simulated=simulated) as node:
-        publisher = node.create_publisher(kind, topic, literal=literal)
-        audience = SubscriberWait(node, publisher, chosen_url())
-        if simulated:
-            wait_for_clock(node, timeout)
-        audience.wait(wanted)
-        sender = Sender(
-            node,
-            publisher,
-            latches=pace.stay > 0 or latch,
-            is_verbose=verbose,
-            endures=pace.is_endless or incoming.is_stream or pace.stay > 0,
-        )
-        if pace.stay == math.inf:
-            talk("publishing and latching message. Press ctrl-C to terminate")
-        elif pace.is_endless and not rate:
-            talk(f"publishing the one message {pace.rate:g} times a second, until Ctrl-C")
-        send_all(sender, pace.drafts(incoming), pace)
-
-
-def _check_options(*, rate: float | None, once: bool, times: int | None) -> None:
-    if rate is not None and once:
-        raise UsageError("-r and -1 exclude each other", "use one of them")
-    if times is not None and once:
-        raise UsageError("-t and -1 exclude each other", "use one of them")
+    publish(
+        topic,
+        kind,
+        read_incoming(kind, words, file, _notify),
+        rate=rate,
+        count=1 if once else times,
+        latch=latch,
+        keep_alive=keep_alive or 0.0 if once else keep_alive,
+        subscribers=subscribers,
+        timeout=timeout,
+        simulated=simulated,
+        literal=literal,
+        url=chosen_url(),
+        arguments=arguments,
+        notify=_notify,
+        on_start=lambda schedule: _tell_start(schedule, rate),
+        on_sent=_tell_sent if verbose else lambda *_: None,
+    )
 
 
 def _check_topic(topic: str, *, literal: bool) -> None:
-    """Refuse what no node could announce; the rest is the naming rules' business."""
+    """Refuse a topic that no node could announce; naming rules are checked by the node."""
     if not literal and not topic.strip("/ "):
         raise UsageError("the topic's name is empty", "give one, for example /chatter")
     if any("\ud800" <= character <= "\udfff" for character in topic):
         raise UsageError(f"{topic!a} is not UTF-8", "nodes can name no other channel")
 
 
-def _wanted(
-    subscribers: int | None, timeout: float | None, *, is_counted: bool, simulated: bool
-) -> Wanted:
-    """Whom to wait for; with --timeout, -1 and -t wait for one, as with ros2."""
-    if timeout is not None and subscribers is None and is_counted:
-        return Wanted(1, timeout)
-    if timeout is not None and subscribers is None and not simulated:
-        raise UsageError("--timeout is how long to wait for subscribers", "say how many by -w N")
-    return Wanted(subscribers, timeout)
+def _notify(text: str) -> None:
+    talk(f"lcmtools pub: {text}")
+
+
+def _tell_start(schedule: Schedule, rate: float | None) -> None:
+    if schedule.stay == math.inf:
+        talk("publishing and latching message. Press ctrl-C to terminate")
+    elif schedule.is_endless and not rate:
+        talk(f"publishing the one message {schedule.rate:g} times a second, until Ctrl-C")
+
+
+def _tell_sent(count: int, message: Message, is_again: bool) -> None:  # noqa: FBT001 - OnSent's signature
+    again = " again, to who has just subscribed" if is_again else f": {to_json(message)}"
+    talk(f"publishing #{count}{again}")

@@ -1,8 +1,8 @@
-"""Which words that begin with a dash are values."""
+"""Words that begin with a dash and are values."""
 
 import pytest
 
-from lcmtools.cli.dashes import Dashes
+from lcmtools.cli.dashes import bare, is_value, shielded
 
 
 @pytest.mark.parametrize(
@@ -10,20 +10,13 @@ from lcmtools.cli.dashes import Dashes
     ["-1", "-0.5", "-.5", "-1e3", "-inf", "-.INF", "-nan", "-.NaN", "- a", "-\n  b", "---\na"],
 )
 def test_numbers_and_lists_are_values(word: str) -> None:
-    assert Dashes().is_value(word)
-    assert Dashes().shielded(word) == f" {word}"
-    assert Dashes().bare(f" {word}") == word
+    assert is_value(word)
+    assert shielded(word) == f" {word}"
+    assert bare(f" {word}") == word
 
 
 @pytest.mark.parametrize("word", ["-", "--", "-v", "--json", "-name", "-nano", "---", "1", "a-1"])
 def test_other_words_stay_as_they_are(word: str) -> None:
-    assert not Dashes().is_value(word)
-    assert Dashes().shielded(word) == word
-    assert Dashes().bare(f" {word}") == f" {word}"
-
-
-def test_a_command_may_take_less() -> None:
-    dashes = Dashes(but="-1[a-z]+")
-    assert not dashes.is_value("-1v")
-    assert dashes.is_value("-1v 2")
-    assert dashes.is_value("-1")
+    assert not is_value(word)
+    assert shielded(word) == word
+    assert bare(f" {word}") == f" {word}"

@@ -1,12 +1,11 @@
-"""Which words a command takes for its last argument, and which for options and their values."""
+"""The words that a command takes for its last argument, for options, and for their values."""
 
 from collections.abc import Sequence
 
 import click
 import pytest
 
-from lcmtools.cli.topic.negative import CommandWithValues
-from lcmtools.cli.words import WITHOUT_END, CommandWithWords
+from lcmtools.cli.words import WITHOUT_END, CommandWithOnce, CommandWithWords
 
 
 class _Command(CommandWithWords):
@@ -28,7 +27,7 @@ def parsed(kind: type[click.Command], words: Sequence[str]) -> dict[str, object]
     return {name: value for name, value in context.params.items() if value}
 
 
-@pytest.mark.parametrize("kind", [_Command, CommandWithValues])
+@pytest.mark.parametrize("kind", [_Command, CommandWithOnce])
 @pytest.mark.parametrize(
     "value", ["-5", "-0.5", "-.5e3", "-inf", "-.INF", "-nan", "-.nan", "- a\n- b", "--- \na"]
 )
@@ -37,7 +36,7 @@ def test_every_command_takes_the_same_for_values(kind: type[click.Command], valu
     assert parsed(kind, ["/a", "--", value]) == {"words": ("/a", value)}
 
 
-@pytest.mark.parametrize("kind", [_Command, CommandWithValues])
+@pytest.mark.parametrize("kind", [_Command, CommandWithOnce])
 @pytest.mark.parametrize("value", ["-1", "-0.5", "- a"])
 def test_what_follows_an_option_is_its_value_as_it_is(
     kind: type[click.Command], value: str
@@ -51,5 +50,6 @@ def test_an_option_may_stand_alone() -> None:
 
 
 def test_the_first_minus_one_is_the_option_of_pub() -> None:
-    assert parsed(CommandWithValues, ["-1", "/a", "-1"]) == {"words": ("/a", "-1"), "once": True}
-    assert parsed(CommandWithValues, ["/a", "-1v"]) == {"words": ("/a",), "once": True, "v": True}
+    assert parsed(CommandWithOnce, ["-1", "/a", "-1"]) == {"words": ("/a", "-1"), "once": True}
+    assert parsed(CommandWithOnce, ["/a", "-1v"]) == {"words": ("/a",), "once": True, "v": True}
+    assert parsed(CommandWithOnce, ["/a", "-1v 2"]) == {"words": ("/a", "-1v 2")}

@@ -1,4 +1,4 @@
-"""The services on a bus: who offers them, and which of them a word means."""
+"""The services on a bus: their types, servers and clients, and the one that a word means."""
 
 import os
 from dataclasses import dataclass
@@ -10,12 +10,10 @@ from lcmtools.messages.registry import ServiceType, service_class
 from lcmtools.names import did_you_mean, is_hidden, resolve, resolve_namespace
 from lcmtools.settings import usual_namespace
 
-UNKNOWN = "unknown type"
-
 
 @dataclass(frozen=True, slots=True)
-class Offered:
-    """A service that is announced.
+class OfferedService:
+    """A service that nodes announce.
 
     Attributes:
         name: Its full name.
@@ -35,33 +33,56 @@ class Offered:
     @property
     def type_text(self) -> str:
         """The announced types, for people."""
-        return ", ".join(self.types) or UNKNOWN
+        return ", ".join(self.types) or "unknown type"
 
     @property
     def is_alive(self) -> bool:
-        """Whether any node is there to answer."""
+        """True if a node is there to answer."""
         return any(not node.stale for node, _ in self.servers)
 
+    def type_class(self) -> type[ServiceType]:
+        """Return the pair of messages of the service.
 
-def offered(graph: Graph) -> list[Offered]:
-    """All services that nodes announce, sorted by name."""
-    names = {e.topic for node in graph.nodes for e in node.having(Role.SERVICE)}
-    return [_offered(graph, name) for name in sorted(names)]
+        Raises:
+            LcmtoolsError: Its type is not announced, or not known here.
+        """
+        if not self.types:
+            raise LcmtoolsError(f"the type of {self.name} is not known")
+        try:
+            return service_class(self.types[0])
+        except UnknownType as error:
+            raise LcmtoolsError(f"{self.name}: {error.what}", error.hint) from None
+
+    def arguments(self) -> list[str] | None:
+        """Return the names of the request's fields; None where its type is not known here."""
+        try:
+            return [field.name for field in visible_fields(self.type_class().Request)]
+        except LcmtoolsError:
+            return None
 
 
-def shown(graph: Graph, namespace: str = "", *, show_all: bool = False) -> list[Offered]:
-    """The services that lists show: those in a namespace, without the hidden ones."""
+def offered_services(
+    graph: Graph, namespace: str = "", *, show_all: bool = True
+) -> list[OfferedService]:
+    """Return the services that nodes announce, sorted by name.
+
+    Args:
+        graph: The graph.
+        namespace: Only those in it; "" for all.
+        show_all: With hidden names.
+    """
     prefix = f"/{namespace.strip('/')}" if namespace.strip("/") else ""
+    names = {e.topic for node in graph.nodes for e in node.having(Role.SERVICE)}
     return [
-        service
-        for service in offered(graph)
-        if (show_all or not is_hidden(service.name))
-        and (not prefix or service.name == prefix or service.name.startswith(f"{prefix}/"))
+        _offered(graph, name)
+        for name in sorted(names)
+        if (show_all or not is_hidden(name))
+        and (not prefix or name == prefix or name.startswith(f"{prefix}/"))
     ]
 
 
-def full_name(name: str) -> str:
-    """The service that a word means: resolved by the ROS rules.
+def full_service_name(name: str) -> str:
+    """Return the service that a word means, resolved by the ROS rules.
 
     Raises:
         UsageError: The name is empty or breaks the naming rules.
@@ -71,22 +92,22 @@ def full_name(name: str) -> str:
     return resolve(name, resolve_namespace(usual_namespace(os.environ)))
 
 
-def find_service(graph: Graph, name: str) -> Offered:
-    """The service that a word means.
+def find_service(graph: Graph, name: str) -> OfferedService:
+    """Return the service that a word means.
 
     Raises:
         UsageError: The name is empty or breaks the naming rules.
-        LcmtoolsError: No node offers it; with what may have been meant.
+        LcmtoolsError: No node offers it; with a hint at what may have been meant.
     """
-    service = _offered(graph, full_name(name))
+    service = _offered(graph, full_service_name(name))
     if not service.servers:
         raise LcmtoolsError(f"unknown service {service.name}", near_service(graph, service.name))
     return service
 
 
 def near_service(graph: Graph, name: str) -> str:
-    """A hint at the service that may have been meant instead."""
-    known = [service.name for service in shown(graph)]
+    """Return a hint at the service that may have been meant instead."""
+    known = [service.name for service in offered_services(graph, show_all=False)]
     by_base = [other for other in known if other.rpartition("/")[2] == name.rpartition("/")[2]]
     if by_base:
         return f"did you mean {by_base[0]}?"
@@ -95,31 +116,8 @@ def near_service(graph: Graph, name: str) -> str:
     )
 
 
-def class_of(service: Offered) -> type[ServiceType]:
-    """The pair of messages of a service.
-
-    Raises:
-        LcmtoolsError: Its type is not announced, or not known here.
-    """
-    if not service.types:
-        raise LcmtoolsError(f"the type of {service.name} is not known")
-    try:
-        return service_class(service.types[0])
-    except UnknownType as error:
-        raise LcmtoolsError(f"{service.name}: {error.what}", error.hint) from None
-
-
-def arguments(service: Offered) -> list[str] | None:
-    """The names of the request's fields; None where its type is not known here."""
-    try:
-        request = class_of(service).Request
-    except LcmtoolsError:
-        return None
-    return [field.name for field in visible_fields(request)]
-
-
-def _offered(graph: Graph, name: str) -> Offered:
-    """What is announced of one service; nodes that are alive come first."""
+def _offered(graph: Graph, name: str) -> OfferedService:
+    """A service; servers that are stale count only where there is no other."""
     servers = [
         (node, endpoint)
         for node in graph.nodes
@@ -128,4 +126,4 @@ def _offered(graph: Graph, name: str) -> Offered:
     ]
     alive = [pair for pair in servers if not pair[0].stale]
     clients = (n for n in graph.nodes if any(e.topic == name for e in n.having(Role.CLIENT)))
-    return Offered(name, tuple(alive or servers), tuple(clients))
+    return OfferedService(name, tuple(alive or servers), tuple(clients))

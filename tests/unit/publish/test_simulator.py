@@ -1,4 +1,4 @@
-"""Which simulator ``lcmtools sim`` asks."""
+"""The simulator that ``lcmtools sim`` calls."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from lcmtools.cli.sim import simulator
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
+from lcmtools.publish import simulator
 from lcmtools.types import sim_msgs, std_srvs
 
 LEADER = Node(
@@ -37,6 +37,7 @@ class Bus:
     """A bus that is seen so, one look after the other; it keeps whom somebody called."""
 
     def __init__(self, *graphs: Graph) -> None:
+        self.url = ""
         self.graphs = list(graphs)
         self.called: list[str] = []
 
@@ -65,12 +66,18 @@ def ask(monkeypatch: pytest.MonkeyPatch) -> Ask:
         bus = Bus(*graphs)
 
         @contextmanager
-        def found(_: str) -> Iterator[Bus]:
+        def found(*_: object) -> Iterator[Bus]:
             yield bus
 
-        monkeypatch.setattr(simulator, "open_monitor", found)
-        monkeypatch.setattr(simulator, "asking_node", found)
-        simulator.ask(name, "step", sim_msgs.Step, sim_msgs.Step.Request(), 1.0)
+        monkeypatch.setattr(simulator, "own_node", found)
+        simulator.call_simulator(
+            bus,  # type: ignore[arg-type] # what is used of it
+            name,
+            "step",
+            sim_msgs.Step,
+            sim_msgs.Step.Request(),
+            timeout=1.0,
+        )
         return bus.called
 
     return asked

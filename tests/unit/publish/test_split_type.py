@@ -4,16 +4,16 @@ from collections.abc import Sequence
 
 import pytest
 
-from lcmtools.cli.service.offered import Offered
 from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.messages.registry import service_class
-from lcmtools.publish.requests import split_type
+from lcmtools.observe.services import OfferedService
+from lcmtools.publish.calls import split_type
 
 
-def _offered(kind: str) -> Offered:
+def _offered(kind: str) -> OfferedService:
     node = Node("/server", "1", "host", 1)
-    return Offered("/it", ((node, Endpoint("/it", Role.SERVICE, (kind,) if kind else ())),))
+    return OfferedService("/it", ((node, Endpoint("/it", Role.SERVICE, (kind,) if kind else ())),))
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from lcmtools.cli.service import pace
+from lcmtools.publish import calls, schedule
 
 
 class Time:
@@ -27,14 +27,15 @@ class Time:
 def time(monkeypatch: pytest.MonkeyPatch) -> Time:
     """Put in place of the computer's."""
     clock = Time()
-    monkeypatch.setattr(pace, "time", clock)
+    for module in (calls, schedule):
+        monkeypatch.setattr(module, "time", clock)
     return clock
 
 
 def asked(time: Time, *, rate: float | None, times: int | None, answer: float = 0.0) -> list[Any]:
     """What is asked when, from the first on; each answer takes so long [s]."""
     found = []
-    for request in itertools.islice(pace.in_time(["a", "b"], rate, times), 5):  # type: ignore[list-item] # any will do
+    for request in itertools.islice(calls.requests_in_time(["a", "b"], rate, times), 5):  # type: ignore[list-item] # any will do
         found.append((request, round(time.now - 100.0, 3)))
         time.now += answer
     return found
@@ -54,7 +55,7 @@ def test_so_many_go_once_a_second(time: Time) -> None:
 
 
 def test_a_slow_service_is_not_asked_in_bursts(time: Time) -> None:
-    requests = pace.in_time(["a"], 10.0, 4)  # type: ignore[list-item] # any will do
+    requests = calls.requests_in_time(["a"], 10.0, 4)  # type: ignore[list-item] # any will do
     starts = []
     for answer in (1.0, 0.0, 0.0, 0.0):
         next(requests)

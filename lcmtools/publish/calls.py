@@ -1,0 +1,147 @@
+"""Calling services for a person: the type and values of a call, waiting, requests in time."""
+
+import itertools
+import os
+import re
+import time
+from collections.abc import Iterator, Sequence
+
+from lcmtools.bus.url import BusUrl
+from lcmtools.errors import (
+    LcmtoolsError,
+    NothingReceived,
+    ServiceTimeout,
+    UnknownType,
+    UsageError,
+)
+from lcmtools.messages.fields import visible_fields
+from lcmtools.messages.registry import Message, ServiceType, service_class, service_name
+from lcmtools.node.service import Client
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.services import (
+    OfferedService,
+    full_service_name,
+    near_service,
+    offered_services,
+)
+from lcmtools.publish.incoming import Notify, Template
+from lcmtools.publish.own_node import own_node
+from lcmtools.publish.schedule import due_times
+
+_TYPE = re.compile(r"[A-Za-z]\w*[/.](srv[/.])?[A-Za-z]\w*", re.ASCII)
+_USUAL_RATE = 1.0  # [Hz] of a service that is called so many times
+_PATIENCE = 2.0  # [s] before the person reads what is waited for
+_MOST_SHOWN = 8
+
+
+def split_type(
+    service: OfferedService, words: Sequence[str]
+) -> tuple[type[ServiceType], list[str]]:
+    """Return a call's type and its values: the first word may be a type, as in ros2.
+
+    Raises:
+        UsageError: The type is unknown, or not the service's.
+        LcmtoolsError: The type that is announced is not known here.
+    """
+    announced = service.types[0] if service.types else ""
+    if not words or not _is_type(service, words[0]):
+        return service.type_class(), list(words)
+    named = service_name(words[0])
+    if announced and named != announced:
+        raise UsageError(f"{service.name} is of type {announced}, not {named}", "leave it out")
+    return service_class(named), list(words[1:])
+
+
+def wait_for_service(monitor: BusMonitor, service: str, longest: float, notify: Notify) -> None:
+    """Wait until a living node offers a service; ``notify`` is called if that takes long.
+
+    Raises:
+        NothingReceived: None does within ``longest`` seconds.
+    """
+    name, start, has_told = full_service_name(service), time.monotonic(), False
+    while not any(s.name == name and s.is_alive for s in offered_services(monitor.graph())):
+        waited = time.monotonic() - start
+        if waited >= longest:
+            raise NothingReceived(
+                f"no node offers {name} within {longest:g} s", near_service(monitor.graph(), name)
+            )
+        if waited >= _PATIENCE and not has_told:
+            has_told = True
+            known = [one.name for one in offered_services(monitor.graph(), show_all=False)]
+            there = f"there is {', '.join(known[:_MOST_SHOWN])}" if known else "no node offers any"
+            notify(f"waiting for the service {name}; {there}")
+        try:
+            monitor.receive(min(0.2, longest - waited))
+        except EOFError:
+            raise LcmtoolsError(f"no node offers {name}: the log has ended") from None
+
+
+def call_all(
+    service: OfferedService,
+    service_type: type[ServiceType],
+    requests: Iterator[Template],
+    timeout: float,
+    url: BusUrl,
+) -> Iterator[Message]:
+    """Call a service with each request when it is taken; yield the responses.
+
+    Raises:
+        ServiceTimeout: A response did not come in time; with the state of the server.
+        ServiceError: The service reports a failure.
+    """
+    with own_node("service_call", url) as node:
+        client: Client[Message, Message] = node.create_client(service_type, service.name)  # type: ignore[arg-type] # known by its name only
+        try:
+            for request in requests:
+                yield client.call(request.at(time.time_ns()), timeout)
+        except ServiceTimeout as error:
+            raise ServiceTimeout(error.what, _state(service, url)) from None
+
+
+def requests_in_time(
+    requests: Sequence[Template], rate: float | None, times: int | None
+) -> Iterator[Template]:
+    """Yield requests when they are due; a slow service gets no burst later.
+
+    Args:
+        requests: The requests.
+        rate: [Hz], over and over; None for each request once.
+        times: How many in all, over and over; 1 Hz or ``rate``.
+    """
+    if rate is None and times is None:
+        yield from requests
+        return
+    due = due_times(rate or _USUAL_RATE)
+    for request in itertools.islice(itertools.cycle(requests), times):
+        time.sleep(max(0.0, next(due) - time.monotonic()))
+        yield request
+
+
+def _state(service: OfferedService, url: BusUrl) -> str:
+    """The state of the node that did not answer, by a new look at the bus."""
+    server = service.servers[0][0]
+    with BusMonitor(url, "service_call", os.environ) as monitor:
+        now = [node for node in monitor.settle(foreign=False).nodes if node.id == server.id]
+    if not now:
+        return f"its node {server.name} has ended"
+    if now[0].stale:
+        return f"its node {server.name} {now[0].stale}"
+    return f"its node {server.name} (pid {server.pid}) runs: is it busy? --timeout 10s waits longer"
+
+
+def _is_type(service: OfferedService, word: str) -> bool:
+    """True if a word is a type, and no value; "maps/yard" is a value where a text is expected."""
+    try:
+        named = service_name(word)
+    except UnknownType:
+        return bool(_TYPE.fullmatch(word)) and "/" in word and not _begins_with_text(service)
+    return "/" in word or "." in word or named in service.types
+
+
+def _begins_with_text(service: OfferedService) -> bool:
+    """True if the first field of a service's request is a text."""
+    try:
+        first = visible_fields(service.type_class().Request)[:1]
+    except LcmtoolsError:
+        return False
+    return any(field.type == "string" for field in first)

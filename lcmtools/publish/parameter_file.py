@@ -1,0 +1,169 @@
+"""A file of parameters, and what it changes.
+
+Belongs here: YAML and JSON in the forms of rosparam (nested namespaces), ros2 (``ros__parameters``)
+and ``lcmtools param dump``, compared with the parameters that nodes have.
+"""
+
+import contextlib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from lcmtools.errors import InvalidFile, LcmtoolsError, ValueMismatch
+from lcmtools.formats.strict_yaml import Node, read_documents
+from lcmtools.formats.yaml_problem import BadYaml
+from lcmtools.messages.documents import parse
+from lcmtools.messages.plain import Value
+from lcmtools.messages.setting import read_setting, text_of
+from lcmtools.names import did_you_mean
+from lcmtools.node.remote import RefusedParameters
+from lcmtools.publish.parameters import Answers, ParameterClient, Parameters, pick
+
+_EVERY_NODE = "/**"
+_ROS2_KEY = "ros__parameters"
+
+_Path: TypeAlias = tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """A value of a file.
+
+    Attributes:
+        path: The keys that lead to it.
+        value: Text, a list or nothing.
+        place: File and line, for messages.
+    """
+
+    path: tuple[str, ...]
+    value: Value
+    place: str
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A parameter's new value as YAML, and the file and line that it comes from."""
+
+    text: str
+    place: str
+
+
+Changes: TypeAlias = Mapping[str, Mapping[str, Change]]
+"""New values by node and parameter."""
+
+
+def read_leaves(text: str, source: str) -> list[Leaf]:
+    """Return the values in the text of a file.
+
+    Raises:
+        InvalidFile: It is no YAML, or no mapping of names to values, or has none.
+    """
+    found: list[Leaf] = []
+    for document in _documents(text, source):
+        if not isinstance(document.value, dict):
+            place = f"{source}:{document.line}"
+            raise InvalidFile(f"{place}: expected names and values", "for example kp: 0.5")
+        for path, node in _flat(document, ()):
+            names = tuple(key for key in path if key != _ROS2_KEY)
+            found.append(Leaf(names, node.plain(), f"{source}:{node.key_line}"))
+    return found
+
+
+def changes_of(leaves: Sequence[Leaf], known: Answers, node: str | None) -> Changes:
+    """Return the changes that a file's values mean.
+
+    Args:
+        leaves: The values.
+        known: The parameters of the nodes that may be meant.
+        node: The node of values that name none.
+
+    Raises:
+        LcmtoolsError: There is no such node or parameter; with file and line.
+        InvalidFile: A value is of another type than the parameter; with file and line.
+    """
+    changes: dict[str, dict[str, Change]] = {}
+    for leaf in leaves:
+        for target, rest in _targets(leaf, known, node):
+            has = known[target]
+            name = _found(rest, has) or "/".join(rest)
+            parameter = pick(has, name, target, f"{leaf.place}: ")
+            text = text_of(leaf.value, parameter.kind)
+            try:
+                read_setting(text, parameter.kind, f"parameter {name}")
+            except ValueMismatch as mismatch:
+                raise InvalidFile(f"{leaf.place}: {mismatch.what}", mismatch.hint) from None
+            changes.setdefault(target, {})[name] = Change(text, leaf.place)
+    return changes
+
+
+def make_changes(client: ParameterClient, node: str, changes: Mapping[str, Change]) -> None:
+    """Change parameters of one node, all or none.
+
+    Raises:
+        LcmtoolsError: The node refuses; with the file and line of what it refuses.
+        ServiceError: It did not answer.
+    """
+    try:
+        client.set(node, {name: change.text for name, change in changes.items()})
+    except RefusedParameters as error:
+        whole_file = next(iter(changes.values())).place.rpartition(":")[0]
+        refused = (
+            change.place
+            for name, change in changes.items()
+            for reason in error.reasons
+            if reason.startswith((f"parameter {name}:", f"parameter {name} "))
+        )
+        raise LcmtoolsError(f"{next(refused, whole_file)}: {error.what}") from None
+
+
+def _targets(leaf: Leaf, known: Answers, node: str | None) -> list[tuple[str, _Path]]:
+    """The nodes that a value is for, each with the rest of the value's path."""
+    parts = tuple(part for key in leaf.path for part in key.split("/") if part)
+    if leaf.path[0] == _EVERY_NODE:
+        having = [n for n, has in known.items() if n == node or _found(parts[1:], has)]
+        if having:
+            return [(name, parts[1:]) for name in having]
+    for end in range(len(parts), 0, -1):
+        if (name := f"/{'/'.join(parts[:end])}") in known:
+            return [(name, parts[end:])]
+    if node is not None:
+        return [(node, parts)]
+    based = [n for n in known if n.rpartition("/")[2] == parts[0]] if len(parts) > 1 else []
+    if len(based) == 1:
+        return [(based[0], parts[1:])]
+    if len(parts) < 2:  # noqa: PLR2004 - a node and a parameter
+        what = f"{leaf.place}: '{'/'.join(parts)}' is for no node"
+        raise LcmtoolsError(what, "write the node after the file")
+    name = f"/{'/'.join(parts[:-1])}"
+    hint = did_you_mean(name, known) or "lcmtools param list shows nodes and parameters"
+    raise LcmtoolsError(f"{leaf.place}: there is no node {name}", hint)
+
+
+def _found(rest: _Path, has: Parameters) -> str | None:
+    """The parameter's name: nested names are written with slashes or, as in ros2, with dots."""
+    return next((name for name in ("/".join(rest), ".".join(rest)) if name in has), None)
+
+
+def _documents(text: str, source: str) -> list[Node]:
+    try:
+        return [node for node in read_documents(text) if node]
+    except BadYaml as bad:
+        with contextlib.suppress(ValueMismatch):  # JSON has escapes that YAML does not have
+            return [_without_places(document.value) for document in parse(text)]
+        raise InvalidFile(f"{source}:{bad.line or 1}: not YAML: {bad.problem}", bad.hint) from None
+
+
+def _without_places(value: Value) -> Node:
+    if isinstance(value, dict):
+        return Node({key: _without_places(part) for key, part in value.items()})
+    if isinstance(value, list):
+        return Node([_without_places(part) for part in value])
+    return Node("" if value is None else str(value), is_quoted=value is not None)
+
+
+def _flat(node: Node, path: _Path) -> Iterator[tuple[_Path, Node]]:
+    if isinstance(node.value, dict):
+        for key, part in node.value.items():
+            yield from _flat(part, (*path, key))
+    else:
+        yield path, node

@@ -1,0 +1,127 @@
+"""Publishing messages on a topic, as ``lcmtools pub`` does."""
+
+import os
+from collections.abc import Callable, Iterator
+from typing import TypeAlias
+
+from lcmtools.arguments import NodeArguments
+from lcmtools.bus.url import BusUrl, choose_url, parse_url
+from lcmtools.messages.message_template import MessageTemplate, draft
+from lcmtools.messages.plain import Value
+from lcmtools.messages.registry import Message, message_class
+from lcmtools.messages.type_source import has_supply
+from lcmtools.messages.yaml_input import draft_from_values
+from lcmtools.packages import provide_user_types
+from lcmtools.publish.incoming import Incoming, Notify, Template
+from lcmtools.publish.own_node import own_node
+from lcmtools.publish.schedule import PublishOptions, Schedule
+from lcmtools.publish.sender import OnSent, Sender
+from lcmtools.publish.subscriber_wait import SubscriberWait
+from lcmtools.settings import read_user_file
+
+One: TypeAlias = "Message | Value"
+"""A message: itself, or the fields as YAML, a dict, or a list of all of them in order."""
+Values: TypeAlias = "One | Iterator[One] | Incoming"
+"""A message, or messages that are sent as they come."""
+
+
+def publish(  # noqa: PLR0913 - one parameter an option of pub
+    topic: str,
+    message_type: str | type[Message],
+    values: Values = None,
+    *,
+    rate: float | None = None,
+    count: int | None = None,
+    latch: bool = False,
+    keep_alive: float | None = None,
+    subscribers: int | None = None,
+    timeout: float | None = None,
+    simulated: bool = False,
+    literal: bool = False,
+    url: str | BusUrl | None = None,
+    arguments: NodeArguments | None = None,
+    notify: Notify = lambda _: None,
+    on_start: Callable[[Schedule], None] = lambda _: None,
+    on_sent: OnSent = lambda *_: None,
+) -> int:
+    """Publish messages on a topic by a node made for it; return how many were sent.
+
+    With neither ``rate``, ``count`` nor ``keep_alive`` one message is latched, as with ``pub``: it
+    is sent to each new subscriber until the program is interrupted.
+
+        publish("/chatter", "std_msgs/String", "data: hello", count=1)
+        publish("/cmd_vel", Twist, {"linear": [0.5, 0, 0]}, rate=10, count=50)
+
+    Args:
+        topic: Its name, resolved by the ROS rules.
+        message_type: The messages' class, or its name ("geometry_msgs/Twist").
+        values: One message, or an iterator of messages that are sent as they come. None for the
+            type's default message. Times may be "now" and headers "auto": they are set on sending.
+        rate: [Hz]; without ``count``, one message is repeated without end.
+        count: How many messages to send, over and over if there are fewer; 1 Hz or ``rate``.
+        latch: Stay, and send the last message to each new subscriber.
+        keep_alive: How long to stay after the last message [s], latching it.
+        subscribers: How many nodes must subscribe before the first message; None: wait up to a
+            second for one.
+        timeout: Longest wait for them, and for /clock [s]; None for as long as it takes.
+        simulated: Take stamps from /clock.
+        literal: The topic is the LCM channel, to the letter.
+        url: The bus; None for that of the environment and the settings file.
+        arguments: Name, namespace and remaps of the node.
+        notify: Gets what a person should read, as that subscribers are waited for.
+        on_start: Called with the schedule before the first message.
+        on_sent: Called with each message that was sent; see ``OnSent``.
+
+    Raises:
+        UnknownType: There is no such type.
+        ValueMismatch: A value does not fit its field.
+        InvalidName: The topic's name breaks the naming rules.
+        NothingReceived: Too few nodes subscribe, or /clock is silent, until ``timeout``.
+        BusError: The bus cannot be reached, or does not take a message.
+    """
+    if not has_supply():
+        provide_user_types()
+    kind = message_class(message_type) if isinstance(message_type, str) else message_type
+    incoming = values if isinstance(values, Incoming) else _incoming(kind, values)
+    options = PublishOptions(rate=rate, count=count, latch=latch, keep_alive=keep_alive)
+    schedule = options.schedule(incoming)
+    bus = _bus_url(url)
+    with own_node("pub", bus, arguments or NodeArguments(), simulated=simulated) as node:
+        publisher = node.create_publisher(kind, topic, literal=literal)
+        wait = SubscriberWait(node, publisher, bus, notify)
+        if simulated:
+            wait.wait_for_clock(timeout)
+        wait.wait(subscribers, timeout)
+        sender = Sender(
+            node,
+            publisher,
+            latch=latch or schedule.stay > 0,
+            endures=schedule.is_endless or incoming.is_stream or schedule.stay > 0,
+            notify=notify,
+            on_sent=on_sent,
+        )
+        on_start(schedule)
+        sender.send_all(incoming, schedule)
+        return sender.count
+
+
+def _incoming(kind: type[Message], values: "One | Iterator[One]") -> Incoming:
+    if isinstance(values, Iterator):
+        return Incoming(_template(kind, value) for value in values)
+    return Incoming(iter([_template(kind, values)]), is_one=True)
+
+
+def _template(kind: type[Message], value: One) -> Template:
+    if isinstance(value, kind):
+        return MessageTemplate(value)
+    if isinstance(value, str):
+        return draft_from_values(kind, [value])
+    return draft(kind, value)  # type: ignore[arg-type] # a message of another type does not fit
+
+
+def _bus_url(url: str | BusUrl | None) -> BusUrl:
+    if isinstance(url, BusUrl):
+        return url
+    return (
+        parse_url(url) if url else choose_url(None, None, os.environ, read_user_file(os.environ))[0]
+    )

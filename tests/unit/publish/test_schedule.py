@@ -1,0 +1,83 @@
+"""When messages are sent, by options and by where the messages come from."""
+
+import math
+
+import pytest
+
+from lcmtools.publish import schedule as schedule_module
+from lcmtools.publish.incoming import Incoming
+from lcmtools.publish.schedule import PublishOptions, Schedule, due_times
+
+VALUES = Incoming(iter([]), is_one=True)
+ONE_IN_A_FILE = Incoming(iter([]), is_file=True, is_one=True)
+FILE = Incoming(iter([]), is_file=True)
+STREAM = Incoming(iter([]))
+
+
+@pytest.mark.parametrize(
+    ("options", "incoming", "schedule"),
+    [
+        (PublishOptions(), VALUES, Schedule(stay=math.inf)),
+        (PublishOptions(), ONE_IN_A_FILE, Schedule(rate=10.0, is_endless=True)),
+        (PublishOptions(), FILE, Schedule(rate=10.0)),
+        (PublishOptions(), STREAM, Schedule()),
+        (PublishOptions(rate=5.0), VALUES, Schedule(rate=5.0, is_endless=True)),
+        (PublishOptions(rate=5.0), ONE_IN_A_FILE, Schedule(rate=5.0, is_endless=True)),
+        (PublishOptions(rate=5.0), FILE, Schedule(rate=5.0)),
+        (PublishOptions(rate=5.0), STREAM, Schedule(rate=5.0)),
+        (PublishOptions(count=1), VALUES, Schedule(rate=1.0, count=1)),
+        (PublishOptions(count=1, latch=True, keep_alive=0.0), VALUES, Schedule(rate=1.0, count=1)),
+        (PublishOptions(count=1, keep_alive=3.0), VALUES, Schedule(rate=1.0, count=1, stay=3.0)),
+        (PublishOptions(count=1), STREAM, Schedule(count=1)),
+        (PublishOptions(count=3), VALUES, Schedule(rate=1.0, count=3)),
+        (PublishOptions(count=3, rate=5.0), VALUES, Schedule(rate=5.0, count=3)),
+        (PublishOptions(count=3), FILE, Schedule(rate=10.0, count=3)),
+        (PublishOptions(count=3), STREAM, Schedule(count=3)),
+        (PublishOptions(latch=True), ONE_IN_A_FILE, Schedule(rate=10.0, stay=math.inf)),
+        (PublishOptions(latch=True), FILE, Schedule(rate=10.0, stay=math.inf)),
+        (PublishOptions(latch=True), STREAM, Schedule(stay=math.inf)),
+        (
+            PublishOptions(latch=True, rate=5.0),
+            VALUES,
+            Schedule(rate=5.0, is_endless=True, stay=math.inf),
+        ),
+        (PublishOptions(keep_alive=3.0), VALUES, Schedule(stay=3.0)),
+    ],
+)
+def test_options_and_source_decide_when_to_send(
+    options: PublishOptions, incoming: Incoming, schedule: Schedule
+) -> None:
+    assert options.schedule(incoming) == schedule
+
+
+class Time:
+    """A clock that passes by sleeping."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def monotonic(self) -> float:
+        """Read it [s]."""
+        return self.now
+
+
+def due(
+    monkeypatch: pytest.MonkeyPatch, rate: float, most_behind: float, takes: list[float]
+) -> list[float]:
+    """The times at which messages are due, where sending each takes so long [s]."""
+    clock = Time()
+    monkeypatch.setattr(schedule_module, "time", clock)
+    found = []
+    for one, seconds in zip(due_times(rate, most_behind), takes, strict=False):
+        clock.now = max(clock.now, one)
+        found.append(round(one - 100.0, 3))
+        clock.now += seconds
+    return found
+
+
+def test_a_short_delay_is_made_up_for_and_a_long_one_is_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert due(monkeypatch, 10.0, 0.1, [0.15, 0.0, 0.0]) == [0.0, 0.1, 0.2]
+    assert due(monkeypatch, 10.0, 0.1, [1.0, 0.0, 0.0, 0.0]) == [0.0, 1.0, 1.1, 1.2]
+    assert due(monkeypatch, 10.0, 0.0, [0.15, 0.0, 0.0]) == [0.0, 0.15, 0.25]
