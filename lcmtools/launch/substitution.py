@@ -1,30 +1,42 @@
-"""What stands in ``$( )``: arguments, variables, folders of packages, names, expressions.
+"""Text in ``$( )``: arguments, variables, folders of packages, names, expressions.
 
-Belongs here: roslaunch's substitutions as functions of text and of what is known in a place of a
+Belongs here: roslaunch's substitutions as functions of text and of what is known at a place of a
 launch file. Must not know tags. https://wiki.ros.org/roslaunch/XML#substitution_args
 """
 
+import contextlib
 import secrets
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import cast
 
 from lcmtools.errors import UsageError
-from lcmtools.launch.expression import Functions, evaluate
+from lcmtools.formats.expression import Expression, ExpressionFault, Language
+from lcmtools.formats.operations import CONSTANTS, LARGEST, Function
 from lcmtools.names import did_you_mean
 
 _QUOTES = "'\""
+_COMMANDS = ("arg", "env", "optenv", "find", "anon", "dirname", "eval")
+_LONGEST = 1000  # characters of an expression
+_CONSTANTS: Mapping[str, object] = {**CONSTANTS, "true": True, "false": False}
+_CASTS: Mapping[str, Function] = {
+    "str": str,
+    "int": lambda value: int(cast("float", value)),
+    "float": lambda value: float(cast("float", value)),
+    "bool": bool,
+}
 
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """What may be put in.
+    """The values of substitutions.
 
     Attributes:
         arguments: The file's arguments.
         environment: The variables.
         folder: The folder of the file.
-        find_package: Gives a package's folder.
-        names: What ``$(anon x)`` has been so far; new ones are added.
+        find_package: Returns a package's folder.
+        names: The names that ``$(anon x)`` has had so far; new ones are added.
     """
 
     arguments: Mapping[str, str]
@@ -33,18 +45,48 @@ class Known:
     find_package: Callable[[str], str]
     names: dict[str, str] = field(default_factory=dict)
 
+    def argument(self, name: str) -> str:
+        """Return an argument's value."""
+        if name not in self.arguments:
+            hint = did_you_mean(name, self.arguments) or "declare it by arg before it is used"
+            raise UsageError(f"there is no argument '{name}'", hint)
+        return self.arguments[name]
+
+    def variable(self, name: str) -> str:
+        """Return a variable of the environment."""
+        if name not in self.environment:
+            hint = f"or write $(optenv {name} DEFAULT)"
+            raise UsageError(f"the environment variable {name} is not set", hint)
+        return self.environment[name]
+
+    def anonymous(self, name: str) -> str:
+        """Return a unique name, the same one for each use."""
+        return self.names.setdefault(name, f"{name}_{secrets.token_hex(4)}")
+
+    def named(self, name: str) -> object:
+        """Return the value of a name in an expression."""
+        if name in self.arguments:
+            return _typed(self.arguments[name])
+        if name in _CONSTANTS:
+            return _CONSTANTS[name]
+        raise LookupError(f"there is no '{name}'")
+
+    def attribute(self, owner: object, name: str) -> object:
+        """Raise the error for a field: values have none here."""
+        raise LookupError(f"{owner} has no field '{name}'")
+
 
 def substitute(text: str, known: Known) -> str:
-    """A text with everything in ``$( )`` replaced; what was put in is not looked through again.
+    """Replace everything in ``$( )``; values are not searched for further ``$( )``.
 
     Raises:
-        UsageError: It asks for something that there is not, or is not closed.
+        UsageError: It names something that does not exist, or is not closed.
     """
     return "".join(_replaced(part, known) if inside else part for inside, part in _parts(text))
 
 
 def _parts(text: str) -> Iterator[tuple[bool, str]]:
-    """The text in parts, each with whether it stands in ``$( )``."""
+    """Return the text in parts, each with True if it stands in ``$( )``."""
     rest = text
     while True:
         before, mark, rest = rest.partition("$(")
@@ -56,7 +98,7 @@ def _parts(text: str) -> Iterator[tuple[bool, str]]:
 
 
 def _closed(rest: str, text: str) -> tuple[str, str]:
-    """What is before the parenthesis that closes, and what is behind it."""
+    """Return the text before the parenthesis that closes, and the text behind it."""
     quotes = _QUOTES if rest.startswith("eval") else ""
     depth, quote = 1, ""
     for index, character in enumerate(rest):
@@ -74,22 +116,19 @@ def _closed(rest: str, text: str) -> tuple[str, str]:
 def _replaced(inside: str, known: Known) -> str:
     command, _, rest = inside.strip().partition(" ")
     rest = rest.strip()
-    functions = _functions(known)
     if command == "eval":
-        return evaluate(rest, known.arguments, functions)
+        return _evaluated(rest, known)
     if command == "optenv":
         name, _, default = rest.partition(" ")
         return known.environment.get(_one(command, name), default.strip())
     if command == "dirname":
         return known.folder
     command = {"var": "arg"}.get(command, command)  # as ROS 2 has it
+    functions = _functions(known)
     if command not in functions:
         hint = did_you_mean(command, _COMMANDS) or f"there are {', '.join(_COMMANDS)}"
         raise UsageError(f"there is no '$({command} ...)'", hint)
     return functions[command](_one(command, rest))
-
-
-_COMMANDS = ("arg", "env", "optenv", "find", "anon", "dirname", "eval")
 
 
 def _one(command: str, words: str) -> str:
@@ -99,21 +138,42 @@ def _one(command: str, words: str) -> str:
     return words
 
 
-def _functions(known: Known) -> Functions:
-    def argument(name: str) -> str:
-        if name not in known.arguments:
-            hint = did_you_mean(name, known.arguments) or "declare it by arg before it is used"
-            raise UsageError(f"there is no argument '{name}'", hint)
-        return known.arguments[name]
+def _functions(known: Known) -> dict[str, Callable[[str], str]]:
+    return {
+        "arg": known.argument,
+        "env": known.variable,
+        "find": known.find_package,
+        "anon": known.anonymous,
+    }
 
-    def variable(name: str) -> str:
-        if name not in known.environment:
-            raise UsageError(
-                f"the environment variable {name} is not set", f"or write $(optenv {name} DEFAULT)"
-            )
-        return known.environment[name]
 
-    def anonymous(name: str) -> str:
-        return known.names.setdefault(name, f"{name}_{secrets.token_hex(4)}")
+def _evaluated(text: str, known: Known) -> str:
+    """Return the value of an expression of the file's arguments, as text."""
+    language = Language(
+        name="eval",
+        example="write for example $(eval arg('count') * 2 + 1)",
+        allowed="arguments, numbers, text, comparisons, arithmetic, and, or, not, in, if, else are",
+        longest=_LONGEST,
+        functions={
+            **_CASTS,
+            **_functions(known),
+            "arg": lambda name: _typed(known.argument(str(name))),
+        },
+        has_choices=True,
+    )
+    try:
+        return str(Expression(" ".join(text.splitlines()), language).value(known))
+    except ExpressionFault as fault:
+        raise UsageError(f"eval: cannot work out {fault}", language.example) from None
 
-    return {"arg": argument, "env": variable, "find": known.find_package, "anon": anonymous}
+
+def _typed(text: str) -> object:
+    """Return the value that a text stands for: true or false, a number, or itself."""
+    if text.lower() in ("true", "false"):
+        return text.lower() == "true"
+    with contextlib.suppress(ValueError):
+        if abs(number := int(text)) <= LARGEST:
+            return number
+    with contextlib.suppress(ValueError):
+        return float(text)
+    return text

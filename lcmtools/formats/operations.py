@@ -1,20 +1,21 @@
-"""What may be done with values in a filter expression: operators, functions, constants.
+"""The operations of expressions: operators, functions and constants, each with its limits.
 
-Belongs here: each operation's meaning and its limits. Must not know messages, nor how an expression
-is written. Whole numbers are kept to 64 bits and powers are floating point, so that none of them
-can cost more than the arrays it is given.
+Powers are floating point, whole numbers have at most 64 bits, and text can only be joined, up to a
+limit: so no operation costs more than the arrays it is given.
 """
 
 import ast
 import math
 import operator
 from collections.abc import Callable, Mapping
-from typing import TypeAlias, cast
+from typing import TypeAlias
 
 Function: TypeAlias = Callable[..., object]
 
 LARGEST = 2**64
-"""Of whole numbers; a message's are 64 bits wide at most."""
+"""Limit of whole numbers; a message's have 64 bits at most."""
+CONSTANTS: Mapping[str, float] = {"pi": math.pi}
+_LONGEST_TEXT = 10_000
 
 ARITHMETIC: Mapping[type[ast.operator], Function] = {
     ast.Add: operator.add,
@@ -23,7 +24,7 @@ ARITHMETIC: Mapping[type[ast.operator], Function] = {
     ast.Div: operator.truediv,
     ast.FloorDiv: operator.floordiv,
     ast.Mod: operator.mod,
-    ast.Pow: lambda base, exponent: math.pow(number(base), number(exponent)),
+    ast.Pow: math.pow,
 }
 COMPARISONS: Mapping[type[ast.cmpop], Function] = {
     ast.Eq: operator.eq,
@@ -35,13 +36,12 @@ COMPARISONS: Mapping[type[ast.cmpop], Function] = {
     ast.In: lambda value, all_of: value in all_of,
     ast.NotIn: lambda value, all_of: value not in all_of,
 }
-SIGNS: Mapping[type[ast.unaryop], Callable[[object], object]] = {
+SIGNS: Mapping[type[ast.unaryop], Function] = {
     ast.Not: operator.not_,
     ast.USub: lambda value: -number(value),
     ast.UAdd: lambda value: +number(value),
 }
-LISTS = {"all", "any", "len", "sum"}
-"""Functions of exactly one list (``len``: or text)."""
+OF_ONE_LIST = {"all", "any", "len", "sum"}  # len: of text too
 FUNCTIONS: Mapping[str, Function] = {
     "abs": abs,
     "all": all,
@@ -49,53 +49,36 @@ FUNCTIONS: Mapping[str, Function] = {
     "len": len,
     "max": max,
     "min": min,
-    "round": lambda value, digits=0: _rounded(value, digits),
     "sum": sum,
+    "round": lambda value, digits=0: _rounded(value, digits),
     **{
         name: getattr(math, name)
         for name in ("sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "hypot")
     },
     **{name: getattr(math, name) for name in ("isnan", "isinf", "isfinite", "degrees", "radians")},
 }
-CONSTANTS: Mapping[str, float] = {"pi": math.pi}
-
-
-def element(array: object, index: object) -> object:
-    """An element or a slice of an array, or of text.
-
-    Raises:
-        LookupError: It has no such element.
-    """
-    elements = cast("tuple[object, ...]", array)
-    try:
-        return elements[cast("int", index)]
-    except IndexError:
-        raise LookupError(f"it has {len(elements)} elements, none at {index}") from None
+"""The functions that every expression has."""
 
 
 def comparable(value: object) -> object:
-    """A value as it is; lists and bytes as tuples, which equal a tuple that is written."""
+    """Return a value; lists and bytes as tuples, which equal a tuple that is written."""
     return tuple(value) if isinstance(value, (list, bytes)) else value
 
 
 def number(value: object) -> float:
-    """A value that is a number.
+    """Return a number.
 
     Raises:
-        TypeError: It is none.
+        TypeError: The value is none.
     """
     if not isinstance(value, (bool, int, float)):
-        raise TypeError(f"a number is needed, not {_kind(value)}")
+        kinds: dict[type, str] = {str: "text", tuple: "an array"}
+        raise TypeError(f"a number is needed, not {kinds.get(type(value), 'a message')}")
     return value
 
 
-def _kind(value: object) -> str:
-    kinds: dict[type, str] = {str: "text", tuple: "an array"}
-    return kinds.get(type(value), "a message")
-
-
 def bounded(value: object) -> object:
-    """A result as it is.
+    """Return a result.
 
     Raises:
         OverflowError: It is a whole number larger than 64 bits.
@@ -103,6 +86,17 @@ def bounded(value: object) -> object:
     if isinstance(value, int) and abs(value) > LARGEST:
         raise OverflowError("the number is larger than 64 bits")
     return value
+
+
+def joined(left: str, right: str) -> str:
+    """Return two texts as one.
+
+    Raises:
+        ValueError: It is too long.
+    """
+    if len(left) + len(right) > _LONGEST_TEXT:
+        raise ValueError(f"the text is longer than {_LONGEST_TEXT} characters")
+    return left + right
 
 
 def _rounded(value: object, digits: object) -> float:

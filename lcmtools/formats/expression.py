@@ -1,0 +1,272 @@
+"""Expressions in Python's syntax, checked and worked out without Python's own evaluation.
+
+Belongs here: the syntax tree. Whatever is not listed is refused. The cost of an expression is
+bounded by its length and by the arrays it is given: there are no loops. Must not know where names
+get their values from: see ``Scope``.
+"""
+
+import ast
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar, Protocol, cast
+
+from lcmtools.errors import UsageError
+from lcmtools.formats.operations import (
+    ARITHMETIC,
+    COMPARISONS,
+    FUNCTIONS,
+    LARGEST,
+    OF_ONE_LIST,
+    SIGNS,
+    Function,
+    bounded,
+    comparable,
+    joined,
+    number,
+)
+
+DEEPEST = 40
+"""Levels of an expression's tree."""
+_SHOWN = 40  # characters of an expression that an error repeats
+_PLAIN_NODES = (ast.Name, ast.BoolOp, ast.Call, ast.Tuple, ast.List)
+_FIELD_NODES = (ast.Attribute, ast.Subscript, ast.Slice)
+_FAULTS = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
+
+
+class Scope(Protocol):
+    """The values of names while an expression is worked out."""
+
+    def named(self, name: str) -> object:
+        """Return the value of a name; a LookupError says that there is none."""
+
+    def attribute(self, owner: object, name: str) -> object:
+        """Return a field of a value."""
+
+
+class ExpressionFault(Exception):  # noqa: N818 - named for what happened, as in errors.py
+    """An expression that cannot be worked out with the values it was given.
+
+    Attributes:
+        place: The part of the expression, shortened.
+        reason: What is wrong there.
+    """
+
+    def __init__(self, place: str, reason: str) -> None:
+        super().__init__(f"'{place}': {reason}")
+        self.place, self.reason = place, reason
+
+
+@dataclass(frozen=True, slots=True)
+class Language:
+    """What expressions of a kind may have.
+
+    Attributes:
+        name: Their name in errors.
+        example: The hint for an expression that cannot be read.
+        allowed: The hint for a part that is not allowed: "fields, numbers ... are".
+        longest: Characters of an expression.
+        functions: Functions besides those that every expression has.
+        has_fields: Values have fields, and arrays have elements: ``m.x``, ``a[0]``.
+        has_choices: ``a if b else c``, and text may be joined.
+    """
+
+    name: str
+    example: str
+    allowed: str
+    longest: int
+    functions: Mapping[str, Function]
+    has_fields: bool = False
+    has_choices: bool = False
+
+
+class Expression:
+    """An expression whose form has been checked.
+
+    Args:
+        text: The expression.
+        language: Its kind.
+
+    Attributes:
+        text: The expression without spaces around it.
+        root: Its tree.
+
+    Raises:
+        UsageError: It is none, is too long or has a part that is not allowed, which is named.
+    """
+
+    def __init__(self, text: str, language: Language) -> None:
+        self.text = text.strip()
+        self._language = language
+        self._functions = {**FUNCTIONS, **language.functions}
+        self.root = self._parsed()
+        self._check(self.root, 0)
+
+    def value(self, scope: Scope) -> object:
+        """Return the value of the expression.
+
+        Raises:
+            ExpressionFault: It cannot be worked out.
+        """
+        return self._value(self.root, scope)
+
+    def place(self, node: ast.AST) -> str:
+        """Return the part of the expression that a node was read from, shortened."""
+        start, end = getattr(node, "col_offset", 0), getattr(node, "end_col_offset", None)
+        part = self.text.encode()[start:end].decode(errors="replace")
+        return part if len(part) <= _SHOWN else f"{part[: _SHOWN - 3]}..."
+
+    def _bad(self, reason: str, hint: str = "") -> UsageError:
+        return UsageError(f"{self._language.name}: {reason}", hint)
+
+    def _parsed(self) -> ast.expr:
+        text, language = self.text, self._language
+        if not text:
+            raise self._bad("the expression is empty", language.example)
+        if len(text) > language.longest:
+            raise self._bad(f"the expression is longer than {language.longest} characters")
+        if not text.isprintable():
+            raise self._bad("the expression has a character that cannot be printed")
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # Python's advice to programmers
+                return ast.parse(text, mode="eval").body
+        except SyntaxError as error:
+            start = max(0, (error.offset or 1) - 1)
+            where = text[start : start + _SHOWN] or text[-_SHOWN:]
+        except (ValueError, RecursionError, MemoryError):
+            where = text[:_SHOWN]
+        raise self._bad(f"cannot read '{where}'", language.example)
+
+    def _check(self, node: ast.AST, depth: int) -> None:
+        if depth > DEEPEST:
+            raise self._bad(f"the expression is nested more than {DEEPEST} levels deep")
+        if not self._is_allowed(node):
+            raise self._bad(f"'{self.place(node)}' is not allowed", self._hint(node))
+        if isinstance(node, ast.Call):
+            self._check_call(node)
+        for child in operands(node):
+            self._check(child, depth + 1)
+
+    def _check_call(self, call: ast.Call) -> None:
+        name = call.func.id if isinstance(call.func, ast.Name) else ""
+        place = self.place(call)
+        if name not in self._functions:
+            known = f"functions: {', '.join(sorted(self._functions))}"
+            raise self._bad(f"no such function in '{place}'", known)
+        takes_one = name in OF_ONE_LIST or name in self._language.functions
+        if call.keywords or not call.args or (takes_one and len(call.args) > 1):
+            raise self._bad(f"wrong arguments in '{place}'", f"write {name}(VALUE)")
+
+    def _is_allowed(self, node: ast.AST) -> bool:
+        if isinstance(node, ast.Constant):
+            is_small = not isinstance(node.value, int) or abs(node.value) <= LARGEST
+            return type(node.value) in (bool, int, float, str) and is_small
+        if isinstance(node, (ast.BinOp, ast.UnaryOp)):
+            return type(node.op) in {**ARITHMETIC, **SIGNS}
+        if isinstance(node, ast.Compare):
+            return all(type(comparison) in COMPARISONS for comparison in node.ops)
+        if isinstance(node, ast.Attribute) and node.attr.startswith("__"):
+            return False
+        fields = _FIELD_NODES if self._language.has_fields else ()
+        choices = (ast.IfExp,) if self._language.has_choices else ()
+        return isinstance(node, (*_PLAIN_NODES, *fields, *choices))
+
+    def _hint(self, node: ast.AST) -> str:
+        """Return what to write in place of a part that is not allowed."""
+        operation = type(getattr(node, "op", None))
+        if operation in (ast.BitAnd, ast.BitOr, ast.Invert):
+            return "write and, or, not"
+        if isinstance(node, ast.Compare):
+            return "write == or !="
+        if isinstance(node, ast.Constant):
+            return "numbers of 64 bits, text, True and False are"
+        return self._language.allowed
+
+    def _value(self, node: ast.AST, scope: Scope) -> object:
+        try:
+            return self._ways[type(node)](self, node, scope)
+        except _FAULTS as fault:
+            raise ExpressionFault(self.place(node), str(fault) or type(fault).__name__) from None
+
+    def _constant(self, node: ast.Constant, _: Scope) -> object:
+        return node.value
+
+    def _named(self, node: ast.Name, scope: Scope) -> object:
+        return scope.named(node.id)
+
+    def _attribute(self, node: ast.Attribute, scope: Scope) -> object:
+        return scope.attribute(self._value(node.value, scope), node.attr)
+
+    def _element(self, node: ast.Subscript, scope: Scope) -> object:
+        array = cast("tuple[object, ...]", self._value(node.value, scope))
+        index = cast("int", self._value(node.slice, scope))
+        try:
+            return comparable(array[index])
+        except IndexError:
+            raise LookupError(f"it has {len(array)} elements, none at {index}") from None
+
+    def _slice(self, node: ast.Slice, scope: Scope) -> object:
+        bounds = (node.lower, node.upper, node.step)
+        return slice(*(bound and self._value(bound, scope) for bound in bounds))
+
+    def _call(self, node: ast.Call, scope: Scope) -> object:
+        values = [self._value(argument, scope) for argument in node.args]
+        return bounded(self._functions[cast("ast.Name", node.func).id](*values))
+
+    def _choice(self, node: ast.IfExp, scope: Scope) -> object:
+        chosen = node.body if self._value(node.test, scope) else node.orelse
+        return self._value(chosen, scope)
+
+    def _boolean(self, node: ast.BoolOp, scope: Scope) -> object:
+        found: object = None
+        for operand in node.values:
+            found = self._value(operand, scope)
+            if bool(found) is isinstance(node.op, ast.Or):
+                break
+        return found
+
+    def _comparison(self, node: ast.Compare, scope: Scope) -> bool:
+        left = self._value(node.left, scope)
+        for comparison, right_node in zip(node.ops, node.comparators, strict=True):
+            right = self._value(right_node, scope)
+            if not COMPARISONS[type(comparison)](left, right):
+                return False
+            left = right
+        return True
+
+    def _arithmetic(self, node: ast.BinOp, scope: Scope) -> object:
+        left, right = self._value(node.left, scope), self._value(node.right, scope)
+        is_text = isinstance(left, str) and isinstance(right, str) and isinstance(node.op, ast.Add)
+        if is_text and self._language.has_choices:
+            return joined(cast("str", left), cast("str", right))
+        return bounded(ARITHMETIC[type(node.op)](number(left), number(right)))
+
+    def _sign(self, node: ast.UnaryOp, scope: Scope) -> object:
+        return bounded(SIGNS[type(node.op)](self._value(node.operand, scope)))
+
+    def _list(self, node: ast.Tuple | ast.List, scope: Scope) -> object:
+        return tuple(self._value(element, scope) for element in node.elts)
+
+    _ways: ClassVar[Mapping[type[ast.AST], Callable[..., object]]] = {
+        ast.Constant: _constant,
+        ast.Name: _named,
+        ast.Attribute: _attribute,
+        ast.Subscript: _element,
+        ast.Slice: _slice,
+        ast.Call: _call,
+        ast.IfExp: _choice,
+        ast.BoolOp: _boolean,
+        ast.Compare: _comparison,
+        ast.BinOp: _arithmetic,
+        ast.UnaryOp: _sign,
+        ast.Tuple: _list,
+        ast.List: _list,
+    }
+
+
+def operands(node: ast.AST) -> list[ast.expr]:
+    """Return the expressions in an expression, without operators and the names of functions."""
+    if isinstance(node, ast.Call):
+        return list(node.args)
+    return [child for child in ast.iter_child_nodes(node) if isinstance(child, ast.expr)]
