@@ -163,7 +163,7 @@ class Expression:
             is_small = not isinstance(node.value, int) or abs(node.value) <= LARGEST
             return type(node.value) in (bool, int, float, str) and is_small
         if isinstance(node, (ast.BinOp, ast.UnaryOp)):
-            return type(node.op) in {**ARITHMETIC, **SIGNS}
+            return type(node.op) in ARITHMETIC or type(node.op) in SIGNS
         if isinstance(node, ast.Compare):
             return all(type(comparison) in COMPARISONS for comparison in node.ops)
         if isinstance(node, ast.Attribute) and node.attr.startswith("__"):
