@@ -1,8 +1,4 @@
-"""``lcmtools node info``: asking, and putting the sections together.
-
-A section is a function that gives lines, and one that gives JSON; ``lcmtools.cli.node.sections``
-has those of nodes.
-"""
+"""``lcmtools node info``."""
 
 import time
 
@@ -10,17 +6,20 @@ import click
 
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.describe import node_record
-from lcmtools.cli.node import parameters, sections
-from lcmtools.cli.node.programs import command as command_of
-from lcmtools.cli.node.programs import is_meant, listening, place, program_record, seen_type
+from lcmtools.cli.node import sections
+from lcmtools.cli.node.programs import program_record, program_sections
 from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines
+from lcmtools.cli.param.common import block, json_values
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node
 from lcmtools.observe.find import find_nodes
 from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.programs import Program, programs
-from lcmtools.publish.parameters import Answers
+from lcmtools.observe.nodes import find_programs
+from lcmtools.observe.programs import Program
+from lcmtools.publish.parameters import Answers, ParameterClient, has_parameters
+
+_TIMEOUT = 0.5  # [s] for parameters: the rest of the answer does not wait for a busy node
 
 
 @click.command("info", context_settings=CONTEXT)
@@ -43,23 +42,29 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
         graph = monitor.settle(foreign=False)
         found = [one for word in nodes for one in _find(monitor, graph, word)]
         graph = monitor.graph()
-    asked = [] if quiet and not as_json else [one for one in found if isinstance(one, Node)]
-    known = parameters.ask(asked, monitor.url)
+    nodes_found = [] if quiet and not as_json else [one for one in found if isinstance(one, Node)]
+    able = [node for node in nodes_found if _can_be_asked(node)]
+    known = ParameterClient(monitor.url, _TIMEOUT).get_all(able)[0]
     now = time.time_ns()
     if as_json:
-        document([_record(one, graph, now, known) for one in found])
+        document([_record(one, graph, known, now) for one in found])
         return
     for one in found:
-        if isinstance(one, Node):
-            rows = [
-                "-" * 80,
-                f"Node [{one.name}]",
-                *sections.roles(one, show_hidden=show_hidden),
-                "",
-            ]
-            lines(rows if quiet else [*rows, *_about(one, graph, now, known)])
-        else:
-            lines(_program_text(one, now, quiet=quiet))
+        if isinstance(one, Program):
+            usage = sections.usage(one.process.pid, now) if one.process else []
+            lines(program_sections(one, usage, quiet=quiet))
+            continue
+        lines(["-" * 80, f"Node [{one.name}]", *sections.roles(one, show_hidden=show_hidden), ""])
+        if not quiet:
+            lines(
+                [
+                    *sections.process(one, now),
+                    *_parameters(one, known),
+                    *sections.counters(one),
+                    *sections.connections(one, graph),
+                    "",
+                ]
+            )
 
 
 def _find(monitor: BusMonitor, graph: Graph, word: str) -> list[Node] | list[Program]:
@@ -73,46 +78,30 @@ def _find(monitor: BusMonitor, graph: Graph, word: str) -> list[Node] | list[Pro
         return find_nodes(graph, word)
     except UsageError:
         raise
-    except LcmtoolsError as unknown:
-        seen = programs(monitor.settle(), monitor.url)
-        if found := [program for program in seen if is_meant(program, word)]:
+    except LcmtoolsError:
+        if found := find_programs(monitor, word):
             return found
-        raise unknown  # noqa: TRY201 - the first error, not that of looking further
+        raise
 
 
-def _about(node: Node, graph: Graph, now: int, known: Answers) -> list[str]:
-    """What rosnode info prints after it has contacted a node, and more."""
-    return [
-        *sections.process(node, now),
-        *parameters.text(node, known),
-        *sections.counters(node),
-        *sections.connections(node, graph),
-        "",
-    ]
+def _can_be_asked(node: Node) -> bool:
+    return has_parameters(node) and not node.stale
 
 
-def _program_text(program: Program, now: int, *, quiet: bool) -> list[str]:
-    """The same for a program that is no node, as far as it is known."""
-    rows = ["-" * 80, f"Program [{command_of(program)}] (no node: seen on the bus only)"]
-    published = {seen.channel: f" * {seen.channel} [{seen_type(seen)}]" for seen in program.traffic}
-    rows += ["Publications: ", *published.values()] if published else ["Publications: none seen"]
-    hears = {True: "on channels that LCM does not tell", False: "None", None: "not known"}
-    rows += ["", f"Subscriptions: {hears[program.listens]}", "", ""]
-    if not quiet:
-        rows += [f"Host: {place(program).rpartition(':')[0]}"]
-        if program.process:
-            rows += [f"Pid: {program.process.pid}", f"Command: {program.process.command}"]
-            rows += sections.usage(program.process.pid, now)
-        rows += listening(program)
-        rows += [f"Ports: {', '.join(map(str, program.ports)) or 'none seen'}", ""]
-    return rows
+def _parameters(node: Node, known: Answers) -> list[str]:
+    if not _can_be_asked(node):
+        return []
+    if node.name not in known:
+        return ["Parameters: (did not answer)"]
+    return ["Parameters: ", *block(known[node.name], " * ")]
 
 
-def _record(one: Node | Program, graph: Graph, now: int, known: Answers) -> dict[str, object]:
+def _record(one: Node | Program, graph: Graph, known: Answers, now: int) -> dict[str, object]:
     if isinstance(one, Program):
         return program_record(one)
+    parameters = known.get(one.name)
     return {
         **node_record(one),
         **sections.record(one, graph, now),
-        **parameters.record(one, known),
+        "parameters": None if parameters is None else json_values(parameters),
     }

@@ -1,17 +1,20 @@
 """``lcmtools node list``."""
 
 import contextlib
+from collections import Counter, deque
 
 import click
 
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.describe import listed_node, node_record
-from lcmtools.cli.node.programs import HEADING, listed_program, program_record
+from lcmtools.cli.node.programs import program_record, program_rows
 from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_monitor
 from lcmtools.cli.output import data, document, lines, talk
-from lcmtools.graph.model import Graph, Node
+from lcmtools.graph.model import Node
 from lcmtools.observe.find import below_or_like
-from lcmtools.observe.programs import Program, programs
+from lcmtools.observe.programs import programs
+
+_HEADING = "Programs that are no nodes (seen on the bus):"
 
 
 @click.command("list", context_settings=CONTEXT)
@@ -44,49 +47,34 @@ def command(
         graph = monitor.settle(foreign=show_all and wait is None)
         if show_all and wait is not None:
             with contextlib.suppress(EOFError):  # a log has ended
-                for _ in monitor.packets(wait):
-                    pass
+                deque(monitor.packets(wait), maxlen=0)
             graph = monitor.graph()
         url = monitor.url
-    nodes = _nodes(graph, namespace, show_all=show_all)
+    visible = [node for node in graph.nodes if show_all or not node.is_hidden]
+    nodes = [node for node in visible if below_or_like(node.name, namespace)]
     others = programs(graph, url) if show_all and not namespace else []
     if as_json:
         document([*map(node_record, nodes), *map(program_record, others)])
     elif count:
         data(str(len(nodes)))
     elif uri:
-        lines(_address(node) for node in nodes)
+        lines(f"udp://{node.sender}/" if node.sender else "unknown address" for node in nodes)
     elif show_all:
-        lines([*(_row(node, graph.time) for node in nodes), *_other_rows(others)])
+        lines(_row(node, graph.time) for node in nodes)
+        lines(["", _HEADING, *(row for one in others for row in program_rows(one))] * bool(others))
     else:
         lines(map(listed_node, nodes))
     if not nodes and not count:
         talk(f"no nodes{f' in {namespace}' if namespace else ''} on {url}")
-    _warn_of_equal_names(nodes)
-
-
-def _nodes(graph: Graph, wanted: str, *, show_all: bool) -> list[Node]:
-    return [
-        node
-        for node in graph.nodes
-        if (show_all or not node.is_hidden) and below_or_like(node.name, wanted)
-    ]
+    names = Counter(node.name for node in nodes if not node.stale)
+    if twice := sorted(name for name, number in names.items() if number > 1):
+        talk(f"several nodes have the same name: {', '.join(twice)}; lcmtools wtf says more")
 
 
 def _row(node: Node, now: int) -> str:
     """As rosnode list -a has it, the address first, and what else is known behind the name."""
     up = f"up {_span(node.time_there(now) - node.start_time)}"
     return f"{node.host}:{node.pid} \t{node.name}\t{f'stale: {node.stale}' if node.stale else up}"
-
-
-def _address(node: Node) -> str:
-    return f"udp://{node.sender}/" if node.sender else "unknown address"
-
-
-def _other_rows(others: list[Program]) -> list[str]:
-    if not others:
-        return []
-    return ["", HEADING, *(row for program in others for row in listed_program(program))]
 
 
 def _span(nanoseconds: int) -> str:
@@ -96,9 +84,3 @@ def _span(nanoseconds: int) -> str:
         if seconds >= 2 * length:
             return f"{seconds / length:.1f} {unit}"
     return f"{seconds:.0f} s"
-
-
-def _warn_of_equal_names(nodes: list[Node]) -> None:
-    names = [node.name for node in nodes if not node.stale]
-    if twice := sorted({name for name in names if names.count(name) > 1}):
-        talk(f"several nodes have the same name: {', '.join(twice)}; lcmtools wtf says more")

@@ -33,15 +33,14 @@ def command(host: str | None, *, show_all: bool, as_json: bool) -> None:
         graph, url = monitor.settle(foreign=False), monitor.url
     nodes = [node for node in graph.nodes if show_all or not node.is_hidden]
     computers = Computers(graph.nodes)
-    hosts = sorted({computers.of(node) for node in nodes})
+    names: dict[str, list[Node]] = {name: [] for name in sorted(set(map(computers.of, nodes)))}
     found = nodes if host is None else _nodes_of(host, nodes, computers)
+    for node in found:
+        names[computers.of(node)].append(node)
     if as_json:
-        names = {
-            name: [node.name for node in found if computers.of(node) == name] for name in hosts
-        }
-        document([{"host": name, "nodes": of} for name, of in names.items() if of])
+        document([{"host": h, "nodes": [n.name for n in of]} for h, of in names.items() if of])
     else:
-        lines(hosts if host is None else map(listed_node, found))
+        lines(names if host is None else map(listed_node, found))
     if not nodes:
         talk(f"no nodes on {url}")
 
@@ -52,18 +51,14 @@ def _nodes_of(host: str, nodes: list[Node], computers: Computers) -> list[Node]:
     Raises:
         LcmtoolsError: No node runs on it; with what may have been meant.
     """
-    own = socket.gethostname()
-    wanted = own if host in ("localhost", "127.0.0.1") else host
-    found = [node for node in nodes if wanted in _names(node, computers)]
+    wanted = socket.gethostname() if host in ("localhost", "127.0.0.1") else host
+    found = [
+        node
+        for node in nodes
+        if wanted in (node.host, computers.of(node), node.sender and node.sender.address)
+    ]
     if not found:
         hint = did_you_mean(host, {node.host for node in nodes})
-        raise LcmtoolsError(
-            f"no node runs on machine {host}", hint or "lcmtools node machine lists the machines"
-        )
+        what = f"no node runs on machine {host}"
+        raise LcmtoolsError(what, hint or "lcmtools node machine lists the machines")
     return found
-
-
-def _names(node: Node, computers: Computers) -> tuple[str, ...]:
-    """What the computer of a node may be called."""
-    address = (node.sender.address,) if node.sender else ()
-    return (node.host, computers.of(node), *address)

@@ -1,4 +1,4 @@
-"""How the node commands show programs that are no nodes."""
+"""Programs that are no nodes, as the node commands show them."""
 
 import socket
 
@@ -6,58 +6,45 @@ from lcmtools.bus.socket_diag import receive_buffers
 from lcmtools.cli.describe import UNKNOWN, candidates_text
 from lcmtools.graph.model import Traffic
 from lcmtools.messages.registry import candidates
+from lcmtools.observe.nodes import program_place
 from lcmtools.observe.programs import Program
 
-HEADING = "Programs that are no nodes (seen on the bus):"
 
-
-def listed_program(program: Program) -> list[str]:
-    """A program as ``node list -a`` shows it: where it runs, its command, what it does."""
+def program_rows(program: Program) -> list[str]:
+    """Return a program as ``node list -a`` shows it: its place, its command, its part."""
     user = f" (user {program.user})" if program.user else ""
-    return [f"{place(program)} \t{command(program)}{user}", f"\t{doing(program)}"]
-
-
-def place(program: Program) -> str:
-    """Where a program runs: "host:pid", or the address that its messages come from."""
-    if program.process:
-        return f"{socket.gethostname()}:{program.process.pid}"
-    if program.ports:
-        return f"{program.address}:{program.ports[0]}"
-    return program.address or "unknown address"
-
-
-def command(program: Program) -> str:
-    """What a program was started as, as far as the system tells."""
-    if program.process:
-        return program.process.command
-    return f"a program{candidates_text(program.candidates)}"
-
-
-def doing(program: Program) -> str:
-    """What a program does on the bus."""
     parts = [f"publishes {', '.join(program.channels)}"] if program.channels else []
     if program.listens:
         lost = sum(row.drops for row in program.sockets)
         parts.append(f"listens ({lost} datagrams dropped so far)" if lost else "listens")
-    return ", ".join(parts)
+    return [f"{program_place(program)} \t{command_text(program)}{user}", f"\t{', '.join(parts)}"]
 
 
-def listening(program: Program) -> list[str]:
-    """How a program's listening fares: what waits in its buffers, and what they have lost."""
+def program_sections(program: Program, usage: list[str], *, quiet: bool) -> list[str]:
+    """Return a program as ``node info`` shows it; ``usage`` is that of its process."""
+    rows = ["-" * 80, f"Program [{command_text(program)}] (no node: seen on the bus only)"]
+    published = {
+        seen.channel: f" * {seen.channel} [{_type_text(seen)}]" for seen in program.traffic
+    }
+    rows += ["Publications: ", *published.values()] if published else ["Publications: none seen"]
+    listens = {True: "on channels that LCM does not tell", False: "None", None: "not known"}
+    rows += ["", f"Subscriptions: {listens[program.listens]}", "", ""]
+    if quiet:
+        return rows
+    rows.append(f"Host: {program_place(program).rpartition(':')[0]}")
+    if program.process:
+        rows += [f"Pid: {program.process.pid}", f"Command: {program.process.command}", *usage]
     sizes = receive_buffers() if program.sockets else {}
-    return [
+    rows += [
         f"Buffer: {_kilobytes(row.queued_bytes)} of {_kilobytes(sizes.get(row.inode))} wait,"
         f" {row.drops} datagrams dropped since it listens"
         for row in program.sockets
     ]
-
-
-def _kilobytes(size: int | None) -> str:
-    return "an unknown size" if size is None else f"{size / 1e3:.0f} kB"
+    return [*rows, f"Ports: {', '.join(map(str, program.ports)) or 'none seen'}", ""]
 
 
 def program_record(program: Program) -> dict[str, object]:
-    """A program for JSON, with the keys of a node where they are known."""
+    """Return a program for JSON, with the keys of a node where they are known."""
     process = program.process
     return {
         "observed": True,
@@ -68,7 +55,16 @@ def program_record(program: Program) -> dict[str, object]:
         "pid": process.pid if process else None,
         "command": process.command if process else None,
         "user": program.user or None,
-        "publications": [_seen_record(seen) for seen in program.traffic],
+        "publications": [
+            {
+                "topic": seen.channel,
+                "type": _type_text(seen),
+                "messages": seen.messages,
+                "bytes": seen.bytes,
+                "rate": seen.rate(),
+            }
+            for seen in program.traffic
+        ],
         "listens": program.listens,
         "queued_bytes": sum(row.queued_bytes for row in program.sockets),
         "drops": sum(row.drops for row in program.sockets),
@@ -76,30 +72,18 @@ def program_record(program: Program) -> dict[str, object]:
     }
 
 
-def seen_type(seen: Traffic) -> str:
+def command_text(program: Program) -> str:
+    """Return a program's command line, as far as the system tells."""
+    if program.process:
+        return program.process.command
+    return f"a program{candidates_text(program.candidates)}"
+
+
+def _type_text(seen: Traffic) -> str:
     """The type that messages are likely of, by their fingerprints."""
     names = [found[0] for value in seen.fingerprints if (found := candidates(value))]
     return ", ".join(dict.fromkeys(names)) or UNKNOWN
 
 
-def _seen_record(seen: Traffic) -> dict[str, object]:
-    return {
-        "topic": seen.channel,
-        "type": seen_type(seen),
-        "messages": seen.messages,
-        "bytes": seen.bytes,
-        "rate": seen.rate(),
-    }
-
-
-def is_meant(program: Program, word: str) -> bool:
-    """Whether a word on the command line means a program: its pid, or a word of its command.
-
-    Or where it runs, as ``node list -a`` says it.
-    """
-    if word == place(program):
-        return True
-    if program.process is None:
-        return False
-    parts = [part.rpartition("/")[2] for part in program.process.command.split()]
-    return word == str(program.process.pid) or word in (program.process.command, *parts)
+def _kilobytes(size: int | None) -> str:
+    return "an unknown size" if size is None else f"{size / 1e3:.0f} kB"

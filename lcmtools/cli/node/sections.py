@@ -1,7 +1,7 @@
-"""The sections of ``lcmtools node info``: what a node does, its process, its peers."""
+"""The sections of ``lcmtools node info``: a node's endpoints, its process, its peers."""
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from lcmtools.bus.processes import usage_of
 from lcmtools.cli.describe import callback_record, callback_times, host_text
@@ -18,17 +18,19 @@ _TITLES = {
 
 
 def roles(node: Node, *, show_hidden: bool) -> list[str]:
-    """What it publishes, subscribes to, serves and calls, with types."""
+    """Return its publications, subscriptions, services and clients, with types."""
     rows = []
     for role, title in _TITLES.items():
         shown = [e for e in node.having(role) if show_hidden or not is_hidden(e.topic)]
-        if shown or role is not Role.CLIENT:  # rosnode has no such section
-            rows += [*_section(title, shown), ""]
+        if shown:
+            rows += [f"{title}: ", *(f" * {_endpoint_text(endpoint)}" for endpoint in shown), ""]
+        elif role is not Role.CLIENT:  # rosnode has no such section
+            rows += [f"{title}: None", ""]
     return rows
 
 
 def process(node: Node, now: int) -> list[str]:
-    """Where it runs, since when, and what it takes where that is this computer."""
+    """Return where it runs, since when, and on this computer its use of resources."""
     rows = [f"Host: {host_text(node)}", f"Pid: {node.pid}", f"Command: {node.command}"]
     if node.stale:
         return [*rows, f"Stale: {node.stale}"]
@@ -39,7 +41,7 @@ def process(node: Node, now: int) -> list[str]:
 
 
 def usage(pid: int, now: int) -> list[str]:
-    """What a process of this computer takes; nothing where the system does not tell."""
+    """Return the resources that a process of this computer uses, where the system tells."""
     taken = usage_of(pid)
     if taken is None:
         return []
@@ -54,13 +56,13 @@ def usage(pid: int, now: int) -> list[str]:
 
 
 def counters(node: Node) -> list[str]:
-    """How much went over each topic, on the average how often, and what was lost."""
+    """Return each topic's messages, their average rate, and drops."""
     rows = [_counter(node, endpoint) for endpoint in _ends(node)]
     return ["Counters:", *rows] if rows else []
 
 
 def connections(node: Node, graph: Graph) -> list[str]:
-    """The other nodes that this one's topics lead to."""
+    """Return the other nodes at the other ends of its topics."""
     rows = []
     for endpoint, direction, peers in _peers(node, graph):
         for peer in peers:
@@ -69,7 +71,7 @@ def connections(node: Node, graph: Graph) -> list[str]:
 
 
 def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
-    """All of it, for JSON."""
+    """Return all of it for JSON."""
     taken = usage_of(node.pid) if is_here(node) and not node.stale else None
     return {
         "publications": [_endpoint_record(e) for e in node.having(Role.PUBLISHER)],
@@ -90,14 +92,8 @@ def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
 
 
 def _up_time(node: Node, now: int) -> float:
-    """How long ago it started [s]; by its own computer's clock, which started it."""
+    """The time since its start [s], by the clock of its own computer."""
     return max(0.0, (node.time_there(now) - node.start_time) / 1e9)
-
-
-def _section(title: str, endpoints: Sequence[Endpoint]) -> list[str]:
-    if not endpoints:
-        return [f"{title}: None"]
-    return [f"{title}: ", *(f" * {_endpoint_text(endpoint)}" for endpoint in endpoints)]
 
 
 def _endpoint_text(endpoint: Endpoint) -> str:

@@ -3,7 +3,8 @@
 import pytest
 
 from lcmtools.bus.processes import Process, UdpSocket
-from lcmtools.cli.node.programs import command, doing, is_meant, program_record
+from lcmtools.cli.node.programs import command_text, program_record, program_rows
+from lcmtools.observe.nodes import program_names
 from lcmtools.observe.programs import Program
 
 JAVA = (Process(5, "java A"), Process(7, "java B"))
@@ -16,23 +17,22 @@ def _program(process: Process | None = None, drops: int = 0, **values: object) -
 
 def test_whose_a_shared_port_may_be_is_said_and_not_guessed() -> None:
     program = _program(candidates=JAVA)
-    assert command(program) == "a program: maybe java A (pid 5) or java B (pid 7)"
+    assert command_text(program) == "a program: maybe java A (pid 5) or java B (pid 7)"
     record = program_record(program)
     assert (record["pid"], record["candidates"]) == (None, [5, 7])
 
 
 def test_of_a_program_of_which_nothing_is_known_nothing_is_said() -> None:
-    assert command(_program()) == "a program"
+    assert command_text(_program()) == "a program"
 
 
 @pytest.mark.parametrize(
     ("drops", "text"), [(0, "listens"), (12, "listens (12 datagrams dropped so far)")]
 )
 def test_what_a_listener_has_lost_stands_beside_it(drops: int, text: str) -> None:
-    assert doing(_program(JAVA[0], drops)) == text
+    assert program_rows(_program(JAVA[0], drops))[1] == f"\t{text}"
     assert program_record(_program(JAVA[0], drops))["drops"] == drops
 
 
 def test_a_program_without_a_process_is_meant_by_its_address() -> None:
-    assert is_meant(_program(), "10.0.0.1:7667")
-    assert not is_meant(_program(), "10.0.0.1")
+    assert program_names(_program()) == {"10.0.0.1:7667"}

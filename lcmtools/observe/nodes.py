@@ -1,0 +1,207 @@
+"""Requests to nodes over the bus, to answer or to end, and the programs that are not nodes."""
+
+import secrets
+import socket
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from lcmtools.bus.processes import process_of
+from lcmtools.errors import LcmtoolsError, NothingReceived, UsageError
+from lcmtools.graph.model import Graph, Node, Staleness
+from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, decode_announcement
+from lcmtools.observe.computers import address_of
+from lcmtools.observe.find import find_nodes
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.programs import Program, is_here, programs
+
+_PING_PERIOD = 1.0  # [s]
+_ASK_AGAIN = 0.5  # [s]; any message on LCM may be lost
+
+
+def ping(monitor: BusMonitor, node: Node, timeout: float) -> float:
+    """Return the round trip time of one request to a node [s].
+
+    Raises:
+        NothingReceived: The node did not answer in time.
+    """
+    nonce = _nonce()
+    monitor.receive(0.0)  # a backlog is not to be read within the time measured
+    start = time.monotonic()
+    monitor.probe(node.name, nonce)
+    while (left := start + timeout - time.monotonic()) > 0:
+        for said in _announcements(monitor, left):
+            if said.answers == nonce and said.node.id == node.id:
+                return time.monotonic() - start
+    raise NothingReceived(
+        f"{node.name} did not answer within {timeout:g} s",
+        f"its process is {node.pid} on {node.host}; lcmtools wtf looks closer",
+    )
+
+
+def pings(monitor: BusMonitor, node: Node, timeout: float) -> Iterator[float]:
+    """Yield the round trip time of a request once a second, without end; see ``ping``."""
+    while True:
+        yield ping(monitor, node, timeout)
+        time.sleep(_PING_PERIOD)
+
+
+@dataclass(slots=True)
+class NodeEnd:
+    """The end of one node that was requested to end.
+
+    Attributes:
+        node: The node.
+        nonce: The number that its answer repeats.
+        has_answered: True if it has received the request.
+        has_ended: True if it has said goodbye, or its process is gone.
+        others: The names of other nodes of its process, which end with it.
+    """
+
+    node: Node
+    nonce: int
+    has_answered: bool = False
+    has_ended: bool = False
+    others: tuple[str, ...] = ()
+
+    def learn(self, said: Announcement) -> None:
+        """Learn from an announcement."""
+        if said.node.id == self.node.id:
+            self.has_answered |= said.answers == self.nonce
+            self.has_ended |= said.leaving
+
+    def check_process(self) -> None:
+        """Learn from this computer's processes: a goodbye may be lost."""
+        if is_here(self.node) and process_of(self.node.pid) is None:
+            self.has_ended = True
+
+    def complaint(self, timeout: float) -> str:
+        """Return what is wrong with a node that does not end, and the command that ends it."""
+        what = f"{self.node.name} does not answer"
+        if self.has_answered:
+            what = f"{self.node.name} was asked and has not ended within {timeout:g} s"
+        where = "" if is_here(self.node) else f"on {self.node.host}, "
+        return f"{what}; {where}to end it whatever it does, type: kill -9 {self.node.pid}"
+
+
+def end_nodes(monitor: BusMonitor, nodes: Sequence[Node], timeout: float) -> list[NodeEnd]:
+    """Request nodes to end and wait until they have, for ``timeout`` seconds at most."""
+    known = monitor.graph().nodes
+    ends = [NodeEnd(node, _nonce(), others=_others_of_process(node, known)) for node in nodes]
+    deadline, request_time = time.monotonic() + timeout, 0.0
+    while (now := time.monotonic()) < deadline and (left := [e for e in ends if not e.has_ended]):
+        if now >= request_time:
+            request_time = now + _ASK_AGAIN
+            for end in left:
+                end.check_process()
+                monitor.ask_to_end(end.node, end.nonce)
+        for said in _announcements(monitor, min(request_time, deadline) - now):
+            for end in ends:
+                end.learn(said)
+    for end in ends:
+        end.check_process()
+    return ends
+
+
+def nodes_to_end(graph: Graph) -> list[Node]:
+    """Return all nodes that run and are no commands that look."""
+    return [
+        node
+        for node in graph.nodes
+        if not (node.is_hidden or node.tool or node.stale is Staleness.ENDED)
+    ]
+
+
+def node_to_end(monitor: BusMonitor, graph: Graph, word: str) -> Node:
+    """Return the one node that a name, a pid or HOST:PID means.
+
+    Raises:
+        UsageError: The word is empty.
+        LcmtoolsError: There is none, there are several, it has ended, or it is a program that is
+            no node; with what to type.
+    """
+    try:
+        found = find_nodes(graph, word)
+    except UsageError:
+        raise
+    except LcmtoolsError:
+        if others := find_programs(monitor, word):
+            raise _not_a_node(others[0], word) from None
+        raise
+    if len(set(map(_process_key, found))) > 1:
+        what = "pid" if word.isdecimal() else "name"
+        raise LcmtoolsError(f"{len(found)} nodes have the {what} {word}", _distinction(found))
+    if found[0].stale is Staleness.ENDED:
+        raise LcmtoolsError(
+            f"{found[0].name} has ended already, without saying goodbye",
+            "lcmtools node cleanup forgets it",
+        )
+    return found[0]
+
+
+def find_programs(monitor: BusMonitor, word: str) -> list[Program]:
+    """Return the programs that a word means: a place, a pid, a command or a word of one."""
+    return [one for one in programs(monitor.settle(), monitor.url) if word in program_names(one)]
+
+
+def program_place(program: Program) -> str:
+    """Return where a program runs: "host:pid", or the address that its messages come from."""
+    if program.process:
+        return f"{socket.gethostname()}:{program.process.pid}"
+    if program.ports:
+        return f"{program.address}:{program.ports[0]}"
+    return program.address or "unknown address"
+
+
+def program_names(program: Program) -> set[str]:
+    """Return the words that mean a program: its place, its pid, its command and words of that."""
+    names = {program_place(program)}
+    if program.process:
+        command = program.process.command
+        names |= {str(program.process.pid), command}
+        names |= {part.rpartition("/")[2] for part in command.split()}
+    return names
+
+
+def _nonce() -> int:
+    return secrets.randbits(62) | 1
+
+
+def _announcements(monitor: BusMonitor, seconds: float) -> Iterator[Announcement]:
+    for packet in monitor.receive(seconds):
+        if packet.channel == NODE_CHANNEL and (said := decode_announcement(packet.payload)):
+            yield said
+
+
+def _process_key(node: Node) -> tuple[str, str, int]:
+    """A node's process; computers may have the same name, and often have the same pids."""
+    return node.host, node.sender.address if node.sender else "", node.pid
+
+
+def _others_of_process(node: Node, known: Sequence[Node]) -> tuple[str, ...]:
+    return tuple(
+        other.name
+        for other in known
+        if _process_key(other) == _process_key(node) and other.id != node.id and not other.stale
+    )
+
+
+def _distinction(nodes: Sequence[Node]) -> str:
+    """The words for one of several nodes: its pid, its computer too where pids are the same."""
+    if len({node.pid for node in nodes}) == len(nodes):
+        hosts = [f"{node.host} at {address_of(node)}".removesuffix(" at ") for node in nodes]
+        pids = [f"{node.pid} on {host}" for node, host in zip(nodes, hosts, strict=True)]
+        return f"write a pid: {', '.join(pids)}"
+    has_names = len({node.host for node in nodes}) > 1
+    keys = map(_process_key, nodes)
+    places = [f"{host if has_names else address}:{pid}" for host, address, pid in keys]
+    return f"write HOST:PID: {', '.join(places)}"
+
+
+def _not_a_node(program: Program, word: str) -> LcmtoolsError:
+    if program.process is None:
+        what = f"what sends from {word} is no node and cannot be asked"
+        return LcmtoolsError(what, "end it on its computer")
+    pid = program.process.pid
+    what = f"{program.process.command} (pid {pid}) is no node and cannot be asked"
+    return LcmtoolsError(what, f"type: kill {pid}")
