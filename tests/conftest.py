@@ -48,9 +48,10 @@ def pytest_configure(config: pytest.Config) -> None:
 
     A shell lets what runs behind & ignore Ctrl-C, and nohup what it runs the end of the terminal:
     children inherit that. They inherit too that Python keeps nothing of what it compiles, and then
-    each of thousands compiles the same again.
+    each of thousands compiles the same again; or that it buffers nothing, as it does for nobody.
     """
-    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    for name in ("PYTHONDONTWRITEBYTECODE", "PYTHONUNBUFFERED"):
+        os.environ.pop(name, None)
     if config.getoption("numprocesses", None):
         return  # the workers do the rest, who start the processes
     for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM):

@@ -156,13 +156,18 @@ def writable(stream: TextIO | None) -> TextIO:
 
 
 def flush(code: int) -> int:
-    """Write what is left; a closed pipe is no fault, a full disk is."""
+    """Write what is left: a closed pipe is no fault, a full disk is one, which is said once."""
     try:
         sys.stdout.flush()
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
-        talk(f"cannot write: {error.strerror}", "lcmtools")
+        if not code:  # else the command has said why it failed
+            talk(f"cannot write: {error.strerror}", "lcmtools")
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
+        code = code or 1
+    try:
+        sys.stderr.flush()
+    except OSError:  # else the interpreter tries again at its end, and exits with 120
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
     return code

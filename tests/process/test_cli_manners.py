@@ -1,12 +1,14 @@
 """The manners of every command, by the examples in its own help: a new command is tested at once.
 
 Each command's first examples run as typed, on a bus with a talker and a robot, in four ways: into
-a pipe, with --json, onto a full disk, and for a reader who has had enough.
+a file, with --json, onto a full disk, and for a reader who has had enough. Those that are no more
+than a command run in the test's process.
 """
 
 import json
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -15,7 +17,7 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import click
 import pytest
@@ -51,7 +53,10 @@ robot.create_timer(0.05, tick)
 print("ready", flush=True)
 lcmtools.spin(robot, controller)
 """
-_PATIENCE = 3.0  # [s] for a command that says nothing, before it is asked to end
+_PATIENCE = 1.5  # [s] for a command that says nothing, before it is asked to end
+_ENDING = 0.3  # [s] in which a command that has printed all comes to its end
+_IS_SHELL = re.compile(r"[|<>]|\$\(")
+_STARTS_PROCESSES = {"run", "launch", "lab"}
 _BOXES = re.compile("[\u2500-\u259f\u2800-\u28ff]")
 _NO_DATA = {
     ("lcmtools", *words.split())
@@ -106,6 +111,23 @@ class Outcome:
     signal: int  # that it was sent, 0 for none
 
 
+class Patience:
+    """Decides when a command that goes on is asked to end: soon after its first output."""
+
+    def __init__(self) -> None:
+        self._silent_until = time.monotonic() + _PATIENCE
+        self._ends = 0.0
+        self.is_over = False
+
+    def __call__(self, written: object) -> bool:
+        """Return whether it has had its time."""
+        now = time.monotonic()
+        if written and not self._ends:
+            self._ends = now + _ENDING
+        self.is_over = now > (self._ends or self._silent_until)
+        return self.is_over
+
+
 @pytest.fixture(scope="module")
 def robot(
     module_start: Callable[..., Any], lcmtools_path: str, tmp_path_factory: pytest.TempPathFactory
@@ -128,74 +150,76 @@ def robot(
 
 
 @pytest.fixture
-def typed(
-    lcmtools_path: str,
+def home(
     robot: Callable[[], None],
     tmp_path: Path,
+    lcmtools_path: str,
     module_bus_url: str,
-    stopwatch: Callable[[int], Any],
-) -> Iterator[Callable[..., Outcome]]:
-    """``typed(line, signal.SIGINT)``: runs a line of bash; ends what goes on by itself."""
+    monkeypatch: pytest.MonkeyPatch,
+) -> Iterator[Path]:
+    """An empty home folder, in which nothing is left that a command did not say it would write."""
     robot()
     home = tmp_path / "home"
     home.mkdir()
-    environment = {
-        **{name: value for name, value in os.environ.items() if not name.startswith("XDG_CONFIG")},
+    monkeypatch.chdir(home)
+    monkeypatch.delenv("XDG_CONFIG_HOME")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    for name, value in {
         "PATH": f"{Path(lcmtools_path).parent}:{os.environ['PATH']}",
         "HOME": str(home),
         "LCM_DEFAULT_URL": module_bus_url,
         "LC_ALL": "C",
         "COLUMNS": "40",
         "TERM": "xterm-256color",
-    }
-    environment.pop("DISPLAY", None)
-
-    def run(line: str, number: int = signal.SIGINT) -> Outcome:
-        with (tmp_path / "out").open("w+b") as out, (tmp_path / "error").open("w+b") as error:
-            process = subprocess.Popen(
-                ["bash", "-c", line],  # noqa: S607 - bash is where the system has it
-                cwd=home,
-                env=environment,
-                stdin=subprocess.DEVNULL,
-                stdout=out,
-                stderr=error,
-                start_new_session=True,
-            )
-            try:
-                sent = _end(process, stopwatch, Path(out.name), number)
-            finally:
-                with suppress(ProcessLookupError):
-                    os.killpg(process.pid, signal.SIGKILL)
-                process.wait()
-            texts = [Path(file.name).read_bytes().decode() for file in (out, error)]
-        return Outcome(process.returncode, *texts, signal=sent)
-
-    yield run
+    }.items():
+        monkeypatch.setenv(name, value)
+    yield home
     left = {path.name for path in home.iterdir()} - {".config", ".cache", ".local"}
     of_shells = {".bashrc", ".zshrc"}  # completion writes there, as it says
     assert not {name for name in left - of_shells if name.startswith((".", "lcmtools"))}
 
 
-def _end(
-    process: subprocess.Popen[bytes], stopwatch: Callable[[int], Any], out: Path, number: int
-) -> int:
-    """Let a command run until it ends or has printed something; then ask it to end."""
-    deadline = time.monotonic() + _PATIENCE
-    while time.monotonic() < deadline and not out.stat().st_size:
-        with suppress(subprocess.TimeoutExpired):
-            process.wait(0.02)
-            return 0
-    watch = stopwatch(process.pid)
-    while watch.seconds() < 0.4:  # [s] in which a process that has printed all comes to its end
-        with suppress(subprocess.TimeoutExpired):
-            process.wait(0.02)
-            return 0
-    os.killpg(process.pid, number)
-    try:
-        process.wait(15)
-    except subprocess.TimeoutExpired:
-        pytest.fail(f"signal {number} does not end {process.args!r}")
-    return number
+@pytest.fixture
+def typed(home: Path, cli: Callable[..., Any], tmp_path: Path) -> Callable[..., Outcome]:
+    """``typed(line, signal.SIGINT)``: runs a line; ends what goes on by itself."""
+
+    def run(
+        line: str, number: signal.Signals = signal.SIGINT, out: IO[bytes] | None = None
+    ) -> Outcome:
+        words = shlex.split(line)
+        if _IS_SHELL.search(line) or words[1] in _STARTS_PROCESSES:
+            return _in_shell(line if out is None else f"{line} > /dev/full", home, tmp_path, number)
+        patience = Patience()
+        result = cli(*words[1:], until=patience, ends_by=number, out=out)
+        return Outcome(result.code, result.out, result.err, number if patience.is_over else 0)
+
+    return run
+
+
+def _in_shell(line: str, home: Path, folder: Path, number: int = signal.SIGINT) -> Outcome:
+    """Run a line of bash in a session of its own."""
+    with (folder / "out").open("w+b") as out, (folder / "error").open("w+b") as error:
+        process = subprocess.Popen(
+            ["bash", "-c", line],  # noqa: S607 - bash is where the system has it
+            cwd=home,
+            stdin=subprocess.DEVNULL,
+            stdout=out,
+            stderr=error,
+            start_new_session=True,
+        )
+        patience = Patience()
+        try:
+            while process.poll() is None and not patience(Path(out.name).stat().st_size):
+                time.sleep(0.01)
+            if patience.is_over:
+                os.killpg(process.pid, number)
+            process.wait(40)
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+        texts = [Path(file.name).read_bytes().decode() for file in (out, error)]
+    return Outcome(process.returncode, *texts, signal=number if patience.is_over else 0)
 
 
 def check(outcome: Outcome, path: tuple[str, ...]) -> None:
@@ -212,10 +236,13 @@ def check(outcome: Outcome, path: tuple[str, ...]) -> None:
         assert "Aborted" not in text
 
 
+def first_plain(path: tuple[str, ...]) -> str:
+    """The first example that is no more than a command."""
+    return next(line for line in examples(path) if not _IS_SHELL.search(line))
+
+
 @pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
-def test_examples_work_as_typed_into_a_pipe(
-    path: tuple[str, ...], typed: Callable[..., Outcome]
-) -> None:
+def test_examples_work_as_typed(path: tuple[str, ...], typed: Callable[..., Outcome]) -> None:
     for line in examples(path)[:2]:
         check(typed(line), path)
 
@@ -229,11 +256,11 @@ def test_json_is_one_document_or_one_object_a_line(
     path: tuple[str, ...], typed: Callable[..., Outcome]
 ) -> None:
     line = next(line for line in examples(path) if not re.search(r"[|<>]|--(csv|raw)", line))
+    if path[1] == "run":
+        line = "lcmtools run --list"  # what follows a node's name is the node's
     words = line if "--json" in line else line.replace(" ".join(path), f"{' '.join(path)} --json")
     outcome = typed(words, signal.SIGTERM)
     check(outcome, path)
-    if path[1] == "run" and "--list" not in line:
-        return  # what follows the name is the node's
     try:
         json.loads(outcome.out or "null")
     except json.JSONDecodeError:
@@ -241,26 +268,60 @@ def test_json_is_one_document_or_one_object_a_line(
 
 
 @pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
-def test_full_disk_and_closed_input_cost_one_line(
-    path: tuple[str, ...], typed: Callable[..., Outcome]
-) -> None:
-    line = next(line for line in examples(path) if not re.search(r"[|<>]|\$\(", line))
-    outcome = typed(f"{line} > /dev/full <&-")
+def test_full_disk_costs_one_line(path: tuple[str, ...], typed: Callable[..., Outcome]) -> None:
+    with Path("/dev/full").open("wb", buffering=0) as full:
+        outcome = typed(first_plain(path), out=full)
     check(outcome, path)
+    check_full(outcome, path)
+
+
+def check_full(outcome: Outcome, path: tuple[str, ...]) -> None:
+    """What is true where nothing can be written."""
     if not outcome.signal and "No space left" in outcome.error:
         assert outcome.code == 1
-        assert outcome.error.splitlines()[-1] == (
+        said = [line for line in outcome.error.splitlines() if "cannot write" in line]
+        assert said == [
             f"{' '.join(path)}: cannot write to standard output: No space left on device"
-        )
+        ]
     elif not outcome.signal and path not in _NO_DATA:
         assert outcome.error, "what cannot be written must be told"
 
 
-@pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
-def test_reader_who_has_had_enough_and_closed_error_are_no_fault(
-    path: tuple[str, ...], typed: Callable[..., Outcome]
+SOME = ["list", "echo", "pub", "msg show", "spy", "wtf", "run", "help"]
+"""Commands of each kind; how a process deals with its streams is the same for all."""
+
+
+@pytest.mark.parametrize("command", SOME)
+def test_full_disk_and_closed_input_cost_a_process_one_line(
+    command: str, home: Path, tmp_path: Path
 ) -> None:
-    line = next(line for line in examples(path) if not re.search(r"[|<>]|\$\(", line))
-    outcome = typed(f"{line} 2>&- | head -1; exit ${{PIPESTATUS[0]}}")
+    path = ("lcmtools", *command.split())
+    outcome = _in_shell(f"{first_plain(path)} > /dev/full <&-", home, tmp_path)
+    check(outcome, path)
+    check_full(outcome, path)
+
+
+@pytest.mark.parametrize("command", SOME)
+def test_reader_who_has_had_enough_and_closed_error_are_no_fault(
+    command: str, home: Path, tmp_path: Path
+) -> None:
+    path = ("lcmtools", *command.split())
+    line = f"{first_plain(path)} 2>&- | head -1; exit ${{PIPESTATUS[0]}}"
+    outcome = _in_shell(line, home, tmp_path)
     check(outcome, path)
     assert outcome.out.count("\n") <= 1
+
+
+@pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
+def test_reader_who_is_gone_is_no_fault_of_any_command(
+    path: tuple[str, ...], typed: Callable[..., Outcome]
+) -> None:
+    line = first_plain(path)
+    if shlex.split(line)[1] in _STARTS_PROCESSES:
+        line = f"lcmtools {path[1]} --help"
+    reading, writing = os.pipe()
+    os.close(reading)
+    with open(writing, "wb", buffering=0) as gone:  # noqa: PTH123 - a descriptor
+        outcome = typed(line, out=gone)
+    check(outcome, path)
+    assert "roken pipe" not in outcome.error
