@@ -1,8 +1,8 @@
-"""What a node's command line says about names, parameters and the bus.
+"""A node's command line: names, parameters and the bus.
 
-The same things can be said as ROS says them (``__ns:=/husky0 a:=b _gain:=2.0``) or by flags
-(``--ns /husky0 --remap a:=b --param gain:=2.0``). This module takes them out of an argument list;
-it knows no node and no environment.
+They can be written as ROS writes them (``__ns:=/husky0 a:=b _gain:=2.0``) or as flags (``--ns
+/husky0 --remap a:=b --param gain:=2.0``). This module takes them out of an argument list, and makes
+one of them. Must not know nodes and the environment.
 """
 
 import re
@@ -11,12 +11,12 @@ from dataclasses import dataclass, field
 
 from lcmtools.errors import UsageError
 
-# What ROS takes for a remapping argument, and parameters with dots in their names, as ROS 2 has
-# them; everything else stays in the argument list.
+# ROS's remapping arguments, and parameters with dots in their names, as ROS 2 has them;
+# everything else stays in the argument list.
 _ASSIGNMENT = re.compile(
     r"([~/A-Za-z_][A-Za-z0-9_/]*|_[A-Za-z][A-Za-z0-9_/.]*):=(.*)", re.ASCII | re.DOTALL
 )
-# What is written in place of it: with blanks, or only one of the two signs.
+# Common mistakes in place of it: with blanks, or only one of the two signs.
 _MISSPELT = re.compile(
     r"([~/A-Za-z_][A-Za-z0-9_/]*)(?:=|:|:=|=:|==)([^:=].*)", re.ASCII | re.DOTALL
 )
@@ -27,7 +27,7 @@ _IGNORED_SPECIALS = ("__log", "__ip", "__hostname", "__master")
 
 @dataclass(slots=True)
 class NodeArguments:
-    """What was said about a node on its command line.
+    """The names, parameters and bus of a node's command line.
 
     Attributes:
         namespace: From ``__ns:=`` or ``--ns``; None when not given.
@@ -45,15 +45,24 @@ class NodeArguments:
     lcm_url: str | None = None
     domain: str | None = None
 
+    def words(self) -> list[str]:
+        """Return the command line that ``split_arguments`` reads as this value."""
+        specials = {"__ns": self.namespace, "__name": self.name}
+        flags = {"--lcm-url": self.lcm_url, "--domain": self.domain}
+        pairs = [
+            *((key, value) for key, value in specials.items() if value),
+            *self.remaps,
+            *((f"_{name}", text) for name, text in self.parameters.items()),
+        ]
+        words = [word for flag, value in flags.items() if value for word in (flag, value)]
+        return words + [f"{source}:={target}" for source, target in pairs]
+
 
 def split_arguments(arguments: Sequence[str]) -> tuple[NodeArguments, list[str]]:
-    """Take the naming arguments out of a node's argument list.
-
-    Args:
-        arguments: Without the program's name. After a ``--`` nothing is taken.
+    """Take the naming arguments out of a node's argument list, which has no program's name.
 
     Returns:
-        What was said, and the arguments that are the node's own.
+        Their value, and the arguments that are the node's own; after a ``--`` all are.
 
     Raises:
         UsageError: A flag lacks its value, or an unknown ``__special:=`` is given.
@@ -76,12 +85,12 @@ def split_arguments(arguments: Sequence[str]) -> tuple[NodeArguments, list[str]]
 
 
 def misspelt(words: Sequence[str], unknown: str, *, of_node: bool = True) -> str:
-    """The hint for an argument that looks like an assignment and is none; "" for others.
+    """Return the hint for an argument that looks like an assignment and is none; "" for others.
 
     Args:
         words: The command line.
-        unknown: The word of it that nobody takes: "a=b", or a part of "a := b".
-        of_node: Whether a value that is no name is for a parameter; a launch has arguments only.
+        unknown: The word of it that has no meaning: "a=b", or a part of "a := b".
+        of_node: A value that is no name is for a parameter; a launch has arguments only.
     """
     if unknown == "--ros-args":
         return "names and remaps need none: leave it out"
@@ -99,7 +108,7 @@ def misspelt(words: Sequence[str], unknown: str, *, of_node: bool = True) -> str
 
 
 def looks_special(word: str) -> bool:
-    """Whether a word can only be meant for ``split_arguments``: "__ns=/husky0", ":=b"."""
+    """Return True if a word can only be meant for ``split_arguments``: "__ns=/husky0", ":=b"."""
     return ":=" in word or bool(re.match(r"__[a-z]+[:=]", word))
 
 
@@ -130,7 +139,7 @@ def _take_flag(said: NodeArguments, flag: str, value: str) -> None:
 
 
 def _take_assignment(said: NodeArguments, key: str, value: str) -> None:
-    """One ``key:=value``; an empty value is taken away and ignored, as ROS does."""
+    """Take a ``key:=value``; an empty value is taken away and ignored, as ROS does."""
     if key in _IGNORED_SPECIALS or not value:
         return
     if key == "__ns":

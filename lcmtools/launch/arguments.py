@@ -1,6 +1,6 @@
 """The arguments of launch files: declared, given, passed on to files that are included.
 
-Belongs here: what ``<arg>`` means. https://wiki.ros.org/roslaunch/XML/arg
+Belongs here: the meaning of ``<arg>``. https://wiki.ros.org/roslaunch/XML/arg
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -15,7 +15,7 @@ from lcmtools.names import did_you_mean
 
 
 def declare(element: Element, scope: Scope) -> Scope:
-    """The scope behind an ``<arg>``.
+    """Return the scope behind an ``<arg>``.
 
     Raises:
         InvalidFile: It is declared twice, is fixed and was given, or has no value.
@@ -34,45 +34,41 @@ def declare(element: Element, scope: Scope) -> Scope:
         text = scope.passed[name]
     else:
         doc = scope.text(element, "doc")
-        told = f" ({doc})" if doc else ""
-        hint = "say it in the include" if scope.is_included else f"type {name}:=VALUE"
-        raise element.error(f"the argument '{name}'{told} has no value", hint)
+        hint = "give it in the include" if scope.is_included else f"type {name}:=VALUE"
+        raise element.error(f"the argument '{name}'{f' ({doc})' if doc else ''} has no value", hint)
     return replace(scope, arguments={**scope.arguments, name: text})
 
 
 def arguments_of(element: Element) -> list[Argument]:
-    """The arguments that a file takes: those that it does not fix itself."""
+    """Return the arguments that a file takes: those that it does not fix itself."""
     found: dict[str, Argument] = {}
     for child in element.children:
+        about = child.attributes
         if child.tag == "group":
             found.update({argument.name: argument for argument in arguments_of(child)})
-        elif (
-            child.tag == "arg" and "value" not in child.attributes and child.attributes.get("name")
-        ):
-            about = child.attributes
-            name = about["name"]
+        elif child.tag == "arg" and "value" not in about and (name := about.get("name")):
             found.setdefault(name, Argument(name, about.get("default"), about.get("doc", "")))
     return list(found.values())
 
 
 def given_inside(element: Element, scope: Scope) -> tuple[Scope, dict[str, str]]:
-    """What an include gives to its file: the scope with its variables, and the arguments."""
+    """Return the scope and the arguments that an include gives to its file."""
     inside = scope.below(element)
     found: dict[str, str] = {}
-    for child in known_children(element):
-        if scope.holds(child) and child.tag == "env":
+    for child in filter(scope.holds, known_children(element)):
+        if child.tag == "env":
             inside = inside.with_variable(child)
-        elif scope.holds(child):
-            name = scope.required(child, "name")
-            key = "value" if "value" in child.attributes else "default"
-            if key not in child.attributes:
-                raise child.error(f"the argument '{name}' has no value")
-            found[name] = scope.text(child, key)
+            continue
+        name = scope.required(child, "name")
+        key = "value" if "value" in child.attributes else "default"
+        if key not in child.attributes:
+            raise child.error(f"the argument '{name}' has no value")
+        found[name] = scope.text(child, key)
     return inside, found
 
 
 def names_in(element: Element) -> set[str]:
-    """The names of a file's arguments, the fixed ones too."""
+    """Return the names of a file's arguments, the fixed ones too."""
     found: set[str] = set()
     for child in element.children:
         if child.tag == "group":
@@ -92,21 +88,21 @@ def check_given(roots: Sequence[Element], passed: Mapping[str, str]) -> None:
     for name, text in passed.items():
         if name not in known:
             files = ", ".join(root.source for root in roots)
-            what = f"{name}:={text}: {files} has no argument '{name}'"
-            raise UsageError(what, _hint(name, known))
+            raise UsageError(
+                f"{name}:={text}: {files} has no argument '{name}'", _hint(name, known)
+            )
 
 
-def check_passed(
-    element: Element, passed: Mapping[str, str], known: Collection[str], file: str
-) -> None:
-    """Refuse arguments that an included file does not take.
+def check_passed(element: Element, passed: Mapping[str, str], root: Element) -> None:
+    """Refuse arguments of an include that the file does not take.
 
     Raises:
         InvalidFile: There is one.
     """
+    known = names_in(root)
     for name in passed:
         if name not in known:
-            raise element.error(f"{file} has no argument '{name}'", _hint(name, known))
+            raise element.error(f"{root.source} has no argument '{name}'", _hint(name, known))
 
 
 def _hint(name: str, known: Collection[str]) -> str:

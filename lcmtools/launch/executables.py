@@ -1,7 +1,7 @@
-"""Which program a node is: from the names in a launch file to a command line.
+"""The programs of nodes: from the names in a launch file to a command line.
 
-Belongs here: that one question, for ``pkg`` and ``type`` of a ``<node>`` and for ``run:``. Must not
-know what a launch file is. Everything is found before anything is started.
+Belongs here: ``pkg`` and ``type`` of a ``<node>``, and ``run:``. Must not know launch files.
+Everything is found before anything is started.
 """
 
 import os
@@ -27,7 +27,7 @@ _SAME_NODE = {
     "gzserver": "sim",
     "morse": "sim",
 }
-"""Other names that the labs' texts and ROS have for nodes of lcmtools."""
+"""Other names of lcmtools' nodes in the labs' texts and in ROS."""
 _ROS_PACKAGES = {
     "beginner_tutorials",
     "image_view",
@@ -41,24 +41,19 @@ _ROS_PACKAGES = {
 
 @dataclass(frozen=True, slots=True)
 class Executable:
-    """What runs a node.
-
-    Attributes:
-        command: The command line so far.
-        directory: Where it must be run; "" for anywhere.
-    """
+    """The command line of a node, and the directory that it must be run in; "" for any."""
 
     command: tuple[str, ...]
     directory: str = ""
 
 
 def find_executable(package: str, name: str, folder: Path) -> Executable:
-    """What runs a package's node, as ``pkg`` and ``type`` say it.
+    """Return the command of a package's node, as ``pkg`` and ``type`` name it.
 
     Args:
-        package: Of the workspace, installed, or one of those that the labs' texts name.
-        name: The node's name there; a script's with or without its suffix.
-        folder: The launch file's; the workspace that it is in counts too.
+        package: Of the workspace, installed, or one that the labs' texts name.
+        name: The node's name in it; a script's with or without its suffix.
+        folder: The launch file's, whose workspace counts too.
 
     Raises:
         UsageError: There is no such package, or no such node in it.
@@ -83,7 +78,7 @@ def find_executable(package: str, name: str, folder: Path) -> Executable:
 
 
 def find_typed(words: Sequence[str], folder: Path) -> tuple[Executable, list[str]]:
-    """What runs the node that these words mean after ``lcmtools run``, and the words after it.
+    """Return the command of the node that words mean after ``lcmtools run``, and the words after.
 
     Raises:
         UsageError: There is no such node, or several packages have it.
@@ -107,7 +102,7 @@ def find_typed(words: Sequence[str], folder: Path) -> tuple[Executable, list[str
 
 
 def find_program(word: str, folder: Path) -> str:
-    """A program by its path, from a launch file's folder on, or by its name on the PATH.
+    """Return a program by its path, relative to the launch file's folder, or by its name.
 
     Raises:
         UsageError: There is none, or it is not executable.
@@ -125,7 +120,7 @@ def find_program(word: str, folder: Path) -> str:
 
 
 def find_script(word: str, folder: Path) -> tuple[str, ...]:
-    """A node that is a file of its own: Python's with this Python, others as programs.
+    """Return the command of a file that is a node: Python's with this Python, others as they are.
 
     Raises:
         UsageError: There is none, or it is not executable.
@@ -137,7 +132,7 @@ def find_script(word: str, folder: Path) -> tuple[str, ...]:
 
 
 def startable(command: Sequence[str]) -> list[str]:
-    """A command line as this computer starts it: ``lcmtools`` is the one that runs now."""
+    """Return a command line as it is started here: ``lcmtools`` is the one that runs now."""
     words = list(command)
     try:
         place = next(i for i in range(len(words)) if tuple(words[i : i + 2]) == RUN)
@@ -149,7 +144,7 @@ def startable(command: Sequence[str]) -> list[str]:
 
 
 def _nodes_of(package: str, folder: Path) -> set[str]:
-    """The names of a package's nodes."""
+    """Return the names of a package's nodes."""
     own = OWN if package in _as_lcmtools() else package
     known = (*_nodes_from(Path.cwd()), *_nodes_from(folder))
     return {node.name for node in known if node.package == own}
@@ -157,17 +152,17 @@ def _nodes_of(package: str, folder: Path) -> set[str]:
 
 @lru_cache(maxsize=4)
 def _nodes_from(start: Path) -> tuple[Runnable, ...]:
-    """The nodes that a folder's workspace and the installed packages have; it takes a moment."""
+    """Return the nodes of a folder's workspace and of installed packages, which takes a moment."""
     return tuple(runnables(start))
 
 
 def _as_lcmtools() -> set[str]:
-    """The packages whose nodes lcmtools has."""
+    """Return the packages whose nodes lcmtools has."""
     return {OWN, *lab_packages(), *_ROS_PACKAGES}
 
 
 def _script(package: str, name: str, folder: Path) -> str:
-    """An executable file of a package's folder, as rosrun finds them; "" where there is none."""
+    """Return an executable file of a package's folder, as rosrun finds them, or ""."""
     try:
         files = files_below(find_package(package, folder))
     except UsageError:

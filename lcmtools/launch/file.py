@@ -1,7 +1,4 @@
-"""A launch file's text, read and made into elements by the reader for its kind.
-
-Belongs here: opening files, and which kind one is.
-"""
+"""A launch file's text, read and made into elements by the reader for its kind."""
 
 import os
 import sys
@@ -9,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lcmtools.errors import InvalidFile
-from lcmtools.formats.strict_xml import Element
+from lcmtools.formats.strict_xml import Element, read_xml
 from lcmtools.launch.packages import LABS, LARGEST
 
 STANDARD_INPUT = "-"
@@ -17,34 +14,15 @@ STANDARD_INPUT = "-"
 
 @dataclass(frozen=True, slots=True)
 class File:
-    """A launch file that was read.
-
-    Attributes:
-        root: What is in it.
-        path: Where it is, in full.
-        folder: Where paths in it begin.
-    """
+    """A launch file that was read: its content, its full path, and the folder of its paths."""
 
     root: Element
     path: str
     folder: Path
 
 
-def shown(path: Path) -> str:
-    """A path as messages have it: short where it is below this folder, or one of the labs'."""
-    full = path.resolve()
-    for folder in (Path.cwd(), LABS):
-        if full.is_relative_to(folder):
-            return str(full.relative_to(folder))
-    return str(path)
-
-
 def read_file(path: Path, place: str = "") -> File:
-    """Read a launch file.
-
-    Args:
-        path: The file.
-        place: Where it is named, for messages; "" where it was typed.
+    """Read a launch file, which another one may name at a place.
 
     Raises:
         InvalidFile: It cannot be read, or is none.
@@ -54,9 +32,9 @@ def read_file(path: Path, place: str = "") -> File:
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
     except OSError as error:
-        raise InvalidFile(f"{before}cannot read {shown(path)}: {error.strerror}") from None
+        raise InvalidFile(f"{before}cannot read {_shown(path)}: {error.strerror}") from None
     full = path.resolve()
-    return File(read_content(content, shown(path)), str(full), full.parent)
+    return File(_read(content, _shown(path)), str(full), full.parent)
 
 
 def read_standard_input() -> File:
@@ -65,31 +43,28 @@ def read_standard_input() -> File:
     Raises:
         InvalidFile: It is none.
     """
-    root = read_content(sys.stdin.buffer.read(LARGEST + 1), "standard input")
+    root = _read(sys.stdin.buffer.read(LARGEST + 1), "standard input")
     return File(root, STANDARD_INPUT, Path.cwd())
 
 
-def read_content(content: bytes, source: str) -> Element:
-    """The root of a launch file.
+def _shown(path: Path) -> str:
+    """Return a path for errors: short if it is below this folder, or one of the labs'."""
+    full = path.resolve()
+    for folder in (Path.cwd(), LABS):
+        if full.is_relative_to(folder):
+            return str(full.relative_to(folder))
+    return str(path)
 
-    Args:
-        content: Its bytes.
-        source: Its name, for messages.
 
-    Raises:
-        InvalidFile: It is none, with the line.
-    """
+def _read(content: bytes, source: str) -> Element:
     if len(content) > LARGEST:
         raise InvalidFile(f"{source}: more than {LARGEST} bytes are no launch file")
     if source.endswith(".py"):
-        raise InvalidFile(
-            f"{source} is a program, as ROS 2 has launch files", "write it in YAML: see the help"
-        )
+        hint = "write it in YAML: see the help"
+        raise InvalidFile(f"{source} is a program, as ROS 2 has launch files", hint)
     if not content.strip():
         raise InvalidFile(f"{source}:1: the file is empty")
     if _is_xml(content, source):
-        from lcmtools.formats.strict_xml import read_xml
-
         root = read_xml(content, source, Element)
         if root.tag == "launch":
             return root

@@ -1,6 +1,6 @@
 """A ``<node>`` as a process: its names, its program and its command line.
 
-Belongs here: what one node tag means in its scope. Parameters that have full names come later,
+Belongs here: the meaning of one node tag in its scope. Parameters that have full names come later,
 when the whole file is known.
 """
 
@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from lcmtools.arguments import NodeArguments, split_arguments
 from lcmtools.formats.strict_xml import Element
 from lcmtools.launch.executables import (
     RUN,
@@ -21,22 +22,22 @@ from lcmtools.launch.executables import (
 from lcmtools.launch.packages import path_from
 from lcmtools.launch.plan import NodePlan, Output
 from lcmtools.launch.scope import Scope, located
-from lcmtools.names import check_base_name, resolve
+from lcmtools.names import base_name_of, check_base_name, namespace_of, resolve
 
 _OUTPUTS = tuple(output.value for output in Output)
-_HOMES = ("ROS_HOME", "node")  # of cwd; what else roslaunch knows
-NAMESPACE = "LCMTOOLS_NAMESPACE"
+_HOMES = ("ROS_HOME", "node")  # of cwd; other values that roslaunch knows
+_NAMESPACE = "LCMTOOLS_NAMESPACE"
 
 
 @dataclass(frozen=True, slots=True)
-class Program:
-    """What runs a node.
+class NodeProgram:
+    """The program of a node.
 
     Attributes:
-        command: What starts it.
-        arguments: What was written behind that.
-        takes_names: Whether it reads ``__ns:=`` and the like, as nodes do.
-        directory: Where it must be run; "" for anywhere.
+        command: The words that start it.
+        arguments: The words behind them in the file.
+        takes_names: It reads ``__ns:=`` and the like, as nodes do.
+        directory: Its working directory; "" for any.
     """
 
     command: tuple[str, ...]
@@ -45,50 +46,54 @@ class Program:
     directory: str = ""
 
 
-def node_name(element: Element, scope: Scope, program: Program | None = None) -> str:
-    """A node's full name.
+def node_name(element: Element, scope: Scope, program: NodeProgram) -> str:
+    """Return a node's full name.
 
     Raises:
         InvalidFile: It is missing, or not legal.
     """
     name = scope.text(element, "name")
-    if not name and program and {"run", "exec"} & set(element.attributes):
+    if not name and {"run", "exec"} & set(element.attributes):
         name = _name_of(program)
     name = name or scope.required(element, "name")
     located(element, lambda: check_base_name(name))
     return resolve(name, scope.namespace)
 
 
-def find_node(element: Element, scope: Scope) -> Program:
-    """A node's program, which is there.
+def find_node(element: Element, scope: Scope) -> NodeProgram:
+    """Return a node's program, which exists.
 
     Raises:
-        InvalidFile: It is not said which, or there is none.
+        InvalidFile: It is not named, or there is none.
     """
     ways = [name for name in ("pkg", "run", "exec") if name in element.attributes]
     if len(ways) > 1:
         raise element.error(f"a node has only one of {' and '.join(ways)}")
-    if ways == ["exec"]:
-        first, *rest = _program_words(element, scope, "exec")
-        path = located(element, lambda: find_program(first, scope.folder))
-        return Program((path,), tuple(rest), takes_names=False)
-    if ways == ["run"]:
-        return _run(element, scope)
+    if ways in (["exec"], ["run"]):
+        words = _words(element, scope.required(element, ways[0]))
+        if not words:
+            raise element.error(f"'{ways[0]}' is empty in node")
+        return located(element, lambda: _of_words(words, scope, ways[0]))
     package, name = scope.required(element, "pkg"), scope.required(element, "type")
     found = located(element, lambda: find_executable(package, name, scope.folder))
-    return Program(found.command, directory=found.directory)
+    return NodeProgram(found.command, directory=found.directory)
+
+
+def _of_words(words: list[str], scope: Scope, way: str) -> NodeProgram:
+    """Return the program of exec: or run:, which takes words as ``lcmtools run`` or a path."""
+    first, *rest = words
+    if way == "exec":
+        return NodeProgram((find_program(first, scope.folder),), tuple(rest), takes_names=False)
+    if "/" in first or first.endswith(".py"):
+        return NodeProgram(find_script(first, scope.folder), tuple(rest))
+    found, rest = find_typed(words, scope.folder)
+    return NodeProgram(found.command, tuple(rest), directory=found.directory)
 
 
 def plan_node(
-    element: Element, scope: Scope, program: Program, parameters: Mapping[str, str]
+    element: Element, scope: Scope, program: NodeProgram, parameters: Mapping[str, str]
 ) -> NodePlan:
-    """A node as a process.
-
-    Args:
-        element: The tag.
-        scope: What holds in it.
-        program: What runs it.
-        parameters: All that it gets, name to YAML text.
+    """Return a node as a process, with all its parameters, name to YAML text.
 
     Raises:
         InvalidFile: An attribute is wrong.
@@ -97,106 +102,67 @@ def plan_node(
     respawn, is_required = scope.flag(element, "respawn"), scope.flag(element, "required")
     if respawn and is_required:
         raise element.error("a node is not both required and respawned", "leave one of them out")
-    takes_terminal = scope.flag(element, "stdin")
     prefix = _words(element, scope.text(element, "launch-prefix"))
-    command = (*prefix, *_command(element, scope, program, name, parameters))
+    words = [*program.arguments, *_words(element, scope.text(element, "args"))]
+    end = words.index("--") if "--" in words else len(words)  # nodes take no names behind it
+    own = [word for word in words[:end] if word.startswith("_") and not word.startswith("__")]
+    typed = split_arguments(own)[0].parameters
+    if program.takes_names:
+        remaps = list(scope.remaps.items())
+        names = NodeArguments(namespace_of(name), base_name_of(name), remaps, dict(parameters))
+        words[end:end] = names.words()
+    elif any(child.tag in ("remap", "param", "rosparam") for child in element.children):
+        raise element.error("what exec starts takes no remaps or parameters", "use run")
+    command = (*prefix, *program.command, *words)
     environment = _environment(scope, program)
     _check_texts(element, (*command, *environment.values()))
     return NodePlan(
         name=name,
         command=command,
         place=element.place,
+        parameters={**typed, **(parameters if program.takes_names else {})},
         environment=environment,
         directory=_directory(element, scope) or program.directory,
         output=_output(element, scope),
         respawn=respawn,
-        respawn_delay=scope.number(element, "respawn_delay"),
+        respawn_delay=scope.seconds(element, "respawn_delay"),
         is_required=is_required,
         takes_input=bool(prefix),
-        takes_terminal=takes_terminal,
+        takes_terminal=scope.flag(element, "stdin"),
     )
 
 
-def _name_of(program: Program) -> str:
-    """The name of a node that is given none: its program's."""
+def _name_of(program: NodeProgram) -> str:
+    """Return the name of a node without one: its program's."""
     first, *rest = program.command
     is_run = (first, *rest[:1]) == RUN
     word = rest[-1] if is_run else rest[0] if first == sys.executable else first
     return word.rpartition("/")[2].partition(".")[0].replace("-", "_")
 
 
-def _run(element: Element, scope: Scope) -> Program:
-    """What ``run:`` says: NODE or PACKAGE NODE as after ``lcmtools run``, or a script's path."""
-    words = _program_words(element, scope, "run")
-    if "/" in words[0] or words[0].endswith(".py"):
-        script = located(element, lambda: find_script(words[0], scope.folder))
-        return Program(script, arguments=tuple(words[1:]))
-    found, rest = located(element, lambda: find_typed(words, scope.folder))
-    return Program(found.command, tuple(rest), directory=found.directory)
-
-
-def _program_words(element: Element, scope: Scope, name: str) -> list[str]:
-    words = _words(element, scope.required(element, name))
-    if not words:
-        raise element.error(f"'{name}' is empty in node")
-    return words
-
-
 def _words(element: Element, text: str) -> list[str]:
-    """A text as the shell takes it apart."""
+    """Return the words of a text, split as a shell does."""
     try:
         return shlex.split(text)
     except ValueError:
         raise element.error(f"a quote is not closed in '{' '.join(text.split())}'") from None
 
 
-def _command(
-    element: Element,
-    scope: Scope,
-    program: Program,
-    name: str,
-    parameters: Mapping[str, str],
-) -> list[str]:
-    namespace, _, base = name.rpartition("/")
-    words = [*program.command, *program.arguments, *_words(element, scope.text(element, "args"))]
-    if not program.takes_names:
-        if _asks(element):
-            raise element.error("what exec starts takes no remaps or parameters", "use run")
-        return words
-    names = [
-        f"__ns:={namespace or '/'}",
-        f"__name:={base}",
-        *(f"{source}:={target}" for source, target in scope.remaps),
-        *(f"_{name}:={text}" for name, text in parameters.items()),
-    ]
-    end = words.index("--") if "--" in words else len(words)  # nodes take no names behind it
-    return [*words[:end], *names, *words[end:]]
-
-
-def _asks(element: Element) -> bool:
-    """Whether a node has remaps or parameters of its own."""
-    return any(child.tag in ("remap", "param", "rosparam") for child in element.children)
-
-
-def _environment(scope: Scope, program: Program) -> dict[str, str]:
-    """The variables that files set; a program that takes no names may still ask for this one."""
+def _environment(scope: Scope, program: NodeProgram) -> dict[str, str]:
+    """Return the variables that files set; a program that takes no names may read this one."""
     is_told = program.takes_names or scope.namespace == "/"
-    return {**({} if is_told else {NAMESPACE: scope.namespace}), **scope.set_variables}
+    return {**({} if is_told else {_NAMESPACE: scope.namespace}), **scope.set_variables}
 
 
 def _check_texts(element: Element, texts: Iterable[str]) -> None:
-    """Refuse what the system cannot hand to a process; YAML can write any character."""
+    """Refuse characters that no process can be given; YAML can write any."""
     for text in texts:
-        if "\0" in text or not _is_encodable(text):
+        try:
+            is_bad = b"\0" in os.fsencode(text)
+        except UnicodeEncodeError:  # half a character
+            is_bad = True
+        if is_bad:
             raise element.error(f"{text!a} has a character that no command line can have")
-
-
-def _is_encodable(text: str) -> bool:
-    try:
-        os.fsencode(text)
-    except UnicodeEncodeError:  # half a character
-        return False
-    return True
 
 
 def _directory(element: Element, scope: Scope) -> str:

@@ -1,7 +1,7 @@
-"""Where packages are, and the launch files in them.
+"""Packages and the launch files in them: from names to folders and files.
 
-Belongs here: from a package's name to its folder, and from what one types to a file. A package is
-one of the workspace, an installed Python package, or one of the labs' that lcmtools brings.
+A package is one of the workspace, an installed Python package, or one of the labs' packages, which
+come with lcmtools.
 """
 
 import os
@@ -20,11 +20,11 @@ LARGEST = 1_000_000
 """Bytes of a file."""
 SUFFIXES = (".launch", ".yaml", ".yml", ".xml")
 _MOST_FILES = 10_000
-"""Files of a package that are looked at: somebody may have made the home folder a package."""
+"""Limit of files of a package that are looked at: a home folder may be one."""
 
 
 def path_from(folder: Path, name: str) -> Path:
-    """The path that a launch file in a folder means; "~" is the home folder.
+    """Return the path that a launch file in a folder names; "~" is the home folder.
 
     Raises:
         UsageError: It cannot be one.
@@ -32,7 +32,7 @@ def path_from(folder: Path, name: str) -> Path:
     try:
         os.fsencode(name)
         path = folder / Path(name).expanduser()
-    except (RuntimeError, ValueError):  # somebody unknown's home, or half a character
+    except (RuntimeError, ValueError):  # an unknown user's home, or half a character
         raise UsageError(f"{name!a} is no path") from None
     if "\0" in name:
         raise UsageError(f"{name!a} is no path")
@@ -40,7 +40,7 @@ def path_from(folder: Path, name: str) -> Path:
 
 
 def is_there(path: Path) -> bool:
-    """Whether there is something to read: a file, or a pipe that a shell has made."""
+    """Return True if a path can be read: a file, or a pipe that a shell has made."""
     try:
         return path.exists() and not path.is_dir()
     except (OSError, ValueError):  # a name that is too long, or none
@@ -48,11 +48,7 @@ def is_there(path: Path) -> bool:
 
 
 def find_package(name: str, *starts: Path) -> Path:
-    """A package's folder.
-
-    Args:
-        name: Its name.
-        starts: Folders whose workspaces count besides the current one's.
+    """Return a package's folder; the workspaces of ``starts`` count besides the current one.
 
     Raises:
         UsageError: There is no such package.
@@ -69,7 +65,7 @@ def find_package(name: str, *starts: Path) -> Path:
 
 
 def is_package(name: str) -> bool:
-    """Whether there is a package of this name."""
+    """Return True if there is a package of this name."""
     try:
         find_package(name)
     except UsageError:
@@ -78,12 +74,12 @@ def is_package(name: str) -> bool:
 
 
 def lab_packages() -> list[str]:
-    """The packages that the labs' texts name."""
+    """Return the packages that the labs' texts name."""
     return sorted(path.name for path in LABS.iterdir() if path.is_dir())
 
 
 def lab_files() -> list[tuple[str, str]]:
-    """The labs' launch files, each with its package."""
+    """Return the labs' launch files, each with its package."""
     return [
         (package, path.name)
         for package in lab_packages()
@@ -92,7 +88,7 @@ def lab_files() -> list[tuple[str, str]]:
 
 
 def launch_files(package: str) -> list[str]:
-    """The names of a package's launch files; none where there is no such package."""
+    """Return the names of a package's launch files; none if there is no such package."""
     try:
         return [path.name for path in _launch_files(find_package(package))]
     except UsageError:
@@ -100,7 +96,7 @@ def launch_files(package: str) -> list[str]:
 
 
 def files_below(folder: Path) -> Iterator[Path]:
-    """A package's files in order, without those of hidden folders."""
+    """Return a package's files in order, without those of hidden folders."""
     for count, path in enumerate(sorted(folder.rglob("*"))):
         if count == _MOST_FILES:
             return
@@ -109,7 +105,7 @@ def files_below(folder: Path) -> Iterator[Path]:
 
 
 def find_files(words: Sequence[str]) -> list[Path]:
-    """The launch files that ``[PACKAGE] FILE...`` means.
+    """Return the launch files that ``[PACKAGE] FILE...`` means.
 
     Raises:
         InvalidFile: There is no such file.
@@ -132,7 +128,7 @@ def _existing(word: str) -> Path:
 
 
 def _find_alone(word: str) -> Path:
-    """A file here, one of the labs', or the launch file of a package that has one."""
+    """Return a file here, one of the labs', or the launch file of a package that has one."""
     for name in _spellings(word):
         for place in (Path(name), Path("launch") / name):
             if is_there(place):
@@ -151,7 +147,7 @@ def _find_alone(word: str) -> Path:
 
 
 def _launch_names(folder: Path) -> list[Path]:
-    """The files of a folder that are named as launch files are, and those in its folder launch."""
+    """Return the files with names of launch files in a folder and in its folder launch."""
     return [
         path
         for place in (folder, folder / "launch")
@@ -185,7 +181,7 @@ def _only_file(folder: Path, package: str) -> Path:
 
 
 def _launch_files(folder: Path) -> list[Path]:
-    """What stands where launch files usually are."""
+    """Return the files where launch files usually are."""
     return [
         path
         for path in files_below(folder)

@@ -1,7 +1,7 @@
 """Parameters of launch files: from ``<param>`` and ``<rosparam>`` to names and YAML texts.
 
-Belongs here: where a parameter's value comes from, and which nodes it is for. There is no server of
-parameters on LCM: each node gets its own on its command line.
+Belongs here: the values of parameters, and the nodes that get them. There is no parameter server on
+LCM: each node gets its own on its command line.
 """
 
 from collections.abc import Iterator, Mapping
@@ -18,11 +18,9 @@ from lcmtools.names import check_legal, namespace_of, resolve
 _KINDS = {"str": "string", "int": "int", "double": "float", "bool": "bool"}
 _SOURCES = ("value", "textfile", "command", "binfile")
 
-Found = Iterator[tuple[str, str]]
-
 
 def param(element: Element, scope: Scope) -> tuple[str, str] | None:
-    """A ``<param>``'s name and text; None for one that is not for LCM (a command's output).
+    """Return a ``<param>``'s name and text; None for one that is not for LCM (a command's output).
 
     Raises:
         InvalidFile: It is wrong.
@@ -35,34 +33,38 @@ def param(element: Element, scope: Scope) -> tuple[str, str] | None:
     if given[0] == "value":
         return name, _typed(element, scope, name)
     if given[0] == "textfile":
-        return name, write_setting(read_text(element, scope.required(element, "textfile"), scope))
+        return name, write_setting(_read(element, scope.required(element, "textfile"), scope))
     return None
 
 
-def rosparam(element: Element, scope: Scope) -> Found:
-    """The names and texts of a ``<rosparam>``: YAML that stands in it, or a file's.
+def rosparam(element: Element, scope: Scope) -> Iterator[tuple[str, str]]:
+    """Return the names and texts of a ``<rosparam>``: YAML that stands in it, or a file's.
 
     Raises:
         InvalidFile: It is wrong.
     """
     text, source, line = element.text, element.source, element.line
     if file := scope.text(element, "file"):
-        text, source, line = read_text(element, file, scope), file, 1
+        text, source, line = _read(element, file, scope), file, 1
     if scope.flag(element, "subst_value"):
-        text = scope.put_in(element, text)
+        text = scope.substituted(element, text)
     prefix = [part for part in (scope.text(element, "ns"), scope.text(element, "param")) if part]
-    for value in _documents(text, source, line):
-        if not isinstance(value, dict) and "param" not in element.attributes:
+    try:
+        documents = list(parse(text, line))
+    except UsageError as error:
+        raise InvalidFile(f"{source}: {error.what}", error.hint) from None
+    for document in documents:
+        if not isinstance(document.value, dict) and "param" not in element.attributes:
             raise element.error("rosparam: expected names and values", "for example kp: 0.5")
-        for name, leaf in _leaves(value, "/".join(prefix)):
+        for name, leaf in _leaves(document.value, "/".join(prefix)):
             located(element, lambda name=name: check_legal(name))  # type: ignore[misc]
             yield name, text_of(leaf, ANY)
 
 
 def own_parameters(node: str, everywhere: Mapping[str, str]) -> dict[str, str]:
-    """What a node gets of the parameters with full names: those below it, and above it.
+    """Return the parameters with full names that a node gets: those below it, and above it.
 
-    Those above are what a node in ROS would find by looking in its namespace and those around it.
+    A node in ROS would find those above by looking in its namespace and those around it.
     """
     namespace = namespace_of(node)
     found: dict[str, str] = {}
@@ -76,7 +78,7 @@ def own_parameters(node: str, everywhere: Mapping[str, str]) -> dict[str, str]:
 
 
 def full_name(element: Element, name: str, scope: Scope) -> str:
-    """The full name of a parameter that is not private.
+    """Return the full name of a parameter that is not private.
 
     Raises:
         InvalidFile: It is not legal.
@@ -84,12 +86,7 @@ def full_name(element: Element, name: str, scope: Scope) -> str:
     return located(element, lambda: resolve(name, scope.namespace))
 
 
-def read_text(element: Element, name: str, scope: Scope) -> str:
-    """The text of a file that an element names.
-
-    Raises:
-        InvalidFile: It cannot be read.
-    """
+def _read(element: Element, name: str, scope: Scope) -> str:
     path = located(element, lambda: path_from(scope.folder, name))
     try:
         with path.open("rb") as file:
@@ -104,7 +101,7 @@ def read_text(element: Element, name: str, scope: Scope) -> str:
 
 
 def _typed(element: Element, scope: Scope, name: str) -> str:
-    """A value's text, as what its type says."""
+    """Return a value's text, checked by its type."""
     kind, text = scope.text(element, "type", "auto"), scope.text(element, "value")
     if kind in ("auto", "yaml"):
         return text or write_setting("")  # nodes take no notice of nothing
@@ -115,15 +112,8 @@ def _typed(element: Element, scope: Scope, name: str) -> str:
     )
 
 
-def _documents(text: str, source: str, line: int) -> list[Value]:
-    try:
-        return [document.value for document in parse(text, line)]
-    except UsageError as error:
-        raise InvalidFile(f"{source}: {error.what}", error.hint) from None
-
-
 def _leaves(value: Value, name: str) -> Iterator[tuple[str, Value]]:
-    """Each value with the path of names to it."""
+    """Return each value with the path of names to it."""
     if isinstance(value, dict):
         for key, part in value.items():
             yield from _leaves(part, f"{name}/{key}" if name else key)

@@ -1,7 +1,4 @@
-"""What a launch file asks for, as frozen values: processes, arguments and what to say about it.
-
-Belongs here: the values only. How they are read from files, and how they are run, is elsewhere.
-"""
+"""A plan, the meaning of launch files as frozen values: processes, arguments and notes."""
 
 import shlex
 from collections.abc import Mapping
@@ -10,7 +7,7 @@ from enum import Enum
 
 
 class Output(Enum):
-    """Where the lines of a process go; errors are on the screen always."""
+    """The place for the lines of a process; errors are always on the screen."""
 
     SCREEN = "screen"
     LOG = "log"
@@ -23,21 +20,23 @@ class NodePlan:
 
     Attributes:
         name: The node's full name ("/husky0/driver").
-        command: The command line, as somebody would type it.
-        place: Where it was written ("robot.launch:3").
-        environment: Variables that it gets besides the launcher's own.
+        command: The command line, as a user would type it.
+        place: File and line ("robot.launch:3").
+        parameters: Those on the command line, name to YAML text.
+        environment: Variables besides the launcher's own.
         directory: Its working directory; "" for the launcher's.
-        output: Where its lines go.
-        respawn: Whether it is started again when it ends.
+        output: The place for its lines.
+        respawn: It is started again when it ends.
         respawn_delay: Seconds until then.
-        is_required: Whether its end is the end of all.
-        takes_input: Whether it reads the launcher's standard input.
-        takes_terminal: Whether it has the launcher's input and output for its own.
+        is_required: Its end is the end of all.
+        takes_input: It reads the launcher's standard input.
+        takes_terminal: It has the launcher's standard input and output for its own.
     """
 
     name: str
     command: tuple[str, ...]
     place: str
+    parameters: Mapping[str, str] = field(default_factory=dict)
     environment: Mapping[str, str] = field(default_factory=dict)
     directory: str = ""
     output: Output = Output.LOG
@@ -48,7 +47,7 @@ class NodePlan:
     takes_terminal: bool = False
 
     def command_line(self) -> str:
-        """What one types into a shell to run it alone."""
+        """Return the line that runs it alone in a shell."""
         variables = [f"{name}={shlex.quote(text)}" for name, text in self.environment.items()]
         line = " ".join([*variables, shlex.join(self.command)])
         return f"cd {shlex.quote(self.directory)} && {line}" if self.directory else line
@@ -56,12 +55,9 @@ class NodePlan:
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """An argument of a launch file.
+    """An argument of a launch file: its name, its default as written, its description.
 
-    Attributes:
-        name: Its name, as in ``name:=value``.
-        default: As written, before anything is put in; None where a value must be given.
-        doc: What it is for, or "".
+    Without a default (None) a value must be given.
     """
 
     name: str
@@ -71,12 +67,12 @@ class Argument:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What launch files ask for, all together.
+    """The meaning of launch files, all together.
 
     Attributes:
         nodes: The processes in the order of the files.
         files: The files that were read, the included ones too.
-        notes: What a person should know of: things that mean nothing here, each with its place.
+        notes: Things that have no meaning here, each with its place.
     """
 
     nodes: tuple[NodePlan, ...]

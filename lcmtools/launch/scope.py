@@ -1,11 +1,12 @@
-"""What holds at a place of a launch file: namespace, arguments, remaps, parameters, variables.
+"""The scope at a place of a launch file: namespace, arguments, remaps, parameters, variables.
 
-Belongs here: the value, and how a tag's attributes are read with it. Must not know what tags do. A
-tag that changes what holds behind it gives a new scope; nothing is changed in place.
+Belongs here: the value, and the attributes of a tag read with it. Must not know the meaning of
+tags. A tag that changes the scope behind it makes a new one; nothing is changed in place.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
@@ -18,25 +19,24 @@ from lcmtools.names import check_legal, resolve
 _TRUTH = {"true": True, "1": True, "false": False, "0": False}
 
 T = TypeVar("T")
-Remaps = tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Scope:
-    """What holds at a place.
+    """The scope at a place.
 
     Attributes:
         folder: Of the file, for ``$(dirname)`` and paths.
         namespace: The full one.
         environment: All variables, the launcher's own too.
+        names: The names that ``$(anon x)`` has had.
         set_variables: Those that the files set.
         arguments: The values of the arguments that have been declared so far.
-        passed: What whoever reads the file has said; a default gives way to it.
+        passed: The arguments that the file was given; they override defaults.
         is_included: The file was included by another one.
-        takes_all: And with ``pass_all_args``, and has arguments of its own too.
-        remaps: Pairs (from, to).
+        takes_all: And with ``pass_all_args``, so that it may have arguments of its own too.
+        remaps: From each name to another.
         parameters: Private ones for the nodes below, name to YAML text.
-        names: What ``$(anon x)`` has been.
     """
 
     folder: Path
@@ -48,14 +48,14 @@ class Scope:
     passed: Mapping[str, str] = field(default_factory=dict)
     is_included: bool = False
     takes_all: bool = False
-    remaps: Remaps = ()
+    remaps: Mapping[str, str] = field(default_factory=dict)
     parameters: Mapping[str, str] = field(default_factory=dict)
 
-    def put_in(self, element: Element, text: str) -> str:
-        """A text of an element with everything in ``$( )`` replaced.
+    def substituted(self, element: Element, text: str) -> str:
+        """Return a text of an element with everything in ``$( )`` replaced.
 
         Raises:
-            InvalidFile: It asks for something that there is not.
+            InvalidFile: It names something that does not exist.
         """
         known = Known(
             self.arguments,
@@ -67,15 +67,15 @@ class Scope:
         return located(element, lambda: substitute(text, known))
 
     def text(self, element: Element, name: str, default: str = "") -> str:
-        """An attribute's value; the default where it is not given.
+        """Return an attribute's value; the default if it is not given.
 
         Raises:
             InvalidFile: It cannot be worked out.
         """
-        return self.put_in(element, element.attributes.get(name, default))
+        return self.substituted(element, element.attributes.get(name, default))
 
     def required(self, element: Element, name: str) -> str:
-        """An attribute's value.
+        """Return an attribute's value.
 
         Raises:
             InvalidFile: It is not given, empty, or cannot be worked out.
@@ -87,7 +87,7 @@ class Scope:
         return text
 
     def flag(self, element: Element, name: str, *, default: bool = False) -> bool:
-        """Whether an attribute is true.
+        """Return True if an attribute is true.
 
         Raises:
             InvalidFile: It is neither true nor false.
@@ -99,8 +99,8 @@ class Scope:
             raise element.error(f"'{name}' must be true or false, not '{text}'")
         return _TRUTH[text.lower()]
 
-    def number(self, element: Element, name: str) -> float:
-        """A number of seconds, 0 where it is not given.
+    def seconds(self, element: Element, name: str) -> float:
+        """Return a number of seconds, 0 if it is not given.
 
         Raises:
             InvalidFile: It is no number, or negative.
@@ -115,19 +115,18 @@ class Scope:
         return value
 
     def holds(self, element: Element) -> bool:
-        """Whether an element counts, by its ``if`` and ``unless``.
+        """Return True if an element counts, by its ``if`` and ``unless``.
 
         Raises:
             InvalidFile: They are neither true nor false, or both are given.
         """
         if {"if", "unless"} <= set(element.attributes):
-            raise element.error(
-                f"{element.tag} has both 'if' and 'unless'", "leave one of them out"
-            )
+            hint = "leave one of them out"
+            raise element.error(f"{element.tag} has both 'if' and 'unless'", hint)
         return self.flag(element, "if", default=True) and not self.flag(element, "unless")
 
     def below(self, element: Element) -> "Scope":
-        """The scope in an element that has a namespace, or none.
+        """Return the scope in an element, which may have a namespace.
 
         Raises:
             InvalidFile: It is no legal namespace.
@@ -138,19 +137,19 @@ class Scope:
         return replace(self, namespace=located(element, lambda: resolve(namespace, self.namespace)))
 
     def with_remap(self, element: Element) -> "Scope":
-        """The scope behind a remap.
+        """Return the scope behind a remap.
 
         Raises:
             InvalidFile: A name is missing or not legal.
         """
-        pair = (self.required(element, "from"), self.required(element, "to"))
-        located(element, lambda: check_legal(pair[0]))
-        located(element, lambda: check_legal(pair[1]))
-        others = tuple(known for known in self.remaps if known[0] != pair[0])
-        return replace(self, remaps=(*others, pair))
+        source, target = self.required(element, "from"), self.required(element, "to")
+        for name in (source, target):
+            located(element, partial(check_legal, name))
+        others = {name: to for name, to in self.remaps.items() if name != source}
+        return replace(self, remaps={**others, source: target})
 
     def with_variable(self, element: Element) -> "Scope":
-        """The scope behind a variable that is set.
+        """Return the scope behind a variable that is set.
 
         Raises:
             InvalidFile: Its name is missing, or none.
@@ -166,13 +165,9 @@ class Scope:
             set_variables={**self.set_variables, name: text},
         )
 
-    def with_parameters(self, found: Iterable[tuple[str, str]]) -> "Scope":
-        """The scope behind private parameters."""
-        return replace(self, parameters={**self.parameters, **dict(found)})
-
 
 def located(element: Element, work: Callable[[], T]) -> T:
-    """What some work on an element gives; what is wrong with it gets the element's place.
+    """Return the result of some work on an element; its errors get the element's place.
 
     Raises:
         InvalidFile: Something is wrong.

@@ -1,6 +1,6 @@
 """The tags of launch files and their attributes, as roslaunch has them.
 
-Belongs here: which there are. https://wiki.ros.org/roslaunch/XML
+https://wiki.ros.org/roslaunch/XML
 """
 
 from collections.abc import Iterator, Mapping
@@ -11,7 +11,7 @@ from lcmtools.names import did_you_mean
 _OF_NODES = {"node", "remap", "param", "rosparam", "env"}
 _EVERYWHERE = {"if", "unless"}
 
-ATTRIBUTES: Mapping[str, set[str]] = {
+_ATTRIBUTES: Mapping[str, set[str]] = {
     "launch": {"deprecated", "version"},
     "node": {
         *("pkg", "type", "name", "args", "ns", "machine", "cwd", "output", "clear_params"),
@@ -34,11 +34,9 @@ ATTRIBUTES: Mapping[str, set[str]] = {
         *("launch-prefix", "clear_params"),
     },
 }
-"""The tags, and the attributes of each; ``if`` and ``unless`` besides."""
-
-CHILDREN: Mapping[str, set[str]] = {
-    "launch": {*ATTRIBUTES} - {"launch"},
-    "group": {*ATTRIBUTES} - {"launch"},
+_CHILDREN: Mapping[str, set[str]] = {
+    "launch": {*_ATTRIBUTES} - {"launch"},
+    "group": {*_ATTRIBUTES} - {"launch"},
     "node": _OF_NODES - {"node"},
     "test": _OF_NODES - {"node"},
     "include": {"arg", "env"},
@@ -47,25 +45,25 @@ CHILDREN: Mapping[str, set[str]] = {
 """The tags that may stand in each; in all others none may."""
 
 
-def unknown_parts(element: Element) -> Iterator[str]:
-    """What roslaunch warns of: attributes and tags that mean nothing where they stand."""
-    known = ATTRIBUTES[element.tag] | _EVERYWHERE
+def notes_on(element: Element) -> Iterator[str]:
+    """Return the parts of an element that have no meaning there, each with its place."""
+    known = _ATTRIBUTES[element.tag] | _EVERYWHERE
     for name in element.attributes:
         if name not in known:
-            what = f"{element.place}: {element.tag} has no attribute '{name}'"
-            yield _with_hint(what, did_you_mean(name, known))
-    tags = CHILDREN.get(element.tag, set())
+            hint = did_you_mean(name, known) or "it is left out"
+            yield f"{element.place}: {element.tag} has no attribute '{name}'; {hint}"
+    tags = _CHILDREN.get(element.tag, set())
     for child in element.children:
         if child.tag not in tags:
-            what = f"{child.place}: there is no tag '{child.tag}' in {element.tag}"
-            yield _with_hint(what, did_you_mean(child.tag, tags))
+            hint = did_you_mean(child.tag, tags) or "it is left out"
+            yield f"{child.place}: there is no tag '{child.tag}' in {element.tag}; {hint}"
+    if element.attributes.get("clear_params", "false") != "false":
+        yield f"{element.place}: clear_params means nothing here: no parameter outlives its node"
+    if "machine" in element.attributes or element.tag == "machine":
+        yield f"{element.place}: machine means nothing here: all runs on this one"
 
 
 def known_children(element: Element) -> list[Element]:
-    """The tags in an element that mean something there."""
-    tags = CHILDREN.get(element.tag, set())
+    """Return the elements in an element that have a meaning there."""
+    tags = _CHILDREN.get(element.tag, set())
     return [child for child in element.children if child.tag in tags]
-
-
-def _with_hint(what: str, hint: str) -> str:
-    return f"{what}; {hint}" if hint else f"{what}; it is left out"

@@ -1,10 +1,6 @@
-"""What is shown of a plan and of its end, as rows and for JSON.
-
-Belongs here: texts only.
-"""
+"""A plan and its end, as rows of text and for JSON."""
 
 import json
-import re
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -13,11 +9,9 @@ from lcmtools.launch.supervisor import Outcome
 from lcmtools.messages.plain import plain_json
 from lcmtools.messages.setting import ANY, Setting, read_setting, write_setting
 
-_PARAMETER = re.compile(r"_([^_:=][^:=]*):=(.*)", re.DOTALL)
-
 
 def argument_rows(arguments: Sequence[Argument]) -> Iterator[str]:
-    """The arguments of a file, in roslaunch's manner."""
+    """Return the arguments of a file, in roslaunch's form."""
     for title, is_required in (("Required", True), ("Optional", False)):
         group = [argument for argument in arguments if (argument.default is None) is is_required]
         if group:
@@ -31,12 +25,12 @@ def argument_rows(arguments: Sequence[Argument]) -> Iterator[str]:
 
 
 def argument_record(argument: Argument) -> dict[str, object]:
-    """An argument, for JSON."""
+    """Return an argument, for JSON."""
     return {"name": argument.name, "default": argument.default, "doc": argument.doc}
 
 
 def node_rows(node: NodePlan) -> Iterator[str]:
-    """A node as it would be run: a comment, and a line for the shell."""
+    """Return a node as it would be run: a comment, and a line for the shell."""
     about = [f"output {node.output.value}"]
     if node.respawn:
         about.append(f"respawn after {node.respawn_delay:g} s" if node.respawn_delay else "respawn")
@@ -47,7 +41,7 @@ def node_rows(node: NodePlan) -> Iterator[str]:
 
 
 def node_record(node: NodePlan) -> dict[str, object]:
-    """A node as it would be run, for JSON."""
+    """Return a node as it would be run, for JSON."""
     return {
         "node": node.name,
         "command": list(node.command),
@@ -63,7 +57,7 @@ def node_record(node: NodePlan) -> dict[str, object]:
 
 
 def parameter_rows(node: NodePlan) -> Iterator[str]:
-    """The parameters that a node is given, as param dump writes those of nodes that run."""
+    """Return the parameters of a node, as param dump writes those of nodes that run."""
     parameters = _parameters(node)
     if parameters:
         yield f"{write_setting(node.name)}:"
@@ -72,7 +66,7 @@ def parameter_rows(node: NodePlan) -> Iterator[str]:
 
 
 def parameter_record(node: NodePlan) -> dict[str, object]:
-    """The parameters that a node is given, for JSON."""
+    """Return the parameters of a node, for JSON."""
     plain = {
         name: json.loads(plain_json(list(value) if isinstance(value, (list, tuple)) else value))  # type: ignore[arg-type] # a list of scalars
         for name, value in _parameters(node).items()
@@ -81,13 +75,11 @@ def parameter_record(node: NodePlan) -> dict[str, object]:
 
 
 def _parameters(node: NodePlan) -> Mapping[str, Setting]:
-    """Those on the node's command line: there is no other place for them."""
-    found = filter(None, map(_PARAMETER.fullmatch, node.command))
-    return {match[1]: read_setting(match[2], ANY, match[1]) for match in found}
+    return {name: read_setting(text, ANY, name) for name, text in node.parameters.items()}
 
 
 def outcome_rows(outcomes: Sequence[Outcome]) -> list[str]:
-    """The closing table."""
+    """Return the closing table."""
     rows = [("node", "end", "restarts", "log")]
     rows += [
         (o.node, o.end, str(o.restarts), shlex.quote(o.log) if o.log else "-") for o in outcomes

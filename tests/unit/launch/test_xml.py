@@ -188,7 +188,7 @@ def test_argument_that_an_include_lacks_is_told_where_it_is_declared(
     with pytest.raises(InvalidFile) as caught:
         xml('<include file="b.launch"/>')
     assert str(caught.value) == (
-        "b.launch:2: the argument 'n' (how many) has no value; say it in the include"
+        "b.launch:2: the argument 'n' (how many) has no value; give it in the include"
     )
     with pytest.raises(InvalidFile, match=r"a.launch:2: b.launch has no argument 'm'; there are n"):
         xml('<include file="b.launch"><arg name="m" value="1"/></include>')
