@@ -84,6 +84,11 @@ def split_arguments(arguments: Sequence[str]) -> tuple[NodeArguments, list[str]]
     return said, rest
 
 
+def is_assignment(word: str) -> bool:
+    """Return whether a word is an argument as ROS has it: "a:=b", "__ns:=/husky0", "_gain:=2.0"."""
+    return _ASSIGNMENT.fullmatch(word) is not None
+
+
 def misspelt(words: Sequence[str], unknown: str, *, of_node: bool = True) -> str:
     """Return the hint for an argument that looks like an assignment and is none; "" for others.
 

@@ -1,7 +1,7 @@
 """Names of topics, nodes and services: the ROS graph resource name rules, without ROS.
 
-Resolution, remapping and validation live here, as functions of text. What a name refers to, who
-uses it and where it came from (command line, environment) is none of this module's business.
+Resolution, remapping, patterns and validation live here, as functions of text. What a name refers
+to, who uses it and where it came from (command line, environment) is not this module's business.
 
 The rules: https://wiki.ros.org/Names and https://wiki.ros.org/Remapping%20Arguments.
 """
@@ -18,6 +18,9 @@ MAX_CHANNEL_BYTES = 63
 _LEGAL_NAME = re.compile(r"[~/A-Za-z][A-Za-z0-9_/]*", re.ASCII)
 _LEGAL_BASE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 
+_WILDCARD = re.compile(r"\*\*|[*?]")
+_MEANINGS = {"**": ".*", "*": "[^/]*", "?": "[^/]"}
+
 # Channels of LCM's own machinery: its self test and the bookkeeping of mpudpm.
 _LCM_INTERNAL = ("LCM_SELF_TEST", "#!mpudpm")
 
@@ -32,8 +35,8 @@ class Resolver:
         remaps: Pairs (from, to) as given; both sides are resolved before they are compared.
     """
 
-    namespace: str
-    node: str
+    namespace: str = "/"
+    node: str = ""
     remaps: tuple[tuple[str, str], ...] = ()
 
     def resolve(self, name: str) -> str:
@@ -47,6 +50,20 @@ class Resolver:
             if self.expand(source) == resolved:
                 return check_length(self.expand(target), name)
         return check_length(resolved, name)
+
+    def spellings(self, name: str) -> Sequence[str]:
+        """The channels that a topic's name may mean where it is *read*, remapped.
+
+        Raises:
+            InvalidName: The name is empty.
+        """
+        if not name:
+            raise InvalidName("the topic's name is empty", "lcmtools list shows the topics")
+        found = spellings(name, self.namespace)
+        for source, target in reversed(self.remaps):
+            if not set(found).isdisjoint(spellings(source, self.namespace)):
+                return spellings(target, self.namespace)
+        return found
 
     def expand(self, name: str) -> str:
         """The global name, before remapping."""
@@ -179,6 +196,55 @@ def spellings(name: str, namespace: str = "/") -> Sequence[str]:
     if name.startswith("~") or not _LEGAL_NAME.fullmatch(name):
         return [name]
     return list(dict.fromkeys([name, resolve(name, namespace)]))
+
+
+class Pattern:
+    """Names with wildcards, of which all commands have the same meaning.
+
+    ``*`` stands for any characters but "/", ``**`` for any characters, ``?`` for one character but
+    "/". Hidden names match only a pattern that has a hidden part itself. A relative pattern
+    matches as it is and in the namespace.
+
+    Args:
+        text: The pattern; a name without wildcards matches itself.
+        namespace: The namespace of a relative pattern.
+        hidden: Match hidden names too.
+    """
+
+    def __init__(self, text: str, namespace: str = "/", *, hidden: bool = False) -> None:
+        self._text = text
+        self._hidden = hidden or is_hidden(text)
+        bare = text.rstrip("/")
+        root = "" if text.startswith("/") else f"(?:{re.escape(namespace.rstrip('/'))}/)?"
+        self._whole = re.compile(root + _expression(bare), re.DOTALL)
+        self._below = re.compile(f"{root}{_expression(bare)}(/.*)?" if bare else ".*", re.DOTALL)
+
+    def matches(self, name: str) -> bool:
+        """Return whether the pattern is the whole name."""
+        return (self._hidden or not is_hidden(name)) and bool(self._whole.fullmatch(name))
+
+    def covers(self, name: str) -> bool:
+        """Return whether the pattern is the name or a namespace of it; "" and "/" are of all."""
+        return (self._hidden or not is_hidden(name)) and bool(self._below.fullmatch(name))
+
+    def means_node(self, name: str) -> bool:
+        """Return ``covers``, or for a pattern of one part, whether it is the name's last part."""
+        is_last = "/" not in self._text and self._whole.fullmatch(base_name_of(name))
+        return self.covers(name) or (bool(is_last) and (self._hidden or not is_hidden(name)))
+
+
+def has_wildcard(text: str) -> bool:
+    """Return whether a word is a pattern: it has * or ? in it."""
+    return _WILDCARD.search(text) is not None
+
+
+def _expression(pattern: str) -> str:
+    """The regular expression of a pattern."""
+    end, parts = 0, []
+    for wildcard in _WILDCARD.finditer(pattern):
+        parts += [re.escape(pattern[end : wildcard.start()]), _MEANINGS[wildcard[0]]]
+        end = wildcard.end()
+    return "".join(parts) + re.escape(pattern[end:])
 
 
 def closest(name: str, known: Iterable[str], count: int = 1) -> list[str]:

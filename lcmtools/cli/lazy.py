@@ -13,7 +13,7 @@ from typing import cast
 
 import click
 
-from lcmtools.cli.options import manner_options
+from lcmtools.cli.options import is_looking, manner_options, take_names
 from lcmtools.cli.output import talk
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.names import closest
@@ -93,6 +93,8 @@ class LazyGroup(click.Group):
         ctx.meta[COMMAND] = f"{ctx.command_path} {name}"
         if command is not None:
             ctx.default_map = {name: _usual_values(command)}
+            if is_looking(command):
+                return name, command, take_names(ctx, args[1:])
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

@@ -1,16 +1,18 @@
 """Options that several commands share, each defined once."""
 
 import os
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeVar
 
 import click
 from click.core import ParameterSource
 
+from lcmtools.arguments import NodeArguments, is_assignment, split_arguments
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.output import talk
 from lcmtools.errors import UsageError
+from lcmtools.names import Pattern, Resolver, has_wildcard, resolve_namespace, spellings
 from lcmtools.settings import COLORS, parse_duration, read_user_file, usual_namespace
 
 if TYPE_CHECKING:  # lcmtools --help and usage errors do without the bus
@@ -27,10 +29,11 @@ COLOR = "lcmtools.color"
 
 @dataclass(slots=True)
 class BusChoice:
-    """What was said about the bus, before and after the command's name."""
+    """The bus, and the names that commands look for, as the command line has them."""
 
     url: str | None = None
     domain: str | None = None
+    names: NodeArguments = field(default_factory=NodeArguments)
 
 
 def _remember(ctx: click.Context, parameter: click.Parameter, value: str | None) -> str | None:
@@ -58,6 +61,61 @@ def bus_options(command: CommandT) -> CommandT:
         help="The bus on port 7667 + N (else LCMTOOLS_DOMAIN). A URL wins over it.",
     )
     return url(domain(command))
+
+
+def _remember_names(ctx: click.Context, parameter: click.Parameter, value: object) -> None:
+    given = [value] if isinstance(value, str) else value if isinstance(value, tuple) else ()
+    _add_names(ctx, [f"{parameter.opts[0]}={word}" for word in given])
+
+
+def take_names(ctx: click.Context, words: Sequence[str]) -> list[str]:
+    """Take ``__ns:=`` and ``a:=b`` out of a looking command's words; return the others.
+
+    Raises:
+        UsageError: One of them is wrong, or means nothing to a command that is no node.
+    """
+    end = [*words, "--"].index("--")
+    _add_names(ctx, list(filter(is_assignment, words[:end])))
+    return [*(word for word in words[:end] if not is_assignment(word)), *words[end:]]
+
+
+def _add_names(ctx: click.Context, words: Sequence[str]) -> None:
+    said, _ = split_arguments(words)
+    if said.parameters or said.name:
+        raise UsageError(f"{words[0]} is for nodes", "a command that looks takes __ns:= and a:=b")
+    names = ctx.ensure_object(BusChoice).names
+    names.namespace = names.namespace if said.namespace is None else said.namespace
+    names.remaps += said.remaps
+
+
+def looking_options(command: CommandT) -> CommandT:
+    """Add ``bus_options``, ``--ns`` and ``--remap``; ``looking_names`` and ``in_names`` read them.
+
+    ``LazyGroup`` takes ``__ns:=`` and ``a:=b`` out of the words of the commands that have these.
+    """
+    ns = click.option(
+        "--ns",
+        metavar="NAME",
+        shell_complete=complete("bus:namespaces"),
+        callback=_remember_names,
+        expose_value=False,
+        help="The namespace of relative names; as __ns:=NAME.",
+    )
+    remap = click.option(
+        "--remap",
+        metavar="FROM:=TO",
+        multiple=True,
+        shell_complete=complete("programs:remaps"),
+        callback=_remember_names,
+        expose_value=False,
+        help="Look at TO in place of FROM; as FROM:=TO.",
+    )
+    return ns(remap(bus_options(command)))
+
+
+def is_looking(command: click.Command) -> bool:
+    """Return whether a command has ``looking_options``."""
+    return any(option.name == "ns" and not option.expose_value for option in command.params)
 
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
@@ -187,15 +245,38 @@ def open_monitor(tool: str, *, whole: bool = False) -> "BusMonitor":
     return BusMonitor(chosen_url(), tool, os.environ, whole=whole, on_outage=tell)
 
 
-def topic_spellings(name: str) -> list[str]:
-    """The channels that a topic's name may mean where it is read; see lcmtools.names.spellings.
+def looking_names() -> Resolver:
+    """The names of a command that looks: its namespace and its remaps.
 
     Raises:
-        UsageError: The name is empty.
+        UsageError: The namespace is wrong.
     """
-    from lcmtools.names import resolve_namespace, spellings
+    said = bus_choice().names
+    namespace = usual_namespace(os.environ) if said.namespace is None else said.namespace
+    return Resolver(resolve_namespace(namespace), remaps=tuple(said.remaps))
 
-    if not name:
-        raise UsageError("the topic's name is empty", "lcmtools list shows the topics")
-    namespace = resolve_namespace(usual_namespace(os.environ))
-    return list(dict.fromkeys(spellings(name, namespace)))
+
+def looking_pattern(text: str, *, hidden: bool) -> Pattern:
+    """A topic, namespace or pattern as a looking command reads it.
+
+    Raises:
+        UsageError: The namespace is wrong.
+    """
+    names = looking_names()
+    word = text if has_wildcard(text) else in_names(text)
+    return Pattern(word, names.namespace, hidden=hidden)
+
+
+def in_names(word: str) -> str:
+    """A node, service, namespace or pattern as the command line's own ``--ns`` and remaps have it.
+
+    Where neither is given the word stays as it is, for it may be a name's last part or a pid.
+    """
+    said, names = bus_choice().names, looking_names()
+    if not word or not (said.namespace or said.remaps):
+        return word
+    found = names.spellings(word)[-1]
+    if said.namespace and has_wildcard(word) and not word.startswith("/"):
+        return f"{names.namespace.rstrip('/')}/{word}"
+    is_remapped = found != spellings(word, names.namespace)[-1]
+    return found if said.namespace or is_remapped else word

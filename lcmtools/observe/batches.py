@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lcmtools.cli.options import topic_spellings
 from lcmtools.cli.output import talk
 from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived, UnknownType
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import Graph
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.registry import message_class
+from lcmtools.names import Resolver
 from lcmtools.observe.arrival import CLOCK, Arrival, ArrivalClock, is_simulated
 from lcmtools.observe.decoding import Decoder
-from lcmtools.observe.find import ask_nodes, known_spelling, near_topic
+from lcmtools.observe.find import GLOBAL, ask_nodes, known_spelling, near_topic
 from lcmtools.observe.log_file import read_log
 from lcmtools.observe.stream import situation
 from lcmtools.wire.packet import Packet
@@ -39,12 +39,14 @@ class ListenOptions:
         count: After how many reports to end; None for never.
         wall_time: Go by the computer's clock where a simulator keeps the time too.
         condition: Only messages for which it is true count; None for all.
+        names: The namespace and the remaps of topics.
     """
 
     timeout: float | None = None
     count: int | None = None
     wall_time: bool = False
     condition: Filter | None = None
+    names: Resolver = GLOBAL
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +88,7 @@ class _Sorter:
         self._how = how
         self._decoder = Decoder(monitor.types_of)
         self._clock = ArrivalClock(is_simulated=False)
-        self._spellings = {topic: set(topic_spellings(topic)) for topic in topics}
+        self._spellings = {topic: set(self._how.names.spellings(topic)) for topic in topics}
         self._topics: dict[str, list[str]] = {}
         self._silent = set(topics)
         self._has_told = False
@@ -162,7 +164,8 @@ class _Sorter:
         # A simulator tells the time seldom where nobody says that he listens to it.
         self._monitor.listen_to([*listened, CLOCK] if self._clock.is_simulated else listened)
         for topic in self._spellings:
-            spelling = known_spelling(graph, topic) or topic_spellings(topic)[-1]
+            names = self._how.names
+            spelling = known_spelling(graph, topic, names) or names.spellings(topic)[-1]
             self._check(graph, spelling)
             talk(f"subscribed to [{spelling}]")
         if self._clock.is_simulated:
@@ -184,17 +187,18 @@ class _Sorter:
         """Say on which topics nothing has come, and what may have been meant."""
         condition = f" with {self._how.condition}" if self._how.condition else ""
         for topic in (topic for topic in self._spellings if topic in self._silent):
-            hint = situation(self._monitor.graph(), topic)
+            hint = situation(self._monitor.graph(), topic, self._how.names)
             talk(f"{_command()}: no message on {topic}{condition} yet; {hint}")
 
     def _tell_missing(self, graph: Graph) -> None:
         """The same of a log."""
         if len(self._silent) == len(self._spellings):
             topics = ", ".join(self._spellings)
-            hint = near_topic(graph, next(iter(self._spellings)))
+            hint = near_topic(graph, next(iter(self._spellings)), self._how.names)
             raise LcmtoolsError(f"the log has no message on {topics}", hint)
         for topic in (topic for topic in self._spellings if topic in self._silent):
-            talk(f"{_command()}: the log has no message on {topic}; {near_topic(graph, topic)}")
+            hint = near_topic(graph, topic, self._how.names)
+            talk(f"{_command()}: the log has no message on {topic}; {hint}")
 
 
 def _command() -> str:

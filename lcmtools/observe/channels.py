@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from lcmtools.cli.describe import listed_node
 from lcmtools.graph.model import Graph, Role, Topic, Traffic
 from lcmtools.messages.registry import candidates
-from lcmtools.names import is_hidden
+from lcmtools.names import Pattern, is_hidden
 from lcmtools.observe.activity import SILENT_AFTER, Activity, Flow, all_topics
-from lcmtools.observe.find import topic_is_in
 from lcmtools.observe.senders import SenderNames
 from lcmtools.wire.packet import Sender
 from lcmtools.wire.sequence import Sequence as Numbers
@@ -72,16 +71,18 @@ class Wanted:
     Attributes:
         topics: Names, namespaces and patterns; none for all.
         hidden: Whether hidden names are meant too.
+        namespace: Where relative names and patterns stand.
     """
 
     topics: tuple[str, ...] = ()
     hidden: bool = False
+    namespace: str = "/"
 
     def has(self, name: str) -> bool:
         """Whether a channel is meant."""
-        if is_hidden(name) and not self.hidden:
-            return False
-        return not self.topics or any(topic_is_in(name, topic) for topic in self.topics)
+        wanted = self.topics or ("",)
+        patterns = (Pattern(text, self.namespace, hidden=self.hidden) for text in wanted)
+        return any(pattern.covers(name) for pattern in patterns)
 
 
 Losses = Mapping[Sender, tuple[int, int]]

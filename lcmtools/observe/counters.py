@@ -8,9 +8,9 @@ import time
 from collections.abc import Sequence
 
 from lcmtools.cli.describe import callback_record, callback_times
-from lcmtools.cli.options import topic_spellings
 from lcmtools.graph.model import Endpoint, Graph, Node, Topic, Traffic
-from lcmtools.observe.find import find_topic
+from lcmtools.names import Resolver
+from lcmtools.observe.find import GLOBAL, find_topic
 from lcmtools.observe.losses import Loss, Losses, losses, total
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.rates import average_rate, counted_rate
@@ -98,21 +98,22 @@ class Counters:
 
 
 def counted(
-    monitor: BusMonitor, names: Sequence[str], wait: float | None
+    monitor: BusMonitor, words: Sequence[str], wait: float | None, names: Resolver = GLOBAL
 ) -> tuple[Graph, Counters]:
     """A bus's graph, and the counters of the endpoints in it.
 
     Args:
         monitor: The bus.
-        names: The topics that are asked for.
+        words: The topics, as typed.
         wait: How long to count [s]; None for as long as it takes, half a second at most.
+        names: The namespace and the remaps that they are read by.
 
     Raises:
         LcmtoolsError: A topic is not on the bus; with what may have been meant.
     """
-    monitor.listen_to([spelling for name in names for spelling in topic_spellings(name)])
+    monitor.listen_to([spelling for name in words for spelling in names.spellings(name)])
     graph = settled(monitor)
-    topics = [find_topic(graph, name) for name in names]
+    topics = [find_topic(graph, name, names) for name in words]
     if monitor.url.provider == "file" or not any(map(_may_be_counted, topics)):
         return graph, Counters(graph, graph)
     channels = [topic.name for topic in topics]

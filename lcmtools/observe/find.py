@@ -1,12 +1,12 @@
 """Finding the topic or the node that a word on the command line means."""
 
-from fnmatch import fnmatchcase
-
-from lcmtools.cli.options import topic_spellings
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node, Topic
-from lcmtools.names import base_name_of, closest, did_you_mean, is_hidden
+from lcmtools.names import Resolver, base_name_of, closest, did_you_mean, is_hidden
 from lcmtools.observe.monitor import BusMonitor
+
+GLOBAL = Resolver()
+"""Relative names are in "/", and none is remapped."""
 
 
 def ask_nodes(monitor: BusMonitor) -> Graph:
@@ -14,21 +14,23 @@ def ask_nodes(monitor: BusMonitor) -> Graph:
     return monitor.graph() if monitor.url.provider == "file" else monitor.settle(foreign=False)
 
 
-def known_spelling(graph: Graph, name: str) -> str | None:
+def known_spelling(graph: Graph, name: str, names: Resolver = GLOBAL) -> str | None:
     """The channel on the bus that a topic's name means; None when none is there."""
     known = set(graph.topic_names())
-    return next((spelling for spelling in topic_spellings(name) if spelling in known), None)
+    return next((spelling for spelling in names.spellings(name) if spelling in known), None)
 
 
-def find_topic(graph: Graph, name: str) -> Topic:
+def find_topic(graph: Graph, name: str, names: Resolver = GLOBAL) -> Topic:
     """The topic that a name means.
 
     Raises:
         LcmtoolsError: It is not on the bus; with what may have been meant.
     """
-    spelling = known_spelling(graph, name)
+    spelling = known_spelling(graph, name, names)
     if spelling is None:
-        raise LcmtoolsError(f"unknown topic {topic_spellings(name)[-1]}", near_topic(graph, name))
+        raise LcmtoolsError(
+            f"unknown topic {names.spellings(name)[-1]}", near_topic(graph, name, names)
+        )
     return graph.topic(spelling)
 
 
@@ -84,33 +86,10 @@ def near_node(graph: Graph, name: str) -> str:
     return f"did you mean {by_base[near[0]]}?" if near else "lcmtools node list shows them"
 
 
-def below_or_like(name: str, wanted: str) -> bool:
-    """Whether a node is the one wanted, in the namespace wanted, or like the pattern wanted.
-
-    A pattern has one of * ? [ in it; one without a leading "/" may match the last part alone.
-    """
-    if any(mark in wanted for mark in "*?["):
-        alone = not wanted.startswith("/") and fnmatchcase(base_name_of(name), wanted)
-        return alone or fnmatchcase(name, f"/{wanted.lstrip('/')}")
-    prefix = wanted.strip("/")
-    return not prefix or name == f"/{prefix}" or name.startswith(f"/{prefix}/")
-
-
-def topic_is_in(name: str, namespace: str) -> bool:
-    """Whether a topic is a namespace or pattern, is below it or matches it; "" is for all."""
-    if not namespace.strip("/"):
-        return True
-    if any(mark in namespace for mark in "*?["):
-        patterns = [namespace] if namespace.startswith("/") else [namespace, f"/{namespace}"]
-        return any(fnmatchcase(name, p) or fnmatchcase(name, f"{p}/*") for p in patterns)
-    spellings = topic_spellings(namespace)
-    return any(name == spelling or name.startswith(f"{spelling}/") for spelling in spellings)
-
-
-def near_topic(graph: Graph, name: str) -> str:
+def near_topic(graph: Graph, name: str, names: Resolver = GLOBAL) -> str:
     """A hint at the topic that may have been meant instead."""
     known = [topic for topic in graph.topic_names() if not is_hidden(topic)]
     by_base = [topic for topic in known if topic.rpartition("/")[2] == name.rpartition("/")[2]]
     if by_base:
         return f"did you mean {by_base[0]}?"
-    return did_you_mean(topic_spellings(name)[-1], known) or "lcmtools list shows the topics"
+    return did_you_mean(names.spellings(name)[-1], known) or "lcmtools list shows the topics"

@@ -4,20 +4,16 @@ Belongs here: telling topics from the field paths behind them, which only the bu
 not know how a message is shown.
 """
 
-import re
 from collections.abc import Iterable
 from typing import Protocol
 
-from lcmtools.cli.options import topic_spellings
 from lcmtools.graph.model import Graph, Topic
 from lcmtools.messages.path import Path, parse_path, splits
-from lcmtools.names import is_hidden
-
-_WILDCARD = re.compile(r"\*\*|[*?]")
-_MEANINGS = {"**": ".*", "*": "[^/]*", "?": "[^/]"}
+from lcmtools.names import Pattern, Resolver, has_wildcard, is_hidden
+from lcmtools.observe.find import GLOBAL
 
 
-class Wanted(Protocol):
+class TopicSelection(Protocol):
     """What one argument means, as far as the bus has told."""
 
     @property
@@ -47,16 +43,18 @@ class OneTopic:
 
     Args:
         argument: As it was typed.
+        names: The namespace and the remaps that it is read by.
 
     Raises:
         UsageError: It is empty.
     """
 
-    def __init__(self, argument: str) -> None:
+    def __init__(self, argument: str, names: Resolver = GLOBAL) -> None:
         self.text = argument
+        self._names = names
         self.path = Path()
         self._is_found = False
-        self._spellings = topic_spellings(argument)
+        self._spellings = self._names.spellings(argument)
 
     def learn(self, graph: Graph) -> None:
         """Tell the topic from the path, as soon as the topic is on the bus."""
@@ -64,10 +62,10 @@ class OneTopic:
             return
         names = set(graph.topic_names())
         for topic, rest in splits(self.text):
-            there = names.intersection(topic_spellings(topic))
+            there = names.intersection(self._names.spellings(topic))
             if any(_is_there(graph.topic(name)) for name in there):
                 self.text, self.path, self._is_found = topic, parse_path(rest), True
-                self._spellings = topic_spellings(topic)
+                self._spellings = self._names.spellings(topic)
                 return
 
     def path_on(self, channel: str) -> Path | None:
@@ -79,25 +77,31 @@ class OneTopic:
         return self._spellings
 
 
-class Pattern:
-    """All topics that a pattern matches, and the field path behind each of them.
+class TopicPattern:
+    """All topics that a pattern matches (see ``names.Pattern``), and the field path behind them.
 
-    ``*`` stands for any characters but "/", ``**`` for any at all, ``?`` for one. Hidden topics are
-    left out, unless the pattern has a hidden part itself. A topic whose name is the pattern, to the
-    letter, is meant alone.
+    A topic whose name is the pattern, to the letter, is meant alone. A wildcard is never in the
+    path. With ``**``, which would take the path's names for topics', there is no path.
 
     Args:
         argument: As it was typed.
+        names: The namespace that a relative pattern is read in.
 
     Raises:
         UsageError: There is something wrong with the field path behind it.
     """
 
-    def __init__(self, argument: str) -> None:
+    def __init__(self, argument: str, names: Resolver = GLOBAL) -> None:
         self.text = argument
-        _, bracket, index = _WILDCARD.split(argument)[-1].partition("[")
-        parse_path(bracket + index)  # what is wrong with it is said at once
-        self._readings = [(_matcher(topic), rest) for topic, rest in _readings(argument)]
+        last = max(argument.rfind("*"), argument.rfind("?"))
+        _, bracket, index = argument[last:].partition("[")
+        parse_path(bracket + index)  # an error in it is found at once
+        readings = [(argument, "")] if "**" in argument else list(splits(argument))
+        self._readings = [  # the longest topic first
+            (Pattern(topic, names.namespace, hidden=is_hidden(argument)), rest)
+            for topic, rest in readings
+            if not has_wildcard(rest)
+        ]
         self._paths: dict[str, Path | None] = {}
         self._literal: str | None = None
 
@@ -128,42 +132,18 @@ class Pattern:
         return [channel for channel, path in self._paths.items() if path is not None]
 
     def _read(self, channel: str) -> Path | None:
-        if is_hidden(channel) and not is_hidden(self.text):
-            return None
-        found = (rest for matcher, rest in self._readings if matcher.fullmatch(channel))
+        found = (rest for pattern, rest in self._readings if pattern.matches(channel))
         rest = next(found, None)
         return None if rest is None else parse_path(rest)
 
 
-def wanted(argument: str) -> OneTopic | Pattern:
-    """What an argument means.
+def select_topics(argument: str, names: Resolver = GLOBAL) -> OneTopic | TopicPattern:
+    """The topic, or the topics, that an argument means.
 
     Raises:
         UsageError: It is empty.
     """
-    return Pattern(argument) if _WILDCARD.search(argument) else OneTopic(argument)
-
-
-def _readings(argument: str) -> Iterable[tuple[str, str]]:
-    """All ways to read a pattern as topics with a field path behind them, longest topic first.
-
-    A wildcard is never in the path. With ``**``, which would take the path's names for topics',
-    there is no path.
-    """
-    if "**" in argument:
-        return [(argument, "")]
-    return [(topic, rest) for topic, rest in splits(argument) if not _WILDCARD.search(rest)]
-
-
-def _matcher(topic: str) -> re.Pattern[str]:
-    """What matches the channels of a pattern: as written or, where it is relative, resolved too."""
-    end, parts = 0, []
-    for wildcard in _WILDCARD.finditer(topic):
-        parts += [re.escape(topic[end : wildcard.start()]), _MEANINGS[wildcard[0]]]
-        end = wildcard.end()
-    namespace = "" if topic.startswith("/") else topic_spellings("a")[-1].removesuffix("a")
-    root = f"(?:{re.escape(namespace)})?"
-    return re.compile(root + "".join(parts) + re.escape(topic[end:]), re.DOTALL)
+    return (TopicPattern if has_wildcard(argument) else OneTopic)(argument, names)
 
 
 def _is_there(topic: Topic) -> bool:

@@ -7,7 +7,7 @@ from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.registry import ServiceType, service_class
-from lcmtools.names import did_you_mean, is_hidden, resolve, resolve_namespace
+from lcmtools.names import Pattern, did_you_mean, resolve, resolve_namespace
 from lcmtools.settings import usual_namespace
 
 
@@ -68,17 +68,12 @@ def offered_services(
 
     Args:
         graph: The graph.
-        namespace: Only those in it; "" for all.
+        namespace: A namespace or a pattern of those that are meant; "" for all.
         show_all: With hidden names.
     """
-    prefix = f"/{namespace.strip('/')}" if namespace.strip("/") else ""
+    pattern = Pattern(namespace, hidden=show_all)
     names = {e.topic for node in graph.nodes for e in node.having(Role.SERVICE)}
-    return [
-        _offered(graph, name)
-        for name in sorted(names)
-        if (show_all or not is_hidden(name))
-        and (not prefix or name == prefix or name.startswith(f"{prefix}/"))
-    ]
+    return [_offered(graph, name) for name in sorted(names) if pattern.covers(name)]
 
 
 def full_service_name(name: str) -> str:

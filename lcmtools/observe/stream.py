@@ -8,11 +8,11 @@ from lcmtools.cli.output import talk
 from lcmtools.errors import LcmtoolsError, NothingReceived
 from lcmtools.graph.model import Graph
 from lcmtools.messages.path import Path
-from lcmtools.names import is_hidden
+from lcmtools.names import Resolver, is_hidden
 from lcmtools.observe.arrival import CLOCK, ArrivalClock, is_simulated
-from lcmtools.observe.find import known_spelling, near_topic
+from lcmtools.observe.find import GLOBAL, known_spelling, near_topic
 from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.selection import OneTopic, Pattern
+from lcmtools.observe.selection import OneTopic, TopicPattern
 from lcmtools.wire.packet import Packet
 
 _PATIENCE = 2.0  # [s] without a message before the person is told what is on the bus
@@ -43,12 +43,19 @@ class Stream:
     Args:
         monitor: The bus.
         wanted: What the arguments mean.
+        names: The namespace and the remaps of topics.
 
     Raises:
         UsageError: What follows a topic is no field path.
     """
 
-    def __init__(self, monitor: BusMonitor, wanted: Sequence[OneTopic | Pattern]) -> None:
+    def __init__(
+        self,
+        monitor: BusMonitor,
+        wanted: Sequence[OneTopic | TopicPattern],
+        names: Resolver = GLOBAL,
+    ) -> None:
+        self._names_ = names
         self._monitor = monitor
         self._wanted = wanted
         self._known: set[str] = set()
@@ -62,7 +69,7 @@ class Stream:
         """The types that nodes announce for each topic named, and the path behind it."""
         graph = self._monitor.graph()
         named = [one for one in self._wanted if isinstance(one, OneTopic)]
-        spellings = [known_spelling(graph, one.text) for one in named]
+        spellings = [known_spelling(graph, one.text, self._names_) for one in named]
         return [
             (graph.topic(spelling).types if spelling else (), one.path)
             for one, spelling in zip(named, spellings, strict=True)
@@ -124,7 +131,7 @@ class Stream:
         self._clock.hear(packet)
         time_of_arrival = self._clock.time(packet) or packet.time
         is_one_of_many = len(self._wanted) > 1 or any(
-            isinstance(one, Pattern) and not one.is_literal for one in self._wanted
+            isinstance(one, TopicPattern) and not one.is_literal for one in self._wanted
         )
         seen = set()
         for one in self._wanted:
@@ -155,18 +162,18 @@ class Stream:
         graph = self._monitor.graph()
         known = [channel for one in self._wanted for channel in one.channels()]
         published = [channel for channel in known if graph.topic(channel).publishers]
-        return situation(graph, published[0] if published else self._wanted[0].text)
+        return situation(graph, published[0] if published else self._wanted[0].text, self._names_)
 
 
-def situation(graph: Graph, topic: str) -> str:
+def situation(graph: Graph, topic: str, names: Resolver) -> str:
     """Who publishes a topic that is waited for; or what may have been meant, or is on the bus."""
-    spelling = known_spelling(graph, topic)
+    spelling = known_spelling(graph, topic, names)
     if spelling is not None:
         publishers = [node.name for node, _ in graph.topic(spelling).publishers]
         if publishers:
             return f"it is published by {', '.join(publishers)}"
     else:
-        near = near_topic(graph, topic)
+        near = near_topic(graph, topic, names)
         if near.startswith("did you mean"):
             return near
     seen = [name for name in graph.topic_names() if not is_hidden(name)]

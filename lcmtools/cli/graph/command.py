@@ -6,7 +6,14 @@ import click
 
 from lcmtools.cli.completion.completer import complete, complete_files
 from lcmtools.cli.graph.written import FORMATS, STDOUT, chosen
-from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_monitor
+from lcmtools.cli.options import (
+    CONTEXT,
+    duration,
+    in_names,
+    json_option,
+    looking_options,
+    open_monitor,
+)
 from lcmtools.cli.output import talk
 from lcmtools.errors import UsageError
 from lcmtools.graph.drawing.diagram import Diagram
@@ -67,7 +74,7 @@ _MEASURED = 1.0  # [s]
     "--wait", type=duration, help="Listen so long for programs that are not lcmtools nodes."
 )
 @json_option
-@bus_options
+@looking_options
 def command(  # noqa: PLR0913 - one parameter an option
     namespace: tuple[str, ...],
     *,
@@ -102,7 +109,9 @@ def command(  # noqa: PLR0913 - one parameter an option
     output = chosen(format_, file, as_json=as_json, force=force)
     if "" in (*namespace, *topics, *excluded):
         raise UsageError("a name is empty", "lcmtools list and node list show the names")
-    wanted = Selection(namespace, topics, excluded, show_all, leaf_topics, tools, with_services)
+    named = (tuple(map(in_names, words)) for words in (namespace, topics, excluded))
+    parts, wanted_topics, left_out = named
+    wanted = Selection(parts, wanted_topics, left_out, show_all, leaf_topics, tools, with_services)
     rates = Rates()
     with open_monitor("graph") as monitor:
         graph = settled(monitor, _MEASURED if hz and wait is None else wait, rates)

@@ -8,7 +8,7 @@ from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.describe import node_record
 from lcmtools.cli.node import sections
 from lcmtools.cli.node.programs import program_record, program_sections
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
+from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options, open_monitor
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.param.common import block, json_values
 from lcmtools.errors import LcmtoolsError, UsageError
@@ -27,7 +27,7 @@ _TIMEOUT = 0.5  # [s] for parameters: the rest of the answer does not wait for a
 @click.option("-q", "--quiet", is_flag=True, help="Only publications, subscriptions and services.")
 @click.option("-a", "--include-hidden", "show_hidden", is_flag=True, help="Show hidden names too.")
 @json_option
-@bus_options
+@looking_options
 def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: bool) -> None:
     """Show what a node publishes, subscribes to and serves, and the process that it is.
 
@@ -75,7 +75,7 @@ def _find(monitor: BusMonitor, graph: Graph, word: str) -> list[Node] | list[Pro
         LcmtoolsError: There is no such node and no such program.
     """
     try:
-        return find_nodes(graph, word)
+        return find_nodes(graph, in_names(word))
     except UsageError:
         raise
     except LcmtoolsError:

@@ -5,7 +5,14 @@ import sys
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_monitor
+from lcmtools.cli.options import (
+    CONTEXT,
+    duration,
+    in_names,
+    json_option,
+    looking_options,
+    open_monitor,
+)
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Node
@@ -18,7 +25,7 @@ from lcmtools.observe.nodes import NodeEnd, end_nodes, node_to_end, nodes_to_end
 @click.option("-y", "--yes", is_flag=True, help="Do not ask.")
 @click.option("--timeout", type=duration, default=3.0, help="Wait so long for the end (else 3s).")
 @json_option
-@bus_options
+@looking_options
 def command(
     nodes: tuple[str, ...], *, kill_all: bool, yes: bool, timeout: float, as_json: bool
 ) -> int:
@@ -39,7 +46,9 @@ def command(
         raise click.MissingParameter(param_hint="'NODES...'", param_type="argument")
     with open_monitor("node_kill") as monitor:
         graph = monitor.settle(foreign=False)
-        found = [node_to_end(monitor, graph, word) for word in nodes] or nodes_to_end(graph)
+        found = [node_to_end(monitor, graph, in_names(word)) for word in nodes] or nodes_to_end(
+            graph
+        )
         found = list({node.id: node for node in found}.values())
         if not found:
             talk("no nodes running")

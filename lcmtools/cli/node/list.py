@@ -8,10 +8,18 @@ import click
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.describe import listed_node, node_record
 from lcmtools.cli.node.programs import program_record, program_rows
-from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_monitor
+from lcmtools.cli.options import (
+    CONTEXT,
+    duration,
+    in_names,
+    json_option,
+    looking_names,
+    looking_options,
+    open_monitor,
+)
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.graph.model import Node
-from lcmtools.observe.find import below_or_like
+from lcmtools.names import Pattern
 from lcmtools.observe.programs import programs
 
 _HEADING = "Programs that are no nodes (seen on the bus):"
@@ -30,13 +38,14 @@ _HEADING = "Programs that are no nodes (seen on the bus):"
 @click.option("-c", "--count-nodes", "count", is_flag=True, help="Print how many nodes there are.")
 @click.option("--wait", type=duration, help="With -a: listen so long for other programs.")
 @json_option
-@bus_options
+@looking_options
 def command(
     namespace: str, *, show_all: bool, uri: bool, count: bool, wait: float | None, as_json: bool
 ) -> None:
     """List the nodes on the bus. A node that was killed or hangs is shown as stale.
 
-    NAMESPACE keeps the nodes that are it or stand below it, or that are like a pattern ("*arm*").
+    NAMESPACE keeps the nodes that are it or stand below it. In quotes it may be a pattern: * is
+    anything but /, ** anything, ? one character. One without / may be a node's last part: "*arm*".
 
     \b
     Examples:
@@ -50,8 +59,8 @@ def command(
                 deque(monitor.packets(wait), maxlen=0)
             graph = monitor.graph()
         url = monitor.url
-    visible = [node for node in graph.nodes if show_all or not node.is_hidden]
-    nodes = [node for node in visible if below_or_like(node.name, namespace)]
+    pattern = Pattern(in_names(namespace), looking_names().namespace, hidden=show_all)
+    nodes = [node for node in graph.nodes if pattern.means_node(node.name)]
     others = programs(graph, url) if show_all and not namespace else []
     if as_json:
         document([*map(node_record, nodes), *map(program_record, others)])

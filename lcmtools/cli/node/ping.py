@@ -7,9 +7,10 @@ import click
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import (
     CONTEXT,
-    bus_options,
     duration,
+    in_names,
     json_option,
+    looking_options,
     open_monitor,
     whole_number,
 )
@@ -27,7 +28,7 @@ from lcmtools.observe.nodes import ping, pings
 @click.option("-c", "--count", metavar="N", type=whole_number(1), help="Stop after so many pings.")
 @click.option("--timeout", type=duration, default=3.0, help="Wait so long for an answer (else 3s).")
 @json_option
-@bus_options
+@looking_options
 def command(
     node: str | None, *, ping_all: bool, count: int | None, timeout: float, as_json: bool
 ) -> int:
@@ -51,7 +52,7 @@ def command(
         if node is None:
             nodes = [one for one in graph.nodes if not one.is_hidden]
             return _ping_all(monitor, nodes, timeout, as_json=as_json)
-        _ping_one(monitor, find_node(graph, node), count, timeout, as_json=as_json)
+        _ping_one(monitor, find_node(graph, in_names(node)), count, timeout, as_json=as_json)
     return 0
 
 

@@ -3,7 +3,7 @@
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, bus_options, json_option
+from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.param.common import look, record, timeout_option
 from lcmtools.node.remote import RemoteParameter
@@ -16,7 +16,7 @@ from lcmtools.publish.parameters import pick
 @click.argument("name", default="", shell_complete=complete("bus:parameters"))
 @timeout_option
 @json_option
-@bus_options
+@looking_options
 def command(node: str, name: str, *, timeout: float, as_json: bool) -> None:
     """Show a parameter's type, value, description and range; all parameters without a NAME.
 
@@ -26,7 +26,7 @@ def command(node: str, name: str, *, timeout: float, as_json: bool) -> None:
       lcmtools param describe /husky0/simple_controller
     """  # noqa: D301 - \b is click's mark
     graph, client = look(timeout)
-    target = find_target(graph, [node, name] if name else [node])
+    target = find_target(graph, [in_names(node), name] if name else [in_names(node)])
     full = target.node.name
     found = client.get(full)
     wanted = target.parameter

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from lcmtools.cli.completion.completer import complete, complete_files
-from lcmtools.cli.options import CONTEXT, bus_options, json_option
+from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.param.common import (
     complain_of,
@@ -33,7 +33,7 @@ _MOST_WORDS = 2
 )
 @timeout_option
 @json_option
-@bus_options
+@looking_options
 def command(words: tuple[str, ...], *, output: str | None, timeout: float, as_json: bool) -> int:
     """Write the parameters of a node, a namespace or all nodes as YAML, for param load.
 
@@ -66,12 +66,12 @@ def _meant(
     if not words:
         return output, living_nodes(graph, show_all=True)
     if output or len(words) == _MOST_WORDS:
-        return output or words[0], find_target(graph, words[-1:]).nodes
+        return output or words[0], find_target(graph, [in_names(words[-1])]).nodes
     with contextlib.suppress(LcmtoolsError):
-        return None, find_target(graph, words).nodes
+        return None, find_target(graph, [*map(in_names, words)]).nodes
     if words[0] == "-" or "." in words[0]:
         return words[0], living_nodes(graph, show_all=True)
-    return None, find_target(graph, words).nodes
+    return None, find_target(graph, [*map(in_names, words)]).nodes
 
 
 def _write(file: str, text: str) -> None:

@@ -3,7 +3,7 @@
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, bus_options, json_option
+from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.param.common import (
     block,
@@ -25,7 +25,7 @@ from lcmtools.publish.parameters import pick
 @click.option("--hide-type", is_flag=True, hidden=True, help="As it is here anyway.")
 @timeout_option
 @json_option
-@bus_options
+@looking_options
 def command(
     node: str, name: str, *, is_pretty: bool, hide_type: bool, timeout: float, as_json: bool
 ) -> int:
@@ -41,7 +41,7 @@ def command(
     """  # noqa: D301 - \b is click's mark
     del hide_type
     graph, client = look(timeout)
-    target = find_target(graph, [node, name] if name else [node])
+    target = find_target(graph, [in_names(node), name] if name else [in_names(node)])
     if target.is_namespace:
         answers, errors = client.get_all(target.nodes)
         values = {node: json_values(parameters) for node, parameters in answers.items()}

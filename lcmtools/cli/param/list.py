@@ -3,7 +3,7 @@
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option
+from lcmtools.cli.options import CONTEXT, all_option, in_names, json_option, looking_options
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.cli.param.common import complain_of, living_nodes, look, record, timeout_option
 from lcmtools.publish.parameter_target import find_target
@@ -16,7 +16,7 @@ from lcmtools.publish.parameter_target import find_target
 @timeout_option
 @all_option
 @json_option
-@bus_options
+@looking_options
 def command(
     node: str,
     *,
@@ -37,7 +37,7 @@ def command(
     """  # noqa: D301 - \b is click's mark
     graph, client = look(timeout)
     if node:
-        nodes = list(find_target(graph, [node]).nodes)
+        nodes = list(find_target(graph, [in_names(node)]).nodes)
     else:
         nodes = living_nodes(graph, show_all=show_all)
     answers, errors = client.get_all(nodes)

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, bus_options
+from lcmtools.cli.options import CONTEXT, in_names, looking_options
 from lcmtools.cli.output import talk
 from lcmtools.cli.param.common import look, timeout_option
 from lcmtools.errors import InvalidFile, UsageError
@@ -27,7 +27,7 @@ _MOST_WORDS = 2
     shell_complete=complete("bus:nodes_after_file"),
 )
 @timeout_option
-@bus_options
+@looking_options
 def command(words: tuple[str, ...], *, timeout: float) -> None:
     """Set parameters of nodes that run from a YAML file, as param dump writes it.
 
@@ -44,7 +44,7 @@ def command(words: tuple[str, ...], *, timeout: float) -> None:
     if not found:
         raise InvalidFile(f"{file} has no parameter in it", "for example kp: 0.5")
     graph, client = look(timeout)
-    node = require_parameters(find_node(graph, name)) if name else None
+    node = require_parameters(find_node(graph, in_names(name))) if name else None
     nodes = [node] if node else [n for n in nodes_with_parameters(graph) if not n.stale]
     answers, errors = client.get_all(nodes)
     if node and errors:

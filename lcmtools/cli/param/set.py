@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, bus_options
+from lcmtools.cli.options import CONTEXT, in_names, looking_options
 from lcmtools.cli.output import talk
 from lcmtools.cli.param.common import look, timeout_option
 from lcmtools.cli.words import CommandWithWords
@@ -23,7 +23,7 @@ _EXAMPLE = "for example: lcmtools param set /husky0/simple_controller kp 0.5"
     "words", metavar="NODE NAME VALUE", nargs=-1, shell_complete=complete("bus:parameters")
 )
 @timeout_option
-@bus_options
+@looking_options
 def command(words: tuple[str, ...], *, timeout: float) -> None:
     """Change a parameter of a node that runs: NODE NAME VALUE, or /node/name VALUE.
 
@@ -41,7 +41,7 @@ def command(words: tuple[str, ...], *, timeout: float) -> None:
         hint = _EXAMPLE if len(words) < 2 else "put the value in quotes"  # noqa: PLR2004 - name and value
         raise UsageError(problem, hint)
     graph, client = look(timeout)
-    target = find_target(graph, words[:-1])
+    target = find_target(graph, [in_names(words[0]), *words[1:-1]])
     texts = _texts(client, target, words[-1])
     parameters = client.set(target.node.name, texts)
     for name in texts:

@@ -3,7 +3,7 @@
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
+from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options, open_monitor
 from lcmtools.cli.output import data, document
 from lcmtools.messages.fields import visible_fields
 from lcmtools.observe.services import find_service
@@ -12,7 +12,7 @@ from lcmtools.observe.services import find_service
 @click.command("args", context_settings=CONTEXT)
 @click.argument("service", shell_complete=complete("bus:services"))
 @json_option
-@bus_options
+@looking_options
 def command(service: str, *, as_json: bool) -> None:
     """Print the names of a service's arguments: the fields of its request.
 
@@ -22,6 +22,6 @@ def command(service: str, *, as_json: bool) -> None:
       lcmtools service args /switch --json
     """  # noqa: D301 - \b is click's mark
     with open_monitor("service_args") as monitor:
-        found = find_service(monitor.settle(foreign=False), service)
+        found = find_service(monitor.settle(foreign=False), in_names(service))
     names = [field.name for field in visible_fields(found.type_class().Request)]
     document(names) if as_json else data(" ".join(names))

@@ -3,7 +3,7 @@
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_monitor
+from lcmtools.cli.options import CONTEXT, all_option, json_option, looking_options, open_monitor
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.messages.registry import service_name
 from lcmtools.observe.services import offered_services
@@ -13,7 +13,7 @@ from lcmtools.observe.services import offered_services
 @click.argument("type_", metavar="TYPE", shell_complete=complete("messages:service_types"))
 @all_option
 @json_option
-@bus_options
+@looking_options
 def command(type_: str, *, show_all: bool, as_json: bool) -> None:
     """List the services of a type.
 

@@ -4,7 +4,7 @@ import click
 
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.describe import callback_record, callback_times, listed_node, node_record
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
+from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options, open_monitor
 from lcmtools.cli.output import document, lines
 from lcmtools.graph.model import Endpoint, Node
 from lcmtools.observe.services import OfferedService, find_service
@@ -19,7 +19,7 @@ from lcmtools.observe.services import OfferedService, find_service
     shell_complete=complete("bus:services"),
 )
 @json_option
-@bus_options
+@looking_options
 def command(services: tuple[str, ...], *, as_json: bool) -> None:
     """Show a service's node, type, arguments and clients.
 
@@ -30,7 +30,7 @@ def command(services: tuple[str, ...], *, as_json: bool) -> None:
     """  # noqa: D301 - \b is click's mark
     with open_monitor("service_info") as monitor:
         graph = monitor.settle(foreign=False)
-    found = [find_service(graph, name) for name in services]
+    found = [find_service(graph, in_names(name)) for name in services]
     if as_json:
         document([_record(service) for service in found])
         return

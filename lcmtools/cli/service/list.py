@@ -3,7 +3,14 @@
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_monitor
+from lcmtools.cli.options import (
+    CONTEXT,
+    all_option,
+    in_names,
+    json_option,
+    looking_options,
+    open_monitor,
+)
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.observe.services import OfferedService, offered_services
 
@@ -14,13 +21,13 @@ from lcmtools.observe.services import OfferedService, offered_services
 @click.option("-n", "--nodes", "show_nodes", is_flag=True, help="Show the nodes that answer.")
 @all_option
 @json_option
-@bus_options
+@looking_options
 def command(
     namespace: str, *, show_types: bool, show_nodes: bool, show_all: bool, as_json: bool
 ) -> None:
     """List the services that nodes offer.
 
-    NAMESPACE keeps the services that are it or stand below it.
+    NAMESPACE keeps the services that are it or stand below it, or match it: '/husky*'.
 
     \b
     Examples:
@@ -29,7 +36,7 @@ def command(
     """  # noqa: D301 - \b is click's mark
     with open_monitor("service_list") as monitor:
         graph, url = monitor.settle(foreign=False), monitor.url
-    services = offered_services(graph, namespace, show_all=show_all)
+    services = offered_services(graph, in_names(namespace), show_all=show_all)
     if as_json:
         document([_record(service) for service in services])
     else:

@@ -3,7 +3,7 @@
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
+from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options, open_monitor
 from lcmtools.cli.output import document, lines
 from lcmtools.errors import LcmtoolsError
 from lcmtools.observe.services import find_service
@@ -12,7 +12,7 @@ from lcmtools.observe.services import find_service
 @click.command("type", context_settings=CONTEXT)
 @click.argument("service", shell_complete=complete("bus:services"))
 @json_option
-@bus_options
+@looking_options
 def command(service: str, *, as_json: bool) -> None:
     """Print a service's type.
 
@@ -22,7 +22,7 @@ def command(service: str, *, as_json: bool) -> None:
       lcmtools srv show $(lcmtools service type /reset)
     """  # noqa: D301 - \b is click's mark
     with open_monitor("service_type") as monitor:
-        found = find_service(monitor.settle(foreign=False), service)
+        found = find_service(monitor.settle(foreign=False), in_names(service))
     if as_json:
         document({"service": found.name, "type": found.type_text if found.types else None})
     elif not found.types:

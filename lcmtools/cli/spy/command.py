@@ -10,9 +10,11 @@ from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import (
     CONTEXT,
     all_option,
-    bus_options,
     duration,
+    in_names,
     json_option,
+    looking_names,
+    looking_options,
     open_monitor,
 )
 from lcmtools.cli.output import document, lines, talk
@@ -48,7 +50,7 @@ _WAIT = 1.2  # [s] a little more than one period at 1 Hz
 )
 @all_option
 @json_option
-@bus_options
+@looking_options
 def command(  # noqa: PLR0913 - one parameter an option
     topics: tuple[str, ...],
     *,
@@ -81,7 +83,8 @@ def command(  # noqa: PLR0913 - one parameter an option
     once = once or as_json
     if wait is not None and not once:
         raise UsageError("--wait goes with --once", "leave it out for the live view")
-    wanted, view = Wanted(topics, show_all), View(column, reverse, text)
+    wanted = Wanted(tuple(map(in_names, topics)), show_all, looking_names().namespace)
+    view = View(column, reverse, text)
     if not once:
         return _live(wanted, view)
     with open_monitor("spy") as monitor:

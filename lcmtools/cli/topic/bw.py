@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
+from lcmtools.cli.options import CONTEXT, json_option, looking_names, looking_options, open_monitor
 from lcmtools.cli.output import data, lines, talk
 from lcmtools.cli.topic.measuring import measure, measuring_options, window_option
 from lcmtools.cli.topic.table import table
@@ -24,7 +24,7 @@ _HEADER = ("topic", "average", "mean", "min", "max", "window")
 @window_option(least=2, usual=100)
 @measuring_options
 @json_option
-@bus_options
+@looking_options
 def command(
     topics: tuple[str, ...],
     *,
@@ -50,7 +50,7 @@ def command(
         _report(found, as_json=as_json)
 
     with open_monitor("bw") as monitor:
-        how = ListenOptions(timeout, count, wall_time)
+        how = ListenOptions(timeout, count, wall_time, names=looking_names())
         measure(batches(monitor, tuple(meters), how), meters, report, count)
         for topic, meter in meters.items():
             if meter.messages == 1:

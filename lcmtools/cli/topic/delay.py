@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
+from lcmtools.cli.options import CONTEXT, json_option, looking_names, looking_options, open_monitor
 from lcmtools.cli.output import data, lines, talk
 from lcmtools.cli.topic.measuring import measure, measuring_options, window_option
 from lcmtools.cli.topic.table import table
@@ -29,7 +29,7 @@ _HEADER = ("topic", "delay", "min_delay", "max_delay", "std_dev", "window")
 @window_option(least=1, usual=50_000)
 @measuring_options
 @json_option
-@bus_options
+@looking_options
 def command(
     topics: tuple[str, ...],
     *,
@@ -56,7 +56,7 @@ def command(
     with open_monitor("delay", whole=True) as monitor:
         decoder = Decoder(monitor.types_of)
         meters = {topic: _Meter(window, decoder) for topic in topics}
-        how = ListenOptions(timeout, count, wall_time)
+        how = ListenOptions(timeout, count, wall_time, names=looking_names())
         measure(batches(monitor, tuple(meters), how), meters, report, count)
 
 

@@ -11,9 +11,10 @@ from lcmtools.cli.completion.completer import complete, complete_files
 from lcmtools.cli.options import (
     CONTEXT,
     bus_choice,
-    bus_options,
     duration,
     json_option,
+    looking_names,
+    looking_options,
     open_monitor,
     whole_number,
 )
@@ -28,7 +29,7 @@ from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.find import ask_nodes
 from lcmtools.observe.log_observer import LogObserver
 from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.selection import OneTopic, Pattern, wanted
+from lcmtools.observe.selection import OneTopic, TopicPattern, select_topics
 from lcmtools.observe.stream import Stream
 
 _ALL_TOPICS = "**"
@@ -82,7 +83,7 @@ _CLEAR = "\033[2J\033[;H"  # the screen, and the cursor to its corner
 )
 @click.option("-a", "--all", "all_topics", is_flag=True, help="All topics of the log (with -b).")
 @json_option
-@bus_options
+@looking_options
 def command(  # noqa: PLR0913 - one parameter an option
     words: tuple[str, ...],
     *,
@@ -151,7 +152,7 @@ def command(  # noqa: PLR0913 - one parameter an option
     )
     prefix = _CLEAR if clear and not (as_json or as_csv or raw) and _can_clear() else ""
     limit = 1 if once else count
-    meant = [wanted(topic) for topic in topics]
+    meant = [select_topics(topic, looking_names()) for topic in topics]
     with _open(bag) as monitor:
         for shown, text in enumerate(_texts(monitor, meant, asked, timeout), 1):
             data(f"{prefix}{text}")
@@ -179,7 +180,10 @@ def _topics_and_type(
 
 
 def _texts(
-    monitor: BusMonitor, meant: Sequence[OneTopic | Pattern], asked: Look, timeout: float | None
+    monitor: BusMonitor,
+    meant: Sequence[OneTopic | TopicPattern],
+    asked: Look,
+    timeout: float | None,
 ) -> Iterator[str]:
     """What is to be printed, as it comes.
 
@@ -188,7 +192,7 @@ def _texts(
         UsageError: What is asked for is not in the messages.
     """
     ask_nodes(monitor)
-    stream = Stream(monitor, meant)
+    stream = Stream(monitor, meant, looking_names())
     for types, path in stream.paths:
         asked.check(types, path)
     shower = Shower(Decoder(monitor.types_of, asked.message_class, keep_stray=True), asked)

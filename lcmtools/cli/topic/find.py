@@ -3,7 +3,7 @@
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_monitor
+from lcmtools.cli.options import CONTEXT, all_option, json_option, looking_options, open_monitor
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.graph.model import Topic
 from lcmtools.messages.registry import candidates, message_class, type_name
@@ -16,7 +16,7 @@ from lcmtools.observe.settled import settled
 @click.option("-c", "--count-topics", is_flag=True, help="Print only how many topics there are.")
 @all_option
 @json_option
-@bus_options
+@looking_options
 def command(type_: str, *, count_topics: bool, show_all: bool, as_json: bool) -> None:
     """List the topics of a type: announced, or by the fingerprint of what plain programs send.
 

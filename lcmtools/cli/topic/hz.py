@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor, topic_spellings
+from lcmtools.cli.options import CONTEXT, json_option, looking_names, looking_options, open_monitor
 from lcmtools.cli.output import data, lines, talk
 from lcmtools.cli.topic.measuring import measure, measuring_options, window_option
 from lcmtools.cli.topic.table import table
@@ -30,7 +30,7 @@ _HEADER = ("topic", "rate", "min_delta", "max_delta", "std_dev", "window")
 )
 @measuring_options
 @json_option
-@bus_options
+@looking_options
 def command(  # noqa: PLR0913 - one parameter an option
     topics: tuple[str, ...],
     *,
@@ -53,7 +53,11 @@ def command(  # noqa: PLR0913 - one parameter an option
       lcmtools hz /chatter --filter "m.data != ''" -n 1 --timeout 5s
     """  # noqa: D301 - \b is click's mark
     how = ListenOptions(
-        timeout, count, wall_time, Filter(condition) if condition is not None else None
+        timeout,
+        count,
+        wall_time,
+        Filter(condition) if condition is not None else None,
+        looking_names(),
     )
     meters = {topic: _Meter(window) for topic in topics}
 
@@ -74,7 +78,7 @@ def _tell_loss(monitor: BusMonitor, topics: Sequence[str]) -> None:
     """Say whose messages did not all come: the rates are those of what came."""
     graph, known = monitor.graph(), losses(monitor.numbered)
     for topic in topics:
-        for spelling in topic_spellings(topic):
+        for spelling in looking_names().spellings(topic):
             for seen in graph.topic(spelling).traffic:
                 loss = total([seen.sender], known)
                 if loss and loss.lost:

@@ -6,7 +6,14 @@ import click
 
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.describe import fingerprint_rows, node_text, program_text, type_text
-from lcmtools.cli.options import CONTEXT, bus_options, duration, json_option, open_monitor
+from lcmtools.cli.options import (
+    CONTEXT,
+    duration,
+    json_option,
+    looking_names,
+    looking_options,
+    open_monitor,
+)
 from lcmtools.cli.output import document, lines
 from lcmtools.graph.model import Endpoint, Node, Topic
 from lcmtools.observe.counters import Counters, counted
@@ -21,7 +28,7 @@ from lcmtools.observe.losses import Loss
 )
 @click.option("-v", "--verbose", is_flag=True, help="Show fingerprints and command lines too.")
 @json_option
-@bus_options
+@looking_options
 def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_json: bool) -> None:
     """Show a topic's type, who publishes it and who subscribes to it: node, host and process.
 
@@ -34,9 +41,10 @@ def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_js
       lcmtools info /husky0/odometry
       lcmtools info EXAMPLE /chatter --json
     """  # noqa: D301 - \b is click's mark
+    names = looking_names()
     with open_monitor("info") as monitor:
-        graph, counters = counted(monitor, topics, wait)
-    found = [find_topic(graph, name) for name in topics]
+        graph, counters = counted(monitor, topics, wait, names)
+    found = [find_topic(graph, name, names) for name in topics]
     if as_json:
         document([_record(topic, counters) for topic in found])
         return

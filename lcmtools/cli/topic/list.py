@@ -10,17 +10,16 @@ from lcmtools.cli.describe import type_text
 from lcmtools.cli.options import (
     CONTEXT,
     all_option,
-    bus_options,
     duration,
     json_option,
+    looking_options,
+    looking_pattern,
     open_monitor,
 )
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Graph, Topic
-from lcmtools.names import is_hidden
 from lcmtools.observe.computers import by_computer
-from lcmtools.observe.find import topic_is_in
 from lcmtools.observe.settled import Rates, settled
 
 _MEASURED = 1.0  # [s]
@@ -64,7 +63,7 @@ class _Look:
 )
 @all_option
 @json_option
-@bus_options
+@looking_options
 def command(  # noqa: PLR0913 - one parameter an option
     namespace: str,
     *,
@@ -81,7 +80,8 @@ def command(  # noqa: PLR0913 - one parameter an option
 ) -> None:
     """List the topics on the bus: those of nodes at once, and what other LCM programs publish.
 
-    NAMESPACE keeps the topics that are it or stand below it, or that match it: '/husky*'.
+    NAMESPACE keeps the topics that are it or stand below it. In quotes it may be a pattern: * is
+    anything but /, ** anything, ? one character.
 
     \b
     Examples:
@@ -112,11 +112,8 @@ def command(  # noqa: PLR0913 - one parameter an option
 
 
 def _topics(graph: Graph, namespace: str, *, show_all: bool) -> list[Topic]:
-    return [
-        graph.topic(name)
-        for name in graph.topic_names()
-        if (show_all or not is_hidden(name)) and topic_is_in(name, namespace)
-    ]
+    pattern = looking_pattern(namespace, hidden=show_all)
+    return [graph.topic(name) for name in graph.topic_names() if pattern.covers(name)]
 
 
 def _rows(topics: list[Topic], look: _Look) -> list[str]:

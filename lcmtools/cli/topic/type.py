@@ -4,12 +4,13 @@ import click
 
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.describe import UNKNOWN, fingerprint_rows, type_text
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor, topic_spellings
+from lcmtools.cli.options import CONTEXT, json_option, looking_names, looking_options, open_monitor
 from lcmtools.cli.output import document, lines
 from lcmtools.errors import LcmtoolsError, UsageError, ValueMismatch
 from lcmtools.graph.model import Graph, Topic
 from lcmtools.messages.path import Path, Target, parse_path, splits, target
 from lcmtools.messages.registry import message_class
+from lcmtools.names import Resolver
 from lcmtools.observe.find import find_topic, known_spelling
 from lcmtools.observe.settled import settled
 
@@ -17,7 +18,7 @@ from lcmtools.observe.settled import settled
 @click.command("type", context_settings=CONTEXT)
 @click.argument("topic", shell_complete=complete("bus:topics"))
 @json_option
-@bus_options
+@looking_options
 def command(topic: str, *, as_json: bool) -> None:
     """Print the type of a topic, or of a field of its messages.
 
@@ -29,10 +30,10 @@ def command(topic: str, *, as_json: bool) -> None:
       lcmtools type /husky0/odometry/pose/covariance
       lcmtools type /chatter | lcmtools msg show
     """  # noqa: D301 - \b is click's mark
-    topic_spellings(topic)  # an empty name is wrong whatever the bus is
+    looking_names().spellings(topic)  # an empty name is wrong whatever the bus is
     with open_monitor("type") as monitor:
         graph = settled(monitor)
-    found, path = _find(graph, topic)
+    found, path = _find(graph, topic, looking_names())
     text = type_text(found)
     if path.steps:
         _show_field(found, text, path, as_json=as_json)
@@ -44,15 +45,15 @@ def command(topic: str, *, as_json: bool) -> None:
         lines([text])
 
 
-def _find(graph: Graph, argument: str) -> tuple[Topic, Path]:
+def _find(graph: Graph, argument: str, names: Resolver) -> tuple[Topic, Path]:
     """The topic that an argument means, the longest there is, and the field path behind it."""
     for topic, rest in splits(argument):
-        if known_spelling(graph, topic) is not None:
+        if known_spelling(graph, topic, names) is not None:
             try:
-                return find_topic(graph, topic), parse_path(rest)
+                return find_topic(graph, topic, names), parse_path(rest)
             except UsageError as error:
                 raise LcmtoolsError(error.what, error.hint) from error
-    return find_topic(graph, argument), Path()
+    return find_topic(graph, argument, names), Path()
 
 
 def _show_field(topic: Topic, text: str, path: Path, *, as_json: bool) -> None:

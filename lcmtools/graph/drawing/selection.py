@@ -3,12 +3,11 @@
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from fnmatch import fnmatchcase
+from functools import cache
 
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
 from lcmtools.graph.drawing.labels import title
-
-_MARKS = "*?["
+from lcmtools.names import Pattern, has_wildcard
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,20 +100,22 @@ def members_only(diagram: Diagram) -> Diagram:
     return replace(diagram, channels=(), edges=tuple(edges))
 
 
-def is_meant(name: str, wanted: str) -> bool:
-    """Return whether a word means a name: as itself, its last part, its namespace, or a pattern.
+def is_meant(name: str, wanted: str, *, is_topic: bool = False) -> bool:
+    """Return whether a word means a name: the name, its last part, a namespace or a pattern of it.
 
-    A pattern has one of * ? [ in it; one without a leading "/" may match the last part alone.
+    A pattern of one part is of a node's last part too, but not of a topic's.
     """
-    last = name.rpartition("/")[2]
-    if any(mark in wanted for mark in _MARKS):
-        alone = "/" not in wanted and fnmatchcase(last, wanted)
-        return alone or any(fnmatchcase(name, w) for w in (wanted, f"/{wanted.lstrip('/')}"))
-    bare = wanted.strip("/")
-    if not bare:
-        return True
-    is_last = "/" not in wanted and last == bare
-    return is_last or name in (wanted, f"/{bare}") or name.startswith(f"/{bare}/")
+    pattern = _pattern(wanted)
+    return pattern.covers(name) if is_topic and has_wildcard(wanted) else pattern.means_node(name)
+
+
+def _is_topic(name: str, words: Iterable[str]) -> bool:
+    return any(is_meant(name, word, is_topic=True) for word in words)
+
+
+@cache
+def _pattern(word: str) -> Pattern:
+    return Pattern(word, hidden=True)
 
 
 def _named(diagram: Diagram, wanted: Selection) -> Diagram:
@@ -124,8 +125,8 @@ def _named(diagram: Diagram, wanted: Selection) -> Diagram:
         channel
         for channel in diagram.channels
         if (wanted.services or not channel.is_service)
-        and not any(is_meant(channel.name, word) for word in wanted.excluded)
-        and (not wanted.topics or any(is_meant(channel.name, word) for word in wanted.topics))
+        and not _is_topic(channel.name, wanted.excluded)
+        and (not wanted.topics or _is_topic(channel.name, wanted.topics))
     ]
     there = _with(diagram, members, channels)
     if wanted.topics:
@@ -137,7 +138,7 @@ def _named(diagram: Diagram, wanted: Selection) -> Diagram:
 def _around(diagram: Diagram, parts: Sequence[str]) -> Diagram:
     """The named parts and their direct neighbours: over a channel, the other side."""
     near = {m.id for m in diagram.members if _is_any(m, parts)}
-    near |= {c.id for c in diagram.channels if any(is_meant(c.name, word) for word in parts)}
+    near |= {c.id for c in diagram.channels if _is_topic(c.name, parts)}
     channels = {channel.id for channel in diagram.channels}
     kept = {edge for edge in diagram.edges if edge.source in near or edge.target in near}
     fed = {edge.target for edge in kept} & channels  # something near publishes it
@@ -161,7 +162,7 @@ def _is_any(member: Member, words: Iterable[str]) -> bool:
     if member.is_node:
         return any(is_meant(member.name, word) for word in words)
     names = [title(member), str(member.pid), *(w.rpartition("/")[2] for w in member.name.split())]
-    return any(fnmatchcase(name, word) for name in names for word in words)
+    return any(_pattern(word).matches(name) for name in names for word in words)
 
 
 def _is_drawn(member: Member, wanted: Selection) -> bool:

@@ -4,7 +4,7 @@ import pytest
 
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node, Staleness
-from lcmtools.observe.find import below_or_like, find_node, find_nodes
+from lcmtools.observe.find import find_node, find_nodes
 from lcmtools.wire.packet import Sender
 
 _GRAPH = Graph(
@@ -68,24 +68,3 @@ def test_what_means_none_says_what_may_have_been_meant(word: str, line: str) -> 
 def test_an_empty_name_is_wrong_usage() -> None:
     with pytest.raises(UsageError):
         find_nodes(_GRAPH, "")
-
-
-@pytest.mark.parametrize(
-    ("wanted", "is_wanted"),
-    [
-        ("", True),
-        ("/", True),
-        ("/husky1", True),
-        ("husky1/", True),
-        ("/husky1/driver", True),
-        ("/husky", False),
-        ("/husky*", True),
-        ("*/driver", True),
-        ("driv*", True),
-        ("/driv*", False),
-        ("husky[0-1]/dr?ver", True),
-        ("husky[!1]/driver", False),
-    ],
-)
-def test_a_namespace_or_a_pattern_keeps_nodes(wanted: str, *, is_wanted: bool) -> None:
-    assert below_or_like("/husky1/driver", wanted) == is_wanted

@@ -1,11 +1,12 @@
-"""What echo's arguments mean: topics, patterns, and the field paths behind them."""
+"""The meaning of echo's arguments: topics, patterns, and the field paths behind them."""
 
 import pytest
 
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Graph, Traffic
 from lcmtools.messages.path import Path, parse_path
-from lcmtools.observe.selection import OneTopic, Pattern, wanted
+from lcmtools.names import Resolver
+from lcmtools.observe.selection import OneTopic, TopicPattern, select_topics
 
 
 def bus(*channels: str) -> Graph:
@@ -44,24 +45,23 @@ def bus(*channels: str) -> Graph:
 def test_a_pattern_matches_whole_names_and_stays_within_a_part(
     pattern: str, channel: str, path: str | None
 ) -> None:
-    one = wanted(pattern)
-    assert isinstance(one, Pattern)
+    one = select_topics(pattern)
+    assert isinstance(one, TopicPattern)
     one.learn(bus(channel))
     assert one.path_on(channel) == (None if path is None else parse_path(path))
     assert one.channels() == ([] if path is None else [channel])
 
 
-def test_a_relative_pattern_is_resolved_in_the_namespace(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("LCMTOOLS_NAMESPACE", "/husky0")
-    one = wanted("odo*")
+def test_a_relative_pattern_is_resolved_in_the_namespace() -> None:
+    one = select_topics("odo*", Resolver("/husky0"))
     assert one.path_on("/husky0/odometry") == Path()
     assert one.path_on("/odometry") is None
     assert one.path_on("odometry") == Path()
 
 
 def test_a_topic_that_is_named_like_the_pattern_is_meant_alone() -> None:
-    one = wanted("A*B")
-    assert isinstance(one, Pattern)
+    one = select_topics("A*B")
+    assert isinstance(one, TopicPattern)
     one.learn(bus("AXB"))
     assert (one.is_literal, one.path_on("AXB")) == (False, Path())
     one.learn(bus("AXB", "A*B"))
@@ -72,11 +72,11 @@ def test_a_topic_that_is_named_like_the_pattern_is_meant_alone() -> None:
 @pytest.mark.parametrize("argument", ["/a*/x[a]", "/a*/x[0", "/a*/x[0]]"])
 def test_an_index_that_is_wrong_is_found_at_once(argument: str) -> None:
     with pytest.raises(UsageError, match="field path"):
-        wanted(argument)
+        select_topics(argument)
 
 
 def test_a_topic_is_told_from_its_path_when_it_is_on_the_bus() -> None:
-    one = wanted("scan/ranges[0]")
+    one = select_topics("scan/ranges[0]")
     assert isinstance(one, OneTopic)
     one.learn(bus("/other"))
     assert (one.path_on("/scan"), one.path_on("/scan/ranges[0]")) == (None, None)
@@ -89,4 +89,12 @@ def test_a_topic_is_told_from_its_path_when_it_is_on_the_bus() -> None:
 
 def test_an_empty_name_is_refused() -> None:
     with pytest.raises(UsageError, match="the topic's name is empty"):
-        wanted("")
+        select_topics("")
+
+
+def test_a_remap_and_a_namespace_are_those_of_the_topic_that_is_meant() -> None:
+    names = Resolver("/a", remaps=(("chatter", "/news"),))
+    assert list(select_topics("chatter", names).channels()) == ["/news"]
+    assert list(select_topics("/a/chatter", names).channels()) == ["/news"]
+    assert list(select_topics("/chatter", names).channels()) == ["/chatter"]
+    assert list(select_topics("other", names).channels()) == ["other", "/a/other"]
