@@ -6,6 +6,8 @@ Belongs here: a look at the outside that a URL needs to work. Must not import lc
 import os
 import socket
 import sysconfig
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 from lcmtools.bus.multicast import check_multicast
@@ -14,6 +16,7 @@ from lcmtools.errors import BusError
 
 _SELECT_LIMIT = 1024
 _CONNECT_TIMEOUT = 0.8  # [s]
+_PERIOD = 0.2  # [s] between two checks
 _LOG_SYNC = bytes.fromhex("eda1da01")  # every event of a log starts with it
 
 
@@ -30,6 +33,25 @@ def check_bus(url: BusUrl) -> None:
         _check_server(url)
     elif url.provider == "file":
         _check_log(url)
+
+
+def wait_for_bus(url: BusUrl, notify: Callable[[str], None]) -> None:
+    """Return when the bus can be used, as a computer may start nodes before its network is up.
+
+    The first problem is handed to ``notify``.
+    """
+    if problem := _problem(url):
+        notify(f"waiting for the bus: {problem}")
+        while _problem(url):
+            time.sleep(_PERIOD)
+
+
+def _problem(url: BusUrl) -> BusError | None:
+    try:
+        check_bus(url)
+    except BusError as error:
+        return error
+    return None
 
 
 def _check_descriptors() -> None:

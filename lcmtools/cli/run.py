@@ -1,21 +1,20 @@
 """``lcmtools run``."""
 
 import sys
-import traceback
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
 
 import click
 
 import lcmtools
+from lcmtools.arguments import NodeArguments
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import CONTEXT, bus_choice, bus_options, json_option
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.cli.summaries import summary
-from lcmtools.errors import LcmtoolsError, MissingExtra, UsageError
-from lcmtools.packages.nodes import OWN, Program, Runnable, find_node, runnables
+from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.packages.nodes import OWN, Runnable, find_node, runnables
 from lcmtools.packages.workspace import workspace
 
 
@@ -55,14 +54,14 @@ def command(name: str | None, arguments: tuple[str, ...], *, show_list: bool, as
 
 
 def _is_package(name: str, arguments: Sequence[str], known: Sequence[Runnable]) -> bool:
-    """Whether it is a package's name alone, and no node's."""
+    """Return True for a package's name alone that is no node's."""
     named = {node.name for node in known}
     packages = {one.package for one in known} | {one.name for one in workspace(Path.cwd()).packages}
     return not arguments and name in packages - named
 
 
 def _list(nodes: Sequence[Runnable], package: str | None, *, as_json: bool) -> None:
-    """What can be typed: a node's name, behind its package's where that is needed."""
+    """Print what can be typed: a node's name, behind its package's where that is needed."""
     if not nodes:
         talk(f"lcmtools run: the package {package} has no nodes")
     own = package or OWN
@@ -79,6 +78,15 @@ def _list(nodes: Sequence[Runnable], package: str | None, *, as_json: bool) -> N
     )
 
 
+def _find(words: Sequence[str], known: Sequence[Runnable]) -> tuple[Runnable, list[str]]:
+    try:
+        return find_node(words, known)
+    except UsageError as error:
+        for problem in workspace(Path.cwd()).problems:  # the missing node may be in there
+            raise UsageError(error.what, str(problem)) from error
+        raise
+
+
 def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
     node, arguments = _find(words, known)
     hidden = [one.package for one in known if one.name == node.name and one.package != node.package]
@@ -87,11 +95,13 @@ def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
             f"lcmtools run: this is lcmtools' own {node.name}; {hidden[0]} has one too: "
             f"lcmtools run {hidden[0]} {node.name}"
         )
+    bus = bus_choice()
+    chosen = NodeArguments(lcm_url=bus.url or None, domain=bus.domain or None)
     typed = words[: len(words) - len(arguments)]
     try:
-        program = _load(node)
+        program = node.load()
         click.get_current_context().meta[COMMAND] = f"lcmtools run {' '.join(typed)}"
-        return program([*_bus_arguments(), *arguments]) or 0
+        return program([*chosen.words(), *arguments]) or 0
     except KeyboardInterrupt:  # asked to end before the node was ready to be asked
         return 0
     except (LcmtoolsError, OSError):
@@ -99,53 +109,8 @@ def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
     except Exception as error:
         if node.package == OWN:
             raise
-        return _blame(error, node)
+        sys.stderr.write(node.traceback(error))
+        sys.stderr.flush()
+        return 1
     finally:
         lcmtools.shutdown()  # where the node has not done so
-
-
-def _find(words: Sequence[str], known: Sequence[Runnable]) -> tuple[Runnable, list[str]]:
-    try:
-        return find_node(words, known)
-    except UsageError as error:
-        for problem in workspace(Path.cwd()).problems:  # the one that is missed may be in there
-            raise UsageError(error.what, str(problem)) from error
-        raise
-
-
-def _load(node: Runnable) -> Program:
-    try:
-        return node.load()
-    except ModuleNotFoundError as error:
-        package, point, _ = (error.name or "").partition(".")
-        if point and package in (OWN, node.import_name):
-            raise  # it misspells a module of its own, or of lcmtools
-        raise MissingExtra(
-            f"{node.name} needs the Python package '{error.name}', which is not installed",
-            f"type: pip install {error.name}",
-        ) from error
-
-
-def _blame(error: Exception, node: Runnable) -> int:
-    """Show where somebody's own node has failed, without the part that is lcmtools'."""
-    frames = error.__traceback__
-    while frames and not _is_of(frames, node):
-        frames = frames.tb_next
-    text = "".join(traceback.format_exception(type(error), error, frames, chain=False))
-    sys.stderr.write(text)
-    sys.stderr.flush()
-    return 1
-
-
-def _is_of(frames: TracebackType, node: Runnable) -> bool:
-    module = str(frames.tb_frame.f_globals.get("__name__", ""))
-    return module.partition(".")[0] == node.import_name
-
-
-def _bus_arguments() -> list[str]:
-    """The bus that was chosen before the command's name, as the node's own arguments."""
-    choice = bus_choice()
-    return [
-        *(["--lcm-url", choice.url] if choice.url else []),
-        *(["--domain", choice.domain] if choice.domain else []),
-    ]

@@ -5,6 +5,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
+from lcmtools.errors import UsageError
+from lcmtools.names import base_name_of, did_you_mean
+
 
 class Output(Enum):
     """The place for the lines of a process; errors are always on the screen."""
@@ -78,3 +81,20 @@ class Plan:
     nodes: tuple[NodePlan, ...]
     files: tuple[str, ...]
     notes: tuple[str, ...] = ()
+
+    def find(self, name: str) -> NodePlan:
+        """Return a node by its full name, or by the last part of it if that is enough.
+
+        Raises:
+            UsageError: There is none, or several.
+        """
+        full = [node for node in self.nodes if node.name == f"/{name.strip('/')}"]
+        found = full or [node for node in self.nodes if base_name_of(node.name) == name]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            names = ", ".join(node.name for node in found)
+            raise UsageError(f"several nodes are called '{name}'", f"write one of {names}")
+        known = [node.name for node in self.nodes]
+        hint = did_you_mean(name, known) or f"there are {', '.join(known) or 'none'}"
+        raise UsageError(f"there is no node '{name}' in the launch file", hint)

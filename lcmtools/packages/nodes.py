@@ -12,9 +12,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
+from types import TracebackType
 from typing import Protocol, cast
 
-from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError
+from lcmtools.errors import InvalidFile, LcmtoolsError, MissingExtra, UsageError
 from lcmtools.names import did_you_mean
 from lcmtools.packages.type_files import GROUPS
 from lcmtools.packages.workspace import Package, Workspace, read_project, table, workspace
@@ -60,8 +61,9 @@ class Runnable:
         """Import its main function; other workspace packages can be imported from then on too.
 
         Raises:
-            LcmtoolsError: Its module or function is not there. What its own code raises when it is
-                imported is raised too.
+            LcmtoolsError: Its module or function is not there.
+            MissingExtra: It needs a package that is not installed.
+            Exception: Its own code fails when it is imported.
         """
         if self.folder is not None:
             sys.path.insert(0, str(self.folder))
@@ -72,6 +74,7 @@ class Runnable:
             value: object = importlib.import_module(module)
         except ModuleNotFoundError as error:
             if self.folder is None or not f"{module}.".startswith(f"{error.name}."):
+                self._check_installed(error)
                 raise
             raise self._lost(f"there is no module {error.name}") from error
         for attribute in path.split("."):
@@ -79,6 +82,28 @@ class Runnable:
         if not callable(value):
             raise self._lost(f"{module} has no function '{path}'")
         return cast("Program", value)
+
+    def traceback(self, error: BaseException) -> str:
+        """Return the traceback of an error in the node's code, without the part of lcmtools."""
+        from traceback import format_exception
+
+        frames = error.__traceback__
+        while frames and not self._is_own(frames):
+            frames = frames.tb_next
+        return "".join(format_exception(type(error), error, frames, chain=False))
+
+    def _is_own(self, frames: TracebackType) -> bool:
+        module = str(frames.tb_frame.f_globals.get("__name__", ""))
+        return module.partition(".")[0] == self.import_name
+
+    def _check_installed(self, error: ModuleNotFoundError) -> None:
+        """Raise MissingExtra for a package that the node needs; not for a module of its own."""
+        package, point, _ = (error.name or "").partition(".")
+        if not point or package not in (OWN, self.import_name):
+            raise MissingExtra(
+                f"{self.name} needs the Python package '{error.name}', which is not installed",
+                f"type: pip install {error.name}",
+            ) from error
 
     def _lost(self, what: str) -> LcmtoolsError:
         hint = f'see [project.entry-points."{GROUP}"] in its pyproject.toml'

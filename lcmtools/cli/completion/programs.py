@@ -106,7 +106,7 @@ def launch_words(situation: Situation) -> Iterator[Candidate]:
 
 def launched_nodes(situation: Situation) -> Iterator[Candidate]:
     """The nodes of the launch file before the cursor; none of one that is wrong."""
-    from lcmtools.cli.launch.typed import read_words
+    from lcmtools.launch.command_line import read_words
     from lcmtools.launch.reading import Given, make_plan
 
     try:

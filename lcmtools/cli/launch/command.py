@@ -2,35 +2,31 @@
 
 import os
 import sys
-from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import click
 
+from lcmtools.bus.preflight import wait_for_bus
+from lcmtools.bus.url import domain_url
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.launch.screen import Screen
-from lcmtools.cli.launch.shown import (
-    argument_record,
-    argument_rows,
-    node_record,
-    node_rows,
+from lcmtools.cli.launch.answers import (
+    Answer,
+    arguments_answer,
+    list_answer,
     outcome_rows,
-    parameter_record,
-    parameter_rows,
+    plan_answer,
 )
-from lcmtools.cli.launch.typed import Typed, read_words
-from lcmtools.cli.launch.waiting import wait_for_bus
+from lcmtools.cli.launch.screen import Screen
 from lcmtools.cli.options import CONTEXT, bus_options, chosen_url, duration, json_option
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import UsageError
-from lcmtools.launch.arguments import arguments_of
-from lcmtools.launch.file import STANDARD_INPUT, File, read_file, read_standard_input
+from lcmtools.launch.command_line import read_words
+from lcmtools.launch.file import STANDARD_INPUT, read_file, read_standard_input
 from lcmtools.launch.logs import make_folder
-from lcmtools.launch.packages import find_files, lab_files
+from lcmtools.launch.packages import find_files
 from lcmtools.launch.plan import NodePlan, Output, Plan
 from lcmtools.launch.reading import Given, make_plan
 from lcmtools.launch.supervisor import Supervisor
-from lcmtools.names import base_name_of, did_you_mean
 from lcmtools.processes.child import StopTimeouts
 from lcmtools.settings import usual_namespace
 
@@ -135,85 +131,36 @@ def command(  # noqa: PLR0913 - one for each option
     if as_json and not asked:
         raise UsageError("--json needs a question", f"one of --{', --'.join(_QUESTIONS)}")
     if asked == "list":
-        _list(as_json=as_json)
-        return 0
+        return _print(list_answer(), as_json=as_json)
     typed = read_words(words, ns, usual_namespace(os.environ))
-    files = _read(typed)
+    is_piped = typed.places == (STANDARD_INPUT,)
+    files = [read_standard_input()] if is_piped else list(map(read_file, find_files(typed.places)))
     if asked == "show-args":
-        arguments = [argument for file in files for argument in arguments_of(file.root)]
-        _print(map(argument_record, arguments), argument_rows(arguments), as_json=as_json)
-        return 0
+        return _print(arguments_answer(files), as_json=as_json)
     plan = make_plan(files, Given(typed.arguments, typed.namespace, os.environ))
     for note in plan.notes:
         talk(f"lcmtools launch: {note}")
     if asked:
-        _answer(asked, plan, named.get(asked) or "", as_json=as_json)
-        return 0
+        return _print(plan_answer(asked, plan, named.get(asked) or ""), as_json=as_json)
     if wait:
-        wait_for_bus(chosen_url())
+        wait_for_bus(chosen_url(), lambda text: talk(f"lcmtools launch: {text}"))
     return _run(plan, output, StopTimeouts(sigint_timeout, sigterm_timeout))
 
 
-def _read(typed: Typed) -> list[File]:
-    if typed.places == (STANDARD_INPUT,):
-        return [read_standard_input()]
-    return [read_file(path) for path in find_files(typed.places)]
-
-
-def _answer(question: str, plan: Plan, name: str, *, as_json: bool) -> None:
-    names = [node.name for node in plan.nodes]
-    if question == "nodes":
-        _print(names, names, as_json=as_json)
-    elif question == "files":
-        _print(plan.files, plan.files, as_json=as_json)
-    elif question == "args":
-        node = _find(name, plan.nodes)
-        document(node_record(node)) if as_json else lines([node.command_line()])
-    elif question == "find-node":
-        node = _find(name, plan.nodes)
-        document({"node": node.name, "place": node.place}) if as_json else lines([node.place])
-    elif question == "dump-params":
-        rows = (row for node in plan.nodes for row in parameter_rows(node))
-        _print(map(parameter_record, plan.nodes), rows, as_json=as_json)
-    else:
-        rows = (row for node in plan.nodes for row in node_rows(node))
-        _print(map(node_record, plan.nodes), rows, as_json=as_json)
-
-
-def _find(name: str, nodes: Sequence[NodePlan]) -> NodePlan:
-    """A node by its full name, or by the last part of it where that is enough."""
-    full = [node for node in nodes if node.name == f"/{name.strip('/')}"]
-    found = full or [node for node in nodes if base_name_of(node.name) == name]
-    if len(found) == 1:
-        return found[0]
-    if found:
-        names = ", ".join(node.name for node in found)
-        raise UsageError(f"several nodes are called '{name}'", f"write one of {names}")
-    known = [node.name for node in nodes]
-    hint = did_you_mean(name, known) or f"there are {', '.join(known) or 'none'}"
-    raise UsageError(f"there is no node '{name}' in the launch file", hint)
-
-
-def _list(*, as_json: bool) -> None:
-    known = lab_files()
-    records = [{"package": package, "file": name} for package, name in known]
-    _print(records, (f"{package} {name}" for package, name in known), as_json=as_json)
-
-
-def _print(records: Iterable[object], rows: Iterable[str], *, as_json: bool) -> None:
-    document(list(records)) if as_json else lines(rows)
+def _print(answer: Answer, *, as_json: bool) -> int:
+    value, rows = answer
+    document(value) if as_json else lines(rows)
+    return 0
 
 
 def _run(plan: Plan, output: str | None, timeouts: StopTimeouts) -> int:
-    """Run the nodes; the exit code."""
+    """Run the nodes; return the exit code."""
     if not plan.nodes:
-        raise UsageError(
-            "the launch file has no nodes to run", "lcmtools launch --dry-run shows it"
-        )
+        hint = "lcmtools launch --dry-run shows it"
+        raise UsageError("the launch file has no nodes to run", hint)
     nodes = [_with_bus(_with_output(node, output)) for node in plan.nodes]
-    url = chosen_url()
     # a node's print comes at once, as it would on a terminal
-    environment = {"PYTHONUNBUFFERED": "1", **os.environ, "LCM_DEFAULT_URL": str(url)}
+    environment = {"PYTHONUNBUFFERED": "1", **os.environ, "LCM_DEFAULT_URL": str(chosen_url())}
     folder = make_folder(os.environ)
     hidden = any(node.output is Output.LOG for node in nodes)
     talk(f"log files: {folder}{'; --screen shows all lines here too' if hidden else ''}")
@@ -224,18 +171,16 @@ def _run(plan: Plan, output: str | None, timeouts: StopTimeouts) -> int:
 
 
 def _with_output(node: NodePlan, output: str | None) -> NodePlan:
-    """A node whose lines go where the command line says."""
+    """Return a node whose lines go where the command line says."""
     if output is None:
         return node
     return replace(node, output=Output.BOTH if output == "screen" else Output.LOG)
 
 
 def _with_bus(node: NodePlan) -> NodePlan:
-    """A node whose file says another domain, which the bus of the others would win over."""
+    """Return a node on the domain that its file sets, if any, and not on the launcher's bus."""
     domain = node.environment.get("LCMTOOLS_DOMAIN")
     if not domain or "LCM_DEFAULT_URL" in node.environment:
         return node
-    from lcmtools.bus.url import domain_url
-
     url = str(domain_url(domain, f"{node.place}: LCMTOOLS_DOMAIN"))
     return replace(node, environment={**node.environment, "LCM_DEFAULT_URL": url})

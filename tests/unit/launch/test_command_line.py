@@ -1,11 +1,11 @@
-"""Which of the words after ``lcmtools launch`` is what."""
+"""The words after ``lcmtools launch``."""
 
 from pathlib import Path
 
 import pytest
 
-from lcmtools.cli.launch.typed import read_words
 from lcmtools.errors import UsageError
+from lcmtools.launch.command_line import read_words
 
 
 def test_words_are_places_arguments_and_the_namespace_in_any_order() -> None:

@@ -1,7 +1,4 @@
-"""The words after ``lcmtools launch``: files, arguments, the namespace.
-
-Belongs here: which word is what.
-"""
+"""The words after ``lcmtools launch``: files, arguments, the namespace."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -18,27 +15,16 @@ _MEANINGLESS = ("__log", "__ip", "__hostname", "__master")
 
 
 @dataclass(frozen=True, slots=True)
-class Typed:
-    """What was typed.
-
-    Attributes:
-        places: PACKAGE and FILE, or files.
-        arguments: Those of the launch files.
-        namespace: The full one that everything is pushed into.
-    """
+class CommandLine:
+    """PACKAGE and FILE or files, their arguments, and the full namespace of everything."""
 
     places: tuple[str, ...]
     arguments: Mapping[str, str]
     namespace: str
 
 
-def read_words(words: Sequence[str], flag: str | None, usual: str) -> Typed:
-    """Sort words out.
-
-    Args:
-        words: As typed.
-        flag: What ``--ns`` says.
-        usual: The namespace where nothing is said.
+def read_words(words: Sequence[str], flag: str | None, default: str) -> CommandLine:
+    """Sort words, with the value of ``--ns`` and the namespace to start from.
 
     Raises:
         UsageError: One of them is wrong, or there is no file.
@@ -62,14 +48,13 @@ def read_words(words: Sequence[str], flag: str | None, usual: str) -> Typed:
             arguments[name] = text
     if not places:
         raise UsageError("the launch file is missing", "lcmtools launch --list shows the labs'")
-    full = resolve(namespace, resolve_namespace(usual)) if namespace else resolve_namespace(usual)
-    return Typed(tuple(places), arguments, full)
+    base = resolve_namespace(default)
+    return CommandLine(tuple(places), arguments, resolve(namespace, base) if namespace else base)
 
 
 def _check_name(name: str, word: str) -> None:
     if name.startswith("__"):
         raise UsageError(f"{word}: a launch takes __ns:= only", "name nodes in the file")
     if name[0] in "~/" or "/" in name:
-        raise UsageError(
-            f"{word}: '{name}' is no name of an argument", "remaps are written in the launch file"
-        )
+        hint = "remaps are written in the launch file"
+        raise UsageError(f"{word}: '{name}' is no name of an argument", hint)

@@ -1,0 +1,128 @@
+"""Launch files and plans as rows of text and as values for JSON."""
+
+import json
+import shlex
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+from lcmtools.launch.arguments import arguments_of
+from lcmtools.launch.file import File
+from lcmtools.launch.packages import lab_files
+from lcmtools.launch.plan import NodePlan, Plan
+from lcmtools.launch.supervisor import Outcome
+from lcmtools.messages.plain import plain_json
+from lcmtools.messages.setting import ANY, Setting, read_setting, write_setting
+
+Answer = tuple[object, Sequence[str]]
+"""A value for JSON, and rows of text."""
+
+
+def list_answer() -> Answer:
+    """Return the labs' launch files."""
+    known = lab_files()
+    records = [{"package": package, "file": name} for package, name in known]
+    return records, [f"{package} {name}" for package, name in known]
+
+
+def arguments_answer(files: Sequence[File]) -> Answer:
+    """Return the arguments of files, in roslaunch's form."""
+    arguments = [argument for file in files for argument in arguments_of(file.root)]
+    records = [{"name": one.name, "default": one.default, "doc": one.doc} for one in arguments]
+    rows: list[str] = []
+    for title, is_required in (("Required", True), ("Optional", False)):
+        group = [argument for argument in arguments if (argument.default is None) is is_required]
+        rows += [f"{title} Arguments:"] if group else []
+        for argument in group:
+            default = f" (default {json.dumps(argument.default)})" if not is_required else ""
+            doc = " ".join(argument.doc.split())
+            rows.append(f"  {argument.name}{default}{f': {doc}' if doc else ''}")
+    return records, rows or ["No arguments."]
+
+
+def plan_answer(question: str, plan: Plan, node: str) -> Answer:
+    """Return the answer to a question about a plan, or about one of its nodes."""
+    return _ANSWERS[question](plan, node)
+
+
+def outcome_rows(outcomes: Sequence[Outcome]) -> list[str]:
+    """Return the closing table."""
+    rows = [("node", "end", "restarts", "log")]
+    rows += [
+        (o.node, o.end, str(o.restarts), shlex.quote(o.log) if o.log else "-") for o in outcomes
+    ]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+
+
+def _names(plan: Plan, _node: str) -> Answer:
+    names = [node.name for node in plan.nodes]
+    return names, names
+
+
+def _line(plan: Plan, name: str) -> Answer:
+    node = plan.find(name)
+    return _record(node), [node.command_line()]
+
+
+def _place(plan: Plan, name: str) -> Answer:
+    node = plan.find(name)
+    return {"node": node.name, "place": node.place}, [node.place]
+
+
+def _dry_run(plan: Plan, _node: str) -> Answer:
+    return list(map(_record, plan.nodes)), [row for node in plan.nodes for row in _rows(node)]
+
+
+def _rows(node: NodePlan) -> Iterator[str]:
+    """Return a node as it would be run: a comment, and a line for the shell."""
+    about = [f"output {node.output.value}"]
+    if node.respawn:
+        about.append(f"respawn after {node.respawn_delay:g} s" if node.respawn_delay else "respawn")
+    if node.is_required:
+        about.append("required")
+    yield f"# {node.name} ({node.place}; {', '.join(about)})"
+    yield node.command_line()
+
+
+def _record(node: NodePlan) -> dict[str, object]:
+    return {
+        "node": node.name,
+        "command": list(node.command),
+        "line": node.command_line(),
+        "environment": dict(node.environment),
+        "directory": node.directory,
+        "place": node.place,
+        "output": node.output.value,
+        "respawn": node.respawn,
+        "respawn_delay": node.respawn_delay,
+        "required": node.is_required,
+    }
+
+
+def _parameters(plan: Plan, _node: str) -> Answer:
+    """Return the nodes' parameters, as param dump writes those of nodes that run."""
+    records, rows = [], []
+    for node in plan.nodes:
+        values = {name: read_setting(text, ANY, name) for name, text in node.parameters.items()}
+        plain = {name: _plain(value) for name, value in values.items()}
+        records.append({"node": node.name, "parameters": plain})
+        rows += [f"{write_setting(node.name)}:"] if values else []
+        rows += [f"  {write_setting(name)}: {write_setting(v)}" for name, v in values.items()]
+    return records, rows
+
+
+def _plain(value: Setting) -> object:
+    listed = list(value) if isinstance(value, (list, tuple)) else value
+    return json.loads(plain_json(listed))  # type: ignore[arg-type] # a list of scalars
+
+
+_ANSWERS: Mapping[str, Callable[[Plan, str], Answer]] = {
+    "nodes": _names,
+    "args": _line,
+    "find-node": _place,
+    "dump-params": _parameters,
+    "files": lambda plan, _node: (list(plan.files), plan.files),
+    "dry-run": _dry_run,
+}
