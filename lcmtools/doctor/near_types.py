@@ -1,286 +1,131 @@
-"""What a type that nobody knows probably is: a known one with a field more, less or changed.
+"""The known type that an unknown one nearly is, by its fingerprint.
 
-A fingerprint is computed from the names and types of fields (lcm-proj/lcm, lcmgen/lcmgen.c), so it
-can be computed for known types with one field changed, and compared. Pure.
+A fingerprint is computed from the names and types of fields (lcm-proj/lcm, lcmgen/lcmgen.c). So it
+can be computed for a known type with one edit, and compared. Pure.
+
+The gain, in 40 random edits of each kind: a field dropped, retyped or swapped with the next, all
+floats narrowed, a field dropped in a nested type: the difference is found in all, if the type is
+expected on the channel; else the type is found in 28, 34, 34, 11 and 0. Renamed and added fields
+are not looked for: even by 500 usual names, three in four are not found.
 """
 
-from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
-from itertools import chain, permutations
+from itertools import chain, pairwise, permutations
 
 from lcmtools.messages.fields import PRIMITIVES, Field, fields
 from lcmtools.messages.registry import Message, fingerprint, message_class, type_name, type_names
 
-_MASK = (1 << 64) - 1
-_SIGN = 1 << 63
-_START = 0x12345678
-_FEW = 5  # fields have few orders
+_START, _BITS, _SIGN = 0x12345678, (1 << 64) - 1, 1 << 63
 _LCM_NAMES = {ours: lcm for lcm, ours in PRIMITIVES.items()}
-_USUAL_FIRST = (("seq", "int32"), ("utime", "int64"), ("timestamp", "int64"), ("id", "int32"))
-_USUAL_NAMES = frozenset(
-    [
-        "value",
-        "values",
-        "text",
-        "msg",
-        "message",
-        "content",
-        "contents",
-        "payload",
-        "string",
-        "str",
-        "number",
-        "num",
-        "count",
-        "result",
-        "speed",
-        "vel",
-        "velocity",
-        "pos",
-        "position",
-        "rot",
-        "rotation",
-        "orientation",
-        "angle",
-        "angles",
-        "yaw",
-        "pitch",
-        "roll",
-        "heading",
-        "theta",
-        "phi",
-        "psi",
-        "lin",
-        "ang",
-        "linear_velocity",
-        "angular_velocity",
-        "time",
-        "utime",
-        "timestamp",
-        "secs",
-        "nsecs",
-        "nanosec",
-        "nanosecs",
-        "seconds",
-        "nanoseconds",
-        "frame",
-        "frame_name",
-        "child_frame",
-        "title",
-        "label",
-        "key",
-        "id",
-        "index",
-        "status",
-        "state",
-        "mode",
-        "flag",
-        "flags",
-        "cov",
-        "covariances",
-        "pixels",
-        "image",
-        "buffer",
-        "bytes",
-        "ranges",
-        "points",
-        "priority",
-        "valid",
-        "enabled",
-        "source",
-        "sequence",
-        "quality",
-        "confidence",
-        "version",
-        "duration",
-        "temperature",
-        "battery",
-    ]
-)
-_USUAL_LAST = tuple(
-    (name, primitive)
-    for name in ("id", "name", "status", "timestamp", "utime")
-    for primitive in ("int32", "int64", "float64", "string")
-)
+_FEW = 5  # fields have few orders
+_USUAL = {"seq": "int32", "id": "int32", "utime": "int64", "timestamp": "int64", "name": "string"}
+"""Fields that are often added."""
+
+Edit = tuple[int, str]
+"""The fingerprint of an edited type, and the difference."""
 
 
-def kinship(number: int, expected: Iterable[str] = ()) -> str:
-    """How a type of this fingerprint differs from a known one; "" where that is not found.
+@dataclass(frozen=True, slots=True)
+class NearType:
+    """A known type ("nav_msgs/Odometry"), and the difference ("without the field twist")."""
 
-    "like nav_msgs/Odometry, but without the field child_frame_id"
+    name: str
+    difference: str
+
+
+def nearest_type(number: int, expected: Iterable[str] = ()) -> NearType | None:
+    """The type that is one edit away from a fingerprint; None if there is none.
 
     Args:
         number: The fingerprint.
-        expected: Names of types that it should be: these are compared first, and more closely.
+        expected: The types that it should be: these are compared first, and with more edits.
     """
-    names = list(dict.fromkeys(expected))
-    for changes in (_changed, _moved, _retyped, _within, _renamed, _added):
-        for name in names:
-            for other, text in changes(message_class(name)):
-                if other == number:
-                    return f"like {name}, but {text}"
-    return _table().get(number, "")
-
-
-def fingerprint_of(parts: Iterable[Field]) -> int:
-    """The fingerprint of a type that has these fields."""
-    every = tuple(parts)
-    return _finished(_hashed(_START, every), every)
+    for name in dict.fromkeys(expected):
+        cls = message_class(name)
+        for found, difference in chain(_edits(cls), _wider_edits(cls)):
+            if found == number:
+                return NearType(name, difference)
+    return _table().get(number)
 
 
 @cache
-def _table() -> dict[int, str]:
-    """Every known type with one field changed, by fingerprint; it takes half a second to make."""
-    found: dict[int, str] = {}
-    for name in type_names():
-        for number, text in _changed(message_class(name)):
-            found.setdefault(number, f"like {name}, but {text}")
-    return found
+def _table() -> dict[int, NearType]:
+    """Every known type with one edit, by fingerprint; it takes half a second to make."""
+    pairs = ((name, edit) for name in type_names() for edit in _edits(message_class(name)))
+    return {number: NearType(name, difference) for name, (number, difference) in pairs}
 
 
-def _changed(cls: type[Message]) -> Iterator[tuple[int, str]]:
-    own, before = fields(cls), _START
-    for index, part in enumerate(own):
-        after = own[index + 1 :]
-        for middle, text in _alternatives(part, after[:1]):
-            rest = after[1:] if len(middle) > 1 else after
-            hashed = _hashed(_hashed(before, middle), rest)
-            yield _finished(hashed, (*own[:index], *middle, *rest)), text
-        before = _hashed(before, (part,))
-    for name, primitive in _USUAL_FIRST:
-        yield fingerprint_of((_new(name, primitive), *own)), f"with {name} ({primitive}) before"
-    for name, primitive in _USUAL_LAST:
-        hashed = _hashed(before, (_new(name, primitive),))
-        yield _finished(hashed, own), f"with {name} ({primitive}) at the end"
-
-
-def _moved(cls: type[Message]) -> Iterator[tuple[int, str]]:
-    """The type with its fields in another order: any one where they are few."""
+def _edits(cls: type[Message]) -> Iterator[Edit]:
+    """A field less, of another type, or swapped with the next; or a usual one more."""
     own = fields(cls)
-    orders = permutations(own) if len(own) <= _FEW else _one_moved(own)
-    for order in orders:
+    for index, part in enumerate(own):
+        before, after = own[:index], own[index + 1 :]
+        yield fingerprint_of((*before, *after)), f"without the field {part.name}"
+        for other in _retyped(part):
+            text = f"{part.name} is {other.type}, not {part.type}"
+            yield fingerprint_of((*before, other, *after)), text
+    for index, (one, other) in enumerate(pairwise(own)):
+        text = f"{one.name} and {other.name} stand the other way round"
+        yield fingerprint_of((*own[:index], other, one, *own[index + 2 :])), text
+    for name, primitive in _USUAL.items():
+        part = Field(name, primitive, None, (), is_length=False)
+        yield fingerprint_of((*own, part)), f"with {name} ({primitive}) at the end"
+        yield fingerprint_of((part, *own)), f"with {name} ({primitive}) before"
+
+
+def _wider_edits(cls: type[Message]) -> Iterator[Edit]:
+    """The fields in another order, all numbers of one kind of another, an edit within a field."""
+    own = fields(cls)
+    for order in permutations(own) if len(own) <= _FEW else ():
         names = ", ".join(part.name for part in order)
         yield fingerprint_of(order), f"its fields stand in the order {names}"
-
-
-def _one_moved(own: tuple[Field, ...]) -> Iterator[tuple[Field, ...]]:
-    for index, part in enumerate(own):
-        others = (*own[:index], *own[index + 1 :])
-        for place in range(len(own)):
-            yield (*others[:place], part, *others[place:])
-
-
-def _retyped(cls: type[Message]) -> Iterator[tuple[int, str]]:
-    """The type with all numbers of one kind of another, as float for double."""
-    own = fields(cls)
     for kind in dict.fromkeys(part.type for part in own if part.message_class is None):
         for primitive in PRIMITIVES.values():
-            parts = [replace(p, type=primitive) if p.type == kind else p for p in own]
-            if primitive != kind:
-                yield fingerprint_of(parts), f"every {kind} is {primitive}"
+            parts = (replace(p, type=primitive) if p.type == kind else p for p in own)
+            yield fingerprint_of(parts), f"every {kind} is {primitive}"
+    for inner in dict.fromkeys(part.message_class for part in own if part.message_class):
+        for number, text in chain(_edits(inner), _wider_edits(inner)):
+            where = "" if text.startswith("in ") else f"in {type_name(inner)} "
+            yield fingerprint_of(own, {inner: number}), f"{where}{text}"
 
 
-def _within(cls: type[Message]) -> Iterator[tuple[int, str]]:
-    """The type with something changed in one that it contains, however deep."""
-    own = fields(cls)
-    hashed = _hashed(_START, own)
-    inner = Counter(part.message_class for part in own if part.message_class)
-    for part, times in inner.items():
-        rest = sum(fingerprint(other) * n for other, n in inner.items() if other is not part)
-        for number, text in chain(*(find(part) for find in (_changed, _moved, _retyped, _within))):
-            where = "" if text.startswith("in ") else f"in {type_name(part)} "
-            yield _rotated(hashed + rest + times * number), f"{where}{text}"
-
-
-def _added(cls: type[Message]) -> Iterator[tuple[int, str]]:
-    """The type with one field more at its end, under a name that fields have."""
-    own = fields(cls)
-    hashed = _hashed(_START, own)
-    for name in _field_names():
-        for primitive in PRIMITIVES.values():
-            part = _new(name, primitive)
-            yield _finished(_hashed(hashed, (part,)), own), f"with {name} ({primitive}) at the end"
-
-
-def _renamed(cls: type[Message]) -> Iterator[tuple[int, str]]:
-    """The type with one of its fields under another name that fields have."""
-    own, before = fields(cls), _START
-    for index, part in enumerate(own):
-        for name in _field_names() | _variants(part.name):
-            other = replace(part, name=name)
-            hashed = _hashed(before, (other, *own[index + 1 :]))
-            yield _finished(hashed, own), f"{part.name} is called {name}"
-        before = _hashed(before, (part,))
-
-
-@cache
-def _field_names() -> frozenset[str]:
-    """What fields are called, in all known types and elsewhere."""
-    known = {part.name for name in type_names() for part in fields(message_class(name))}
-    return frozenset(known | _USUAL_NAMES)
-
-
-def _variants(name: str) -> set[str]:
-    """A name as others would write it."""
-    head, *tail = name.split("_")
-    camel = head + "".join(word.capitalize() for word in tail)
-    short = {name[:length] for length in range(1, len(name))}
-    ends = {f"{name}{end}" for end in ("s", "_", "_m", "_rad", "_x", "1", "2", "_new", "_old")}
-    return {camel, name.upper(), name.capitalize(), f"_{name}", f"m_{name}"} | short | ends
-
-
-def _alternatives(
-    part: Field, following: tuple[Field, ...]
-) -> Iterator[tuple[tuple[Field, ...], str]]:
-    """What may stand in place of a field, or of it and the one that follows."""
-    yield (), f"without the field {part.name}"
+def _retyped(part: Field) -> Iterator[Field]:
     if part.message_class is None:
-        for primitive in PRIMITIVES.values():
-            if primitive != part.type:
-                other = Field(part.name, primitive, None, part.dimensions, part.is_length)
-                yield (other,), f"{part.name} is {primitive}, not {part.type}"
-    for one in following:
-        yield (one, part), f"{part.name} and {one.name} stand the other way round"
+        others = (primitive for primitive in PRIMITIVES.values() if primitive != part.type)
+        yield from (replace(part, type=primitive) for primitive in others)
 
 
-def _new(name: str, primitive: str) -> Field:
-    return Field(name, primitive, None, (), is_length=False)
+def fingerprint_of(
+    parts: Iterable[Field], others: dict[type[Message], int] | None = None
+) -> int:
+    """The fingerprint of a type that has these fields.
 
-
-def _finished(value: int, parts: Iterable[Field]) -> int:
-    nested = sum(fingerprint(part.message_class) for part in parts if part.message_class)
-    return _rotated(value + nested)
-
-
-def _rotated(total: int) -> int:
-    total &= _MASK
-    return ((total << 1) & _MASK) + (total >> 63)
-
-
-def _hashed(value: int, parts: Iterable[Field]) -> int:
+    Args:
+        parts: The fields.
+        others: Fingerprints of the types of fields, where they are not those of the classes.
+    """
+    value, nested = _START, 0
     for part in parts:
-        for character in _characters(part):
+        for byte in _hashed_bytes(part):
             # the high bits come down as those of a signed number do
-            high = value >> 55
-            signed = high if value < _SIGN else high | ~0x1FF
-            value = (((value << 8) ^ signed) + character) & _MASK
-    return value
+            high = (value >> 55) | (~0x1FF if value >= _SIGN else 0)
+            value = (((value << 8) ^ high) + byte) & _BITS
+        if part.message_class:
+            nested += (others or {}).get(part.message_class) or fingerprint(part.message_class)
+    total = (value + nested) & _BITS
+    return ((total << 1) & _BITS) + (total >> 63)
 
 
 @cache
-def _characters(part: Field) -> tuple[int, ...]:
-    """What lcm-gen puts into the hash for a field."""
-    found = _string(part.name)
-    if part.message_class is None:
-        found += _string(_LCM_NAMES[part.type])
-    found += (len(part.dimensions),)
-    for size in part.dimensions:
-        found += (0 if isinstance(size, int) else 1, *_string(str(size)))
-    return found
+def _hashed_bytes(part: Field) -> tuple[int, ...]:
+    """The bytes that lcm-gen hashes for a field."""
 
+    def text(said: str) -> tuple[int, ...]:
+        data = said.encode()
+        return len(data), *(byte - 256 if byte > 127 else byte for byte in data)  # noqa: PLR2004 - char
 
-def _string(text: str) -> tuple[int, ...]:
-    data = text.encode()
-    return len(data), *(byte - 256 if byte > 127 else byte for byte in data)  # noqa: PLR2004 - char
+    primitive = text(_LCM_NAMES[part.type]) if part.message_class is None else ()
+    sizes = ((isinstance(size, str), *text(str(size))) for size in part.dimensions)
+    return (*text(part.name), *primitive, len(part.dimensions), *chain.from_iterable(sizes))

@@ -1,9 +1,10 @@
 """The rules, one file a family. A new rule is a function with ``@rule``, listed in ``RULES``."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import replace
 
-from lcmtools.doctor.model import Evidence, Finding, Rule
+from lcmtools.doctor.evidence import Evidence
+from lcmtools.doctor.findings import Finding, Rule
 from lcmtools.doctor.rules import (
     bus,
     callbacks,
@@ -23,7 +24,7 @@ RULES: tuple[Rule, ...] = (
     network.datagrams_can_leave,
     network.large_messages_pass,
     bus.something_is_there,
-    bus.everybody_is_here,
+    bus.programs_are_on_this_bus,
     bus.one_provider_is_used,
     bus.datagrams_go_as_far_as_they_should,
     bus.the_bus_is_ones_own,
@@ -36,8 +37,8 @@ RULES: tuple[Rule, ...] = (
     nodes.files_are_few,
     types.topics_have_one_type,
     types.types_are_known,
-    connections.subscriptions_are_fed,
-    connections.publications_are_heard,
+    connections.subscriptions_have_publishers,
+    connections.publications_have_subscribers,
     traffic.topics_have_one_publisher,
     traffic.nothing_is_lost,
     traffic.publishers_publish,
@@ -49,19 +50,19 @@ RULES: tuple[Rule, ...] = (
     listeners.buffers_have_room,
     listeners.listeners_read,
     listeners.messages_fit_buffers,
-    content.numbers_are_numbers,
-    content.rotations_are_rotations,
+    content.numbers_are_finite,
+    content.quaternions_are_rotations,
     content.covariances_are_covariances,
     clocks.clocks_agree,
-    content.stamps_are_of_now,
-    content.messages_can_be_read,
+    content.stamps_are_current,
+    content.messages_can_be_decoded,
     listeners.the_group_is_joined_where_the_route_leads,
     listeners.datagrams_arrive_complete,
     listeners.strict_filters_are_off,
     listeners.no_firewall_is_in_the_way,
     network.the_route_leaves_the_computer,
     network.nothing_is_walled_in,
-    network.somebody_asks_who_listens,
+    network.the_network_has_a_querier,
     listeners.the_environment_is_in_order,
 )
 
@@ -69,21 +70,22 @@ RULES: tuple[Rule, ...] = (
 _EXPLAINED_BY = {"no-traffic": {"other-buses", "silent", "stuck-listeners", "loss", "malformed"}}
 
 
-def examine(evidence: Evidence, rules: Iterable[Rule] = RULES) -> Iterator[Finding]:
-    """Everything that the rules find, gravest first; not what another finding explains."""
-    asked = tuple(rules)
-    evidence = _left_to_others(evidence, asked)
-    findings = [finding for rule in asked for finding in rule.check(evidence)]
+def examine(evidence: Evidence, rules: Iterable[Rule] = RULES) -> list[Finding]:
+    """Everything that the rules find, gravest first, without what another finding explains."""
+    chosen = tuple(rules)
+    evidence = _without_other_rules(evidence, chosen)
+    findings = [finding for rule in chosen for finding in rule.examine(evidence)]
     found = {finding.rule for finding in findings}
     findings = [f for f in findings if found.isdisjoint(_EXPLAINED_BY.get(f.rule, ()))]
-    yield from sorted(findings, key=lambda finding: -finding.severity)
+    return sorted(findings, key=lambda finding: -finding.severity)
 
 
-def _left_to_others(evidence: Evidence, asked: tuple[Rule, ...]) -> Evidence:
-    """The evidence without what rules leave to others that are not asked."""
-    if bus.everybody_is_here not in asked:
+def _without_other_rules(evidence: Evidence, chosen: tuple[Rule, ...]) -> Evidence:
+    """The evidence without what rules leave to others that are not chosen."""
+    if bus.programs_are_on_this_bus not in chosen:
         alone = [replace(process, topics=()) for process in evidence.processes]
         evidence = replace(evidence, processes=alone)
-    if nodes.nodes_answer not in asked:
-        evidence = replace(evidence, hushed=frozenset(), deafened=frozenset())
+    if nodes.nodes_answer not in chosen:
+        none: frozenset[str] = frozenset()
+        evidence = replace(evidence, stale_published=none, stale_subscribed=none)
     return evidence

@@ -1,16 +1,17 @@
-"""Rules about callbacks: whether nodes keep up with what they hear, and if not, why."""
+"""Rules about callbacks: nodes that are too slow for their messages, and the causes."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from lcmtools.doctor.model import Evidence, Finding, Severity, rule
+from lcmtools.doctor.evidence import Evidence
+from lcmtools.doctor.findings import Finding, Part, Severity, Statement, Subject, rule, state
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
-from lcmtools.observe.callbacks import busy_share, callback_time, duration_text
+from lcmtools.observe.callbacks import busy_share, callback_time
 from lcmtools.observe.rates import counted_rate
 
 _NEARLY_ALL = 0.9  # of the time between two messages: a callback that takes it cannot keep up
-_ALWAYS = 0.95  # of the time in callbacks: whatever else waits comes late
+_ALWAYS = 0.95  # of the time in callbacks: everything else that waits comes late
 _UNBROKEN = 0.999  # without a pause: no busy computer makes it so
 _CROWDED = 0.25  # of the time that programs wait for a processor is a busy computer
 _ENOUGH_CALLS = 5  # the first ones may load what the later ones need
@@ -18,67 +19,49 @@ _HANGS = 3_000_000_000  # [ns] in one call
 
 
 @dataclass(frozen=True, slots=True)
-class _Ear:
-    """A subscription between two looks.
+class _Subscription:
+    """A subscription between the start and the end of the look."""
 
-    Attributes:
-        node: Its node, as it is now.
-        endpoint: Itself, as it is now.
-        lost: Messages that its full queue pushed out meanwhile.
-        took: What a call of its callback took [ns]; None where none ran.
-        interval: The time between two messages [ns]; None where that is not known.
-        share: Which part of the time its node was in any callback; None where not known.
-        busiest: What took most of that time, but for this ("the timers"); "" for nothing.
-    """
+    node: Node  # as it is now
+    endpoint: Endpoint  # as it is now
+    lost: int  # messages that its full queue pushed out meanwhile
+    took: float | None  # [ns] a call of its callback; None where none ran
+    interval: float | None  # [ns] between two messages
+    share: float | None  # of the time that its node spent in any callback
+    busiest: str  # the topic, or "timers", that took most of that time besides; "" for nothing
 
-    node: Node
-    endpoint: Endpoint
-    lost: int
-    took: float | None
-    interval: float | None
-    share: float | None
-    busiest: str
+    @property
+    def topic(self) -> Subject:
+        return Subject.topic(self.endpoint.topic)
 
     def is_too_slow(self, crowd: float = 0.0) -> bool:
-        """Whether its callback takes longer than there is between two messages.
+        """Return whether its callback takes longer than the time between two messages.
 
         Args:
-            crowd: Which part of its time it may have waited for a processor.
+            crowd: The share of its time that it may have waited for a processor.
         """
         if self.took is None or self.interval is None:
             return False
         return self.took * (1 - crowd) >= _NEARLY_ALL * self.interval
 
-    def pace(self) -> str:
-        """How long the callback takes, and how often messages come."""
-        return (
-            f"its callback takes {duration_text(self.took or 0)},"
-            f" messages come every {duration_text(self.interval or 0)}"
-        )
+    def pace(self) -> dict[str, Part]:
+        """The time that its callback takes, and the time between two messages [s]."""
+        return {"callback_time": (self.took or 0) / 1e9, "interval": (self.interval or 0) / 1e9}
 
 
 @rule("queue-drops", Severity.WARNING, "make the callback faster, or the queue's depth greater")
 def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
     """Callbacks keep up with their messages.
 
-    A subscription keeps the newest messages, as many as its depth; what a slow callback leaves in
-    there too long is lost. Depth 1 asks for that. The callback itself may be slow, another one of
-    the node may hold it up, or the messages come in bursts.
+    A subscription keeps the newest messages, as many as its depth; those that a slow callback
+    leaves in the queue too long are lost. Depth 1 asks for that. The callback itself may be slow,
+    another one of the node may hold it up, or the messages come in bursts.
     """
-    lossy = [ear for ear in _ears(evidence) if ear.lost > 0]
+    lossy = [one for one in _subscriptions(evidence) if one.lost > 0]
     if lossy:
-        reasons = [_reason(ear) for ear in lossy]
-        yield Finding(
-            "queue-drops",
-            Severity.WARNING,
-            "The following nodes are too slow for what they hear:",
-            tuple(
-                f" * {ear.node.name} lost {ear.lost} messages of {ear.endpoint.topic}"
-                f" (depth {ear.endpoint.depth}){f': {why}' if why else ''}"
-                for ear, (why, _) in zip(lossy, reasons, strict=True)
-            ),
-            tuple(dict.fromkeys(remedy for _, remedy in reasons)),
-        )
+        facts, remedies = zip(*map(_cause, lossy), strict=True)
+        distinct = {repr(remedy): remedy for remedy in remedies}
+        yield Finding(state("queue-drops"), facts, tuple(distinct.values()))
 
 
 @rule(
@@ -87,7 +70,7 @@ def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
     "let the callback do less, or less often: lcmtools info TOPIC shows how long it takes",
 )
 def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
-    """Callbacks are done before the next message comes, and leave time for the others.
+    """Callbacks end before the next message comes, and leave time for the others.
 
     All callbacks of a node run one after another. One that takes as long as there is between two
     messages lets them wait ever longer; one that never ends lets timers, services and all other
@@ -95,87 +78,88 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     what a busy computer may be to blame for.
     """
     _, slow, busy = _judged(evidence)
-    if slow or busy:
-        rows = [f" * {ear.node.name}, {ear.endpoint.topic}: {ear.pace()}" for ear in slow]
-        rows += [
-            f" * {node.name} is in its callbacks {100 * share:.0f} % of the time, most in {name}"
-            for node, share, name in busy
-        ]
-        remedies = [f"let the callback of {ear.endpoint.topic} do less" for ear in slow]
-        remedies += [f"let {name} of {node.name} do less, and never wait" for node, _, name in busy]
-        if slow:
-            remedies.append("where only the newest message counts, subscribe with depth=1")
-        yield Finding(
-            "slow-callbacks",
-            Severity.WARNING,
-            "The following callbacks take too long:",
-            tuple(rows),
-            tuple(dict.fromkeys(remedies)),
-        )
+    if not (slow or busy):
+        return
+    facts = [
+        state("slow-callback", node=Subject.node(one.node), topic=one.topic, **one.pace())
+        for one in slow
+    ]
+    remedies = [state("callback-less", topic=one.topic) for one in slow]
+    for node, share, busiest in busy:
+        subject = Subject.node(node)
+        facts.append(state("busy-node", node=subject, percent=100 * share, busiest=busiest))
+        remedies.append(state("busiest-less", node=subject, busiest=busiest))
+    if slow:
+        remedies.append(state("depth-1"))
+    distinct = {repr(remedy): remedy for remedy in remedies}
+    yield Finding(state("slow-callbacks"), tuple(facts), tuple(distinct.values()))
 
 
 def busy_nodes(evidence: Evidence) -> set[str]:
-    """The names of the nodes that are slow: what they do not send in time has its reason."""
+    """The names of the nodes that are slow, which explains what they do not send in time."""
     lossy, slow, busy = _judged(evidence)
     names = {node.name for node in evidence.graph.nodes if node.id in lossy}
-    return names | {ear.node.name for ear in slow} | {node.name for node, _, _ in busy}
+    return names | {one.node.name for one in slow} | {node.name for node, _, _ in busy}
 
 
-def _judged(evidence: Evidence) -> tuple[set[str], list[_Ear], list[tuple[Node, float, str]]]:
-    """The ids of nodes that lose messages, slow callbacks of others, and what keeps a node busy."""
-    ears, crowd = list(_ears(evidence)), _crowd(evidence)
-    lossy = {ear.node.id for ear in ears if ear.lost > 0}  # of these another rule says why
+def _judged(
+    evidence: Evidence,
+) -> tuple[set[str], list[_Subscription], list[tuple[Node, float, str]]]:
+    """The ids of nodes that lose messages, slow callbacks of others, and busy nodes with causes."""
+    subscriptions, crowd = list(_subscriptions(evidence)), _crowd(evidence)
+    lossy = {one.node.id for one in subscriptions if one.lost > 0}  # another rule's
     slow = [
-        ear
-        for ear in ears
-        if ear.is_too_slow(crowd) and _is_at_work(ear.endpoint) and ear.node.id not in lossy
+        one
+        for one in subscriptions
+        if one.is_too_slow(crowd) and _is_at_work(one.endpoint) and one.node.id not in lossy
     ]
-    told = lossy | {ear.node.id for ear in slow}
+    reported = lossy | {one.node.id for one in slow}
     busy = [
-        (node, share, names)
+        (node, share, busiest)
         for earlier, node in _pairs_of_nodes(evidence)
-        if node.id not in told and _is_waited_for(node)
+        if node.id not in reported and _has_other_work(node)
         if (share := _share_of_others(earlier, node)) is not None
         if share - crowd >= _ALWAYS or share >= _UNBROKEN
-        if (names := _busiest(earlier, node))
+        if (busiest := _busiest(earlier, node))
     ]
     return lossy, slow, busy
 
 
 def _crowd(evidence: Evidence) -> float:
-    """Which part of the time programs waited for a processor, where it is worth a thought."""
-    share = min(1.0, evidence.waited / evidence.listened) if evidence.listened else 0.0
+    """The share of time that programs waited for a processor, where it is considerable."""
+    share = min(1.0, evidence.processor_wait / evidence.listened) if evidence.listened else 0.0
     return share if share > _CROWDED else 0.0
 
 
-def _reason(ear: _Ear) -> tuple[str, str]:
-    """Why messages were lost, and what helps; "" where it does not show."""
-    topic = ear.endpoint.topic
-    if ear.share is None:
-        return "", f"let the callback of {topic} do less, or give a greater queue depth"
-    if ear.is_too_slow():
-        least = duration_text(ear.took or 0)
-        return ear.pace(), f"let the callback of {topic} do less, or publish it every {least} only"
-    if not ear.share:
-        name = ear.node.name
-        return "no callback has run", f"let {name} spin: lcmtools.spin(node), or often spin_once"
-    if ear.share >= _NEARLY_ALL and ear.busiest:
-        why = f"its node is in {ear.busiest} most of the time"
-        return why, f"let {ear.busiest} of {ear.node.name} do less, and never wait"
-    if ear.endpoint.depth * (ear.interval or 0) < ear.endpoint.longest:
-        why = f"a call of its callback took {duration_text(ear.endpoint.longest)}"
-        return why, f"let the callback of {topic} never wait, or give a greater queue depth"
-    return "they come in bursts", f"give the subscription of {topic} a greater queue depth"
+def _cause(one: _Subscription) -> tuple[Statement, Statement]:
+    """The fact that messages were lost, with the cause where it is known; and the remedy."""
+    node, topic, endpoint = Subject.node(one.node), one.topic, one.endpoint
+    parts: dict[str, Part] = {"node": node, "lost": one.lost, "topic": topic}
+    parts["depth"] = endpoint.depth
+    if one.share is None:
+        return state("dropped-by-queue", **parts), state("callback-less-or-depth", topic=topic)
+    if one.is_too_slow():
+        remedy = state("callback-less-or-rate", topic=topic, seconds=(one.took or 0) / 1e9)
+        return state("dropped-slow-callback", **parts, **one.pace()), remedy
+    if not one.share:
+        return state("dropped-without-spin", **parts), state("spin", node=node)
+    if one.share >= _NEARLY_ALL and one.busiest:
+        remedy = state("busiest-less", node=node, busiest=one.busiest)
+        return state("dropped-by-busy-node", **parts, busiest=one.busiest), remedy
+    if endpoint.depth * (one.interval or 0) < endpoint.longest:
+        fact = state("dropped-long-call", **parts, seconds=endpoint.longest / 1e9)
+        return fact, state("never-wait-or-depth", topic=topic)
+    return state("dropped-in-bursts", **parts), state("depth", topic=topic)
 
 
-def _ears(evidence: Evidence) -> Iterator[_Ear]:
-    """The subscriptions that want every message, between the two looks."""
+def _subscriptions(evidence: Evidence) -> Iterator[_Subscription]:
+    """The subscriptions that want every message, between the start and the end of the look."""
     for earlier, node in _pairs_of_nodes(evidence):
         share = busy_share(earlier, node)
         for before, endpoint in _pairs(earlier, node):
             if endpoint.role is Role.SUBSCRIBER and endpoint.depth > 1:
                 rate = counted_rate(before, endpoint)
-                yield _Ear(
+                yield _Subscription(
                     node,
                     endpoint,
                     endpoint.drops - before.drops,
@@ -210,12 +194,12 @@ def _key(endpoint: Endpoint) -> tuple[object, ...]:
 
 
 def _is_at_work(endpoint: Endpoint) -> bool:
-    """Whether its callback has run for long enough to be judged."""
+    """Return whether its callback has run for long enough to be judged."""
     return endpoint.calls >= _ENOUGH_CALLS or endpoint.longest >= _HANGS
 
 
-def _is_waited_for(node: Node) -> bool:
-    """Whether a node has anything else to do than what it is busy with."""
+def _has_other_work(node: Node) -> bool:
+    """Return whether a node has subscriptions or services that would wait."""
     return any(
         (e.role is Role.SUBSCRIBER and e.depth > 1)
         or (e.role is Role.SERVICE and not is_hidden(e.topic))
@@ -233,15 +217,15 @@ def _share_of_others(earlier: Node, node: Node) -> float | None:
 
 
 def _busiest(earlier: Node, node: Node, but: Endpoint | None = None) -> str:
-    """What took most of the time in callbacks: a topic's or service's, or the timers."""
+    """The topic or service whose callback took most of the time, or "timers"; "" for none."""
     spent = {
-        f"the callback of {e.topic}": e.busy - before.busy
+        e.topic: e.busy - before.busy
         for before, e in _pairs(earlier, node)
         if e.busy > before.busy
     }
     timers = node.busy - earlier.busy - sum(spent.values())
     if but is not None:
-        spent.pop(f"the callback of {but.topic}", None)
+        spent.pop(but.topic, None)
     if timers > 0:
-        spent["the timers"] = timers
+        spent["timers"] = timers
     return max(spent, key=lambda name: spent[name], default="")

@@ -2,11 +2,10 @@
 
 from collections.abc import Iterator
 
-from lcmtools.doctor.computers import HostClock
-from lcmtools.doctor.model import Evidence, Finding, Severity, rule
-from lcmtools.observe.callbacks import duration_text
+from lcmtools.doctor.evidence import Evidence, HostClock
+from lcmtools.doctor.findings import Finding, Severity, Subject, rule, state
 
-_AHEAD = 0.1  # [s] that a clock may be: what is sent cannot arrive before
+_AHEAD = 0.1  # [s] that a clock may be: a message cannot arrive before it was sent
 _BEHIND = 0.3  # [s]: a slow network looks the same
 _MOST = 6  # nodes that are named
 
@@ -17,22 +16,22 @@ _MOST = 6  # nodes that are named
 def clocks_agree(evidence: Evidence) -> Iterator[Finding]:
     """The clocks of all computers agree.
 
-    Nodes say when they announce themselves, by their own computer's clock. What comes before it was
-    sent, or much later, tells that one of the two clocks is wrong; then stamps, delays and what is
-    computed from them are wrong too. Which of the two it is does not show.
+    Announcements of nodes hold the time at which they were sent, by their own computer's clock. If
+    one comes before it was sent, or much later, one of the two clocks is wrong; then stamps, delays
+    and all that is computed from them are wrong too. Which of the two it is does not show.
     """
     for clock in wrong_clocks(evidence):
-        more = len(clock.nodes) - _MOST
+        facts = [state("program", program=Subject("node", name)) for name in clock.nodes[:_MOST]]
+        if len(clock.nodes) > _MOST:
+            facts.append(state("more", count=len(clock.nodes) - _MOST))
         yield Finding(
-            "clocks",
-            Severity.WARNING,
-            f"The clock of {clock.host} ({clock.address}) is {_offset(clock)} this computer's:",
-            tuple(f" * {name}" for name in clock.nodes[:_MOST])
-            + ((f" * and {more} more",) if more > 0 else ()),
-            (
-                "let both computers keep the time: sudo timedatectl set-ntp true",
-                "compare them: chronyc tracking, or timedatectl timesync-status",
+            state(
+                "clock-ahead" if clock.lag < 0 else "clock-behind",
+                host=Subject("host", clock.host, address=clock.address),
+                seconds=abs(clock.lag),
             ),
+            tuple(facts),
+            (state("set-clocks"), state("compare-clocks")),
         )
 
 
@@ -41,14 +40,9 @@ def wrong_clocks(evidence: Evidence) -> list[HostClock]:
     return [c for c in evidence.clocks if c.lag < -_AHEAD or c.lag > _BEHIND]
 
 
-def is_of_wrong_clock(evidence: Evidence, name: str) -> bool:
-    """Whether a sender, as people call it, is on a computer whose clock differs."""
+def has_wrong_clock(evidence: Evidence, name: str) -> bool:
+    """Return whether a sender, by its name for people, is on a computer whose clock differs."""
     return any(
         name in clock.nodes or name.startswith(f"{clock.address}:")
         for clock in wrong_clocks(evidence)
     )
-
-
-def _offset(clock: HostClock) -> str:
-    text = duration_text(abs(clock.lag) * 1e9)
-    return f"{text} ahead of" if clock.lag < 0 else f"{text} behind"

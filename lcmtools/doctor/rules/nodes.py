@@ -3,8 +3,13 @@
 from collections import defaultdict
 from collections.abc import Iterator
 
-from lcmtools.doctor.model import Evidence, Finding, Severity, rule
+from lcmtools.doctor.evidence import Evidence
+from lcmtools.doctor.findings import Finding, Severity, Statement, Subject, rule, state
 from lcmtools.graph.model import Node, Staleness
+
+_CLOCK = "/clock"
+_SELECT = 1024  # liblcm's binding waits with select(2)
+_MOST_FILES = 0.9
 
 
 @rule("stale-nodes", Severity.ERROR, "wake it: kill -CONT PID; or forget it: lcmtools node cleanup")
@@ -23,13 +28,25 @@ def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
         and (_runs(node) or node.name not in alive)  # it has been started again
     ]
     if stale:
-        yield Finding(
-            "stale-nodes",
-            Severity.ERROR,
-            "The following nodes do not answer any more:",
-            tuple(f" * {node.name} ({_place(evidence, node)}): {node.stale}" for node in stale),
-            tuple(_remedy(evidence, node) for node in stale),
-        )
+        facts, remedies = zip(*(_stale(evidence, node) for node in stale), strict=True)
+        yield Finding(state("stale-nodes"), facts, remedies, Severity.ERROR)
+
+
+def _stale(evidence: Evidence, node: Node) -> tuple[Statement, Statement]:
+    """The fact and the remedy; a process number means something on its own computer only."""
+    subject, why = Subject.node(node), str(node.stale)
+    if node.id in evidence.remote:
+        host = Subject("host", node.host, address=node.sender.address if node.sender else "")
+        fact = state("stale-elsewhere", node=subject, pid=node.pid, host=host, why=why)
+        return fact, state("look-there", host=node.host)
+    fact = state("stale", node=subject, pid=node.pid, why=why)
+    if _runs(node):
+        return fact, state("wake-or-end", pid=node.pid)
+    return fact, state("restart-or-forget", node=subject)
+
+
+def _runs(node: Node) -> bool:
+    return node.stale is not Staleness.ENDED
 
 
 @rule("duplicate-names", Severity.ERROR, "start one of them with __name:=ANOTHER")
@@ -44,40 +61,47 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
             by_name[node.name].append(node)
     for name, nodes in by_name.items():
         if len(nodes) > 1:
+            facts = (
+                state(
+                    "node-process",
+                    node=Subject.node(node),
+                    pid=node.pid,
+                    host=Subject("host", node.host),
+                    command=node.command,
+                )
+                for node in nodes
+            )
             yield Finding(
-                "duplicate-names",
+                state("duplicate-names", count=len(nodes), name=name),
+                tuple(facts),
+                (state("end-or-rename", name=f"{name.rpartition('/')[2]}2"),),
                 Severity.ERROR,
-                f"{len(nodes)} nodes have the name {name}:",
-                tuple(f" * pid {node.pid} on {node.host}: {node.command}" for node in nodes),
-                (f"end one of them, or start it with __name:={name.rpartition('/')[2]}2",),
             )
 
 
-@rule(
-    "no-clock",
-    Severity.ERROR,
-    "start the simulator, or the node without _use_sim_time:=true",
-)
+@rule("no-clock", Severity.ERROR, "start the simulator, or the node without _use_sim_time:=true")
 def simulated_time_has_a_source(evidence: Evidence) -> Iterator[Finding]:
-    """Somebody publishes the time by which nodes go.
+    """Simulated time has a publisher, if any node uses it.
 
-    For a node with _use_sim_time:=true, time stands still until something comes on /clock: its
+    For a node with _use_sim_time:=true, time stands still until a message comes on /clock: its
     timers never run.
     """
     topic = evidence.graph.topic(_CLOCK)
-    waiting = [node for node, _ in topic.subscribers if not (node.stale or node.tool)]
+    waiting = [Subject.node(n) for n, _ in topic.subscribers if not (n.stale or n.tool)]
     sources = [node for node, _ in topic.publishers if not node.stale]
-    # one that was killed or hangs is another rule's
-    if waiting and not (sources or topic.foreign or _CLOCK in evidence.hushed):
+    # one that was killed or hangs is reported by another rule
+    if waiting and not (sources or topic.foreign or _CLOCK in evidence.stale_published):
         yield Finding(
-            "no-clock",
-            Severity.ERROR,
-            "The following nodes go by simulated time, and nobody publishes /clock:",
-            tuple(f" * {node.name} (pid {node.pid})" for node in waiting),
+            state("no-clock", topic=Subject.topic(_CLOCK)),
+            tuple(state("node-pid", node=node, pid=node.pid or 0) for node in waiting),
             (
-                *(f"start {node.name} without _use_sim_time:=true" for node in waiting),
-                "or start the simulator, for example: lcmtools run sim",
+                *(
+                    state("drop-remap", node=node, argument="_use_sim_time:=true")
+                    for node in waiting
+                ),
+                state("start-simulator"),
             ),
+            Severity.ERROR,
         )
 
 
@@ -87,36 +111,15 @@ def files_are_few(evidence: Evidence) -> Iterator[Finding]:
 
     liblcm also fails, by a crash, once its own file descriptor is 1024 or more.
     """
-    rows = [
-        f" * pid {p.pid} has {p.open_files} of {p.most_files} files open: {p.command}"
+    facts = tuple(
+        state(
+            "open-files",
+            process=Subject.process(p),
+            open_files=p.open_files,
+            most_files=p.most_files,
+        )
         for p in evidence.processes
         if not p.bus and p.open_files > _MOST_FILES * min(p.most_files or _SELECT, _SELECT)
-    ]
-    if rows:
-        text = "The following programs have nearly as many files open as LCM stands:"
-        yield Finding("open-files", Severity.WARNING, text, tuple(rows), ("restart them",))
-
-
-_CLOCK = "/clock"
-_SELECT = 1024  # liblcm's binding waits with select(2)
-_MOST_FILES = 0.9
-
-
-def _runs(node: Node) -> bool:
-    return node.stale is not Staleness.ENDED
-
-
-def _place(evidence: Evidence, node: Node) -> str:
-    """A node's process, and its computer where that is not this one."""
-    if node.id not in evidence.remote:
-        return f"pid {node.pid}"
-    address = f" at {node.sender.address}" if node.sender else ""
-    return f"pid {node.pid} on {node.host}{address}"
-
-
-def _remedy(evidence: Evidence, node: Node) -> str:
-    if node.id in evidence.remote:
-        return f"see whether {node.host} is reached and the node runs: lcmtools wtf, typed there"
-    if _runs(node):
-        return f"wake it (kill -CONT {node.pid}) or end it (kill {node.pid})"
-    return f"start {node.name} again, or forget it: lcmtools node cleanup"
+    )
+    if facts:
+        yield Finding(state("open-files"), facts, (state("restart"),))

@@ -1,14 +1,15 @@
-"""What could not be looked at, with the reason: from the evidence, as the rules are."""
+"""The parts that could not be looked at, with the reason: from the evidence, as the rules are."""
 
 from collections.abc import Iterator
 
-from lcmtools.doctor.model import Evidence, Unchecked
+from lcmtools.doctor.evidence import Evidence
+from lcmtools.doctor.findings import Subject, Unchecked, state
 
 _ROOT = 0
 
 
 def unchecked(evidence: Evidence) -> Iterator[Unchecked]:
-    """What the rules could not look at. Nothing where the bus does not work, which comes first."""
+    """What the rules could not look at; nothing where the bus does not work at all."""
     if evidence.bus_problem:
         return
     provider = evidence.url.partition("://")[0]
@@ -16,23 +17,22 @@ def unchecked(evidence: Evidence) -> Iterator[Unchecked]:
         yield from _of_sockets(evidence)
         yield from _of_network(evidence)
     elif provider in ("tcpq", "mpudpm"):
-        yield Unchecked("loss", f"{provider} does not let wtf see who sends, and what is missing")
+        yield Unchecked("loss", state("no-senders", provider=provider))
 
 
 def _of_sockets(evidence: Evidence) -> Iterator[Unchecked]:
     host, own = evidence.host, evidence.host.uid
     if not host.has_sockets:
-        why = "this system does not tell what its sockets drop (it has no /proc/net/udp)"
-        yield Unchecked("kernel-drops", why)
+        yield Unchecked("kernel-drops", state("no-sockets"))
         return
     hidden = {listener.uid for listener in evidence.listeners if listener.pid is None} - {own}
     if hidden and own != _ROOT:
-        who = ", ".join(evidence.users.get(uid, str(uid)) for uid in sorted(hidden))
-        why = f"programs of other users ({who}) are hidden from you: sudo lcmtools wtf looks closer"
-        yield Unchecked("stuck-listeners", why)
+        users = tuple(
+            Subject("user", evidence.users.get(uid, str(uid))) for uid in sorted(hidden)
+        )
+        yield Unchecked("stuck-listeners", state("hidden-programs", users=users))
     if any(listener.buffer_bytes is None for listener in evidence.listeners):
-        why = "this system does not tell how large the listeners' buffers are"
-        yield Unchecked("small-buffer", why)
+        yield Unchecked("small-buffer", state("buffers-unknown"))
 
 
 def _of_network(evidence: Evidence) -> Iterator[Unchecked]:
@@ -41,7 +41,7 @@ def _of_network(evidence: Evidence) -> Iterator[Unchecked]:
     if not evidence.ttl:
         return
     if host.firewall_unknown:
-        yield Unchecked("firewall", host.firewall_unknown)
+        yield Unchecked("firewall", state("text", text=host.firewall_unknown))
     if host.interface not in ("", "lo") and not host.is_wireless and not host.speed_mbit:
-        why = f"{host.interface} does not say how much it carries"
-        yield Unchecked("bandwidth", why)
+        interface = Subject("interface", host.interface)
+        yield Unchecked("bandwidth", state("bandwidth-unknown", interface=interface))

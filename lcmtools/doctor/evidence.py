@@ -1,0 +1,162 @@
+"""The evidence of one look at a bus: plain values, which a file can hold (``saved``).
+
+Belongs here: what the rules may look at. Must not read anything, nor judge.
+"""
+
+from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, field
+
+from lcmtools.graph.model import Graph, Node
+from lcmtools.wire.packet import Sender
+
+
+@dataclass(frozen=True, slots=True)
+class Host:
+    """The parts of this computer that bear on the bus; empty where the system does not tell."""
+
+    uid: int = 0  # of the user who looks
+    interface: str = ""  # to which the route to the group leads ("lo", "eth0")
+    is_up: bool = True  # the interface; so are the next ones
+    can_multicast: bool = True
+    joined: tuple[str, ...] = ()  # interfaces on which any program has joined the group
+    rp_filter: int = 0  # 1 is strict
+    speed_mbit: int = 0  # [Mbit/s]
+    is_wireless: bool = False
+    receive_buffer: int = 0  # [byte] of a socket that asks for nothing (rmem_default)
+    most_receive_buffer: int = 0  # [byte] that a socket may ask for (rmem_max)
+    firewall: str = ""  # the name of one that is enabled
+    container: str = ""  # "container" or "WSL"
+    reassembly_failures: int = 0  # IP datagrams with fragments missing, during the look
+    environment: tuple[str, ...] = ()  # faults of variables and Python packages, one line each
+    others: tuple[str, ...] = ()  # further interfaces with routes, but for lo
+    firewall_unknown: str = ""  # the reason why it is not known whether there is a firewall
+    is_virtual: bool = False  # the interface ends in another network of this computer
+    bridge: str = ""  # the bridge on the route, if it snoops IGMP and sends no queries
+    large_bytes: int = 0  # size of the large message that wtf sent to itself
+    large_problem: str = ""  # the reason why it did not come back
+    send_problem: str = ""  # the reason why nothing can be sent with the bus's own ttl
+    send_remedy: str = ""  # a cure for that
+    has_sockets: bool = True  # the system lists its sockets (/proc/net/udp)
+
+
+@dataclass(frozen=True, slots=True)
+class HostClock:
+    """The clock of another computer, compared with this one's."""
+
+    host: str
+    address: str
+    lag: float  # [s] least delay of its announcements by both clocks; negative: its clock is ahead
+    nodes: tuple[str, ...]  # from whose announcements this is known
+
+
+@dataclass(frozen=True, slots=True)
+class Listener:
+    """A socket of this computer that receives from the bus, and its state during the look."""
+
+    name: str  # of its node or program, for people
+    pid: int | None  # None where the process is not known
+    uid: int
+    drops: int = 0  # datagrams that the kernel dropped meanwhile, because its buffer was full
+    queued_bytes: int = 0  # in its buffer at the end, with the kernel's overhead
+    was_queued_bytes: int = 0  # at the start
+    buffer_bytes: int | None = None  # None where the system does not tell
+    state: str = ""  # of the process, as ps shows it ("T" is stopped); "" where not known
+    is_tool: bool = False  # a command of lcmtools that looks, not a part of the system
+    is_node: bool = False  # has a filter that drops malformed datagrams, which count as drops
+
+
+@dataclass(frozen=True, slots=True)
+class SenderFacts:
+    """A sender, as it was seen."""
+
+    sender: Sender
+    name: str  # its node or program, for people
+    is_local: bool = True  # on this computer
+    messages: int = 0  # received
+    lost: int = 0  # by its sequence numbers
+    ttl: int | None = None  # of its datagrams; None where not known
+    uid: int | None = None  # the user of a local one, where known
+    paces: bool = False  # spreads the fragments of large messages, as nodes of lcmtools do
+
+
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """The messages of one sender on one channel during the look."""
+
+    channel: str
+    sender: Sender | None  # None where the bus does not tell
+    name: str  # the sender, for people
+    times: tuple[int, ...]  # [ns since 1970] of the first thousands of arrivals
+    largest: int = 0  # [byte] the largest payload
+    bytes: int = 0  # of all payloads
+    is_cut: bool = False  # there were more arrivals than times
+    pid: int | None = None  # the sender's process on this computer, where known
+
+
+@dataclass(frozen=True, slots=True)
+class Oddity:
+    """A value in the messages of a topic that looks wrong."""
+
+    kind: str  # "not-finite", "quaternion", "covariance", "nsec", "future", "old", "boot",
+    # or "undecodable"
+    topic: str
+    name: str  # the sender, for people
+    text: str  # the field's path, and what is odd about it
+    count: int = 1  # messages that have it
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedClock:
+    """The pace of simulated time, by ``/clock``."""
+
+    name: str  # of its publisher
+    ratio: float  # simulated seconds in a second
+    target: float | None = 1.0  # asked for on its command line; None: as fast as it can
+    busy: float | None = None  # share of time its process computed or waited for a processor
+
+
+@dataclass(frozen=True, slots=True)
+class LcmProcess:
+    """A process of this user that uses LCM."""
+
+    pid: int
+    command: str
+    bus: str = ""  # "239.255.76.67:7668" where it is on another bus; "" on this one
+    variable: str = ""  # its LCM_DEFAULT_URL or LCMTOOLS_DOMAIN, as NAME=VALUE
+    open_files: int = 0
+    most_files: int = 0  # that it may have open
+    state: str = ""  # as ps shows it ("T" is stopped)
+    topics: tuple[str, ...] = ()  # published on its bus, if that was looked at
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """Everything that the rules may look at."""
+
+    url: str
+    bus_problem: str = ""  # the reason why the bus cannot be used at all
+    bus_remedy: str = ""  # a cure for that
+    ttl: int = 0  # of this user's datagrams
+    graph: Graph = field(default_factory=Graph)  # at the end of the look
+    before: Graph = field(default_factory=Graph)  # at its start
+    listened: float = 0.0  # [s] the duration of the look
+    malformed: Sequence[tuple[str, str]] = ()  # senders of datagrams that are not LCM's; reasons
+    own_drops: int = 0  # datagrams that wtf itself was too slow for
+    senders: Sequence[SenderFacts] = ()
+    streams: Sequence[Stream] = ()
+    listeners: Sequence[Listener] = ()  # on this computer
+    oddities: Sequence[Oddity] = ()
+    clock: SimulatedClock | None = None  # None without a simulator
+    processes: Sequence[LcmProcess] = ()
+    host: Host = field(default_factory=Host)
+    stale_published: AbstractSet[str] = frozenset()  # topics of stale nodes of this computer
+    stale_subscribed: AbstractSet[str] = frozenset()
+    processor_wait: float = 0.0  # [s] the longest time that a program waited for a processor
+    users: Mapping[int, str] = field(default_factory=dict)  # names by number
+    clocks: Sequence[HostClock] = ()  # of other computers
+    remote: AbstractSet[str] = frozenset()  # ids of the nodes on other computers
+
+    def own_nodes(self) -> list[Node]:
+        """The nodes of this computer: only their process numbers mean anything here."""
+        return [node for node in self.graph.nodes if node.id not in self.remote]

@@ -1,0 +1,125 @@
+"""The outcome of a look, as text in roswtf's manner, as JSON, and as changes between two looks.
+
+Pure: findings in, lines and plain values out.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+
+from lcmtools.doctor.evidence import Evidence
+from lcmtools.doctor.findings import Finding, Part, Rule, Severity, Statement, Subject
+from lcmtools.doctor.rules.unchecked import unchecked
+from lcmtools.doctor.words import commands, describe, remedy_text, unchecked_text
+
+_HEADINGS = {
+    Severity.ERROR: ("error(s)", "Something is wrong, and will not work as it is"),
+    Severity.WARNING: (
+        "warning(s)",
+        "Warnings are things that may be just fine, but are sometimes at fault",
+    ),
+    Severity.NOTE: ("note(s)", "Notes are seldom at fault"),
+}
+
+
+def text(findings: Sequence[Finding]) -> list[str]:
+    """A count for each severity, then its findings with their items."""
+    rows: list[str] = []
+    if not any(finding.severity > Severity.NOTE for finding in findings):
+        rows = ["No errors or warnings", ""]
+    for severity, (noun, meaning) in _HEADINGS.items():
+        group = [finding for finding in findings if finding.severity is severity]
+        if group:
+            rows += [f"Found {len(group)} {noun}.", meaning, ""]
+        for finding in group:
+            rows += [*finding_text(finding), ""]
+    return rows[:-1]
+
+
+def finding_text(finding: Finding) -> list[str]:
+    """A finding, its items and its remedies."""
+    said = describe(finding)
+    remedies = (f"   -> {remedy}" for remedy in said.remedies)
+    return [f"{finding.severity.name} {said.title}", *said.items, *remedies]
+
+
+def not_checked(evidence: Evidence, rules: Iterable[Rule]) -> list[str]:
+    """What could not be looked at, a line each, and an empty one before."""
+    wanted = {rule.id for rule in rules}
+    rows = [
+        f"Not checked: {one.rule} ({unchecked_text(one)})"
+        for one in unchecked(evidence)
+        if one.rule in wanted
+    ]
+    return ["", *rows] if rows else []
+
+
+def record(finding: Finding) -> dict[str, object]:
+    """A finding for JSON: in words, and as data."""
+    said = describe(finding)
+    return {
+        "rule": finding.rule,
+        "severity": finding.severity.name.lower(),
+        "text": said.title,
+        "items": [item.strip(" *") for item in said.items],
+        "remedies": list(said.remedies),
+        "subjects": [_subject(subject) for subject in finding.subjects()],
+        "values": _plain(finding.title),
+        "facts": [_plain(fact) for fact in finding.facts],
+        "actions": [
+            {**_plain(remedy), "text": remedy_text(remedy), "commands": commands(remedy)}
+            for remedy in finding.remedies
+        ],
+    }
+
+
+def _subject(subject: Subject) -> dict[str, object]:
+    known = {"kind": subject.kind, "name": subject.name, "pid": subject.pid}
+    return known | {"address": subject.address or None}
+
+
+def _plain(statement: Statement) -> dict[str, object]:
+    """The kind and the parts of a statement, subjects by their names."""
+
+    def plain(part: Part) -> object:
+        if isinstance(part, tuple):
+            return [str(one) for one in part]
+        return str(part) if isinstance(part, Subject) else part
+
+    return {"kind": statement.kind, **{name: plain(p) for name, p in statement.parts.items()}}
+
+
+def rule_record(rule: Rule) -> dict[str, object]:
+    """A rule for JSON."""
+    return {
+        "rule": rule.id,
+        "severity": rule.severity.name.lower(),
+        "explanation": rule.explanation,
+        "remedy": rule.remedy,
+    }
+
+
+def changes(before: Iterable[Finding], now: Iterable[Finding]) -> Iterator[tuple[str, Finding]]:
+    """The findings that "cleared", "appeared" or "changed" their subjects between two looks."""
+    known, found = ({_key(one): one for one in findings} for findings in (before, now))
+    for key, finding in known.items():
+        if key not in found:
+            yield "cleared", finding
+    for key, finding in found.items():
+        if key not in known:
+            yield "appeared", finding
+        elif _cases(finding) != _cases(known[key]):
+            yield "changed", finding
+
+
+def _key(finding: Finding) -> str:
+    return f"{finding.rule} {_without_numbers(describe(finding).title)}"
+
+
+def _cases(finding: Finding) -> set[str]:
+    """The items of a finding, without what is measured."""
+    return {_without_numbers(item.partition(": ")[0]) for item in describe(finding).items}
+
+
+def _without_numbers(said: str) -> str:
+    """A text without its numbers, which change from look to look; but with those of processes."""
+    return re.sub(r"(?<!pid )(?<![\w/.:])\d[\d.]*", "#", said)

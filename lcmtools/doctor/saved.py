@@ -1,0 +1,143 @@
+"""Evidence in a file: JSON with a version, to be judged again elsewhere.
+
+The fields of ``Evidence`` and of the values in it are written as they are called, but for those
+that have their default. Pure, but for reading and writing the file. Must not judge.
+"""
+
+import json
+import types
+from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import MISSING, Field, fields, is_dataclass
+from enum import Enum
+from functools import cache
+from pathlib import Path
+from typing import Any, Union, get_args, get_origin, get_type_hints
+
+from lcmtools.doctor.evidence import Evidence
+from lcmtools.errors import LcmtoolsError
+
+VERSION = 1
+"""Of the file's layout: greater by one when a reader of the one before would go wrong."""
+_KEY = "lcmtools_evidence"
+_MOST, _LEAST = (1 << 64) - 1, -(1 << 63)
+
+
+class _Misfit(Exception):  # noqa: N818 - never leaves this module
+    """A value in the file that does not fit."""
+
+
+def save(evidence: Evidence, file: Path) -> None:
+    """Write evidence to a file.
+
+    Raises:
+        LcmtoolsError: It cannot be written.
+    """
+    document = {_KEY: VERSION, "evidence": _plain(evidence)}
+    try:
+        file.write_text(f"{json.dumps(document, indent=1)}\n", encoding="ascii")
+    except OSError as error:
+        raise LcmtoolsError(f"cannot write {file}: {error.strerror}") from error
+
+
+def load(file: Path) -> Evidence:
+    """Read evidence from a file that ``save`` wrote.
+
+    Raises:
+        LcmtoolsError: It cannot be read, or is no such file.
+    """
+    try:
+        return parse(file.read_text(encoding="ascii"))
+    except OSError as error:
+        raise LcmtoolsError(f"cannot read {file}: {error.strerror}") from error
+    except (_Misfit, ValueError, RecursionError) as error:
+        why = error if isinstance(error, _Misfit) else "it is no JSON"
+        raise LcmtoolsError(f"{file} holds no evidence that wtf can judge: {why}") from error
+
+
+def parse(text: str) -> Evidence:
+    """The evidence in a file's text."""
+    document = json.loads(text)
+    version = document.get(_KEY) if isinstance(document, dict) else None
+    if version != VERSION:
+        kind = f"version {version}, not {VERSION}" if isinstance(version, int) else "other JSON"
+        raise _Misfit(f"it is {kind}")
+    found: Evidence = _value(document.get("evidence"), Evidence, "evidence")
+    return found
+
+
+def _plain(value: object) -> object:
+    if is_dataclass(value):
+        pairs = ((part, getattr(value, part.name)) for part in fields(value))
+        return {part.name: _plain(v) for part, v in pairs if v != _default(part)}
+    if isinstance(value, Enum):
+        return value.name
+    if isinstance(value, Mapping):
+        return {str(key): _plain(part) for key, part in value.items()}
+    if isinstance(value, AbstractSet):
+        return sorted(map(str, value))
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [_plain(part) for part in value]
+    return value
+
+
+def _default(part: Field[Any]) -> object:
+    return part.default_factory() if part.default_factory is not MISSING else part.default
+
+
+def _value(plain: Any, kind: Any, path: str) -> Any:
+    """The value of a type that a plain one stands for."""
+    origin, arguments = get_origin(kind), get_args(kind)
+    if origin in (Union, types.UnionType):  # as in ``float | None``
+        return None if plain is None else _value(plain, arguments[0], path)
+    if is_dataclass(kind):
+        return _object(plain, kind, path)
+    if isinstance(kind, type) and issubclass(kind, Enum):
+        _expect(isinstance(plain, str) and plain in kind.__members__, path)
+        return kind[plain]
+    if hasattr(kind, "_fields"):  # a named tuple
+        arguments = tuple(get_type_hints(kind).values())
+        return kind(*_several(plain, arguments, path))
+    if origin is Mapping:
+        _expect(isinstance(plain, dict) and all(k.isascii() and k.isdigit() for k in plain), path)
+        return {int(key): _value(part, arguments[1], path) for key, part in plain.items()}
+    if origin is AbstractSet:
+        return frozenset(_several(plain, (arguments[0], ...), path))
+    if origin in (tuple, Sequence):
+        several = arguments if origin is tuple else (arguments[0], ...)
+        return tuple(_several(plain, several, path))
+    _expect(isinstance(plain, (int, float) if kind is float else kind), path)
+    _expect(isinstance(plain, bool) == (kind is bool), path)
+    if kind in (int, float):
+        _expect(_LEAST <= plain <= _MOST, path)
+    return kind(plain)
+
+
+def _several(plain: Any, kinds: tuple[Any, ...], path: str) -> list[Any]:
+    """The values in a list: all of one type, or each of its own."""
+    _expect(isinstance(plain, list), path)
+    each = [kinds[0]] * len(plain) if kinds[-1] is ... else list(kinds)
+    _expect(len(each) == len(plain), path)
+    pairs = enumerate(zip(plain, each, strict=True))
+    return [_value(part, kind, f"{path}[{index}]") for index, (part, kind) in pairs]
+
+
+def _object(plain: Any, kind: Any, path: str) -> Any:
+    _expect(isinstance(plain, dict), path)
+    hints, needed = _hints(kind)
+    for name in plain:
+        _expect(name in hints, f"{path}.{name}")
+    for name in needed:
+        _expect(name in plain, f"{path}.{name}")
+    return kind(**{n: _value(part, hints[n], f"{path}.{n}") for n, part in plain.items()})
+
+
+@cache
+def _hints(kind: Any) -> tuple[dict[str, Any], list[str]]:
+    """The types of a dataclass's fields, and the names of those without a default."""
+    return get_type_hints(kind), [part.name for part in fields(kind) if _default(part) is MISSING]
+
+
+def _expect(holds: bool, path: str) -> None:  # noqa: FBT001 - an assertion
+    if not holds:
+        raise _Misfit(f"'{path[:80]}' is missing, unknown or wrong")

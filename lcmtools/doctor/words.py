@@ -1,0 +1,330 @@
+"""The sentences of findings: the one place where a finding, its facts and remedies become text.
+
+In a sentence, ``{name}`` is a part of the statement; backticks enclose a command that can be typed
+as it stands, and are not shown. Pure.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from string import Formatter
+from typing import Any
+
+from lcmtools.doctor.findings import Finding, Statement, Subject, Unchecked
+from lcmtools.observe.callbacks import duration_text
+
+TITLES = {
+    "bandwidth": "{interface} is too slow for the bus, which carries"
+    " {megabytes_per_second:.1f} MB/s:",
+    "boot": "Messages are stamped with the time since a start, and nothing publishes /clock:",
+    "bus": "The bus does not work: {problem}",
+    "clock-ahead": "The clock of {host} ({host.address}) is {seconds:time} ahead of this"
+    " computer's:",
+    "clock-behind": "The clock of {host} ({host.address}) is {seconds:time} behind this"
+    " computer's:",
+    "competing-publishers": "{count} programs publish on {topics:and} at the same time:",
+    "container": "This is a {container} with a network of its own, and no other computer is seen",
+    "covariance": "Covariances that are published are invalid:",
+    "duplicate-names": "{count} nodes have the name {name}:",
+    "environment": "The environment of this shell is not in order:",
+    "firewall": "The firewall {firewall} is enabled, and no other computer is seen",
+    "future": "Messages are stamped with a time to come:",
+    "igmp-querier": "The bridge {bridge} sends no IGMP queries, and no other computer is seen",
+    "interfaces": "The route to the bus leads to {interface}, but programs listen elsewhere:",
+    "irregular": "The following come unevenly:",
+    "kernel-drops": "The kernel dropped datagrams that the following did not read in time:",
+    "large-messages": "A message of {bytes} bytes does not come back: {problem}",
+    "long-names": "The following names are nearly as long as LCM can carry (63 bytes):",
+    "loopback-route": "ttl={ttl}, but the route to the bus leads to lo: no other computer"
+    " receives anything",
+    "loss": "Messages of the following senders were lost:",
+    "malformed": "The following senders put datagrams on the bus that are not LCM's:",
+    "mpudpm": "The following programs use mpudpm, which is not the udpm of this bus:",
+    "no-clock": "The following nodes use simulated time, and nothing publishes {topic}:",
+    "no-traffic": "There are no nodes on {bus}, and nothing came in {listened:g} s",
+    "not-finite": "Numbers that are published are not finite:",
+    "nsec": "Times that are published are invalid:",
+    "old": "Messages are stamped with a time long ago:",
+    "open-files": "The following programs have nearly as many files open as LCM can handle:",
+    "other-buses": "The following programs of yours are on other buses{topics:with}:",
+    "other-users": "Other users of this computer share this bus:",
+    "overloaded-simulator": "Simulated time passes at {ratio:.2f} of real time{target:not}:"
+    " the simulator has too much to do",
+    "quaternion": "Rotations that are published are invalid:",
+    "queue-drops": "The following nodes are too slow for the messages they receive:",
+    "reassembly": "{datagrams} datagrams came without some of their fragments",
+    "rp-filter": "rp_filter is strict on {interface}: it may drop other computers' messages",
+    "sending": "Messages cannot leave this computer: {problem}",
+    "silent": "The following have stopped publishing:",
+    "similar-names": "The following channels look like the same, and are not:",
+    "slow-callbacks": "The following callbacks take too long:",
+    "slow-rate": "The following have become slower:",
+    "slow-simulator": "Simulated time passes at {ratio:.2f} of real time{target:not}",
+    "small-buffer": "{topic} from {sender} has {bytes} bytes, too many for:",
+    "stale-nodes": "The following nodes do not answer any more:",
+    "stopped-programs": "The following programs are stopped, and send nothing:",
+    "stuck-listeners": "The following listen, but do not read:",
+    "ttl-0": "Other computers ({hosts:list}) cannot receive from the following (ttl=0):",
+    "ttl-far": "The following let routers forward their messages to other networks:",
+    "type-mismatch": "The types on {topic} do not match:",
+    "type-names-differ": "The types on {topic} have the same fields, but different names:",
+    "unconnected-publications": "The following node publications have no announced subscriber:",
+    "unconnected-subscriptions": "The following node subscriptions are unconnected:",
+    "undecodable": "Messages cannot be decoded:",
+    "unknown-type": "The types of the following are nearly known ones:",
+    "unusable-names": "The following channels have names that few programs can subscribe to:",
+}
+_PACE = "its callback takes {callback_time:time}, messages come every {interval:time}"
+_LOST = "{node} lost {lost} messages of {topic} (depth {depth})"
+_SENT = "{lost} of {sent} ({percent:.1f} %)"
+FACTS = {
+    "buffer": "{listener}: {buffer_bytes:holds}",
+    "busy-node": "{node} is in its callbacks {percent:.0f} % of the time, most in {busiest:work}",
+    "bytes-wait": "{listener}: {queued_bytes} bytes wait",
+    "channel": "{topic} from {sender}",
+    "dropped": "{listener}: {drops}, its buffer {buffer_bytes:holds}",
+    "dropped-by-busy-node": f"{_LOST}: its node is in {{busiest:work}} most of the time",
+    "dropped-by-queue": _LOST,
+    "dropped-in-bursts": f"{_LOST}: they come in bursts",
+    "dropped-long-call": f"{_LOST}: a call of its callback took {{seconds:time}}",
+    "dropped-slow-callback": f"{_LOST}: {_PACE}",
+    "dropped-without-spin": f"{_LOST}: no callback has run",
+    "expects": "{node} expects {types:or}",
+    "firewall-enabled": "the firewall {firewall} is enabled",
+    "gap": "{sender}: {topic}, {longest:.2f} s without a message, usually {usual:time}",
+    "in-container": "this is a {container}, which may not forward multicast",
+    "interface-down": "the interface {interface} is down",
+    "joined-on": "on {interface}",
+    "listens": "{listener} listens",
+    "lost-in-sender": f"{{sender:called}}: {_SENT} before they left it",
+    "lost-on-network": f"{{sender:called}}: {_SENT} on the network",
+    "more": "and {count} more",
+    "no-multicast-flag": "the interface {interface} has no multicast flag",
+    "node-pid": "{node} (pid {pid})",
+    "node-process": "pid {pid} on {host}: {command}",
+    "node-topics": "{node}:",
+    "odd-channel": "{topic:repr} from {sender}",
+    "oddity": "{topic} from {sender}: {text}{messages:count}",
+    "on-bus": "pid {process.pid} on {bus}{variable:brackets}: {process}",
+    "open-files": "pid {process.pid} has {open_files} of {most_files} files open: {process}",
+    "process": "{process} (pid {process.pid})",
+    "program": "{program}",
+    "publisher": "{sender}: {topic}",
+    "publishes": "{node} publishes {types:or}",
+    "sender-reason": "{sender}: {reason}",
+    "sends-with-ttl": "{sender} sends with ttl={ttl}",
+    "silent-node": "{publisher}: {topic}, {seconds:.0f} s ago, {rate:.3g} Hz before",
+    "silent-stream": "{publisher}: {topic}, {seconds:.1f} s ago, {rate:.3g} Hz before",
+    "slow-callback": f"{{node}}, {{topic}}: {_PACE}",
+    "slower": "{node}: {topic}, {rate:.3g} Hz in place of {usual:.3g} Hz",
+    "stale": "{node} (pid {pid}): {why}",
+    "stale-elsewhere": "{node} (pid {pid} on {host:at}): {why}",
+    "stopped": "{listener}: it is stopped",
+    "stream-bandwidth": "{topic} from {sender}: {megabytes_per_second:.2f} MB/s",
+    "switch-forgets": "if messages stop some minutes after a start, a switch has forgotten the"
+    " members of the group",
+    "text": "{text}",
+    "two-channels": "{topic} from {sender}, and {other_topic} from {other_sender}",
+    "user-programs": "{user}: {programs:list}",
+}
+_LCM_GEN = "generate the code of both sides from the same .lcm files: lcm-gen"
+REMEDIES = {
+    "allow-multicast": "`sudo ufw allow in proto udp to 224.0.0.0/4`",
+    "busiest-less": "let {busiest:work} of {node} do less, and never wait",
+    "callback-less": "let the callback of {topic} do less",
+    "callback-less-or-depth": "let the callback of {topic} do less, or give a greater queue depth",
+    "callback-less-or-rate": "let the callback of {topic} do less, or publish it every"
+    " {seconds:time} only",
+    "change-type": "{publisher} publishes {topic}, but as {type}, and {node} expects {expected}",
+    "compare-buses": "if it runs already, it is on another bus: compare LCM_DEFAULT_URL and"
+    " LCMTOOLS_DOMAIN in both shells",
+    "compare-clocks": "compare them: `chronyc tracking`, or `timedatectl timesync-status`",
+    "depth": "give the subscription of {topic} a greater queue depth",
+    "depth-1": "where only the newest message counts, subscribe with depth=1",
+    "drop-remap": "start {node} without {argument}",
+    "enable-querier": "`echo 1 | sudo tee /sys/class/net/{bridge}/bridge/multicast_querier`",
+    "end-one-or-remap": "end one of them{pids:kills}, or start it with {topic}:={topic}_2",
+    "end-one-or-rename": "end one of them{pids:kills}, or let it publish on another channel",
+    "end-or-rename": "end one of them, or start it with __name:={name}",
+    "export": "`export {variable}='{value}'`",
+    "host-network": "start the container with: --network host",
+    "inspect": "see what it does: `sudo py-spy dump --pid {pid}`, or `gdb -p {pid}`",
+    "look-at-firewall": "see whether a firewall drops large datagrams: `sudo nft list ruleset`",
+    "look-there": "see whether {host} is reached and the node runs: `lcmtools wtf`, typed there",
+    "macos-large-datagrams": "macOS: `sudo sysctl -w net.inet.udp.maxdgram=65535`",
+    "mend-bus": "{hint}",
+    "mirrored-network": "write networkingMode=mirrored under [wsl2] into"
+    " %UserProfile%\\.wslconfig",
+    "namespace": "start {node} with __ns:={namespace}",
+    "never-wait-or-depth": "let the callback of {topic} never wait, or give a greater queue depth",
+    "normalise": "no rotation is x=0, y=0, z=0, w=1; divide others by their length",
+    "own-domain": "use a bus of your own: `export LCMTOOLS_DOMAIN=1` (or another number up to"
+    " 232)",
+    "plain-name": "publish on a name of letters, digits, _ and / only",
+    "print-values": "print the values where the node computes them",
+    "remap": "start {node} with {old}:={new}",
+    "remap-one": "remap one of them to another topic, for example {topic}:={topic}_2",
+    "replace-remap": "start {node} with {old}:={new} in place of {argument}",
+    "republish": "let it publish on '{topic}'",
+    "restart": "restart them",
+    "restart-listeners": "start the listeners again, or let the route lead there:"
+    " `ip route show 224.0.0.0/4`",
+    "restart-or-forget": "start {node} again, or forget it: `lcmtools node cleanup`",
+    "route": "if they should: `sudo ip route replace 224.0.0.0/4 dev eth0` (with your interface)",
+    "same-lcm-files": _LCM_GEN,
+    "same-name": "publish both on the same name",
+    "same-type": "it works; declare the same type on both sides, so that all commands show the"
+    " same",
+    "send-elsewhere": "let them send elsewhere, or end them; their ports and programs:"
+    " `ss -uanp`",
+    "send-less": "send less or smaller messages; a large one is lost with any of its parts",
+    "set-clocks": "let both computers keep the time: `sudo timedatectl set-ntp true`",
+    "set-rate": "if that was not intended: `lcmtools sim set-rate {rate:g}`",
+    "shorter-name": "publish on a shorter name",
+    "simulate-less": "end programs that subscribe to cameras, or give it fewer robots",
+    "smaller-messages": "send smaller messages",
+    "spin": "let {node} spin: lcmtools.spin(node), or often spin_once",
+    "split-time": "sec, nsec = divmod(time.time_ns(), 1_000_000_000)",
+    "stamp-utc": "stamp with the time since 1970: time.time(), node.get_clock().now()",
+    "start-it-with-variable": "start it with {variable}='{value}'",
+    "start-simulator": "or start the simulator, for example: `lcmtools run sim`",
+    "start-something": "start something, for example: `lcmtools run talker`",
+    "start-with-variable": "start them with {variable}='{value}'",
+    "subscribe-to-pattern": "or subscribe to the pattern {pattern}",
+    "symmetric": "set [row, column] and [column, row] to the same, and no [row, row] below 0",
+    "sysctl": "`sudo sysctl -w {name}={value}`",
+    "ttl-1-is-enough": "ttl=1 is enough for the computers of one network",
+    "unknown-covariance": "where nothing is known, set the first number to -1",
+    "use-lcm-gen": "let the sender use lcm-gen's code, unchanged",
+    "use-server": "or join both by a server: LCM_DEFAULT_URL=tcpq://HOST:7700",
+    "use-sim-time": "where a simulator runs, start the node with _use_sim_time:=true",
+    "use-ttl-0": "keep what only this computer needs on a bus with ttl=0",
+    "use-ttl-1": "start them with ?ttl=1 in the URL, for example: {url}",
+    "wake-or-end": "wake it (`kill -CONT {pid}`) or end it (`kill {pid}`)",
+}
+REASONS = {
+    "no-subscriber": "{channel} of the same type has no subscriber",
+    "published": "{channel} is published",
+    "publishes": "{publisher} publishes {channel}",
+    "same-type": "{channel} is of the same type",
+    "subscribes": "{listener} subscribes to {channel}",
+}
+UNCHECKED = {
+    "bandwidth-unknown": "{interface} does not tell its speed",
+    "buffers-unknown": "this system does not tell how large the listeners' buffers are",
+    "hidden-programs": "programs of other users ({users:list}) are hidden from you: sudo lcmtools"
+    " wtf looks closer",
+    "no-senders": "{provider} does not let wtf see the senders, and what is missing",
+    "no-sockets": "this system does not tell what its sockets drop (it has no /proc/net/udp)",
+    "text": "{text}",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """A finding in words.
+
+    Attributes:
+        title: One line.
+        items: Lines below it, indented as they should appear.
+        remedies: What to type or change, one line each.
+    """
+
+    title: str
+    items: tuple[str, ...]
+    remedies: tuple[str, ...]
+
+
+def describe(finding: Finding) -> Description:
+    """Put a finding into words."""
+    return Description(
+        _fill(TITLES[finding.title.kind], finding.title.parts),
+        tuple(line for fact in finding.facts for line in _lines(fact)),
+        tuple(map(remedy_text, finding.remedies)),
+    )
+
+
+def remedy_text(remedy: Statement) -> str:
+    """A remedy in words, with its reason."""
+    text = _fill(REMEDIES[remedy.kind].replace("`", ""), remedy.parts)
+    parts = dict(remedy.parts)
+    if more := parts.get("or"):
+        text += f" (or {', '.join(f'__ns:={name}' for name in more)})"
+    if "or_publish_on" in parts:
+        text = f"let it publish on '{parts['or_publish_on']}', or {text}"
+    if "because" not in parts:
+        return text
+    if parts["because"] == "published" and remedy.kind == "republish":
+        parts["channel"] = f"'{parts['channel']}'"  # spaces may be the fault
+    by = f", by {parts['by']}" if "by" in parts else ""
+    return f"{_fill(REASONS[str(parts['because'])], parts)}{by}: {text}"
+
+
+def commands(remedy: Statement) -> list[str]:
+    """The commands in a remedy that can be typed as they stand."""
+    if remedy.kind == "mend-bus":
+        command = str(remedy.parts["hint"]).partition("type: ")[2]
+        return [command] if command else []
+    if "pids" in remedy.parts:
+        return [f"kill {pid}" for pid in remedy.parts["pids"]]
+    return [_fill(command, remedy.parts) for command in REMEDIES[remedy.kind].split("`")[1::2]]
+
+
+def unchecked_text(unchecked: Unchecked) -> str:
+    """The reason why something could not be looked at."""
+    return _fill(UNCHECKED[unchecked.reason.kind], unchecked.reason.parts)
+
+
+def _lines(fact: Statement) -> Iterator[str]:
+    yield f" * {_fact(fact)}"
+    if fact.kind == "node-topics":  # as roswtf lists them: a node, and its topics below it
+        yield from (f"   * {topic}" for topic in fact.subjects() if topic.kind == "topic")
+
+
+def _fact(fact: Statement) -> str:
+    if fact.kind == "sends":
+        return _fill("{sender} sends ", fact.parts) + _type(fact)
+    if fact.kind == "unknown-type":
+        return _fill("{topic} from {senders:and}: ", fact.parts) + _type(fact)
+    return _fill(FACTS[fact.kind], fact.parts)
+
+
+def _type(fact: Statement) -> str:
+    if "types" in fact.parts:
+        return _fill("{types:or}", fact.parts)
+    if "fingerprint" not in fact.parts:
+        return "data that is no LCM message"
+    near = ": like {like}, but {difference}" if "like" in fact.parts else ""
+    return _fill(f"an unknown type ({{fingerprint}}{near})", fact.parts)
+
+
+_SPECS: Mapping[str, Callable[[Any], str]] = {
+    "and": lambda values: " and ".join(map(str, values)),
+    "at": lambda host: f"{host} at {host.address}" if host.address else str(host),
+    "brackets": lambda text: f" ({text})" if text else "",
+    "called": lambda sender: (
+        str(sender) if str(sender) == sender.address else f"{sender} ({sender.address})"
+    ),
+    "count": lambda messages: f" ({messages} messages)" if messages > 1 else "",
+    "holds": lambda size: f"holds {size} bytes" if size else "is too small",
+    "kills": lambda pids: " " + " or ".join(f"(kill {pid})" for pid in pids) if pids else "",
+    "list": lambda values: ", ".join(map(str, values)),
+    "not": lambda target: f", not {target:g}" if target != 1 else "",
+    "or": lambda values: " or ".join(map(str, values)),
+    "repr": lambda value: repr(str(value)),
+    "time": lambda seconds: duration_text(seconds * 1e9),
+    "with": lambda topics: f", with {' and '.join(map(str, topics))}" if topics else "",
+    "work": lambda name: "the timers" if name == "timers" else f"the callback of {name}",
+}
+"""The ways to show a part that ``format`` does not have."""
+
+
+class _Sentence(Formatter):
+    def format_field(self, value: object, format_spec: str) -> str:
+        if isinstance(value, Subject) and not format_spec:
+            return value.name
+        special = _SPECS.get(format_spec)
+        return special(value) if special else str(super().format_field(value, format_spec))
+
+
+def _fill(sentence: str, parts: Mapping[str, object]) -> str:
+    return _Sentence().vformat(sentence, (), parts)
