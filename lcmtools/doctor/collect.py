@@ -5,17 +5,23 @@ import os
 import shlex
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
 from lcmtools.bus.listeners import listening_sockets
-from lcmtools.bus.processes import Process, UdpSocket, is_local, owners, senders_from, udp_sockets
+from lcmtools.bus.processes import Process, is_local
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.socket_diag import receive_buffers, selective_sockets
 from lcmtools.bus.url import BusUrl
-from lcmtools.doctor.computers import HostClock
-from lcmtools.doctor.elsewhere import with_topics
+from lcmtools.doctor.evidence import (
+    Evidence,
+    HostClock,
+    Listener,
+    SenderFacts,
+    SimulatedClock,
+    Stream,
+)
 from lcmtools.doctor.host import (
     busy_time,
     host,
@@ -26,13 +32,14 @@ from lcmtools.doctor.host import (
     waited_time,
 )
 from lcmtools.doctor.listening import Listening
-from lcmtools.doctor.model import Evidence, Listener, SenderFacts, SimClock
-from lcmtools.errors import BusError
+from lcmtools.doctor.other_buses import with_topics
+from lcmtools.errors import BusError, UsageError
 from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.graph.protocol import PERIOD
+from lcmtools.observe.losses import losses
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.programs import is_here, user_name
-from lcmtools.wire.packet import Sender
+from lcmtools.observe.senders import SenderNames, SocketTable
 
 _NAME_CHARACTERS = 60
 _CLOCK_SPAN = 0.3  # [s] of ticks that tell how fast simulated time is
@@ -51,47 +58,56 @@ def collect(url: BusUrl, environment: Mapping[str, str], listen: float) -> Evide
         return replace(evidence, bus_problem=error.what, bus_remedy=error.hint)
     stale = {node.id for node in evidence.graph.nodes if node.stale}
     records = NodeRecords(url, environment)
-    evidence = replace(
+    return replace(
         evidence,
-        hushed=records.topics(stale, Role.PUBLISHER),
-        deafened=records.topics(stale, Role.SUBSCRIBER),
+        stale_published=records.topics(stale, Role.PUBLISHER),
+        stale_subscribed=records.topics(stale, Role.SUBSCRIBER),
+        host=replace(here, reassembly_failures=reassembly_failures() - failures),
     )
-    failed = reassembly_failures() - failures
-    return replace(evidence, host=replace(here, reassembly_failures=failed))
+
+
+def unusable(error: UsageError) -> Evidence:
+    """The evidence where the environment names the bus wrongly."""
+    remedy = error.hint.replace("write 'udpm:", "export LCM_DEFAULT_URL='udpm:")
+    return Evidence(url="", bus_problem=error.what, bus_remedy=remedy)
 
 
 def _look(monitor: BusMonitor, evidence: Evidence, listen: float) -> Evidence:
     before = monitor.settle(foreign=False)
-    table, busy_before, start = _Table.read(monitor.url), _busy_nodes(before), time.monotonic()
+    table, on_bus = _sockets(monitor.url)
+    busy_before, start = _clock_busy(before), time.monotonic()
     waited_before = {one.pid: waited_time(one.pid) for one in table.holders.values()}
-    listening = Listening(lambda topic: monitor.graph().topic(topic).types)
+    listening = Listening(monitor.types_of)
     with contextlib.suppress(EOFError):  # a log has ended
         for packet in monitor.packets(listen):
-            listening.hear(packet)
+            listening.take(packet)
     after = _counted_again(monitor, listening, listen)
-    later, seconds = _Table.read(monitor.url), time.monotonic() - start
+    later, still_on_bus = _sockets(monitor.url)
+    seconds = time.monotonic() - start
     busy = {
         pid: (spent - busy_before.get(pid, spent)) / 1e9 / seconds
-        for pid, spent in _busy_nodes(after).items()
+        for pid, spent in _clock_busy(after).items()
     }
-    names = _Names(after, later)
+    names = _Names(monitor, listening, after, later)
+    ports = {sender.port for sender in monitor.tap.sequences} if monitor.tap else set()
+    processes = lcm_processes(monitor.url, later.rows.values(), later.holders, ports)
     return replace(
         evidence,
         before=before,
         graph=after,
         listened=listen,
-        malformed=_malformed(monitor, names),
+        malformed=names.malformed(monitor),
         own_drops=(monitor.tap.drops() if monitor.tap else None) or 0,
         senders=_senders(monitor, names),
-        streams=tuple(replace(s, pid=names.pid(s.sender)) for s in listening.streams(names.of)),
-        listeners=_listeners(table, later, names),
-        oddities=listening.oddities(names.of),
-        clock=_clock(listening, after, names, busy),
-        processes=with_topics(
-            lcm_processes(monitor.url, later.rows.values(), later.holders, _heard_ports(monitor)),
-            after,
+        streams=tuple(
+            replace(one, name=names.senders.name(one.sender), pid=names.pid(one))
+            for one in listening.streams()
         ),
-        waited=_longest_wait(waited_before),
+        listeners=_listeners(on_bus & still_on_bus, table, names),
+        oddities=listening.oddities(names.senders.name),
+        clock=_clock(listening, after, names, busy),
+        processes=with_topics(processes, after),
+        processor_wait=_longest_wait(waited_before),
         users={uid: user_name(uid) for uid in {row.uid for row in later.rows.values()}},
         clocks=_clocks(after),
         remote=frozenset(node.id for node in after.nodes if not is_here(node)),
@@ -99,133 +115,88 @@ def _look(monitor: BusMonitor, evidence: Evidence, listen: float) -> Evidence:
 
 
 def _counted_again(monitor: BusMonitor, listening: Listening, listen: float) -> Graph:
-    """The graph with the nodes' counters as they are at the end, where it was long enough."""
+    """The graph with the nodes' counters as they are at the end, where the look was long enough."""
     if listen >= PERIOD / 10:
         monitor.probe()
         with contextlib.suppress(EOFError):
             for packet in monitor.packets(0.05):
-                listening.hear(packet)
+                listening.take(packet)
     return monitor.graph()
 
 
-def _heard_ports(monitor: BusMonitor) -> set[int]:
-    """The ports that messages have come from."""
-    return {sender.port for sender in monitor.tap.sequences} if monitor.tap else set()
-
-
 def _longest_wait(before: Mapping[int, int]) -> float:
-    """How long any of the processes has waited for a processor since [s]."""
+    """The longest time that a process has waited for a processor since [s]."""
     own = os.getpid()
     waits = [waited_time(pid) - spent for pid, spent in before.items() if pid != own]
     return max(0, *waits, 0) / 1e9
 
 
-@dataclass(frozen=True, slots=True)
-class _Table:
-    """The UDP sockets of this computer at one time.
-
-    Attributes:
-        rows: By inode.
-        holders: The processes that this user may look into.
-        on_bus: Those that receive from the bus.
-    """
-
-    rows: Mapping[int, UdpSocket]
-    holders: Mapping[int, Process]
-    on_bus: frozenset[int]
-
-    @classmethod
-    def read(cls, url: BusUrl) -> "_Table":
-        if not url.is_multicast:
-            return cls({}, {}, frozenset())
-        rows = {row.inode: row for row in udp_sockets()}
-        return cls(rows, owners(rows), listening_sockets(url))
+def _sockets(url: BusUrl) -> tuple[SocketTable, frozenset[int]]:
+    """This computer's UDP sockets, and the inodes of those that receive from the bus."""
+    if not url.is_multicast:
+        return SocketTable({}, {}), frozenset()
+    return SocketTable.read(), listening_sockets(url)
 
 
 class _Names:
-    """What people call senders and processes."""
+    """The names of senders and processes, for people."""
 
-    def __init__(self, graph: Graph, table: _Table) -> None:
-        self._nodes = {sender: node for node in graph.nodes for sender in node.senders()}
-        self._table = table
-        self._by_pid: dict[int, list[Node]] = {}
+    def __init__(
+        self, monitor: BusMonitor, listening: Listening, graph: Graph, table: SocketTable
+    ) -> None:
+        self.table = table
+        self.by_pid: dict[int, list[Node]] = {}
         for node in graph.nodes:
             if is_here(node):
-                self._by_pid.setdefault(node.pid, []).append(node)
+                self.by_pid.setdefault(node.pid, []).append(node)
+        self.senders = SenderNames(lambda _: table, called=self.of_process)
+        seen = {one.sender for one in listening.streams()}
+        tap = monitor.tap
+        self.senders.learn(seen | set(tap.sequences) | set(tap.malformed) if tap else seen)
+        self.senders.learn((), graph.nodes)
 
-    def of(self, sender: Sender | None) -> str:
-        """A sender's node or program, else its address."""
-        if sender is None:
-            return "somebody"
-        node = self._nodes.get(sender)
-        if node:
-            return node.name
-        process = self.process(sender)
-        return f"{self.of_process(process)}" if process else str(sender)
-
-    def pid(self, sender: Sender | None) -> int | None:
+    def pid(self, stream: Stream) -> int | None:
         """A sender's process on this computer."""
-        node = self._nodes.get(sender) if sender else None
-        if node:
+        if node := self.senders.node(stream.sender):
             return node.pid if is_here(node) else None
-        process = self.process(sender) if sender else None
+        process = self.senders.process(stream.sender)
         return process.pid if process else None
-
-    def node(self, sender: Sender) -> Node | None:
-        """The node that sends from there."""
-        return self._nodes.get(sender)
-
-    def nodes_of(self, pid: int) -> list[Node]:
-        """The nodes of a process of this computer."""
-        return self._by_pid.get(pid, [])
-
-    def rows(self, sender: Sender) -> list[UdpSocket]:
-        """The sockets of this computer that a sender may be."""
-        if not is_local(sender.address):
-            return []
-        return [row for row in self._table.rows.values() if row.port == sender.port]
-
-    def process(self, sender: Sender) -> Process | None:
-        """A sender's process, where it can only be one."""
-        return senders_from(sender.port, self.rows(sender), self._table.holders).only
 
     def of_process(self, process: Process) -> str:
         """A process's nodes, or its command, with its number."""
-        nodes = self.nodes_of(process.pid)
+        nodes = self.by_pid.get(process.pid, [])
         called = ", ".join(node.name for node in nodes) or process.called(_NAME_CHARACTERS)
         return f"{called} (pid {process.pid})"
 
-
-def _malformed(monitor: BusMonitor, names: _Names) -> tuple[tuple[str, str], ...]:
-    found = monitor.tap.malformed if monitor.tap else {}
-    rows = []
-    for sender, reason in found.items():
-        process = names.process(sender)
-        who = f"{sender}, {names.of_process(process)}" if process else str(sender)
-        rows.append((who, reason))
-    return tuple(rows)
+    def malformed(self, monitor: BusMonitor) -> tuple[tuple[str, str], ...]:
+        """The senders of datagrams that are not LCM's, with the reason."""
+        found = monitor.tap.malformed if monitor.tap else {}
+        processes = ((s, self.senders.process(s), reason) for s, reason in found.items())
+        return tuple(
+            (f"{sender}, {self.of_process(process)}" if process else str(sender), reason)
+            for sender, process, reason in processes
+        )
 
 
 def _senders(monitor: BusMonitor, names: _Names) -> tuple[SenderFacts, ...]:
     tap = monitor.tap
     if tap is None:
         return ()
-    facts, numbered = [], tap.numbered
+    facts, lost = [], losses(monitor.numbered)
     for sender, sequence in tap.sequences.items():
         if sender.port == tap.port:
             continue
-        users = {row.uid for row in names.rows(sender)}
-        node = names.node(sender)
+        users = {row.uid for row in names.table.sockets(sender)}
         facts.append(
             SenderFacts(
                 sender,
-                names.of(sender),
+                names.senders.name(sender),
                 is_local=is_local(sender.address),
                 messages=sequence.messages,
-                lost=sequence.lost if sender in numbered else 0,
+                lost=lost[sender].lost if sender in lost else 0,
                 ttl=tap.ttls.get(sender),
                 uid=users.pop() if len(users) == 1 else None,
-                paces=node is not None,
+                paces=names.senders.node(sender) is not None,
             )
         )
     return tuple(facts)
@@ -243,17 +214,18 @@ def _clocks(graph: Graph) -> tuple[HostClock, ...]:
     )
 
 
-def _listeners(before: _Table, after: _Table, names: _Names) -> tuple[Listener, ...]:
-    buffers = receive_buffers()
+def _listeners(on_bus: frozenset[int], before: SocketTable, names: _Names) -> tuple[Listener, ...]:
+    buffers, after = receive_buffers(), names.table
     found = []
-    # of a mailbox the kernel's numbers tell nothing: its filter drops nearly all that comes
-    for inode in (before.on_bus & after.on_bus) - selective_sockets():
+    # the kernel's numbers mean nothing for a channel socket: its filter drops nearly everything
+    for inode in on_bus - selective_sockets():
         row, earlier = after.rows.get(inode), before.rows.get(inode)
         process = after.holders.get(inode)
         if row is None or earlier is None or (process and process.pid == os.getpid()):
             continue
         if process and never_reads(process.pid):
             continue
+        nodes = names.by_pid.get(process.pid, []) if process else []
         found.append(
             Listener(
                 names.of_process(process) if process else f"a program of user {row.uid}",
@@ -264,30 +236,29 @@ def _listeners(before: _Table, after: _Table, names: _Names) -> tuple[Listener, 
                 was_queued_bytes=earlier.queued_bytes,
                 buffer_bytes=buffers.get(inode),
                 state=state_of(process.pid) if process else "",
-                is_tool=process is not None and _is_tool(process, names),
-                is_node=process is not None and bool(names.nodes_of(process.pid)),
+                is_tool=process is not None and _is_tool(process, nodes),
+                is_node=bool(nodes),
             )
         )
     return tuple(sorted(found, key=lambda listener: (listener.pid or 0, listener.name)))
 
 
-def _is_tool(process: Process, names: _Names) -> bool:
-    """Whether a process is a command of lcmtools that looks, and whose filter drops on purpose."""
-    nodes = names.nodes_of(process.pid)
+def _is_tool(process: Process, nodes: Sequence[Node]) -> bool:
+    """Return whether a process is a command of lcmtools, whose filter drops on purpose."""
     if nodes:
         return all(node.tool for node in nodes)
     return any(Path(word).name == _TOOL for word in process.command.split()[:3])
 
 
-def _busy_nodes(graph: Graph) -> dict[int, int]:
-    """How long the local publishers of ``/clock`` have computed so far [ns]."""
+def _clock_busy(graph: Graph) -> dict[int, int]:
+    """The time that the local publishers of ``/clock`` have computed so far [ns]."""
     publishers = graph.topic("/clock").publishers
     return {node.pid: busy_time(node.pid) for node, _ in publishers if is_here(node)}
 
 
 def _clock(
     listening: Listening, graph: Graph, names: _Names, busy: Mapping[int, float]
-) -> SimClock | None:
+) -> SimulatedClock | None:
     ticks = listening.clock_ticks
     if len(ticks) < 2:  # noqa: PLR2004 - an interval
         return None
@@ -295,14 +266,14 @@ def _clock(
     if seconds < _CLOCK_SPAN or any(later[1] < earlier[1] for earlier, later in pairwise(ticks)):
         return None
     sender = listening.clock_sender
-    node = names.node(sender) if sender else None
+    node = names.senders.node(sender)
     if node is None:
-        found = [n for n, e in graph.topic("/clock").publishers if e.role is Role.PUBLISHER]
+        found = [n for n, _ in graph.topic("/clock").publishers]
         node = found[0] if len(found) == 1 else None
-    return SimClock(
-        names.of(sender),
+    return SimulatedClock(
+        names.senders.name(sender),
         _steady_ratio(ticks),
-        _wanted_rate(node.command) if node else 1.0,
+        _target_rate(node.command) if node else 1.0,
         busy.get(node.pid) if node and is_here(node) else None,
     )
 
@@ -314,7 +285,7 @@ def _steady_ratio(ticks: Sequence[tuple[int, int]]) -> float:
     return max((b[1] - a[1]) / max(1, b[0] - a[0]) for a, b in parts)
 
 
-def _wanted_rate(command: str) -> float | None:
+def _target_rate(command: str) -> float | None:
     """The --rate of a simulator's command line; 1 without, None where it says 0."""
     try:
         words = shlex.split(command.replace("--rate=", "--rate "))

@@ -17,9 +17,8 @@ from typing import Any
 
 from lcmtools.bus.processes import Process, UdpSocket, process_of, uses_lcm
 from lcmtools.bus.url import BusUrl, choose_url, misread_options
-from lcmtools.doctor.computers import Host
+from lcmtools.doctor.evidence import Host, LcmProcess
 from lcmtools.doctor.firewall import firewall
-from lcmtools.doctor.model import LcmProcess
 from lcmtools.doctor.self_test import LARGE_BYTES, large_problem, send_problem
 from lcmtools.errors import LcmtoolsError
 

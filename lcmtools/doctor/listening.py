@@ -1,21 +1,21 @@
-"""What wtf takes down of the messages that come while it listens.
+"""The evidence in the messages that come during the look.
 
-Packets in, evidence out. The time that looking into messages takes is limited, so that a busy bus
-is sampled; everything is counted.
+Packets in, evidence out. The time for looking into messages is limited, so that a busy bus is
+sampled; everything is counted.
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from lcmtools.clock import join_stamp
 from lcmtools.doctor.content import oddities
-from lcmtools.doctor.model import Oddity, Stream
-from lcmtools.errors import DecodeError, UnknownType
-from lcmtools.messages.codec import decode
+from lcmtools.doctor.evidence import Oddity, Stream
+from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.messages.header import stamp
-from lcmtools.messages.registry import Message, candidates, message_class
+from lcmtools.messages.registry import Message
 from lcmtools.names import is_hidden
+from lcmtools.observe.decoding import Decoder
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.wire.packet import Packet, Sender
 
@@ -45,11 +45,10 @@ class Listening:
         types_of: The announced types of a topic.
     """
 
-    def __init__(self, types_of: Callable[[str], tuple[str, ...]]) -> None:
-        self._types_of = types_of
+    def __init__(self, types_of: Callable[[str], Sequence[str]]) -> None:
+        self._decoder = Decoder(types_of)
         self._streams: dict[_Key, _Stream] = {}
         self._odd: dict[tuple[str, _Key, str], Oddity] = {}
-        self._classes: dict[tuple[str, int], type[Message] | None] = {}
         self._start = time.monotonic()
         self._spent = 0.0
         self.clock_ticks: list[tuple[int, int]] = []
@@ -57,8 +56,8 @@ class Listening:
         self.clock_sender: Sender | None = None
         self._clocks: set[Sender | None] = set()
 
-    def hear(self, packet: Packet) -> None:
-        """Take a message down."""
+    def take(self, packet: Packet) -> None:
+        """Take note of a message."""
         if is_hidden(packet.channel):
             return
         key = (packet.channel, packet.sender)
@@ -71,19 +70,22 @@ class Listening:
             stream.times.append(packet.time)
         stream.largest = max(stream.largest, packet.size)
         stream.bytes += packet.size
-        self._class(packet.channel, packet.fingerprint)  # to load it is not to look into it
+        try:
+            self._decoder.message_class(packet)  # to load a type is not to look into a message
+        except LcmtoolsError:
+            return  # its type is not known
         now = time.monotonic()
         if packet.channel == _CLOCK or self._spent <= _SHARE * (now - self._start) + 0.05:
             self._look_into(packet, key)
             self._spent += time.monotonic() - now
 
-    def streams(self, name: Callable[[Sender | None], str]) -> tuple[Stream, ...]:
-        """What came by channel and sender."""
+    def streams(self) -> tuple[Stream, ...]:
+        """The messages by channel and sender; the senders have no names yet."""
         return tuple(
             Stream(
                 channel,
                 sender,
-                name(sender),
+                "",
                 tuple(s.times),
                 s.largest,
                 s.bytes,
@@ -93,7 +95,7 @@ class Listening:
         )
 
     def oddities(self, name: Callable[[Sender | None], str]) -> tuple[Oddity, ...]:
-        """What was odd in the messages, each oddity once."""
+        """The oddities in the messages, each once."""
         return tuple(
             replace(odd, name=name(key[1]))
             for (kind, key, _), odd in self._odd.items()
@@ -102,14 +104,10 @@ class Listening:
         )
 
     def _look_into(self, packet: Packet, key: _Key) -> None:
-        number = packet.fingerprint
-        if number is None or packet.whole_bytes is not None or packet.size > _LARGEST:
-            return
-        cls = self._class(packet.channel, number)
-        if cls is None:
+        if packet.whole_bytes is not None or packet.size > _LARGEST:
             return
         try:
-            message = decode(cls, packet.payload)
+            message = self._decoder.decode(packet)
         except DecodeError as error:
             self._note("undecodable", key, str(error))
             return
@@ -147,17 +145,3 @@ class Listening:
             self._odd[place] = replace(known, count=known.count + 1)
         elif len(self._odd) < _MOST_ODDITIES:
             self._odd[place] = Oddity(kind, key[0], "", text)
-
-    def _class(self, channel: str, number: int | None) -> type[Message] | None:
-        if number is None:
-            return None
-        key = (channel, number)
-        if key not in self._classes:
-            names = candidates(number)
-            announced = self._types_of(channel)
-            meant = next((name for name in announced if name in names), next(iter(names), None))
-            try:
-                self._classes[key] = message_class(meant, number) if meant else None
-            except UnknownType:
-                self._classes[key] = None
-        return self._classes[key]

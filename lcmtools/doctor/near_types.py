@@ -97,9 +97,7 @@ def _retyped(part: Field) -> Iterator[Field]:
         yield from (replace(part, type=primitive) for primitive in others)
 
 
-def fingerprint_of(
-    parts: Iterable[Field], others: dict[type[Message], int] | None = None
-) -> int:
+def fingerprint_of(parts: Iterable[Field], others: dict[type[Message], int] | None = None) -> int:
     """The fingerprint of a type that has these fields.
 
     Args:

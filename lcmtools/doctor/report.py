@@ -4,10 +4,11 @@ Pure: findings in, lines and plain values out.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Part, Rule, Severity, Statement, Subject
+from lcmtools.doctor.rules import examine
 from lcmtools.doctor.rules.unchecked import unchecked
 from lcmtools.doctor.words import commands, describe, remedy_text, unchecked_text
 
@@ -42,6 +43,11 @@ def finding_text(finding: Finding) -> list[str]:
     return [f"{finding.severity.name} {said.title}", *said.items, *remedies]
 
 
+def cleared_text(finding: Finding) -> str:
+    """A line about a finding that is gone."""
+    return f"CLEARED {describe(finding).title}"
+
+
 def not_checked(evidence: Evidence, rules: Iterable[Rule]) -> list[str]:
     """What could not be looked at, a line each, and an empty one before."""
     wanted = {rule.id for rule in rules}
@@ -73,8 +79,8 @@ def record(finding: Finding) -> dict[str, object]:
 
 
 def _subject(subject: Subject) -> dict[str, object]:
-    known = {"kind": subject.kind, "name": subject.name, "pid": subject.pid}
-    return known | {"address": subject.address or None}
+    address = subject.address or None
+    return {"kind": subject.kind, "name": subject.name, "pid": subject.pid, "address": address}
 
 
 def _plain(statement: Statement) -> dict[str, object]:
@@ -96,6 +102,17 @@ def rule_record(rule: Rule) -> dict[str, object]:
         "explanation": rule.explanation,
         "remedy": rule.remedy,
     }
+
+
+def watch(
+    look: Callable[[], Evidence], rules: Sequence[Rule]
+) -> Iterator[list[tuple[str, Finding]]]:
+    """The changes from look to look, without end; at first everything that is found."""
+    known: list[Finding] = []
+    while True:
+        found = examine(look(), rules)
+        yield list(changes(known, found))
+        known = found
 
 
 def changes(before: Iterable[Finding], now: Iterable[Finding]) -> Iterator[tuple[str, Finding]]:

@@ -12,7 +12,7 @@ from dataclasses import MISSING, Field, fields, is_dataclass
 from enum import Enum
 from functools import cache
 from pathlib import Path
-from typing import Any, Union, get_args, get_origin, get_type_hints
+from typing import Any, TypeAlias, Union, get_args, get_origin, get_type_hints
 
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.errors import LcmtoolsError
@@ -21,6 +21,11 @@ VERSION = 1
 """Of the file's layout: greater by one when a reader of the one before would go wrong."""
 _KEY = "lcmtools_evidence"
 _MOST, _LEAST = (1 << 64) - 1, -(1 << 63)
+
+
+_Plain: TypeAlias = Any  # what JSON holds
+_Type: TypeAlias = Any  # a type as annotations have it
+_Made: TypeAlias = Any  # a value of such a type
 
 
 class _Misfit(Exception):  # noqa: N818 - never leaves this module
@@ -33,9 +38,8 @@ def save(evidence: Evidence, file: Path) -> None:
     Raises:
         LcmtoolsError: It cannot be written.
     """
-    document = {_KEY: VERSION, "evidence": _plain(evidence)}
     try:
-        file.write_text(f"{json.dumps(document, indent=1)}\n", encoding="ascii")
+        file.write_text(to_text(evidence), encoding="ascii")
     except OSError as error:
         raise LcmtoolsError(f"cannot write {file}: {error.strerror}") from error
 
@@ -47,7 +51,7 @@ def load(file: Path) -> Evidence:
         LcmtoolsError: It cannot be read, or is no such file.
     """
     try:
-        return parse(file.read_text(encoding="ascii"))
+        return from_text(file.read_text(encoding="ascii"))
     except OSError as error:
         raise LcmtoolsError(f"cannot read {file}: {error.strerror}") from error
     except (_Misfit, ValueError, RecursionError) as error:
@@ -55,8 +59,14 @@ def load(file: Path) -> Evidence:
         raise LcmtoolsError(f"{file} holds no evidence that wtf can judge: {why}") from error
 
 
-def parse(text: str) -> Evidence:
-    """The evidence in a file's text."""
+def to_text(evidence: Evidence) -> str:
+    """The text of a file that holds this evidence."""
+    document = {_KEY: VERSION, "evidence": _plain(evidence)}
+    return f"{json.dumps(document, separators=(',', ':'))}\n"
+
+
+def from_text(text: str) -> Evidence:
+    """The evidence in the text of a file."""
     document = json.loads(text)
     version = document.get(_KEY) if isinstance(document, dict) else None
     if version != VERSION:
@@ -85,35 +95,37 @@ def _default(part: Field[Any]) -> object:
     return part.default_factory() if part.default_factory is not MISSING else part.default
 
 
-def _value(plain: Any, kind: Any, path: str) -> Any:
+def _value(plain: _Plain, kind: _Type, path: str) -> _Made:
     """The value of a type that a plain one stands for."""
-    origin, arguments = get_origin(kind), get_args(kind)
+    origin: object = get_origin(kind)
     if origin in (Union, types.UnionType):  # as in ``float | None``
-        return None if plain is None else _value(plain, arguments[0], path)
-    if is_dataclass(kind):
-        return _object(plain, kind, path)
-    if isinstance(kind, type) and issubclass(kind, Enum):
-        _expect(isinstance(plain, str) and plain in kind.__members__, path)
-        return kind[plain]
+        return None if plain is None else _value(plain, get_args(kind)[0], path)
+    if origin is not None:
+        return _collection(plain, origin, get_args(kind), path)
     if hasattr(kind, "_fields"):  # a named tuple
-        arguments = tuple(get_type_hints(kind).values())
-        return kind(*_several(plain, arguments, path))
+        return kind(*_several(plain, tuple(get_type_hints(kind).values()), path))
+    return _object(plain, kind, path) if is_dataclass(kind) else _single(plain, kind, path)
+
+
+def _collection(plain: _Plain, origin: object, kinds: tuple[_Type, ...], path: str) -> _Made:
     if origin is Mapping:
         _expect(isinstance(plain, dict) and all(k.isascii() and k.isdigit() for k in plain), path)
-        return {int(key): _value(part, arguments[1], path) for key, part in plain.items()}
-    if origin is AbstractSet:
-        return frozenset(_several(plain, (arguments[0], ...), path))
-    if origin in (tuple, Sequence):
-        several = arguments if origin is tuple else (arguments[0], ...)
-        return tuple(_several(plain, several, path))
+        return {int(key): _value(part, kinds[1], path) for key, part in plain.items()}
+    values = _several(plain, kinds if origin is tuple else (kinds[0], ...), path)
+    return frozenset(values) if origin is AbstractSet else tuple(values)
+
+
+def _single(plain: _Plain, kind: _Type, path: str) -> _Made:
+    if issubclass(kind, Enum):
+        _expect(isinstance(plain, str) and plain in kind.__members__, path)
+        return kind[plain]
     _expect(isinstance(plain, (int, float) if kind is float else kind), path)
     _expect(isinstance(plain, bool) == (kind is bool), path)
-    if kind in (int, float):
-        _expect(_LEAST <= plain <= _MOST, path)
+    _expect(isinstance(plain, str) or _LEAST <= plain <= _MOST, path)
     return kind(plain)
 
 
-def _several(plain: Any, kinds: tuple[Any, ...], path: str) -> list[Any]:
+def _several(plain: _Plain, kinds: tuple[_Type, ...], path: str) -> list[_Made]:
     """The values in a list: all of one type, or each of its own."""
     _expect(isinstance(plain, list), path)
     each = [kinds[0]] * len(plain) if kinds[-1] is ... else list(kinds)
@@ -122,7 +134,7 @@ def _several(plain: Any, kinds: tuple[Any, ...], path: str) -> list[Any]:
     return [_value(part, kind, f"{path}[{index}]") for index, (part, kind) in pairs]
 
 
-def _object(plain: Any, kind: Any, path: str) -> Any:
+def _object(plain: _Plain, kind: _Type, path: str) -> _Made:
     _expect(isinstance(plain, dict), path)
     hints, needed = _hints(kind)
     for name in plain:
@@ -133,7 +145,7 @@ def _object(plain: Any, kind: Any, path: str) -> Any:
 
 
 @cache
-def _hints(kind: Any) -> tuple[dict[str, Any], list[str]]:
+def _hints(kind: _Type) -> tuple[dict[str, _Type], list[str]]:
     """The types of a dataclass's fields, and the names of those without a default."""
     return get_type_hints(kind), [part.name for part in fields(kind) if _default(part) is MISSING]
 

@@ -152,13 +152,11 @@ REMEDIES = {
     "look-there": "see whether {host} is reached and the node runs: `lcmtools wtf`, typed there",
     "macos-large-datagrams": "macOS: `sudo sysctl -w net.inet.udp.maxdgram=65535`",
     "mend-bus": "{hint}",
-    "mirrored-network": "write networkingMode=mirrored under [wsl2] into"
-    " %UserProfile%\\.wslconfig",
+    "mirrored-network": "write networkingMode=mirrored under [wsl2] into %UserProfile%\\.wslconfig",
     "namespace": "start {node} with __ns:={namespace}",
     "never-wait-or-depth": "let the callback of {topic} never wait, or give a greater queue depth",
     "normalise": "no rotation is x=0, y=0, z=0, w=1; divide others by their length",
-    "own-domain": "use a bus of your own: `export LCMTOOLS_DOMAIN=1` (or another number up to"
-    " 232)",
+    "own-domain": "use a bus of your own: `export LCMTOOLS_DOMAIN=1` (or another number up to 232)",
     "plain-name": "publish on a name of letters, digits, _ and / only",
     "print-values": "print the values where the node computes them",
     "remap": "start {node} with {old}:={new}",
@@ -174,8 +172,7 @@ REMEDIES = {
     "same-name": "publish both on the same name",
     "same-type": "it works; declare the same type on both sides, so that all commands show the"
     " same",
-    "send-elsewhere": "let them send elsewhere, or end them; their ports and programs:"
-    " `ss -uanp`",
+    "send-elsewhere": "let them send elsewhere, or end them; their ports and programs: `ss -uanp`",
     "send-less": "send less or smaller messages; a large one is lost with any of its parts",
     "set-clocks": "let both computers keep the time: `sudo timedatectl set-ntp true`",
     "set-rate": "if that was not intended: `lcmtools sim set-rate {rate:g}`",
@@ -246,7 +243,7 @@ def describe(finding: Finding) -> Description:
 def remedy_text(remedy: Statement) -> str:
     """A remedy in words, with its reason."""
     text = _fill(REMEDIES[remedy.kind].replace("`", ""), remedy.parts)
-    parts = dict(remedy.parts)
+    parts: dict[str, Any] = dict(remedy.parts)
     if more := parts.get("or"):
         text += f" (or {', '.join(f'__ns:={name}' for name in more)})"
     if "or_publish_on" in parts:
@@ -264,8 +261,9 @@ def commands(remedy: Statement) -> list[str]:
     if remedy.kind == "mend-bus":
         command = str(remedy.parts["hint"]).partition("type: ")[2]
         return [command] if command else []
-    if "pids" in remedy.parts:
-        return [f"kill {pid}" for pid in remedy.parts["pids"]]
+    pids = remedy.parts.get("pids")
+    if isinstance(pids, tuple):
+        return [f"kill {pid}" for pid in pids]
     return [_fill(command, remedy.parts) for command in REMEDIES[remedy.kind].split("`")[1::2]]
 
 

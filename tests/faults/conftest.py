@@ -69,6 +69,10 @@ class Found:
     text: str
     items: Sequence[str]
     remedies: Sequence[str]
+    subjects: Sequence[dict[str, Any]]
+    values: dict[str, Any]
+    facts: Sequence[dict[str, Any]]
+    actions: Sequence[dict[str, Any]]
 
     @property
     def everything(self) -> str:

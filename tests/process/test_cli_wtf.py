@@ -206,17 +206,26 @@ def test_empty_bus_is_a_warning(wtf: Callable[[], tuple[int, str]], bus_url: str
 
 
 def test_json_has_rule_severity_items_and_remedies(node: Callable[..., Any], lcmtools: Run) -> None:
-    node("listener")
+    listener = node("listener")
     result = lcmtools("wtf", "--json", "--wait", "0.2s", "--ignore", "other-buses")
     assert result.returncode == 1
     (finding,) = json.loads(result.stdout)
+    pid = finding["subjects"][0].pop("pid")
     assert finding == {
         "rule": "unconnected-subscriptions",
         "severity": "warning",
         "text": "The following node subscriptions are unconnected:",
         "items": ["/listener:", "/chatter"],
         "remedies": [],
+        "subjects": [
+            {"kind": "node", "name": "/listener", "address": finding["subjects"][0]["address"]},
+            {"kind": "topic", "name": "/chatter", "pid": None, "address": None},
+        ],
+        "values": {"kind": "unconnected-subscriptions"},
+        "facts": [{"kind": "node-topics", "node": "/listener", "topics": ["/chatter"]}],
+        "actions": [],
     }
+    assert pid == listener.pid
 
 
 def test_doctor_is_wtf(lcmtools: Run) -> None:
@@ -241,7 +250,7 @@ def test_only_one_rule_or_not_another(start_python: Callable[..., Any], lcmtools
     start_python(_NAN).wait_for("sends")
     result = lcmtools("wtf", "--wait", "0.3s", "--rule", "not-finite", "--rule", "loss")
     assert result.returncode == 1
-    assert "WARNING Numbers that are published are none:\n * /cmd from " in result.stdout
+    assert "WARNING Numbers that are published are not finite:\n * /cmd from " in result.stdout
     result = lcmtools("wtf", "--json", "--wait", "0.3s", "--ignore", "not-finite")
     assert "not-finite" not in result.stdout
 

@@ -219,9 +219,7 @@ def _share_of_others(earlier: Node, node: Node) -> float | None:
 def _busiest(earlier: Node, node: Node, but: Endpoint | None = None) -> str:
     """The topic or service whose callback took most of the time, or "timers"; "" for none."""
     spent = {
-        e.topic: e.busy - before.busy
-        for before, e in _pairs(earlier, node)
-        if e.busy > before.busy
+        e.topic: e.busy - before.busy for before, e in _pairs(earlier, node) if e.busy > before.busy
     }
     timers = node.busy - earlier.busy - sum(spent.values())
     if but is not None:

@@ -40,9 +40,7 @@ def names_are_good(evidence: Evidence) -> Iterator[Finding]:
     long = [c for c in senders if len(c.encode("utf-8", "surrogateescape")) >= _LONG_NAME]
     if long:
         remedies = [state("shorter-name")]
-        yield Finding(
-            state("long-names"), facts(long, "channel"), tuple(remedies), Severity.NOTE
-        )
+        yield Finding(state("long-names"), facts(long, "channel"), tuple(remedies), Severity.NOTE)
     pairs = [(a, b) for a, b in combinations(sorted(senders), 2) if _look_alike(a, b)]
     if pairs:
         alike = (
@@ -55,9 +53,7 @@ def names_are_good(evidence: Evidence) -> Iterator[Finding]:
             )
             for a, b in pairs
         )
-        yield Finding(
-            state("similar-names"), tuple(alike), (state("same-name"),), Severity.NOTE
-        )
+        yield Finding(state("similar-names"), tuple(alike), (state("same-name"),), Severity.NOTE)
 
 
 def _matches_itself(channel: str) -> bool:

@@ -56,9 +56,7 @@ def listeners_read(evidence: Evidence) -> Iterator[Finding]:
         for x in stuck:
             is_stopped = x.state in _STOPPED
             kind = "stopped" if is_stopped else "bytes-wait"
-            facts.append(
-                state(kind, listener=Subject.listener(x), queued_bytes=x.queued_bytes)
-            )
+            facts.append(state(kind, listener=Subject.listener(x), queued_bytes=x.queued_bytes))
             if x.pid:
                 remedies.append(state("wake-or-end" if is_stopped else "inspect", pid=x.pid))
         yield Finding(state("stuck-listeners"), tuple(facts), tuple(remedies))
@@ -136,9 +134,7 @@ def strict_filters_are_off(evidence: Evidence) -> Iterator[Finding]:
     if evidence.ttl and host.rp_filter == 1 and host.others:
         interface = Subject("interface", host.interface or "all interfaces")
         remedy = state("sysctl", name="net.ipv4.conf.all.rp_filter", value=2)
-        yield Finding(
-            state("rp-filter", interface=interface), (), (remedy,), Severity.NOTE
-        )
+        yield Finding(state("rp-filter", interface=interface), (), (remedy,), Severity.NOTE)
 
 
 @rule("firewall", Severity.NOTE, "sudo ufw allow in proto udp to 224.0.0.0/4")

@@ -11,6 +11,7 @@ from lcmtools.doctor.rules.callbacks import busy_nodes
 from lcmtools.doctor.rules.types import disagree
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
+from lcmtools.observe.losses import Loss
 from lcmtools.observe.rates import average_rate, counted_rate
 
 _SHARED = frozenset({"/rosout", "/tf", "/tf_static", "/diagnostics"})
@@ -42,16 +43,14 @@ def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
                 sender=Subject.sender(s),
                 lost=s.lost,
                 sent=s.lost + s.messages,
-                percent=100 * s.lost / (s.lost + s.messages),
+                percent=100 * Loss(s.lost, s.lost + s.messages).share,
             )
             for s in sorted(lossy, key=lambda one: -one.lost)
         )
         yield Finding(state("loss"), tuple(facts), (state("send-less"),))
 
 
-@rule(
-    "silent", Severity.WARNING, "look at the node's log, and whether its inputs still arrive"
-)
+@rule("silent", Severity.WARNING, "look at the node's log, and whether its inputs still arrive")
 def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
     """Publishers that published often still do.
 
@@ -254,8 +253,11 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     overloaded = clock.busy is not None and clock.busy > _BUSY
     remedy = state("simulate-less") if overloaded else state("set-rate", rate=clock.target)
     yield Finding(
-        state("overloaded-simulator" if overloaded else "slow-simulator", ratio=clock.ratio,
-              target=clock.target),
+        state(
+            "overloaded-simulator" if overloaded else "slow-simulator",
+            ratio=clock.ratio,
+            target=clock.target,
+        ),
         (state("program", program=Subject.named(clock.name)),),
         (remedy,),
         Severity.WARNING if overloaded else Severity.NOTE,

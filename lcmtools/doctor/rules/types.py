@@ -51,9 +51,7 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
         senders = tuple(_sender(seen, names) for seen in topic.foreign)
         if nearest_type(number):
             subject = Subject.topic(name)
-            facts.append(
-                state("unknown-type", topic=subject, senders=senders, **_type(number, ()))
-            )
+            facts.append(state("unknown-type", topic=subject, senders=senders, **_type(number, ())))
     if facts:
         yield Finding(
             state("unknown-type"), tuple(facts), (state("same-lcm-files"),), Severity.NOTE

@@ -27,9 +27,7 @@ def _of_sockets(evidence: Evidence) -> Iterator[Unchecked]:
         return
     hidden = {listener.uid for listener in evidence.listeners if listener.pid is None} - {own}
     if hidden and own != _ROOT:
-        users = tuple(
-            Subject("user", evidence.users.get(uid, str(uid))) for uid in sorted(hidden)
-        )
+        users = tuple(Subject("user", evidence.users.get(uid, str(uid))) for uid in sorted(hidden))
         yield Unchecked("stuck-listeners", state("hidden-programs", users=users))
     if any(listener.buffer_bytes is None for listener in evidence.listeners):
         yield Unchecked("small-buffer", state("buffers-unknown"))

@@ -3,8 +3,10 @@
 from dataclasses import replace
 
 import pytest
+from fixtures.judging import Judged, judge
 
-from lcmtools.doctor.model import Evidence, Finding, Severity
+from lcmtools.doctor.evidence import Evidence
+from lcmtools.doctor.findings import Severity
 from lcmtools.doctor.rules import callbacks
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
 
@@ -42,22 +44,21 @@ def look(*pairs: tuple[Endpoint, Endpoint], timers: int = 0, **values: object) -
     return Evidence("udpm://x", before=Graph((node,)), graph=Graph((now,)), listened=1.0)
 
 
-def dropped(evidence: Evidence) -> Finding:
-    (finding,) = callbacks.queues_have_room.check(evidence)
-    assert not list(callbacks.callbacks_are_quick.check(evidence))  # it is said once
+def dropped(evidence: Evidence) -> Judged:
+    (finding,) = judge(evidence, [callbacks.queues_have_room])
+    assert not judge(evidence, [callbacks.callbacks_are_quick])  # it is said once
     return finding
 
 
-def slow(evidence: Evidence) -> Finding:
-    (finding,) = callbacks.callbacks_are_quick.check(evidence)
-    assert not list(callbacks.queues_have_room.check(evidence))
+def slow(evidence: Evidence) -> Judged:
+    (finding,) = judge(evidence, [callbacks.callbacks_are_quick])
+    assert not judge(evidence, [callbacks.queues_have_room])
     assert finding.severity is Severity.WARNING
     return finding
 
 
 def silent(evidence: Evidence) -> bool:
-    rules = (callbacks.queues_have_room, callbacks.callbacks_are_quick)
-    return not any(list(rule.check(evidence)) for rule in rules)
+    return not judge(evidence, [callbacks.queues_have_room, callbacks.callbacks_are_quick])
 
 
 def test_a_quick_callback_is_no_finding() -> None:
@@ -203,14 +204,14 @@ def test_commands_and_stale_nodes_are_others_business(values: dict[str, object])
 def test_who_had_to_wait_for_a_processor_is_not_to_blame() -> None:
     scan = ear()
     evidence = look((scan, later(scan, rate=10, calls=10, busy=980 * MS)))
-    assert not silent(replace(evidence, waited=0.2))
-    assert silent(replace(evidence, waited=0.4))
+    assert not silent(replace(evidence, processor_wait=0.2))
+    assert silent(replace(evidence, processor_wait=0.4))
     hard = look((scan, later(scan, rate=20, calls=5, busy=900 * MS)))
-    assert not silent(replace(hard, waited=0.4))  # it would be too slow anyway
+    assert not silent(replace(hard, processor_wait=0.4))  # it would be too slow anyway
 
 
 def test_timers_are_blamed_on_a_busy_computer_only_where_they_never_pause() -> None:
     scan = ear()
     pair = (scan, later(scan, rate=1, calls=1, busy=MS))
-    assert silent(replace(look(pair, timers=970 * MS), waited=0.4))
-    assert not silent(replace(look(pair, timers=SECOND), waited=0.4))
+    assert silent(replace(look(pair, timers=970 * MS), processor_wait=0.4))
+    assert not silent(replace(look(pair, timers=SECOND), processor_wait=0.4))

@@ -6,10 +6,9 @@ import pytest
 
 from lcmtools.doctor.content import _field, oddities
 from lcmtools.doctor.listening import Listening
-from lcmtools.doctor.near_types import kinship
 from lcmtools.messages.codec import encode
 from lcmtools.messages.fields import Field
-from lcmtools.messages.registry import Message, fingerprint, message_class, type_names
+from lcmtools.messages.registry import Message, message_class, type_names
 from lcmtools.types.geometry_msgs import PoseStamped, Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock
@@ -105,15 +104,15 @@ def test_covariances_are_symmetric_with_variances_that_are_not_negative() -> Non
     assert list(oddities(message)) == [("covariance", "pose.covariance[7], a variance, is -2")]
 
 
-@pytest.mark.parametrize("name", type_names())
-def test_every_type_can_be_looked_into(name: str) -> None:
-    assert len(list(oddities(message_class(name)()))) < 100
+def test_every_type_can_be_looked_into() -> None:
+    for name in type_names():
+        assert len(list(oddities(message_class(name)()))) < 100, name
 
 
 def heard(*messages: tuple[str, Message], time: int = NOW) -> list[tuple[str, str, int]]:
     listening = Listening(lambda _: ())
     for channel, message in messages:
-        listening.hear(Packet(channel, encode(message), time, ALICE))
+        listening.take(Packet(channel, encode(message), time, ALICE))
     return [(odd.kind, odd.text, odd.count) for odd in listening.oddities(str)]
 
 
@@ -150,34 +149,6 @@ def test_simulated_stamps_are_judged_by_the_clock_and_only_by_it() -> None:
 def test_what_cannot_be_decoded_is_odd_once() -> None:
     listening = Listening(lambda _: ())
     for _ in range(3):
-        listening.hear(Packet("/a", encode(String())[:-3], NOW, ALICE))
+        listening.take(Packet("/a", encode(String())[:-3], NOW, ALICE))
     (odd,) = listening.oddities(str)
     assert (odd.kind, odd.count) == ("undecodable", 3)
-
-
-def test_an_unknown_type_that_is_nearly_a_known_one_is_recognised() -> None:
-    from lcmtools.doctor.near_types import fingerprint_of
-    from lcmtools.messages.fields import fields
-
-    own = fields(Odometry)
-    assert fingerprint_of(own) == fingerprint(Odometry)
-    without = tuple(field for field in own if field.name != "child_frame_id")
-    text = kinship(fingerprint_of(without))
-    assert text == "like nav_msgs/Odometry, but without the field child_frame_id"
-    assert kinship(0x1234567812345678) == ""
-
-
-@pytest.mark.parametrize("name", type_names())
-def test_fingerprints_are_computed_as_lcm_gen_does(name: str) -> None:
-    from lcmtools.doctor.near_types import fingerprint_of
-    from lcmtools.messages.fields import fields
-
-    cls = message_class(name)
-    assert fingerprint_of(fields(cls)) == fingerprint(cls)
-
-
-def test_a_type_is_known_again_by_what_it_contains() -> None:
-    """As lcm-gen makes it of Twist where Vector3 has floats (tried with lcm-gen 1.5.3)."""
-    text = kinship(0xC52A118464E2BC0F, ["geometry_msgs/Twist"])
-    expected = "like geometry_msgs/Twist, but in geometry_msgs/Vector3 every float64 is float32"
-    assert text == expected

@@ -3,20 +3,20 @@
 from dataclasses import replace
 
 import pytest
+from fixtures.judging import Judged, judge
 
-from lcmtools.doctor.computers import Host
-from lcmtools.doctor.model import (
+from lcmtools.doctor.evidence import (
     Evidence,
-    Finding,
+    Host,
     LcmProcess,
     Listener,
     Oddity,
     SenderFacts,
-    Severity,
-    SimClock,
+    SimulatedClock,
     Stream,
 )
-from lcmtools.doctor.rules import RULES, examine
+from lcmtools.doctor.findings import Severity
+from lcmtools.doctor.rules import RULES
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
 from lcmtools.wire.packet import Sender
 
@@ -40,12 +40,12 @@ def stream(channel: str, rate: float, count: int = 100, **values: object) -> Str
     return Stream(channel, **known)  # type: ignore[arg-type]
 
 
-def found(evidence: Evidence) -> dict[str, Finding]:
-    return {finding.rule: finding for finding in examine(evidence)}
+def found(evidence: Evidence) -> dict[str, Judged]:
+    return {finding.rule: finding for finding in judge(evidence)}
 
 
-def only(evidence: Evidence) -> Finding:
-    (finding,) = examine(evidence)
+def only(evidence: Evidence) -> Judged:
+    (finding,) = judge(evidence)
     return finding
 
 
@@ -53,7 +53,7 @@ def test_a_healthy_bus_is_no_finding() -> None:
     streams = (stream("A", 100), stream("B", 1, 5))
     senders = (SenderFacts(ALICE, "alice", messages=100, ttl=0, uid=1000),)
     listeners = (Listener("bob (pid 2)", 2, 1000, queued_bytes=800, buffer_bytes=212992),)
-    clock = SimClock("/morse", 0.99, busy=0.4)
+    clock = SimulatedClock("/morse", 0.99, busy=0.4)
     evidence = replace(HEALTHY, streams=streams, senders=senders, listeners=listeners, clock=clock)
     assert found(evidence) == {}
 
@@ -237,22 +237,22 @@ def test_a_full_queue_names_node_topic_and_depth() -> None:
 @pytest.mark.parametrize(
     ("clock", "severity"),
     [
-        (SimClock("/morse", 0.5, busy=0.99), Severity.WARNING),
-        (SimClock("/morse", 0.5, busy=0.3), Severity.NOTE),
-        (SimClock("/morse", 0.5, wanted=0.5), None),
-        (SimClock("/morse", 3.0, wanted=4.0, busy=1.0), Severity.WARNING),
-        (SimClock("/morse", 40.0, wanted=None, busy=1.0), None),
-        (SimClock("/morse", 0.0, busy=0.1), None),
+        (SimulatedClock("/morse", 0.5, busy=0.99), Severity.WARNING),
+        (SimulatedClock("/morse", 0.5, busy=0.3), Severity.NOTE),
+        (SimulatedClock("/morse", 0.5, target=0.5), None),
+        (SimulatedClock("/morse", 3.0, target=4.0, busy=1.0), Severity.WARNING),
+        (SimulatedClock("/morse", 40.0, target=None, busy=1.0), None),
+        (SimulatedClock("/morse", 0.0, busy=0.1), None),
     ],
 )
-def test_a_simulator_that_is_too_slow(clock: SimClock, severity: Severity | None) -> None:
+def test_a_simulator_that_is_too_slow(clock: SimulatedClock, severity: Severity | None) -> None:
     finding = found(replace(HEALTHY, clock=clock)).get("slow-simulator")
     assert (finding.severity if finding else None) is severity
 
 
 def test_names_that_few_can_use_and_names_that_look_alike() -> None:
     streams = (stream("\udcff", 1, 3), stream("POSE", 1, 3), stream("Pose", 1, 3))
-    findings = [f for f in examine(replace(HEALTHY, streams=streams)) if f.rule == "names"]
+    findings = [f for f in judge(replace(HEALTHY, streams=streams)) if f.rule == "names"]
     assert [finding.severity for finding in findings] == [Severity.WARNING, Severity.NOTE]
     assert findings[1].items == (" * POSE from alice, and Pose from alice",)
     long = found(replace(HEALTHY, streams=(stream("a" * 61, 1, 3),)))["names"]
@@ -271,7 +271,7 @@ def test_ttl_0_where_other_computers_take_part() -> None:
     )
     finding = only(replace(HEALTHY, senders=senders))
     assert finding.rule == "ttl"
-    assert finding.text == "Other computers (10.0.0.2) cannot hear the following (ttl=0):"
+    assert finding.text == "Other computers (10.0.0.2) cannot receive from the following (ttl=0):"
     assert finding.items == (" * /talker",)
 
 
@@ -363,7 +363,7 @@ def test_what_a_nodes_filter_drops_is_no_slowness() -> None:
 
 
 def test_a_stream_that_nobody_has_subscribed_to_may_rest() -> None:
-    def rules(*nodes: Node) -> dict[str, Finding]:
+    def rules(*nodes: Node) -> dict[str, Judged]:
         times = tuple(NOW - (5 if n < 50 else 1) * SECOND + n for n in range(100))
         resting = stream("/imu", 1, times=times)
         return found(replace(HEALTHY, streams=(resting,), graph=Graph(nodes, time=NOW)))

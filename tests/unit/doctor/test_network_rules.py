@@ -3,12 +3,13 @@
 from dataclasses import replace
 
 import pytest
+from fixtures.judging import Judged, judge
 
-from lcmtools.doctor.computers import Host, HostClock
+from lcmtools.doctor.evidence import Evidence, Host, HostClock, Listener, Oddity, SenderFacts
+from lcmtools.doctor.findings import Severity
 from lcmtools.doctor.firewall import refuses
-from lcmtools.doctor.model import Evidence, Finding, Listener, Oddity, SenderFacts, Severity
-from lcmtools.doctor.rules import examine
-from lcmtools.doctor.unchecked import unchecked
+from lcmtools.doctor.rules.unchecked import unchecked
+from lcmtools.doctor.words import unchecked_text
 from lcmtools.graph.model import Graph, Traffic
 from lcmtools.wire.packet import Sender
 
@@ -24,8 +25,8 @@ OUTGOING = Evidence(
 LOCAL = replace(OUTGOING, url="udpm://239.255.76.67:7667?ttl=0", ttl=0)
 
 
-def found(evidence: Evidence) -> dict[str, Finding]:
-    return {finding.rule: finding for finding in examine(evidence)}
+def found(evidence: Evidence) -> dict[str, Judged]:
+    return {finding.rule: finding for finding in judge(evidence)}
 
 
 def on(evidence: Evidence, **values: object) -> Evidence:
@@ -84,7 +85,7 @@ def test_what_may_keep_others_away_is_a_note_while_nobody_is_heard(
     values: dict[str, object], rule: str
 ) -> None:
     assert found(on(LOCAL, **values)) == {}
-    (finding,) = examine(on(OUTGOING, **values))
+    (finding,) = judge(on(OUTGOING, **values))
     assert (finding.rule, finding.severity) == (rule, Severity.NOTE)
     assert finding.remedies
     heard = on(replace(OUTGOING, senders=(REMOTE,)), **values)
@@ -96,7 +97,7 @@ def test_a_container_in_the_computers_own_network_is_none() -> None:
 
 
 def test_a_bridge_is_given_its_querier() -> None:
-    (finding,) = examine(on(OUTGOING, bridge="br0"))
+    (finding,) = judge(on(OUTGOING, bridge="br0"))
     assert finding.remedies == ("echo 1 | sudo tee /sys/class/net/br0/bridge/multicast_querier",)
 
 
@@ -164,7 +165,7 @@ def test_rules_of_a_firewall_are_read(rules: str, *, does: bool) -> None:
 
 
 def _reasons(evidence: Evidence) -> dict[str, str]:
-    return {one.rule: one.why for one in unchecked(evidence)}
+    return {one.rule: unchecked_text(one) for one in unchecked(evidence)}
 
 
 def test_on_a_usual_bus_everything_is_checked() -> None:

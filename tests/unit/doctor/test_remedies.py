@@ -3,10 +3,10 @@
 from dataclasses import replace
 
 import pytest
+from fixtures.judging import judge
 
-from lcmtools.doctor.model import Evidence, Stream
-from lcmtools.doctor.near_names import are_near
-from lcmtools.doctor.rules import examine
+from lcmtools.doctor.evidence import Evidence, Stream
+from lcmtools.doctor.renaming import are_near
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
 from lcmtools.wire.packet import Sender
 
@@ -20,7 +20,7 @@ def node(name: str, role: Role, topic: str, command: str = "") -> Node:
 
 def remedies(publisher: Node, subscriber: Node) -> tuple[str, ...]:
     evidence = Evidence("udpm://", graph=Graph((publisher, subscriber)))
-    found = {finding.rule: finding for finding in examine(evidence)}
+    found = {finding.rule: finding for finding in judge(evidence)}
     return found["unconnected-subscriptions"].remedies
 
 
@@ -95,7 +95,7 @@ def test_a_remap_the_wrong_way_round_is_turned() -> None:
     simulator = node("/gazebo", Role.SUBSCRIBER, "/cmd_vel")
     assert remedies(publisher, simulator) == (
         (
-            "nobody hears /speed of the same type: start /pilot with speed:=cmd_vel"
+            "/speed of the same type has no subscriber: start /pilot with speed:=cmd_vel"
             " in place of cmd_vel:=speed"
         ),
     )
@@ -116,7 +116,7 @@ def test_what_a_remedy_connects_is_no_unconnected_publication() -> None:
             node("/driver", Role.SUBSCRIBER, "/cmd_vel"),
         )
     )
-    rules = [finding.rule for finding in examine(Evidence("udpm://", graph=graph))]
+    rules = [finding.rule for finding in judge(Evidence("udpm://", graph=graph))]
     assert "unconnected-publications" not in rules
 
 
@@ -185,5 +185,5 @@ def test_a_program_that_is_no_node_is_told_where_to_publish(channel: str, remedy
     ear = node("/gazebo", Role.SUBSCRIBER, "/husky0/cmd_vel")
     streams = (Stream(channel, sender, "sender", (1, 2)),)
     evidence = Evidence("udpm://", graph=Graph((ear,), (traffic,)), streams=streams)
-    found = {finding.rule: finding for finding in examine(evidence)}
+    found = {finding.rule: finding for finding in judge(evidence)}
     assert found["unconnected-subscriptions"].remedies == (remedy,)

@@ -4,9 +4,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
+from fixtures.judging import Judged, judge
 
-from lcmtools.doctor.model import Evidence, Finding, Severity
-from lcmtools.doctor.rules import RULES, examine
+from lcmtools.doctor.evidence import Evidence
+from lcmtools.doctor.findings import Severity
+from lcmtools.doctor.rules import RULES
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.messages.registry import fingerprint, message_class
 from lcmtools.wire.packet import Sender
@@ -49,9 +51,9 @@ def node(
     )
 
 
-def findings(*nodes: Node, traffic: Sequence[Traffic] = ()) -> dict[str, Finding]:
+def findings(*nodes: Node, traffic: Sequence[Traffic] = ()) -> dict[str, Judged]:
     graph = Graph(tuple(nodes), tuple(traffic))
-    return {f.rule: f for f in examine(Evidence(url="udpm://x", graph=graph, listened=1.0))}
+    return {f.rule: f for f in judge(Evidence(url="udpm://x", graph=graph, listened=1.0))}
 
 
 def morse() -> Node:
@@ -102,7 +104,7 @@ def test_an_unheard_output_of_the_right_type_suggests_a_remap() -> None:
     finding = findings(morse(), controller("/husky0"))["unconnected-subscriptions"]
     assert finding.remedies == (
         (
-            "nobody hears /husky0/controlled_velocity of the same type: start"
+            "/husky0/controlled_velocity of the same type has no subscriber: start"
             " /husky0/simple_controller with controlled_velocity:=velocity_cmd"
         ),
     )
@@ -244,7 +246,7 @@ def test_stale_nodes_are_an_error(stale: Staleness, remedy: str) -> None:
 def test_of_a_stale_node_elsewhere_no_process_of_this_computer_is_meant() -> None:
     far = replace(node("/talker", pid=7, stale=Staleness.SILENT), sender=Sender("10.0.0.2", 40000))
     evidence = Evidence(url="udpm://x", graph=Graph((far,)), remote=frozenset({far.id}))
-    (finding,) = [found for found in examine(evidence) if found.rule == "stale-nodes"]
+    (finding,) = [found for found in judge(evidence) if found.rule == "stale-nodes"]
     assert finding.items == (f" * /talker (pid 7 on husky at 10.0.0.2): {far.stale.value}",)
     assert "kill" not in "".join(finding.remedies)
     assert evidence.own_nodes() == []
@@ -282,7 +284,7 @@ def test_a_tool_that_publishes_is_something_on_the_bus() -> None:
 
 def test_a_bus_that_does_not_work_is_the_only_finding() -> None:
     evidence = Evidence(url="udpm://x", bus_problem="no route", bus_remedy="type: ip route")
-    (finding,) = examine(evidence)
+    (finding,) = judge(evidence)
     assert finding.severity is Severity.ERROR
     assert finding.text == "The bus does not work: no route"
     assert finding.remedies == ("type: ip route",)
@@ -294,7 +296,7 @@ def test_malformed_datagrams_are_shown_with_their_sender() -> None:
         graph=Graph((node("/n"),)),
         malformed=[("127.0.0.1:5", "starts with b'abcd'")],
     )
-    (finding,) = [f for f in examine(evidence) if f.rule == "malformed"]
+    (finding,) = [f for f in judge(evidence) if f.rule == "malformed"]
     assert finding.items == (" * 127.0.0.1:5: starts with b'abcd'",)
 
 
@@ -306,7 +308,7 @@ def test_errors_come_before_warnings_and_notes() -> None:
             node("/b", pid=2),
         )
     )
-    severities = [finding.severity for finding in examine(Evidence(url="u", graph=graph))]
+    severities = [finding.severity for finding in judge(Evidence(url="u", graph=graph))]
     assert severities == sorted(severities, reverse=True)
     assert severities[0] is Severity.ERROR
 
@@ -349,13 +351,13 @@ def test_simulated_time_needs_somebody_who_publishes_it() -> None:
     assert finding.remedies[0] == "start /talker without _use_sim_time:=true"
     assert "no-clock" not in findings(follower, node("/sim", pub("/clock", "rosgraph_msgs/Clock")))
     graph = Graph((follower,))
-    killed = Evidence(url="udpm://x", graph=graph, hushed=frozenset({"/clock"}))
-    assert "no-clock" not in {finding.rule for finding in examine(killed)}
+    killed = Evidence(url="udpm://x", graph=graph, stale_published=frozenset({"/clock"}))
+    assert "no-clock" not in {finding.rule for finding in judge(killed)}
 
 
 def test_a_rule_that_is_not_asked_takes_nothing_from_others() -> None:
     graph = Graph((node("/ear", sub("/chatter", STRING)),))
-    evidence = Evidence(url="udpm://x", graph=graph, hushed=frozenset({"/chatter"}))
-    assert "unconnected-subscriptions" not in {finding.rule for finding in examine(evidence)}
+    evidence = Evidence(url="udpm://x", graph=graph, stale_published=frozenset({"/chatter"}))
+    assert "unconnected-subscriptions" not in {finding.rule for finding in judge(evidence)}
     asked = [rule for rule in RULES if rule.id != "stale-nodes"]
-    assert "unconnected-subscriptions" in {finding.rule for finding in examine(evidence, asked)}
+    assert "unconnected-subscriptions" in {finding.rule for finding in judge(evidence, asked)}

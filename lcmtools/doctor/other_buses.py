@@ -1,4 +1,4 @@
-"""This user's programs on other buses, and what is published there.
+"""The topics on other buses of this user's programs.
 
 Belongs here: reading other buses for a moment. Must not judge.
 """
@@ -11,7 +11,7 @@ from dataclasses import replace
 from lcmtools.bus.quick_probe import QuickProbe
 from lcmtools.bus.url import parse_url
 from lcmtools.doctor.connecting import loose_ends
-from lcmtools.doctor.model import LcmProcess
+from lcmtools.doctor.evidence import LcmProcess
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Graph, Role
 from lcmtools.names import is_hidden
@@ -21,9 +21,9 @@ _LISTEN = 0.2  # [s]
 
 
 def with_topics(processes: Iterable[LcmProcess], graph: Graph) -> tuple[LcmProcess, ...]:
-    """The processes, those on other buses with what is published there.
+    """The processes, those on other buses with the topics there.
 
-    Other buses are looked at only where something is missed on this one.
+    Other buses are looked at only if a subscription or all nodes are missing on this one.
     """
     every = tuple(processes)
     buses = sorted({process.bus for process in every if process.bus})
@@ -37,7 +37,7 @@ def with_topics(processes: Iterable[LcmProcess], graph: Graph) -> tuple[LcmProce
 
 
 def _topics(bus: str) -> tuple[str, ...]:
-    """What is published on another bus."""
+    """The topics of another bus."""
     with (
         contextlib.suppress(LcmtoolsError),
         QuickProbe(parse_url(f"udpm://{bus}?ttl=0")) as quick_probe,

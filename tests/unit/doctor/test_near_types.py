@@ -1,0 +1,53 @@
+"""Unknown types that are nearly known ones."""
+
+from dataclasses import replace
+
+import pytest
+
+from lcmtools.doctor.near_types import NearType, fingerprint_of, nearest_type
+from lcmtools.messages.fields import fields
+from lcmtools.messages.registry import fingerprint, message_class, type_names
+from lcmtools.types.geometry_msgs import Pose2D
+from lcmtools.types.nav_msgs import Odometry
+
+X, Y, THETA = fields(Pose2D)
+
+
+def test_fingerprints_are_computed_as_lcm_gen_does() -> None:
+    for name in type_names():
+        cls = message_class(name)
+        assert fingerprint_of(fields(cls)) == fingerprint(cls), name
+
+
+def test_a_field_less_is_recognised_without_any_expectation() -> None:
+    parts = [part for part in fields(Odometry) if part.name != "child_frame_id"]
+    expected = NearType("nav_msgs/Odometry", "without the field child_frame_id")
+    assert nearest_type(fingerprint_of(parts)) == expected
+    assert nearest_type(0x1234567812345678) is None
+
+
+@pytest.mark.parametrize(
+    ("parts", "difference"),
+    [
+        ([X, Y], "without the field theta"),
+        ([X, Y, replace(THETA, type="float32")], "theta is float32, not float64"),
+        ([X, Y, replace(THETA, type="int64")], "theta is int64, not float64"),
+        ([Y, X, THETA], "x and y stand the other way round"),
+        ([THETA, X, Y], "its fields stand in the order theta, x, y"),
+        ([replace(part, type="float32") for part in (X, Y, THETA)], "every float64 is float32"),
+        ([X, Y, THETA, replace(X, name="id", type="int32")], "with id (int32) at the end"),
+        ([replace(X, name="utime", type="int64"), X, Y, THETA], "with utime (int64) before"),
+    ],
+)
+def test_an_edit_of_the_expected_type_is_recognised(parts: list[object], difference: str) -> None:
+    number = fingerprint_of(parts)  # type: ignore[arg-type]
+    assert nearest_type(number, ["geometry_msgs/Pose2D"]) == NearType(
+        "geometry_msgs/Pose2D", difference
+    )
+
+
+def test_an_edit_within_a_field_is_recognised() -> None:
+    """As lcm-gen makes it of Twist where Vector3 has floats (tried with lcm-gen 1.5.3)."""
+    assert nearest_type(0xC52A118464E2BC0F, ["geometry_msgs/Twist"]) == NearType(
+        "geometry_msgs/Twist", "in geometry_msgs/Vector3 every float64 is float32"
+    )
