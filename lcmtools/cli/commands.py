@@ -69,10 +69,10 @@ PARAM_ABSENT = {
 }
 _SIM = "lcmtools.cli.sim"
 SIM_COMMANDS = {
-    "pause": Entry(f"{_SIM}.pause:command", "Let simulated time stand still."),
-    "resume": Entry(f"{_SIM}.resume:command", "Let simulated time go on."),
+    "pause": Entry(f"{_SIM}.time:pause", "Let simulated time stand still."),
+    "resume": Entry(f"{_SIM}.time:resume", "Let simulated time go on."),
     "step": Entry(f"{_SIM}.step:command", "Let a paused simulator do some steps."),
-    "reset": Entry(f"{_SIM}.reset:command", "Begin anew."),
+    "reset": Entry(f"{_SIM}.time:reset", "Start again at time 0."),
     "set-rate": Entry(f"{_SIM}.set_rate:command", "Let simulated time pass faster or slower."),
     "state": Entry(f"{_SIM}.state:command", "Show where a robot truly is."),
     "set-pose": Entry(f"{_SIM}.set_pose:command", "Put a robot elsewhere."),

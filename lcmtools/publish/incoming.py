@@ -4,6 +4,7 @@ Belongs here: reading them, and errors that name the source. Must not know YAML 
 the messages.
 """
 
+import errno
 import itertools
 import math
 import os
@@ -24,7 +25,7 @@ from lcmtools.messages.yaml_input import draft_from_values, drafts_from_lines
 Template: TypeAlias = MessageTemplate[Message]
 Notify: TypeAlias = Callable[[str], None]
 
-_STDIN = 0
+_STDIN = "standard input"
 _BLOCK_BYTES = 1 << 16
 _POLL = 0.02  # [s] between two turns of the caller while nothing comes
 _PATIENCE = 2.0  # [s] before the person reads that nothing comes
@@ -70,11 +71,11 @@ def read_incoming(
     if file is not None and values:
         raise UsageError("values and -f exclude each other", "use one of them")
     if file == "-" or tuple(values) == ("-",):
-        return _Reader(kind, _STDIN, "standard input", noun, notify).incoming()
+        file = _STDIN
     if file is not None:
-        return _Reader(kind, _opened(file), file, noun, notify).incoming()
+        return _Reader(kind, file, noun, notify).incoming()
     if not values and visible_fields(kind) and _is_piped():
-        templates = _Reader(kind, _STDIN, "standard input", noun, notify).templates()
+        templates = _Reader(kind, _STDIN, noun, notify).templates()
         for first in templates:
             if first is not None:
                 return Incoming(itertools.chain([first], templates))
@@ -89,44 +90,44 @@ def read_requests(
     return [template for template in incoming.templates if template is not None]
 
 
-@dataclass(frozen=True, slots=True)
 class _Reader:
-    """Reads messages from a file descriptor."""
+    """Reads messages from a file or from standard input."""
 
-    kind: type[Message]
-    descriptor: int
-    source: str
-    noun: str
-    notify: Notify
+    def __init__(self, kind: type[Message], source: str, noun: str, notify: Notify) -> None:
+        self._kind = kind
+        self._source = source
+        self._noun = noun
+        self._notify = notify
+        is_stdin = source == _STDIN
+        try:
+            self._file = open(0 if is_stdin else source, "rb", buffering=0, closefd=not is_stdin)  # noqa: SIM115 - until all is read
+        except (OSError, ValueError) as error:
+            is_closed = is_stdin and getattr(error, "errno", 0) == errno.EBADF
+            raise self._unreadable(error, "it is closed" if is_closed else "") from error
 
     def incoming(self) -> Incoming:
-        mode = _mode(self.descriptor)
-        if not mode:  # the bus would take its number
-            raise InvalidFile(f"cannot read {self.source}: it is closed")
-        if not stat.S_ISREG(mode):
+        if not stat.S_ISREG(os.fstat(self._file.fileno()).st_mode):
             return Incoming(self._stream())
         found = [template for template in self.templates() if template is not None]
         if not found:
             raise self._empty()
-        is_one = len(found) == 1 and self.descriptor != _STDIN
-        return Incoming(iter(found), is_file=True, is_one=is_one)
+        return Incoming(iter(found), True, len(found) == 1 and self._source != _STDIN)  # noqa: FBT003
 
     def templates(self) -> Iterator[Template | None]:
         """The messages; the person reads it when the first takes long."""
         deadline = time.monotonic() + _PATIENCE
         try:
-            for template in drafts_from_lines(self.kind, self._lines()):
+            for template in drafts_from_lines(self._kind, self._lines()):
                 if template is not None:
                     deadline = math.inf
                 elif time.monotonic() >= deadline:
-                    self.notify(f"waiting for {self.noun}s on {self.source}")
+                    self._notify(f"waiting for {self._noun}s on {self._source}")
                     deadline = math.inf
                 yield template
         except ValueMismatch as mismatch:
-            raise ValueMismatch(f"{self.source}: {mismatch.what}", mismatch.hint) from None
+            raise ValueMismatch(f"{self._source}: {mismatch.what}", mismatch.hint) from None
         finally:
-            if self.descriptor != _STDIN:
-                os.close(self.descriptor)
+            self._file.close()
 
     def _stream(self) -> Iterator[Template | None]:
         is_empty = True
@@ -141,12 +142,12 @@ class _Reader:
         rest = bytearray()
         while True:
             try:
-                if not select.select([self.descriptor], [], [], _POLL)[0]:
+                if not select.select([self._file], [], [], _POLL)[0]:
                     yield None
                     continue
-                block = os.read(self.descriptor, _BLOCK_BYTES)
+                block = self._file.read(_BLOCK_BYTES)
             except OSError as error:
-                raise _unreadable(self.source, error) from error
+                raise self._unreadable(error) from error
             *lines, last = block.split(b"\n")
             for line in lines:
                 yield self._text(bytes(rest) + line)
@@ -156,45 +157,28 @@ class _Reader:
                 yield self._text(bytes(rest))
                 return
             if len(rest) > LONGEST:
-                raise InvalidFile(f"{self.source}: a line does not end")
+                raise InvalidFile(f"{self._source}: a line does not end")
 
     def _text(self, line: bytes) -> str:
         try:
             return line.decode()
         except UnicodeDecodeError as error:
-            raise _unreadable(self.source, error) from None
+            raise self._unreadable(error) from None
 
     def _empty(self) -> UsageError:
         return UsageError(
-            f"{self.source} has no {self.noun} in it", "write YAML documents, separated by ---"
+            f"{self._source} has no {self._noun} in it", "write YAML documents, separated by ---"
         )
 
-
-def _opened(file: str) -> int:
-    try:
-        descriptor = os.open(file, os.O_RDONLY)
-        if stat.S_ISDIR(os.fstat(descriptor).st_mode):
-            os.close(descriptor)
-            raise IsADirectoryError(21, "Is a directory")
-    except (OSError, ValueError) as error:
-        raise _unreadable(file, error) from error
-    return descriptor
-
-
-def _unreadable(source: str, error: Exception) -> InvalidFile:
-    reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
-    return InvalidFile(f"cannot read {source}: {reason}")
+    def _unreadable(self, error: Exception, reason: str = "") -> InvalidFile:
+        reason = reason or getattr(error, "strerror", None) or "it is not UTF-8 text"
+        return InvalidFile(f"cannot read {self._source}: {reason}")
 
 
 def _is_piped() -> bool:
     """True if standard input is a pipe or a file, not a terminal nor closed."""
-    mode = _mode(_STDIN)
-    return stat.S_ISFIFO(mode) or stat.S_ISREG(mode)
-
-
-def _mode(descriptor: int) -> int:
-    """The kind of file, as in stat(2); 0 where it is closed."""
     try:
-        return os.fstat(descriptor).st_mode
+        mode = os.fstat(0).st_mode
     except OSError:
-        return 0
+        return False
+    return stat.S_ISFIFO(mode) or stat.S_ISREG(mode)

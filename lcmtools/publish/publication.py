@@ -14,7 +14,7 @@ from lcmtools.messages.yaml_input import draft_from_values
 from lcmtools.packages import provide_user_types
 from lcmtools.publish.incoming import Incoming, Notify, Template
 from lcmtools.publish.own_node import own_node
-from lcmtools.publish.schedule import PublishOptions, Schedule
+from lcmtools.publish.schedule import Schedule, schedule_for
 from lcmtools.publish.sender import OnSent, Sender
 from lcmtools.publish.subscriber_wait import SubscriberWait
 from lcmtools.settings import read_user_file
@@ -83,8 +83,7 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
         provide_user_types()
     kind = message_class(message_type) if isinstance(message_type, str) else message_type
     incoming = values if isinstance(values, Incoming) else _incoming(kind, values)
-    options = PublishOptions(rate=rate, count=count, latch=latch, keep_alive=keep_alive)
-    schedule = options.schedule(incoming)
+    schedule = schedule_for(incoming, rate=rate, count=count, latch=latch, keep_alive=keep_alive)
     bus = _bus_url(url)
     with own_node("pub", bus, arguments or NodeArguments(), simulated=simulated) as node:
         publisher = node.create_publisher(kind, topic, literal=literal)

@@ -31,33 +31,24 @@ class Schedule:
     stay: float = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PublishOptions:
-    """When to send, as far as it is given; see ``publish``."""
-
-    rate: float | None = None
-    count: int | None = None
-    latch: bool = False
-    keep_alive: float | None = None
-
-    def schedule(self, incoming: Incoming) -> Schedule:
-        """Return the schedule for messages from this source."""
-        repeats = self.rate is not None or (incoming.is_file and not self.latch)
-        usual = _TIMES_RATE if self.count and incoming.is_one else None
-        return Schedule(
-            rate=self.rate or (_FILE_RATE if incoming.is_file else usual),
-            count=self.count,
-            is_endless=incoming.is_one and not self.count and repeats,
-            stay=self._stay(incoming),
-        )
-
-    def _stay(self, incoming: Incoming) -> float:
-        """A single message that is not from a file is latched unless another option is given."""
-        if self.keep_alive is not None:
-            return self.keep_alive
-        is_alone = incoming.is_one and not incoming.is_file
-        latches = self.latch or (is_alone and self.rate is None and self.count is None)
-        return math.inf if latches else 0.0
+def schedule_for(
+    incoming: Incoming,
+    *,
+    rate: float | None = None,
+    count: int | None = None,
+    latch: bool = False,
+    keep_alive: float | None = None,
+) -> Schedule:
+    """Return the schedule for messages from a source; see ``publish`` for the options."""
+    is_alone = incoming.is_one and not incoming.is_file and rate is None and count is None
+    repeats = rate is not None or (incoming.is_file and not latch)
+    usual = _TIMES_RATE if count and incoming.is_one else None
+    return Schedule(
+        rate=rate or (_FILE_RATE if incoming.is_file else usual),
+        count=count,
+        is_endless=incoming.is_one and not count and repeats,
+        stay=(math.inf if latch or is_alone else 0.0) if keep_alive is None else keep_alive,
+    )
 
 
 def due_times(rate: float | None, most_behind: float = 0.0) -> Iterator[float]:
