@@ -1,13 +1,21 @@
 """What the tests with real buses share: a server for tcpq."""
 
+import itertools
 import re
 import socket
 import struct
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from typing import Any
 
 import pytest
+
+from lcmtools import Node
+from lcmtools.messages.plain import to_plain
+from lcmtools.messages.registry import message_class
+from lcmtools.types.std_msgs import UInt64
 
 
 class TcpqServer:
@@ -93,3 +101,57 @@ def tcpq_server() -> Iterator[TcpqServer]:
         server.close()
     except OSError:
         return  # the test has done it
+
+
+class Receiver:
+    """A node of the test's process that keeps what it receives.
+
+    Args:
+        start_node: The fixture of this name.
+        name: The node's name.
+    """
+
+    def __init__(self, start_node: Callable[..., Any], name: str = "receiver") -> None:
+        self._start_node = start_node
+        self._names = (f"{name}{number}" for number in itertools.count(2))
+        self.node = node = start_node(lambda: Node(name)).node
+        self._marks: list[int] = []
+        self._mark = node.create_publisher(UInt64, "~mark")
+        node.create_subscription(UInt64, "~mark", lambda m: self._marks.append(m.data))
+
+    def subscribe(self, topic: str, kind: str = "std_msgs/String") -> Callable[[], list[Any]]:
+        """Subscribe to a topic; the result gives all messages of it so far, as plain values."""
+        found: list[Any] = []
+        take = self.node.create_subscription
+        take(message_class(kind), topic, lambda message: found.append(to_plain(message)), 1000)
+
+        def messages() -> list[Any]:
+            for _ in range(2):  # the second mark is dealt with after all that came with the first
+                self._pass_mark()
+            return found
+
+        return messages
+
+    def forget(self, topic: str) -> None:
+        """Subscribe to a topic no more."""
+        for subscription in tuple(self.node.callbacks.subscriptions):
+            if subscription.topic == topic:
+                self.node.destroy_subscription(subscription)
+
+    def another(self) -> "Receiver":
+        """Return one more node, which leaves as this one does."""
+        return Receiver(self._start_node, next(self._names))
+
+    def _pass_mark(self) -> None:
+        number = len(self._marks)
+        self._mark.publish(UInt64())
+        deadline = time.monotonic() + 40.0
+        while len(self._marks) == number:
+            assert time.monotonic() < deadline, "a message to itself does not come"
+            time.sleep(0.002)
+
+
+@pytest.fixture(scope="module")
+def receiver(module_start_node: Callable[..., Any]) -> Receiver:
+    """A node on the module's bus that keeps what it receives."""
+    return Receiver(module_start_node)

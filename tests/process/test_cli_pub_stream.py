@@ -1,6 +1,5 @@
 """pub from files and from standard input, as it comes."""
 
-import json
 import os
 import subprocess
 from collections.abc import Callable, Iterator
@@ -11,7 +10,9 @@ from typing import Any
 
 import pytest
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+from lcmtools.publish import incoming
+
+Cli = Callable[..., Any]
 STRING = "std_msgs/String"
 THREE = "data: one\n---\ndata: two\n---\n{data: three}\n"
 
@@ -26,17 +27,10 @@ def topic() -> str:
 
 
 @pytest.fixture
-def heard(topic: str, module_start: Callable[..., Any], lcmtools_path: str, lcmtools: Run) -> Any:
-    """``heard()``: the data of all messages that an echo on the topic has heard."""
-    echo = module_start(lcmtools_path, "echo", "--json", topic)
-
-    def texts() -> list[str]:
-        lcmtools("pub", "-1", topic, STRING, "the end")
-        echo.wait_for("the end")
-        found = [json.loads(line)["data"] for line in echo.lines if line.startswith("{")]
-        return [text for text in found if text != "the end"]
-
-    return texts
+def received(topic: str, receiver: Any) -> Callable[[], list[str]]:
+    """``received()``: the data of all messages on the topic."""
+    messages = receiver.subscribe(topic)
+    return lambda: [message["data"] for message in messages()]
 
 
 @pytest.fixture
@@ -66,14 +60,13 @@ def feed(lcmtools_path: str) -> Iterator[Callable[..., Any]]:
 
 @pytest.mark.parametrize("source", ["-f file", "-f -", "-", "nothing"])
 def test_several_documents_are_sent_in_order(
-    source: str, topic: str, heard: Any, lcmtools: Run, tmp_path: Path
+    source: str, topic: str, received: Any, cli: Cli, tmp_path: Path
 ) -> None:
     file = tmp_path / "messages.yaml"
     file.write_text(THREE)
     words = {"-f file": ["-f", str(file)], "-f -": ["-f", "-"], "-": ["-"], "nothing": []}[source]
-    result = lcmtools("pub", "-r", "50", topic, STRING, *words, stdin=THREE)
-    assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
-    assert heard() == ["one", "two", "three"]
+    assert cli("pub", "-r", "50", topic, STRING, *words, input=THREE).ok() == ""
+    assert received() == ["one", "two", "three"]
 
 
 @pytest.mark.parametrize(
@@ -85,65 +78,57 @@ def test_several_documents_are_sent_in_order(
     ],
 )
 def test_a_file_is_sent_so_many_times_as_asked(
-    words: list[str], sent: list[str], topic: str, heard: Any, lcmtools: Run, tmp_path: Path
+    words: list[str], sent: list[str], topic: str, received: Any, cli: Cli, tmp_path: Path
 ) -> None:
     file = tmp_path / "messages.yaml"
     file.write_text(THREE)
-    assert lcmtools("pub", *words, "-f", str(file), topic, STRING).returncode == 0
-    assert heard() == sent
+    assert cli("pub", *words, "-f", str(file), topic, STRING).ok() == ""
+    assert received() == sent
 
 
-def test_a_stream_ends_after_as_many_messages_as_asked(
-    topic: str, heard: Any, lcmtools: Run
-) -> None:
-    assert lcmtools("pub", "-1", topic, STRING, "-", stdin=THREE).returncode == 0
-    assert lcmtools("pub", "-t", "2", topic, STRING, "-", stdin=THREE).returncode == 0
-    assert heard() == ["one", "one", "two"]
+def test_a_stream_ends_after_as_many_messages_as_asked(topic: str, received: Any, cli: Cli) -> None:
+    assert cli("pub", "-1", topic, STRING, "-", input=THREE).code == 0
+    assert cli("pub", "-t", "2", topic, STRING, "-", input=THREE).code == 0
+    assert received() == ["one", "one", "two"]
 
 
-@pytest.mark.parametrize(
-    "texts",
-    [
-        ['{"data": "a"}\n', '{"data": "b"}\n'],
-        ["data: a\n---\n", "data: b\n---\n"],
-        ['data: "a"\n---\n', 'data: "b"\n---\n'],
-        ['{\n  "data": "a"\n}\n', '{\n  "data": "b"\n}\n'],
-    ],
-)
-def test_each_message_is_sent_as_soon_as_it_is_whole(
-    texts: list[str], topic: str, feed: Callable[..., Any]
-) -> None:
+def test_each_message_is_sent_as_soon_as_it_is_whole(topic: str, feed: Callable[..., Any]) -> None:
     pub = feed(topic, STRING, "-")
-    for number, (text, data) in enumerate(zip(texts, "ab", strict=True), 1):
+    texts = [
+        *('{"data": "a"}\n', "data: a\n---\n", 'data: "a"\n---\n', '{\n  "data": "a"\n}\n'),
+        "data: a\n---\n",
+    ]
+    for number, text in enumerate(texts, 1):
         pub.stdin.write(text)
         pub.stdin.flush()
-        assert pub.stderr.readline() == f'publishing #{number}: {{"data":"{data}"}}\n'
+        assert pub.stderr.readline() == f'publishing #{number}: {{"data":"a"}}\n'
     pub.stdin.close()
     assert pub.wait() == 0
 
 
 def test_echo_and_pub_are_a_live_relay(
-    topic: str, start: Callable[..., Any], lcmtools: Run, lcmtools_path: str
+    topic: str, start: Callable[..., Any], cli: Cli, receiver: Any, lcmtools_path: str
 ) -> None:
+    relayed = receiver.subscribe("/relayed")
     relay = start(
         "sh",
         "-c",
-        f"{lcmtools_path} echo --json {topic} | {lcmtools_path} pub -w 0 /relayed {STRING} -",
+        f"{lcmtools_path} echo --json {topic} | {lcmtools_path} pub -v -w 0 /relayed {STRING} -",
     )
-    echo = start(lcmtools_path, "echo", "/relayed")
     for text in ("first", "second"):
-        assert lcmtools("pub", "-1", "-w", "1", topic, STRING, text).returncode == 0
-        assert echo.wait_for(text) == f'data: "{text}"'
-    assert relay.lines == []
+        assert cli("pub", "-1", "-w", "1", topic, STRING, text).code == 0
+        relay.wait_for(text)
+        assert relayed()[-1] == {"data": text}
+    assert all(line.startswith("publishing #") for line in relay.lines)
 
 
-def test_what_echo_prints_can_be_published_again(topic: str, lcmtools: Run) -> None:
+def test_what_echo_prints_can_be_published_again(topic: str, cli: Cli) -> None:
     printed = (
         "linear: \n  x: 0.5\n  y: 0.0\n  z: 0.0\nangular: \n  x: 0.0\n  y: 0.0\n  z: -0.3\n---\n"
     )
-    result = lcmtools("pub", "-v", "-w", "0", topic, "geometry_msgs/Twist", "-", stdin=printed * 2)
-    assert result.returncode == 0
-    assert result.stderr.splitlines()[1] == (
+    result = cli("pub", "-v", "-w", "0", topic, "geometry_msgs/Twist", "-", input=printed * 2)
+    assert result.code == 0
+    assert result.err.splitlines()[1] == (
         'publishing #2: {"linear":{"x":0.5,"y":0.0,"z":0.0},"angular":{"x":0.0,"y":0.0,"z":-0.3}}'
     )
 
@@ -180,64 +165,63 @@ def test_what_echo_prints_can_be_published_again(topic: str, lcmtools: Run) -> N
     ],
 )
 def test_an_error_in_a_stream_says_where_it_is_and_what_has_been_sent(
-    text: str, code: int, line: str, topic: str, lcmtools: Run
+    text: str, code: int, line: str, topic: str, cli: Cli
 ) -> None:
-    result = lcmtools("pub", "-w", "0", topic, STRING, "-", stdin=text)
-    assert (result.returncode, result.stdout, result.stderr) == (
-        code,
-        "",
-        f"lcmtools pub: {line}\n",
-    )
+    result = cli("pub", "-w", "0", topic, STRING, "-", input=text)
+    assert (result.code, result.out, result.err) == (code, "", f"lcmtools pub: {line}\n")
 
 
-def test_a_stream_that_is_no_utf_8_is_refused(topic: str, lcmtools_path: str) -> None:
-    result = subprocess.run(
-        [lcmtools_path, "pub", "-w", "0", topic, STRING, "-"],
-        input=b"data: a\n---\ndata: caf\xe9\n",
-        capture_output=True,
-        check=False,
-    )
-    assert result.returncode == 1
-    assert result.stderr.decode() == (
+def test_a_stream_that_is_no_utf_8_is_refused(topic: str, cli: Cli) -> None:
+    result = cli("pub", "-w", "0", topic, STRING, "-", input=b"data: a\n---\ndata: caf\xe9\n")
+    assert result.code == 1
+    assert result.err == (
         "lcmtools pub: cannot read standard input: it is not UTF-8 text; 1 message has been sent\n"
     )
 
 
-def test_waiting_for_a_stream_is_announced(topic: str, feed: Callable[..., Any]) -> None:
-    pub = feed(topic, STRING, "-")
-    assert pub.stderr.readline() == "lcmtools pub: waiting for messages on standard input\n"
-
-
-def test_one_message_in_a_file_is_repeated(
-    topic: str, start: Callable[..., Any], lcmtools_path: str, tmp_path: Path
+def test_waiting_for_a_stream_is_announced(
+    topic: str, cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(incoming, "_PATIENCE", 0.1)
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    writer = os.open(pipe, os.O_RDWR)
+    waits = f"lcmtools pub: waiting for messages on {pipe}\n"
+    result = cli("pub", "-w", "0", "-f", str(pipe), topic, STRING, until=waits)
+    os.close(writer)
+    assert (result.code, result.err) == (130, waits)
+
+
+def test_one_message_in_a_file_is_repeated(topic: str, cli: Cli, tmp_path: Path) -> None:
     file = tmp_path / "one.yaml"
     file.write_text("data: x\n")
-    pub = start(lcmtools_path, "pub", "-v", "-w", "0", "-f", str(file), topic, STRING)
-    assert (
-        pub.wait_for("publishing") == "publishing the one message 10 times a second, until Ctrl-C"
+    words = ("-v", "-w", "0", "-f", str(file), topic, STRING)
+    result = cli("pub", *words, until="publishing #3: ")
+    assert result.code == 130
+    assert result.err.startswith(
+        "publishing the one message 10 times a second, until Ctrl-C\npublishing #1: "
     )
-    pub.wait_for("publishing #3: ")
 
 
-def test_the_last_of_a_stream_is_latched(
-    topic: str, start: Callable[..., Any], lcmtools: Run, lcmtools_path: str
-) -> None:
-    pub = start(
-        "sh",
-        "-c",
-        f"printf 'data: a\\n---\\ndata: b' | {lcmtools_path} pub -v -l -w 0 {topic} {STRING} -",
-    )
-    pub.wait_for("publishing #2: ")
-    result = lcmtools("echo", "-1", "--timeout", "5s", topic)
-    assert result.stdout == 'data: "b"\n---\n'
+def test_the_last_of_a_stream_is_latched(topic: str, receiver: Any, cli: Cli) -> None:
+    late: list[Callable[[], list[Any]]] = []
+
+    def has_come(written: str) -> bool:
+        if "publishing #2: " in written and not late:
+            late.append(receiver.subscribe(topic))
+        return bool(late and late[0]())
+
+    words = ("-v", "-l", "-w", "0", topic, STRING, "-")
+    result = cli("pub", *words, input="data: a\n---\ndata: b", until=has_come)
+    assert result.code == 130
+    assert late[0]() == [{"data": "b"}]
 
 
 def test_a_pipe_that_has_nothing_means_the_default_message(
-    topic: str, heard: Any, lcmtools: Run
+    topic: str, received: Any, cli: Cli
 ) -> None:
-    assert lcmtools("pub", "-1", topic, STRING, stdin="").returncode == 0
-    assert heard() == [""]
+    assert cli("pub", "-1", topic, STRING, input="").ok() == ""
+    assert received() == [""]
 
 
 def test_a_named_pipe_is_a_stream(topic: str, feed: Callable[..., Any], tmp_path: Path) -> None:

@@ -1,7 +1,6 @@
-"""pub waits for those who are to hear, keeps its pace, and stamps what it sends."""
+"""pub waits for subscribers, keeps its rate, stamps what it sends, and serves who comes late."""
 
 import json
-import subprocess
 import time
 from collections.abc import Callable
 from itertools import count
@@ -9,7 +8,11 @@ from typing import Any
 
 import pytest
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+from lcmtools import Node
+from lcmtools.publish import subscriber_wait
+from lcmtools.types.rosgraph_msgs import Clock
+
+Cli = Callable[..., Any]
 STRING = "std_msgs/String"
 
 pytestmark = pytest.mark.usefixtures("use_module_bus")
@@ -22,31 +25,37 @@ def topic() -> str:
     return f"/waits{next(_topics)}"
 
 
-def published(result: subprocess.CompletedProcess[str]) -> list[Any]:
-    """The messages that pub -v says it has sent."""
-    rows = [row.partition(": ") for row in result.stderr.splitlines()]
+def published(result: Any) -> list[Any]:
+    """The messages that pub -v prints."""
+    rows = [row.partition(": ") for row in result.err.splitlines()]
     return [json.loads(rest) for head, _, rest in rows if head.startswith("publishing #")]
 
 
 def test_as_many_subscribers_as_asked_are_waited_for(
-    topic: str, start: Callable[..., Any], lcmtools_path: str
+    topic: str, receiver: Any, cli: Cli, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pub = start(lcmtools_path, "pub", "-1", "-w", "2", topic, STRING, "x")
-    pub.wait_for(f"lcmtools pub: waiting for 2 subscribers of {topic}; 0 so far")
-    echoes = [start(lcmtools_path, "echo", topic) for _ in range(2)]
-    for echo in echoes:
-        echo.wait_for("data:")
-    assert pub.wait() == 0
+    monkeypatch.setattr(subscriber_wait, "_PATIENCE", 0.1)
+    waits = f"lcmtools pub: waiting for 2 subscribers of {topic}; 0 so far\n"
+    late: list[Callable[[], list[Any]]] = []
+
+    def subscribe(written: str) -> bool:
+        if waits in written and not late:
+            late.extend(node.subscribe(topic) for node in (receiver, receiver.another()))
+        return False
+
+    result = cli("pub", "-1", "-w", "2", topic, STRING, "x", until=subscribe)
+    assert (result.code, result.err) == (0, waits)
+    assert [received() for received in late] == [[{"data": "x"}]] * 2
 
 
 @pytest.mark.parametrize("words", [["-w", "1"], ["-1"], ["-t", "2"], ["-r", "5", "-w", "1"]])
 def test_subscribers_that_do_not_come_in_time_are_exit_code_4(
-    words: list[str], topic: str, lcmtools: Run
+    words: list[str], topic: str, cli: Cli
 ) -> None:
-    result = lcmtools("pub", *words, "--timeout", "300ms", topic, STRING, "x")
-    assert (result.returncode, result.stdout) == (4, "")
-    assert result.stderr == (
-        f"lcmtools pub: not within 0.3 s: 1 subscriber of {topic}; 0 so far;"
+    result = cli("pub", *words, "--timeout", "100ms", topic, STRING, "x")
+    assert (result.code, result.out) == (4, "")
+    assert result.err == (
+        f"lcmtools pub: not within 0.1 s: 1 subscriber of {topic}; 0 so far;"
         f" lcmtools info {topic} shows who is there\n"
     )
 
@@ -54,7 +63,7 @@ def test_subscribers_that_do_not_come_in_time_are_exit_code_4(
 _PLAIN_LISTENER = """
 import lcm
 bus = lcm.LCM()
-bus.subscribe("PLAIN", lambda channel, payload: print("heard", flush=True))
+bus.subscribe("PLAIN", lambda channel, payload: print("received", flush=True))
 print("ready", flush=True)
 while True:
     bus.handle()
@@ -62,40 +71,32 @@ while True:
 
 
 def test_plain_lcm_programs_are_not_waited_for(
-    start: Callable[..., Any],
-    start_python: Callable[..., Any],
-    stopwatch: Callable[[int], Any],
-    bus_url: str,
-    lcmtools_path: str,
+    start_python: Callable[..., Any], bus_url: str, cli: Cli, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def publish() -> tuple[float, int, str]:
-        words = ("pub", "-1", "--literal", "PLAIN", STRING, "x")
-        pub = start(lcmtools_path, *words, LCM_DEFAULT_URL=bus_url)
-        return stopwatch(pub.pid).until_end(), pub.wait(), pub.output
+    words = ("pub", "-1", "--literal", "PLAIN", STRING, "x")
+    bus = {"LCM_DEFAULT_URL": bus_url}
+    alone = cli(*words, env=bus)
+    assert alone.err.startswith("lcmtools pub: no node subscribes to PLAIN yet")
 
-    alone, _, said = publish()
-    assert said.startswith("lcmtools pub: no node subscribes to PLAIN yet")
-
-    plain = start_python(_PLAIN_LISTENER, LCM_DEFAULT_URL=bus_url)
+    monkeypatch.setattr(subscriber_wait, "_LONGEST", 1000.0)
+    plain = start_python(_PLAIN_LISTENER, **bus)
     plain.wait_for("ready")
-    heard, code, said = publish()
-    assert (code, said) == (0, "")
-    plain.wait_for("heard")
-    assert heard < alone  # seconds; most of a second of waiting is spared
+    assert cli(*words, env=bus).ok() == ""
+    plain.wait_for("received")
 
 
-def test_times_end_after_so_many(topic: str, lcmtools: Run) -> None:
+def test_times_end_after_so_many(topic: str, cli: Cli) -> None:
     started = time.monotonic()
-    result = lcmtools("pub", "-v", "-w", "0", "-t", "3", "-r", "4", topic, STRING, "x")
-    assert (result.returncode, result.stdout) == (0, "")
+    result = cli("pub", "-v", "-w", "0", "-t", "3", "-r", "20", topic, STRING, "x")
+    assert (result.code, result.out) == (0, "")
     assert published(result) == [{"data": "x"}] * 3
-    assert time.monotonic() - started > 0.5  # seconds: two periods
+    assert time.monotonic() - started > 0.1  # seconds: two periods
 
 
-def test_each_message_is_stamped_when_it_is_sent(topic: str, lcmtools: Run) -> None:
+def test_each_message_is_stamped_when_it_is_sent(topic: str, cli: Cli) -> None:
     before = time.time_ns()
     words = ["geometry_msgs/PoseStamped", "{header: auto, pose: {position: {x: 1}}}"]
-    result = lcmtools("pub", "-v", "-w", "0", "-s", "-t", "3", "-r", "20", topic, *words)
+    result = cli("pub", "-v", "-w", "0", "-s", "-t", "3", "-r", "20", topic, *words)
     stamps = [message["header"]["stamp"] for message in published(result)]
     times = [stamp["sec"] * 1_000_000_000 + stamp["nsec"] for stamp in stamps]
     assert before < times[0] < times[1] < times[2] < time.time_ns()
@@ -103,50 +104,49 @@ def test_each_message_is_stamped_when_it_is_sent(topic: str, lcmtools: Run) -> N
 
 
 def test_stamps_may_be_simulated_time(
-    topic: str, start: Callable[..., Any], bus_url: str, lcmtools: Run, lcmtools_path: str
+    topic: str, start_node: Callable[..., Any], bus_url: str, cli: Cli
 ) -> None:
-    clock = start(
-        lcmtools_path,
-        *("pub", "-r", "50", "/clock", "rosgraph_msgs/Clock", "{clock: [12, 34]}"),
-        LCM_DEFAULT_URL=bus_url,
-    )
-    result = lcmtools(
-        *("pub", "-1", "-v", "-w", "0", "--use-rostime", topic, "std_msgs/Header", "stamp: now"),
-        LCM_DEFAULT_URL=bus_url,
-    )
+    def clock() -> Node:
+        node = Node("clock")
+        publisher = node.create_publisher(Clock, "/clock")
+        message = Clock()
+        message.clock.sec, message.clock.nsec = 12, 34
+        node.create_timer(0.02, lambda: publisher.publish(message))
+        return node
+
+    words = ("pub", "-1", "-w", "0", "--use-rostime", topic, "std_msgs/Header", "stamp: now")
+    bus = {"LCM_DEFAULT_URL": bus_url}
+    running = start_node(clock)
+    result = cli(*words, "-v", env=bus)
     assert published(result) == [{"seq": 0, "stamp": {"sec": 12, "nsec": 34}, "frame_id": ""}]
-    clock.end()
-    result = lcmtools(
-        *("pub", "-1", "--use-rostime", "--timeout", "300ms", topic, "std_msgs/Header", "auto"),
-        LCM_DEFAULT_URL=bus_url,
-    )
-    assert (result.returncode, result.stderr) == (
+    running.end()
+    result = cli(*words, "--timeout", "100ms", env=bus)
+    assert (result.code, result.err) == (
         4,
-        "lcmtools pub: nothing came on /clock within 0.3 s; is the simulator running?\n",
+        "lcmtools pub: nothing came on /clock within 0.1 s; is the simulator running?\n",
     )
 
 
-def test_keep_alive_serves_who_comes_late(
-    topic: str, start: Callable[..., Any], lcmtools: Run, lcmtools_path: str
+@pytest.mark.parametrize("words", [["-1", "--keep-alive", "50s"], ["-l", "-r", "0.05"]])
+def test_late_subscribers_get_the_last_message_again(
+    words: list[str], topic: str, receiver: Any, cli: Cli
 ) -> None:
-    pub = start(
-        lcmtools_path,
-        *("pub", "-1", "-v", "-w", "0", "--keep-alive", "8s", topic, STRING, "stay"),
-    )
-    pub.wait_for("publishing #1")
-    assert lcmtools("echo", "-1", "--timeout", "5s", topic).stdout == 'data: "stay"\n---\n'
-    assert pub.wait() == 0
-    assert "publishing #1 again, to who has just subscribed" in pub.lines
+    late: list[Callable[[], list[Any]]] = []
+
+    def has_come(written: str) -> bool:
+        if "publishing #1: " in written and not late:
+            late.append(receiver.subscribe(topic))
+        return "publishing #1 again, to who has just subscribed\n" in written
+
+    result = cli("pub", "-v", "-w", "0", *words, topic, STRING, "data: stay", until=has_come)
+    assert result.code == 130
+    assert late[0]() == [{"data": "stay"}]
 
 
-def test_latch_and_rate_go_together(
-    topic: str, start: Callable[..., Any], lcmtools: Run, lcmtools_path: str
-) -> None:
-    pub = start(
-        lcmtools_path, "pub", "-l", "-v", "-r", "0.05", "-w", "0", topic, STRING, "data: slow"
-    )
-    pub.wait_for("publishing #1")
-    assert lcmtools("echo", "-1", "--timeout", "5s", topic).stdout == 'data: "slow"\n---\n'
+def test_keep_alive_ends_after_so_long(topic: str, cli: Cli) -> None:
+    started = time.monotonic()
+    assert cli("pub", "-1", "-w", "0", "--keep-alive", "200ms", topic, STRING, "x").ok() == ""
+    assert time.monotonic() - started > 0.2  # seconds
 
 
 _COUNTER = """
@@ -162,6 +162,7 @@ print("rate", (len(times) - 1) / (times[-1] - times[0]), flush=True)
 """
 
 
+@pytest.mark.timing
 @pytest.mark.usefixtures("private_network")
 def test_a_thousand_messages_a_second_are_kept_without_drift(
     topic: str, start: Callable[..., Any], start_python: Callable[..., Any], lcmtools_path: str
