@@ -2,36 +2,23 @@
 
 import json
 import signal
+import threading
 from collections.abc import Callable
 from pathlib import Path
-from subprocess import CompletedProcess
 from typing import Any
 
 import pytest
 
-Run = Callable[..., CompletedProcess[str]]
+import lcmtools
+from lcmtools import Node, SetParametersResult
+from lcmtools.labs.nodes.simple_controller import SimpleController
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.sensor_msgs import JointState
+
+Cli = Callable[..., Any]
 Start = Callable[..., Any]
 
-NODE = """
-import lcmtools
-from lcmtools import SetParametersResult
-
-lcmtools.init()
-node = lcmtools.Node("driver")
-node.declare_parameter("gain", 1.0, "effort [N]", minimum=-10.0, maximum=10.0)
-node.declare_parameter("name", "bob")
-node.declare_parameter("steps", [1, 2])
-node.declare_parameter("pid.kp", 0.5)
-
-def check(parameters):
-    if any(p.name == "name" and p.value == "eve" for p in parameters):
-        return SetParametersResult(False, "eve may not drive")
-
-node.add_on_set_parameters_callback(check)
-print("ready", flush=True)
-lcmtools.spin(node)
-lcmtools.shutdown()
-"""
 DUMP = """\
 /husky0/driver:
   gain: 1.0
@@ -42,30 +29,45 @@ DUMP = """\
 """
 
 
+def make_driver() -> Node:
+    """A node with parameters."""
+    node = Node("driver")
+    node.declare_parameter("gain", 1.0, "effort [N]", minimum=-10.0, maximum=10.0)
+    node.declare_parameter("name", "bob")
+    node.declare_parameter("steps", [1, 2])
+    node.declare_parameter("pid.kp", 0.5)
+
+    def check(parameters: Any) -> SetParametersResult | None:
+        if any(p.name == "name" and p.value == "eve" for p in parameters):
+            return SetParametersResult(successful=False, reason="eve may not drive")
+        return None
+
+    node.add_on_set_parameters_callback(check)
+    return node
+
+
 @pytest.fixture
-def driver(bus_url: str, start_python: Start, monkeypatch: pytest.MonkeyPatch) -> Any:
+def driver(bus_url: str, start_node: Start, monkeypatch: pytest.MonkeyPatch) -> Any:
     """A node with parameters on a bus of the test's own."""
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
-    program = start_python(NODE, "__ns:=/husky0")
-    program.wait_for("ready")
-    return program
+    return start_node(make_driver, "__ns:=/husky0")
 
 
 @pytest.mark.usefixtures("driver")
-def test_list_and_get_take_both_spellings(lcmtools: Run) -> None:
+def test_list_and_get_take_both_spellings(cli: Cli) -> None:
     names = ["gain", "name", "pid.kp", "steps", "use_sim_time"]
     full = [f"/husky0/driver/{name}" for name in names]
     for words in ([], ["driver"], ["/husky0/driver"], ["/husky0"]):
-        assert lcmtools("param", "list", *words).stdout.splitlines() == full
-    assert "/husky0/driver/gain [float]: 1.0\n" in lcmtools("param", "list", "-t", "-v").stdout
+        assert cli("param", "list", *words).out.splitlines() == full
+    assert "/husky0/driver/gain [float]: 1.0\n" in cli("param", "list", "-t", "-v").out
     for words in (["driver", "gain"], ["/husky0/driver/gain"], ["driver/gain"]):
-        assert lcmtools("param", "get", *words).stdout == "1.0\n"
-    assert lcmtools("param", "get", "driver").stdout == "".join(
+        assert cli("param", "get", *words).out == "1.0\n"
+    assert cli("param", "get", "driver").out == "".join(
         f"{row.strip()}\n" for row in DUMP.splitlines()[1:]
     )
-    assert lcmtools("param", "get", "/").stdout == DUMP
-    assert json.loads(lcmtools("param", "get", "driver", "steps", "--json").stdout) == [1, 2]
-    assert json.loads(lcmtools("param", "list", "--json").stdout)[0] == {
+    assert cli("param", "get", "/").out == DUMP
+    assert json.loads(cli("param", "get", "driver", "steps", "--json").out) == [1, 2]
+    assert json.loads(cli("param", "list", "--json").out)[0] == {
         "node": "/husky0/driver",
         "name": "gain",
         "type": "float",
@@ -90,11 +92,11 @@ def test_list_and_get_take_both_spellings(lcmtools: Run) -> None:
         (["driver", "{gain: 3, name: ann}"], "name", "ann"),
     ],
 )
-def test_set_changes_a_parameter(lcmtools: Run, words: list[str], name: str, value: str) -> None:
-    done = lcmtools("param", "set", *words)
-    assert (done.returncode, done.stdout) == (0, "")
-    assert f"/husky0/driver/{name} is now {value}\n" in done.stderr
-    assert lcmtools("param", "get", "driver", name).stdout == f"{value}\n"
+def test_set_changes_a_parameter(cli: Cli, words: list[str], name: str, value: str) -> None:
+    done = cli("param", "set", *words)
+    assert (done.code, done.out) == (0, "")
+    assert f"/husky0/driver/{name} is now {value}\n" in done.err
+    assert cli("param", "get", "driver", name).out == f"{value}\n"
 
 
 @pytest.mark.usefixtures("driver")
@@ -109,26 +111,26 @@ def test_set_changes_a_parameter(lcmtools: Run, words: list[str], name: str, val
     ],
 )
 def test_what_a_node_refuses_is_said_and_changes_nothing(
-    lcmtools: Run, words: list[str], line: str
+    cli: Cli, words: list[str], line: str
 ) -> None:
-    done = lcmtools("param", "set", "driver", *words)
-    assert (done.returncode, done.stdout) == (1, "")
-    assert done.stderr == f"lcmtools param set: {line}\n"
-    assert lcmtools("param", "dump").stdout == DUMP
+    done = cli("param", "set", "driver", *words)
+    assert (done.code, done.out) == (1, "")
+    assert done.err == f"lcmtools param set: {line}\n"
+    assert cli("param", "dump").out == DUMP
 
 
 @pytest.mark.usefixtures("driver")
-def test_load_takes_back_what_dump_writes(lcmtools: Run, tmp_path: Path) -> None:
+def test_load_takes_back_what_dump_writes(cli: Cli, tmp_path: Path) -> None:
     file = str(tmp_path / "all.yaml")
-    assert lcmtools("param", "dump", file, "driver").stdout == ""
+    assert cli("param", "dump", file, "driver").out == ""
     assert Path(file).read_text() == DUMP
-    lcmtools("param", "set", "driver", "{gain: 3, name: 'true', steps: [], pid.kp: 9}")
-    assert lcmtools("param", "load", file).returncode == 0
-    assert lcmtools("param", "dump", "driver").stdout == DUMP
-    as_json = lcmtools("param", "dump", "--json").stdout
-    lcmtools("param", "set", "driver", "gain", "3")
-    assert lcmtools("param", "load", "-", stdin=as_json).returncode == 0
-    assert lcmtools("param", "dump").stdout == DUMP
+    cli("param", "set", "driver", "{gain: 3, name: 'true', steps: [], pid.kp: 9}")
+    assert cli("param", "load", file).code == 0
+    assert cli("param", "dump", "driver").out == DUMP
+    as_json = cli("param", "dump", "--json").out
+    cli("param", "set", "driver", "gain", "3")
+    assert cli("param", "load", "-", input=as_json).code == 0
+    assert cli("param", "dump").out == DUMP
 
 
 @pytest.mark.usefixtures("driver")
@@ -143,14 +145,14 @@ def test_load_takes_back_what_dump_writes(lcmtools: Run, tmp_path: Path) -> None
     ],
 )
 def test_load_takes_the_files_of_rosparam_and_ros2(
-    lcmtools: Run, tmp_path: Path, text: str, words: list[str]
+    cli: Cli, tmp_path: Path, text: str, words: list[str]
 ) -> None:
     file = tmp_path / "gains.yaml"
     file.write_text(text)
-    done = lcmtools("param", "load", str(file), *words)
-    assert (done.returncode, done.stderr) == (0, "/husky0/driver: gain, pid.kp set\n")
-    assert lcmtools("param", "get", "driver", "gain").stdout == "4.0\n"
-    assert lcmtools("param", "get", "driver", "pid.kp").stdout == "2.0\n"
+    done = cli("param", "load", str(file), *words)
+    assert (done.code, done.err) == (0, "/husky0/driver: gain, pid.kp set\n")
+    assert cli("param", "get", "driver", "gain").out == "4.0\n"
+    assert cli("param", "get", "driver", "pid.kp").out == "2.0\n"
 
 
 @pytest.mark.usefixtures("driver")
@@ -170,87 +172,104 @@ def test_load_takes_the_files_of_rosparam_and_ros2(
     ],
 )
 def test_load_names_the_line_of_what_is_wrong_and_sets_nothing(
-    lcmtools: Run, tmp_path: Path, text: str, code: int, line: str
+    cli: Cli, tmp_path: Path, text: str, code: int, line: str
 ) -> None:
     (tmp_path / "gains.yaml").write_text(text)
     file = str(tmp_path / "gains.yaml")
-    done = lcmtools("param", "load", file)
-    assert done.returncode == code
-    assert done.stderr.startswith(f"lcmtools param load: {file}:{line}")
-    assert lcmtools("param", "dump").stdout == DUMP
+    done = cli("param", "load", file)
+    assert done.code == code
+    assert done.err.startswith(f"lcmtools param load: {file}:{line}")
+    assert cli("param", "dump").out == DUMP
 
 
 @pytest.mark.usefixtures("driver")
-def test_describe_says_type_meaning_and_range(lcmtools: Run) -> None:
-    assert lcmtools("param", "describe", "driver", "gain").stdout.splitlines() == [
+def test_describe_says_type_meaning_and_range(cli: Cli) -> None:
+    assert cli("param", "describe", "driver", "gain").out.splitlines() == [
         "Parameter: /husky0/driver/gain",
         "  Type: float",
         "  Value: 1.0",
         "  Description: effort [N]",
         "  Range: -10.0 to 10.0",
     ]
-    assert "Read only" in lcmtools("param", "describe", "/husky0/driver/use_sim_time").stdout
+    assert "Read only" in cli("param", "describe", "/husky0/driver/use_sim_time").out
 
 
-def test_a_node_that_hangs_costs_exit_code_4_and_the_others_are_listed(
-    driver: Any, lcmtools: Run, start: Start, lcmtools_path: str
-) -> None:
-    start(lcmtools_path, "run", "talker").wait_for("hello")
-    driver.send_signal(signal.SIGSTOP)
-    done = lcmtools("param", "list", "--timeout", "300ms")
-    assert done.stdout == "/talker/use_sim_time\n"
-    assert "/husky0/driver" in done.stderr
-    driver.send_signal(signal.SIGCONT)
-
-
-def test_the_controller_follows_a_changed_gain(
-    driver: Any, lcmtools: Run, start: Start, lcmtools_path: str, wait_until: Callable[..., None]
-) -> None:
-    del driver
-    start(lcmtools_path, "run", "simple_controller", "_ki:=0.0")
-    wait_until(lambda: "/simple_controller" in lcmtools("node", "list").stdout)
-    echo = start(lcmtools_path, "echo", "/controlled_velocity/effort")
-    wait_until(lambda: "/_lcmtools" in lcmtools("node", "list", "-a").stdout)
-    start(lcmtools_path, "pub", "-r", "20", "/odometry", "nav_msgs/Odometry")
-    start(
-        lcmtools_path,
-        "pub",
-        "-r",
-        "20",
-        "/desired_velocity",
-        "geometry_msgs/Twist",
-        "{linear: [0.5, 0, 0]}",
-    )
-    echo.wait_for("[0.5, 0.5]")
-    assert lcmtools("param", "set", "simple_controller", "kp", "0.25").returncode == 0
-    echo.wait_for("[0.125, 0.125]")
-    done = lcmtools("param", "set", "simple_controller", "kp", "-1")
-    assert "parameter kp: -1.0 is less than 0.0" in done.stderr
-
-
-BUSY = """
-import time
+HANGING = """
 import lcmtools
-
 lcmtools.init()
-node = lcmtools.Node("busy")
+node = lcmtools.Node("hanging")
 print("ready", flush=True)
-while lcmtools.ok():
-    time.sleep(0.05)  # it announces itself and never spins
-lcmtools.shutdown()
+lcmtools.spin(node)
 """
 
 
 @pytest.mark.usefixtures("driver")
-def test_node_info_shows_parameters_and_says_who_did_not_answer(
-    lcmtools: Run, start_python: Start, wait_until: Callable[..., None]
+def test_a_node_that_hangs_costs_exit_code_4_and_the_others_are_listed(
+    cli: Cli, start_python: Start
 ) -> None:
-    shown = "Parameters: \n * gain: 1.0\n * name: bob\n"
-    wait_until(lambda: shown in lcmtools("node", "info", "driver").stdout)
-    (record,) = json.loads(lcmtools("node", "info", "driver", "--json").stdout)
+    hanging = start_python(HANGING)
+    hanging.wait_for("ready")
+    hanging.send_signal(signal.SIGSTOP)
+    done = cli("param", "list", "--timeout", "300ms")
+    assert done.out.splitlines()[0] == "/husky0/driver/gain"
+    assert "/hanging" not in done.out
+    assert "/hanging" in done.err
+    hanging.send_signal(signal.SIGCONT)
+
+
+@pytest.mark.usefixtures("driver")
+def test_the_controller_follows_a_changed_gain(
+    cli: Cli, start_node: Start, wait_until: Callable[..., None]
+) -> None:
+    efforts: list[list[float]] = []
+
+    def robot() -> Node:
+        node = Node("robot")
+        odometry = node.create_publisher(Odometry, "/odometry")
+        desired = node.create_publisher(Twist, "/desired_velocity")
+        wanted = Twist()
+        wanted.linear.x = 0.5
+
+        def move() -> None:
+            odometry.publish(Odometry())
+            desired.publish(wanted)
+
+        node.create_timer(0.02, move)
+        node.create_subscription(
+            JointState, "/controlled_velocity", lambda message: efforts.append(list(message.effort))
+        )
+        return node
+
+    start_node(SimpleController, "_ki:=0.0")
+    start_node(robot)
+    wait_until(lambda: [0.5, 0.5] in efforts)
+    assert cli("param", "set", "simple_controller", "kp", "0.25").code == 0
+    wait_until(lambda: [0.125, 0.125] in efforts)
+    done = cli("param", "set", "simple_controller", "kp", "-1")
+    assert "parameter kp: -1.0 is less than 0.0" in done.err
+
+
+@pytest.mark.usefixtures("driver")
+def test_node_info_shows_parameters_and_says_who_did_not_answer(
+    cli: Cli, start_node: Start
+) -> None:
+    assert "Parameters: \n * gain: 1.0\n * name: bob\n" in cli("node", "info", "driver").out
+    (record,) = json.loads(cli("node", "info", "driver", "--json").out)
     assert record["parameters"]["steps"] == [1, 2]
-    start_python(BUSY).wait_for("ready")
-    assert "Parameters: (did not answer)\n" in lcmtools("node", "info", "busy").stdout
-    done = lcmtools("param", "get", "busy", "--timeout", "200ms")
-    assert (done.returncode, done.stdout) == (4, "")
-    assert done.stderr.startswith("lcmtools param get: /busy did not answer within 0.2 s")
+
+    is_blocked, is_over = threading.Event(), threading.Event()
+
+    def busy() -> Node:
+        node = lcmtools.Node("busy")
+        node.create_timer(0.001, lambda: is_blocked.set() or is_over.wait())
+        return node
+
+    start_node(busy)
+    assert is_blocked.wait(40.0)
+    try:
+        assert "Parameters: (did not answer)\n" in cli("node", "info", "busy").out
+        done = cli("param", "get", "busy", "--timeout", "200ms")
+    finally:
+        is_over.set()
+    assert (done.code, done.out) == (4, "")
+    assert done.err.startswith("lcmtools param get: /busy did not answer within 0.2 s")
