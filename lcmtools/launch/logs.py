@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import tempfile
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -32,7 +33,12 @@ def make_folder(environment: Mapping[str, str]) -> Path:
     base = _base_folder(environment)
     folder = base / f"{time.strftime('%Y-%m-%d-%H-%M-%S')}-{os.getpid()}"
     try:
-        folder.mkdir(parents=True)
+        base.mkdir(parents=True, exist_ok=True)
+        if folder.exists():  # an earlier launch of this process, or of a container with this number
+            folder = Path(tempfile.mkdtemp(prefix=f"{folder.name}-", dir=base))
+            folder.chmod(0o755)
+        else:
+            folder.mkdir()
     except OSError as error:
         what = f"cannot make the folder for log files, {folder}: {error.strerror}"
         raise LcmtoolsError(what, "set XDG_STATE_HOME to another place") from error

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 Launch = Callable[..., Any]
+Launched = Callable[..., "Done"]
 
 STUBBORN = "trap '' INT; echo ready; while true; do sleep 0.05; done"
 DEAF = "trap '' INT TERM HUP; sleep 100 & echo ready $!; while true; do sleep 0.05; done"
@@ -39,6 +41,31 @@ def launch(start: Callable[..., Any], lcmtools_path: str, tmp_path: Path) -> Cal
     return run
 
 
+@dataclass(frozen=True)
+class Done:
+    """A launch that has ended."""
+
+    code: int
+    output: str
+
+    @property
+    def lines(self) -> list[str]:
+        """Standard output, then standard error."""
+        return self.output.splitlines()
+
+
+@pytest.fixture
+def launched(cli: Callable[..., Any], tmp_path: Path) -> Launched:
+    """``launched(text, *arguments, until="", ends_by=...)``: the same to its end, in here."""
+
+    def run(text: str, *arguments: str, **options: Any) -> Done:
+        (tmp_path / "a.yaml").write_text(text)
+        result = cli("launch", "a.yaml", *arguments, **options)
+        return Done(result.code, result.out + result.err)
+
+    return run
+
+
 def shell(script: str, name: str = "node", more: str = "") -> str:
     """A node that is a shell's script, as part of the list of nodes."""
     return f"  - {{exec: {json.dumps(f'sh -c {json.dumps(script)}')}, name: {name}{more}}}\n"
@@ -59,8 +86,13 @@ def is_running(pid: int) -> bool:
 
 
 def pid_of(program: Any, name: str) -> int:
-    """The process of a node, once it was started."""
-    line = program.wait_for(f"[{name}] started")
+    """Return the process of a node, once it was started."""
+    return int(program.wait_for(f"[{name}] started").rpartition(" ")[2])
+
+
+def pid_in(program: Done, name: str) -> int:
+    """Return the process that a node had."""
+    line = next(line for line in program.lines if line.startswith(f"[{name}] started"))
     return int(line.rpartition(" ")[2])
 
 
@@ -86,15 +118,15 @@ def test_labs_file_runs_its_node_in_the_namespace_until_ctrl_c(
     assert lcmtools("node", "list").stdout == ""
 
 
-def test_lines_have_their_nodes_name_and_are_in_its_log(launch: Launch, tmp_path: Path) -> None:
-    program = launch(
+def test_lines_have_their_nodes_name_and_are_in_its_log(launched: Launched, tmp_path: Path) -> None:
+    program = launched(
         nodes(
             shell("echo one; echo two >&2; printf last", "first", ", ns: a"),
             shell("echo quiet; echo loud >&2", "second", ", output: log"),
             shell("echo shown", "third", ", output: screen"),
         )
     )
-    assert program.wait() == 0
+    assert program.code == 0
     shown = {line for line in program.lines if "] started" not in line and "] ended" not in line}
     assert {"[a/first-1] one", "[a/first-1] two", "[a/first-1] last"} <= shown
     assert {"[second-2] loud", "[third-3] shown"} <= shown
@@ -109,54 +141,58 @@ def test_lines_have_their_nodes_name_and_are_in_its_log(launch: Launch, tmp_path
 
 @pytest.mark.parametrize(("option", "is_shown"), [("--screen", True), ("--log", False)])
 def test_output_of_all_nodes_is_said_on_the_command_line(
-    launch: Launch,
+    launched: Launched,
     option: str,
     is_shown: bool,  # noqa: FBT001 - pytest passes it by name
 ) -> None:
-    program = launch(nodes(shell("echo a line", "n")), option)
-    assert program.wait() == 0
+    program = launched(nodes(shell("echo a line", "n")), option)
+    assert program.code == 0
     assert ("[n-1] a line" in program.lines) is is_shown
 
 
-def test_node_that_fails_makes_exit_code_1_and_the_others_go_on(launch: Launch) -> None:
-    program = launch(nodes(shell("exit 3", "bad"), shell("sleep 0.3; echo well", "good")))
-    assert program.wait() == 1
+def test_node_that_fails_makes_exit_code_1_and_the_others_go_on(launched: Launched) -> None:
+    program = launched(nodes(shell("exit 3", "bad"), shell("sleep 0.3; echo well", "good")))
+    assert program.code == 1
     assert "[good-2] well" in program.lines
     rows = table(program)
     assert rows["/bad"][0] == "died with exit code 3"
     assert rows["/good"][0] == "ended"
 
 
-def test_node_that_dies_by_a_signal_is_told(launch: Launch) -> None:
-    program = launch(nodes(shell("kill -SEGV $$", "bad")))
-    assert program.wait() == 1
+def test_node_that_dies_by_a_signal_is_told(launched: Launched) -> None:
+    program = launched(nodes(shell("kill -SEGV $$", "bad")))
+    assert program.code == 1
     assert table(program)["/bad"][0] == "died by SIGSEGV"
 
 
-def test_node_is_started_again_after_its_delay(launch: Launch, tmp_path: Path) -> None:
+def test_node_is_started_again_after_its_delay(launched: Launched, tmp_path: Path) -> None:
     script = "echo run >> runs; exit 1"
-    program = launch(nodes(shell(script, "n", ", respawn: true, respawn_delay: 0.2")))
-    program.wait_for("starts again in 0.2 s")
-    program.wait_for("[n-1] started again")
-    program.wait_for("starts again in 0.5 s")  # one that keeps dying is given ever more time
-    program.wait_for("[n-1] started again")
-    program.wait_for("starts again in 1 s")
-    program.send_signal(signal.SIGINT)
-    assert program.wait() == 0
+    text = nodes(shell(script, "n", ", respawn: true, respawn_delay: 0.2"))
+    program = launched(text, until="starts again in 1 s")
+    assert program.code == 0
+    events = [line for line in program.lines if " again" in line and "log" not in line]
+    assert [line.partition(", pid")[0] for line in events] == [
+        "[n-1] starts again in 0.2 s",
+        "[n-1] started again",
+        "[n-1] starts again in 0.5 s",  # one that keeps dying is given ever more time
+        "[n-1] started again",
+        "[n-1] starts again in 1 s",
+        "asking all nodes to end (Ctrl-C again: at once)",
+    ]
     assert table(program)["/n"][:2] == ["died with exit code 1", "2"]
     assert (tmp_path / "runs").read_text() == "run\n" * 3
 
 
 @pytest.mark.parametrize(("code", "result"), [(0, 0), (4, 1)])
-def test_end_of_a_required_node_ends_all(launch: Launch, code: int, result: int) -> None:
-    program = launch(
+def test_end_of_a_required_node_ends_all(launched: Launched, code: int, result: int) -> None:
+    program = launched(
         nodes(
             shell("echo ready; exec sleep 100", "other"),
             shell(f"sleep 0.2; exit {code}", "must", ", required: true"),
         )
     )
-    program.wait_for("[must-2] is required: asking all nodes to end")
-    assert program.wait() == result
+    assert "[must-2] is required: asking all nodes to end" in program.lines
+    assert program.code == result
     assert table(program)["/other"][0] == "ended by SIGINT"
 
 
@@ -190,11 +226,9 @@ def test_ctrl_c_again_goes_on_at_once(launch: Launch) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_other_signals_end_it_in_order_too(launch: Launch, number: int) -> None:
-    program = launch(nodes("  - run: talker\n"))
-    program.wait_for("hello world")
-    program.send_signal(number)
-    assert program.wait() == 0
+def test_other_signals_end_it_in_order_too(launched: Launched, number: int) -> None:
+    program = launched("nodes: [{run: talker}]", until="hello world", ends_by=number)
+    assert program.code == 0
     assert table(program)["/talker"][0] == "ended when asked to"
 
 
@@ -219,9 +253,9 @@ def test_nothing_outlives_a_launcher_that_is_killed(
     assert Path("end").read_text() == "asked\n", "whoever heeds SIGINT ends in order, asked once"
 
 
-def test_nothing_is_started_where_a_program_is_missing(launch: Launch, tmp_path: Path) -> None:
-    program = launch(nodes(shell("touch started", "a"), "  - run: talkr\n"))
-    assert program.wait() == 2
+def test_nothing_is_started_where_a_program_is_missing(launched: Launched, tmp_path: Path) -> None:
+    program = launched(nodes(shell("touch started", "a"), "  - run: talkr\n"))
+    assert program.code == 2
     assert program.lines == [
         "lcmtools launch: a.yaml:3: there is no node 'talkr'; did you mean talker?"
     ]
@@ -230,12 +264,12 @@ def test_nothing_is_started_where_a_program_is_missing(launch: Launch, tmp_path:
 
 
 def test_program_that_the_system_refuses_ends_what_was_started(
-    launch: Launch, tmp_path: Path
+    launched: Launched, tmp_path: Path
 ) -> None:
     (tmp_path / "broken").write_bytes(b"\x7fELF nothing more")
     (tmp_path / "broken").chmod(0o755)
-    program = launch(nodes(shell("exec sleep 100", "a"), "  - {exec: ./broken, name: b}\n"))
-    assert program.wait() == 1
+    program = launched(nodes(shell("exec sleep 100", "a"), "  - {exec: ./broken, name: b}\n"))
+    assert program.code == 1
     rows = table(program)
     assert rows["/a"][0] == "ended by SIGINT"
     assert rows["/b"][0].startswith("cannot be started: Exec format error")
@@ -268,21 +302,21 @@ def test_reader_that_has_had_enough_ends_it(lcmtools_path: str, tmp_path: Path) 
     assert done.stdout.splitlines() == ["[n-1] line", "[n-1] line", "0"]
 
 
-def test_prefixes_have_colour_only_where_it_is_wanted(launch: Launch) -> None:
+def test_prefixes_have_colour_only_where_it_is_wanted(launched: Launched) -> None:
     text = nodes(shell("echo a", "n"))
-    colored, plain = launch(text, LCMTOOLS_COLOR="always"), launch(text)
-    assert (colored.wait(), plain.wait()) == (0, 0)
+    colored, plain = launched(text, env={"LCMTOOLS_COLOR": "always"}), launched(text)
+    assert (colored.code, plain.code) == (0, 0)
     assert "\x1b[32m[n-1]\x1b[0m a" in colored.lines
     assert "\x1b" not in plain.output
 
 
 def test_all_nodes_are_on_the_chosen_bus_but_those_that_the_file_puts_elsewhere(
-    launch: Launch, bus_url: str
+    launched: Launched, bus_url: str
 ) -> None:
     say = "echo url=$LCM_DEFAULT_URL ns=$LCMTOOLS_NAMESPACE"
     text = nodes(shell(say, "a", ", ns: x"), shell(say, "b", ', env: {LCMTOOLS_DOMAIN: "5"}'))
-    program = launch(text, "--lcm-url", bus_url, LCM_DEFAULT_URL="")
-    assert program.wait() == 0
+    program = launched(text, "--lcm-url", bus_url, env={"LCM_DEFAULT_URL": ""})
+    assert program.code == 0
     assert f"[x/a-1] url={bus_url} ns=/x" in program.lines
     assert "[b-2] url=udpm://239.255.76.67:7672?ttl=0 ns=" in program.lines
 
@@ -387,23 +421,23 @@ def test_notes_are_told_and_the_rest_is_run(lcmtools: Run, tmp_path: Path) -> No
 
 
 def test_launcher_that_has_no_place_for_logs_says_so_before_it_starts_anything(
-    launch: Launch, tmp_path: Path
+    launched: Launched, tmp_path: Path
 ) -> None:
     (tmp_path / "file").touch()
-    program = launch(nodes(shell("touch started")), XDG_STATE_HOME=str(tmp_path / "file"))
-    assert program.wait() == 1
+    program = launched(
+        nodes(shell("touch started")), env={"XDG_STATE_HOME": str(tmp_path / "file")}
+    )
+    assert program.code == 1
     assert "cannot make the folder for log files" in program.output
     assert not (tmp_path / "started").exists()
 
 
-def test_many_nodes_are_launched_and_ended_together(launch: Launch) -> None:
-    text = nodes(*(shell("echo up; exec sleep 100", f"n{i}") for i in range(40)))
-    program = launch(text)
-    pids = [pid_of(program, f"n{i}-{i + 1}") for i in range(40)]
-    program.send_signal(signal.SIGINT)
-    assert program.wait() == 0
-    assert len(table(program)) == 40
-    assert not any(map(is_running, pids))
+def test_many_nodes_are_launched_and_ended_together(launched: Launched) -> None:
+    text = nodes(*(shell("echo up; exec sleep 100", f"n{i}") for i in range(20)))
+    program = launched(text, until=lambda text: text.count("] up") == 20)
+    assert program.code == 0
+    assert len(table(program)) == 20
+    assert not any(is_running(pid_in(program, f"n{i}-{i + 1}")) for i in range(20))
 
 
 def test_ctrl_c_counts_while_nobody_reads_what_is_shown(
@@ -424,9 +458,9 @@ def test_ctrl_c_counts_while_nobody_reads_what_is_shown(
         assert not is_running(pid)
 
 
-def test_log_shows_a_nodes_warnings_only(launch: Launch) -> None:
+def test_log_shows_a_nodes_warnings_only(launched: Launched) -> None:
     script = "echo '[INFO] [1] [/n]: fine' >&2; echo '[WARN] [1] [/n]: not fine' >&2"
-    program = launch(nodes(shell(script, "n", ", output: log")))
-    assert program.wait() == 0
+    program = launched(nodes(shell(script, "n", ", output: log")))
+    assert program.code == 0
     assert "[n-1] [WARN] [1] [/n]: not fine" in program.lines
     assert "[INFO]" not in program.output
