@@ -60,20 +60,15 @@ lcmtools.shutdown()
 """
 UPSIDE_DOWN = """
 import sys
-from array import array
+import PIL.Image
 import lcmtools
 from lcmtools import Node
-from lcmtools.labs.nodes.picture.png import PngPixels, encode_png
 from lcmtools.types.sensor_msgs import Image
 
 
 def save(image):
-    values = array("H", image.data)
-    values.byteswap()
-    rows = [values[y * image.width : (y + 1) * image.width] for y in range(image.height)]
-    data = b"".join(row.tobytes() for row in reversed(rows))
-    with open(sys.argv[1], "wb") as file:
-        file.write(encode_png(PngPixels(image.width, image.height, 1, 16, data)))
+    upright = PIL.Image.frombytes("I;16", (image.width, image.height), image.data)
+    upright.transpose(PIL.Image.Transpose.FLIP_TOP_BOTTOM).save(sys.argv[1], "PNG")
 
 
 lcmtools.init([])

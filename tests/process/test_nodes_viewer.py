@@ -1,5 +1,6 @@
 """kinect_viewer and image_view: lines, files, and a terminal that is given back."""
 
+import io
 import json
 import os
 import pty
@@ -14,9 +15,9 @@ from fcntl import ioctl
 from pathlib import Path
 
 import lcm
+import PIL.Image
 import pytest
 
-from lcmtools.labs.nodes.picture.png import PngPixels, decode_png, encode_png
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
 TOPIC = "/camera/depth/image_raw"
@@ -68,9 +69,9 @@ def test_picture_is_saved_with_values_and_with_a_number(
     words = ("image_view", f"image:={TOPIC}", "--once", "--json", "--values", "--save", file)
     code, output = look(bus_url, lcmtools_path, picture(), *words)
     assert (code, json.loads(output)["file"]) == (0, file.replace("%03d", "000"))
-    pixels = decode_png((tmp_path / "depth000.png").read_bytes())
-    assert (pixels.width, pixels.height, pixels.bits) == (8, 6, 16)
-    assert pixels.rows == struct.pack(">48H", *range(1000, 1048))
+    with PIL.Image.open(tmp_path / "depth000.png") as image:
+        assert (image.size, image.mode) == ((8, 6), "I;16")
+        assert image.tobytes() == struct.pack("<48H", *range(1000, 1048))
 
 
 def test_compressed_picture_is_shown_and_a_broken_one_is_one_line(
@@ -87,12 +88,14 @@ def test_compressed_picture_is_shown_and_a_broken_one_is_one_line(
     code, output = look(bus_url, lcmtools_path, message, *words)
     assert (code, output) == (
         1,
-        "lcmtools run kinect_viewer: broken PNG picture: it has no PNG signature\n",
+        "lcmtools run kinect_viewer: broken picture: it is no PNG or JPEG file\n",
     )
 
 
 def encode_png_of_depth() -> bytes:
-    return encode_png(PngPixels(2, 1, 1, 16, struct.pack(">2H", 700, 1200)))
+    file = io.BytesIO()
+    PIL.Image.frombytes("I;16", (2, 1), struct.pack("<2H", 700, 1200)).save(file, "PNG")
+    return file.getvalue()
 
 
 @pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, "q"])

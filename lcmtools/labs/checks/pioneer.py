@@ -1,6 +1,5 @@
 """The Pioneer lab: does each key command what the table says, and is the depth picture right."""
 
-from array import array
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -11,7 +10,7 @@ from lcmtools.labs.checks.programs import CheckedProgram
 from lcmtools.labs.checks.row import Row, row
 from lcmtools.labs.checks.stage import Stage
 from lcmtools.labs.checks.verdicts import ends_on_ctrl_c, fate
-from lcmtools.labs.nodes.picture.png import PngPixels, decode_png
+from lcmtools.labs.nodes.picture.pixels import Kind, Picture, read_file, read_picture
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import Image
 
@@ -150,7 +149,7 @@ def check_viewer(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
     stage.listen(Image, _DEPTH, truths.append)
     file = stage.folder / "picture.png"
     program = stage.start(viewer_command(command, str(file)))
-    seen: list[PngPixels] = []  # a viewer may write anew with each message: a look later is another
+    seen: list[Picture] = []  # a viewer may write anew with each message: a look later is another
 
     def has_come() -> bool:
         seen.extend(filter(None, [_read(file)]))
@@ -162,7 +161,7 @@ def check_viewer(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
     if picture is None:
         yield _no_picture(what, wanted, file, program)
         return
-    yield row(what, wanted, f"{picture.width} x {picture.height} pixels", is_ok=True, hint="")
+    yield row(what, wanted, "{} x {} pixels".format(*picture.image.size), is_ok=True, hint="")
     truth_came = stage.wait(lambda: truths, _PICTURE)
     part = _likeness(truths[-1], picture) if truth_came else 0.0
     yield row(
@@ -179,38 +178,32 @@ def check_viewer(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
 
 def _no_picture(what: str, wanted: str, file: Path, program: CheckedProgram) -> Row:
     if file.exists():
-        hint = "8-bit grey or colour, or 16-bit grey, can be read"
-        return Row(what, wanted, "a file that is no such PNG", is_ok=False, hint=hint)
+        hint = "save it as PNG or JPEG"
+        return Row(what, wanted, "a file that is no picture", is_ok=False, hint=hint)
     if program.code is not None:
         return fate(what, program, wanted)
     hint = f"does it subscribe to {_DEPTH}, and save what comes where --save or {PICTURE} says?"
     return Row(what, wanted, f"none within {_PICTURE:g} s", is_ok=False, hint=hint)
 
 
-def _read(file: Path) -> PngPixels | None:
+def _read(file: Path) -> Picture | None:
     """The picture; None while it is not there, or not whole."""
     try:
-        return decode_png(file.read_bytes())
+        return read_file(file.read_bytes())
     except (OSError, DecodeError):
         return None
 
 
-def _likeness(truth: Image, picture: PngPixels) -> float:
-    """How well the picture shows the truth, at points of a grid."""
-    millimetres = array("H", truth.data)
-    if truth.is_bigendian:
-        millimetres.byteswap()
-    grid = [(x / _COLUMNS, y / _ROWS) for y in range(_ROWS) for x in range(_COLUMNS)]
-    depths = [
-        millimetres[int(y * truth.height) * (truth.step // 2) + int(x * truth.width)]
-        for x, y in grid
-    ]
-    colors = [_color(picture, int(x * picture.width), int(y * picture.height)) for x, y in grid]
-    return explained(depths, colors)
+def _likeness(truth: Image, picture: Picture) -> float:
+    """The part of the picture's colours that the true depths explain, at points of a grid."""
+    depths = _sampled(read_picture(truth)).values()
+    shown = _sampled(picture)
+    if shown.kind is not Kind.COLOR:
+        return explained(depths, [(value,) for value in shown.values()])
+    channels = shown.image.tobytes()
+    return explained(depths, list(zip(channels[::3], channels[1::3], channels[2::3], strict=True)))
 
 
-def _color(picture: PngPixels, x: int, y: int) -> tuple[int, ...]:
-    """The numbers of a pixel, without alpha."""
-    start = (y * picture.width + x) * picture.pixel_bytes
-    pixel = picture.rows[start : start + picture.pixel_bytes]
-    return (int.from_bytes(pixel, "big"),) if picture.channels == 1 else tuple(pixel[:3])
+def _sampled(picture: Picture) -> Picture:
+    grid = picture.image.resize((_COLUMNS, _ROWS), 0)  # 0: the nearest pixel
+    return Picture(grid, picture.encoding, picture.kind)

@@ -1,15 +1,18 @@
 """The check of a viewer, without a bus: a file that is written again and again."""
 
+import io
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import PIL.Image
 import pytest
 
 from lcmtools.labs.checks.pioneer import check_viewer
-from lcmtools.labs.nodes.picture.png import PngPixels, encode_png
 
-PICTURE = encode_png(PngPixels(4, 2, 1, 16, bytes(16)))
+_FILE = io.BytesIO()
+PIL.Image.new("I;16", (4, 2)).save(_FILE, "PNG")
+PICTURE = _FILE.getvalue()
 
 
 @pytest.fixture
@@ -54,4 +57,4 @@ def test_a_file_that_never_is_a_picture_is_told(stage: Any, tmp_path: Path) -> N
     (tmp_path / "picture.png").write_bytes(b"nothing")
     row = next(check_viewer(stage, ["viewer"]))
 
-    assert (row.measured, row.is_ok) == ("a file that is no such PNG", False)
+    assert (row.measured, row.is_ok) == ("a file that is no picture", False)

@@ -1,144 +1,172 @@
-"""Pictures on a terminal's screen, which they fit; the screen is given back as it was."""
+"""Pictures on a terminal's screen, which is given back as it was; textual-image draws them."""
 
 import os
+import shutil
 import sys
+
+from rich.console import Console, ConsoleDimensions
+from rich.text import Text
 
 from lcmtools.color import stream_wants_color
 from lcmtools.labs.nodes.driving.keyboard import TerminalKeys
 from lcmtools.labs.nodes.driving.keys import ESCAPE
-from lcmtools.labs.nodes.picture import graphics, kitty
-from lcmtools.labs.nodes.picture.blocks import LEGEND_WIDTH, color_depth, draw_blocks, draw_legend
-from lcmtools.labs.nodes.picture.kitty import draw_kitty
+from lcmtools.labs.nodes.picture.colors import ColoredPicture, ColorOptions, colored, mix
+from lcmtools.labs.nodes.picture.graphics import (
+    GRAPHICS,
+    CellSize,
+    HalfcellImage,
+    ImageRenderable,
+    UnicodeImage,
+    query,
+)
 from lcmtools.labs.nodes.picture.pixels import Picture
-from lcmtools.labs.nodes.picture.sample import Look, View, fitting_size, take_view
-from lcmtools.labs.nodes.picture.sixel import draw_sixel
-from lcmtools.labs.nodes.picture.words import legend_ends
 from lcmtools.labs.nodes.terminal import Terminal, is_terminal
 
 _OTHER_SCREEN, _OWN_SCREEN = "\x1b[?1049h\x1b[2J", "\x1b[?1049l"
 _HIDE_CURSOR, _SHOW_CURSOR = "\x1b[?25l", "\x1b[?25h"
 _HOME, _CLEAR, _CLEAR_LINE, _CLEAR_BELOW = "\x1b[H", "\x1b[2J", "\x1b[K", "\x1b[J"
 _MOST_WIDTH, _MOST_HEIGHT = 480, 360  # [pixels] of graphics: more take too long ten times a second
-_WORDS_LINES = 2
-_LEGEND_COLUMNS = LEGEND_WIDTH + len("near 00.5 m  00.5 m far")
+_TEXT_LINES = 2
+_LEGEND_WIDTH = 24
+_LEGEND_COLUMNS = _LEGEND_WIDTH + len("near 00.5 m  00.5 m far")
 
 
 class ScreenDisplay:
     """Shows pictures on the terminal's other screen, or one of them among the text.
 
     Args:
-        look: The colours.
-        chosen: Graphics, of ``graphics.CHOICES``.
+        options: The colours.
+        graphics: One of GRAPHICS, or "auto" for the best that the terminal says it has.
         is_single: One picture is shown, and stays.
     """
 
-    def __init__(self, look: Look, chosen: str, *, is_single: bool) -> None:
+    def __init__(self, options: ColorOptions, graphics: str, *, is_single: bool) -> None:
         self.is_over = False
-        self._look = look
-        self._graphics = chosen
+        self._options = options
         self._is_single = is_single
-        self._depth = color_depth(
-            dict(os.environ), wanted=stream_wants_color(sys.stdout, os.environ)
+        self._graphics = graphics
+        self._has_color = stream_wants_color(sys.stdout, os.environ)
+        full = os.environ.get("COLORTERM", "").lower() in ("truecolor", "24bit")
+        self._console = Console(
+            color_system="truecolor" if full else "256",
+            no_color=not self._has_color,
+            highlight=False,
         )
+        self._drawing: type[ImageRenderable] = UnicodeImage
         self._has_keys = is_terminal(sys.stdin)
         opening, closing = _HIDE_CURSOR, _SHOW_CURSOR
         if not is_single:
             opening, closing = _OTHER_SCREEN + opening, closing + _OWN_SCREEN
         self._terminal = Terminal(keys=self._has_keys, opening=opening, closing=closing)
         self._keys = TerminalKeys(self._terminal)
-        self._size = (0, 0)
+        self._size = screen_size()
         self._title = ""
+        self._cell = CellSize(8, 16)
         self._shown: Picture | str = ""
+        self._drawn: ImageRenderable | None = None
 
     def open(self, title: str) -> None:
-        """See Display."""
+        """Set up the terminal."""
         self._title = title
         self._terminal.__enter__()
-        if self._graphics == graphics.AUTO:
-            self._graphics = graphics.ask_graphics() if self._has_keys else graphics.BLOCKS
+        best, self._cell = query(answers=self._has_keys)
+        chosen = best if self._graphics == "auto" else self._graphics
+        self._drawing = GRAPHICS[chosen]
+        if chosen == "blocks" and not self._has_color:
+            self._drawing = UnicodeImage
         if not self._is_single:
             self.say("waiting for a picture")
 
     def show(self, picture: Picture) -> None:
-        """See Display."""
+        """Draw a picture."""
         self._shown = picture
         self._draw()
 
     def say(self, text: str) -> None:
-        """Say it in place of the picture."""
+        """Write a reason in place of the picture."""
         self._shown = text
         self._draw()
 
     def attend(self) -> None:
-        """Fit a terminal whose size has changed; Escape and q end."""
+        """Fit a terminal whose size has changed; end on Escape and q."""
         is_resumed = self._terminal.obey()
         if self._has_keys:
             pressed = self._keys.read(0.0)
             self.is_over = self._keys.is_over or bool({"q", "Q", ESCAPE} & set(pressed))
-        if not self._is_single and (is_resumed or graphics.screen_size() != self._size):
-            self._draw()
+        if not self._is_single and (is_resumed or screen_size() != self._size):
+            self._draw(begin=_CLEAR)
 
     def close(self) -> None:
-        """See Display."""
-        if self._graphics == graphics.KITTY and not self._is_single:
-            self._write(kitty.CLEAR)
+        """Free what the terminal keeps, and restore it."""
+        if self._drawn and not self._is_single:
+            self._drawn.cleanup()
         self._terminal.__exit__()
 
-    def _draw(self) -> None:
-        size = graphics.screen_size()
-        begin = "" if self._is_single else _HOME + (_CLEAR if size != self._size else "")
-        if size != self._size and self._graphics == graphics.KITTY:
-            begin += kitty.CLEAR
-        self._size = size
-        columns, lines = size
-        if isinstance(self._shown, str):
-            self._write(f"{begin}{f'{self._title}: {self._shown}'[:columns]}{_CLEAR_BELOW}\n")
-            return
-        picture = self._shown
-        body = self._body(picture, columns, max(1, lines - _WORDS_LINES))
-        end = "\n" if self._is_single else ""
-        self._write(f"{begin}{body}{end}")
-
-    def _body(self, picture: Picture, columns: int, lines: int) -> str:
-        if self._graphics == graphics.BLOCKS:
-            view = take_view(picture, self._look, *fitting_size(picture, columns, 2 * lines))
-            drawn = draw_blocks(view, self._depth)
-            return _joined([*drawn, *self._words(view, picture, columns)])
-        width, height = graphics.cell_size()
-        shown = fitting_size(picture, columns * width, lines * height)
-        view = take_view(picture, self._look, *_at_most(*shown))
-        used = max(1, shown[0] // width), max(1, shown[1] // height)
-        words = _joined(self._words(view, picture, columns))
-        if self._graphics == graphics.KITTY:
-            # room is made first, so that a picture at the bottom of the screen scrolls up
-            below = "\n" * used[1]
-            return f"{below}\x1b[{used[1]}A{draw_kitty(view, *used)}\x1b[{used[1]}B\r{words}"
+    def _draw(self, begin: str = "") -> None:
+        self._console.size = self._size = screen_size()
+        before, self._drawn = self._drawn, None
+        with self._console.capture() as capture:
+            if isinstance(self._shown, str):
+                self._console.print(
+                    f"{self._title}: {self._shown}", no_wrap=True, overflow="ellipsis", markup=False
+                )
+            else:
+                self._print(self._shown)
+        text = capture.get()
         if not self._is_single:
-            used_lines = -(-view.height // height)
-            return f"{draw_sixel(view)}\x1b[{used_lines + 1}H{words}"
-        return f"{draw_sixel(view)}\r\n{words}"
-
-    def _words(self, view: View, picture: Picture, columns: int) -> list[str]:
-        """The two lines below the picture: the scale, and what it is."""
-        legend = draw_legend(view, self._depth)
-        if legend and columns < _LEGEND_COLUMNS:  # no room for the bar
-            legend = "near {}  far {}".format(*legend_ends(view.scale))[: columns - 1]
-        about = f"{self._title}  {picture.width} x {picture.height} {picture.encoding}"
-        return [legend, about[: columns - 1]]
-
-    def _write(self, text: str) -> None:
+            lines = text.rstrip("\n").replace("\n", f"{_CLEAR_LINE}\n")
+            text = f"{begin}{_HOME}{lines}{_CLEAR_LINE}{_CLEAR_BELOW}"
         try:
             sys.stdout.write(text)
             sys.stdout.flush()
+            if before:
+                before.cleanup()
         except OSError:  # the terminal is closed
             self.is_over = True
 
+    def _print(self, picture: Picture) -> None:
+        """Print the picture, the scale of its colours, and what it is."""
+        columns, lines = self._size.width, max(1, self._size.height - _TEXT_LINES)
+        shown, size = self._fitted(picture, columns, lines)
+        self._drawn = self._drawing(shown.image, *size)
+        self._console.print(self._drawn, end="")
+        about = f"{self._title}  {picture.image.width} x {picture.image.height} {picture.encoding}"
+        self._console.print(self._legend(shown, columns), no_wrap=True, overflow="crop")
+        self._console.print(about, no_wrap=True, overflow="crop", markup=False)
 
-def _joined(lines: list[str]) -> str:
-    """Lines, each clearing what was behind it, the last one what was below."""
-    return f"{_CLEAR_LINE}\r\n".join(lines) + _CLEAR_LINE + _CLEAR_BELOW
+    def _fitted(
+        self, picture: Picture, columns: int, lines: int
+    ) -> tuple[ColoredPicture, tuple[int, int]]:
+        """The pixels that are shown, in colour, and their size in characters."""
+        if self._drawing in (HalfcellImage, UnicodeImage):
+            small = picture.fitted(columns, 2 * lines)
+            width, height = small.image.size
+            return colored(small, self._options), (width, -(-height // 2))
+        cell = self._cell
+        full = picture.fitted(columns * cell.width, lines * cell.height)
+        width, height = full.image.size
+        used = max(1, width // cell.width), max(1, height // cell.height)
+        return colored(
+            full.fitted(min(width, _MOST_WIDTH), min(height, _MOST_HEIGHT)), self._options
+        ), used
+
+    def _legend(self, shown: ColoredPicture, columns: int) -> Text:
+        """The colours of depth with the depths at their ends."""
+        if shown.near is None:
+            return Text()
+        near, far = shown.legend_ends
+        if columns < _LEGEND_COLUMNS:  # no room for the colours
+            return Text(f"near {near}  far {far}")
+        bar = Text(f"near {near} ")
+        for step in range(_LEGEND_WIDTH):
+            red, green, blue = mix(self._options.color_map, step / (_LEGEND_WIDTH - 1))
+            bar.append("\N{FULL BLOCK}", f"rgb({red},{green},{blue})")
+        return bar.append(f" {far} far")
 
 
-def _at_most(width: int, height: int) -> tuple[int, int]:
-    scale = min(1.0, _MOST_WIDTH / width, _MOST_HEIGHT / height)
-    return max(1, round(width * scale)), max(1, round(height * scale))
+def screen_size() -> ConsoleDimensions:
+    """The size of the terminal; rich would take COLUMNS and LINES, which do not change."""
+    try:
+        return ConsoleDimensions(*map(max, os.get_terminal_size(sys.stdout.fileno()), (1, 1)))
+    except (OSError, ValueError):
+        return ConsoleDimensions(*shutil.get_terminal_size())

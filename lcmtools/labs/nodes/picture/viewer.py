@@ -10,15 +10,11 @@ import time
 
 import lcmtools
 from lcmtools import Node
-from lcmtools.errors import DecodeError, NothingReceived, UsageError
+from lcmtools.errors import DecodeError, MissingExtra, NothingReceived, UsageError
 from lcmtools.labs.nodes.command_line import NodeParser, at_least, one_of
-from lcmtools.labs.nodes.picture import graphics
+from lcmtools.labs.nodes.picture.colors import COLOR_MAPS, ColorOptions
 from lcmtools.labs.nodes.picture.display import Display, FileDisplay, LineDisplay
 from lcmtools.labs.nodes.picture.pixels import read_picture
-from lcmtools.labs.nodes.picture.sample import Look
-from lcmtools.labs.nodes.picture.screen import ScreenDisplay
-from lcmtools.labs.nodes.picture.shades import COLOR_MAPS, check_scale
-from lcmtools.labs.nodes.picture.window import WindowDisplay
 from lcmtools.labs.nodes.terminal import ended_by_signals, is_terminal
 from lcmtools.messages.registry import Message
 from lcmtools.types.sensor_msgs import CompressedImage, Image
@@ -26,6 +22,7 @@ from lcmtools.types.sensor_msgs import CompressedImage, Image
 _TURN = 0.03
 """Longest time without looking after the display [s]."""
 _RATE, _LINES_RATE = 10.0, 1.0
+_GRAPHICS = ("auto", "blocks", "sixel", "kitty")
 
 
 def viewer_parser() -> argparse.ArgumentParser:
@@ -37,7 +34,7 @@ def viewer_parser() -> argparse.ArgumentParser:
     parser.add_argument("--once", action="store_true")
     parser.add_argument("--rate", type=positive)
     parser.add_argument("--timeout", type=positive)
-    parser.add_argument("--graphics", type=one_of(graphics.CHOICES), default=graphics.AUTO)
+    parser.add_argument("--graphics", type=one_of(_GRAPHICS), default="auto")
     parser.add_argument("--colors", type=one_of(tuple(COLOR_MAPS)), default="warm")
     parser.add_argument("--near", type=at_least(0.0, "a depth in metres"))
     parser.add_argument("--far", type=positive)
@@ -59,7 +56,7 @@ class Viewer:
 
     def __init__(self, options: argparse.Namespace) -> None:
         self._display = _choose_display(options)
-        is_fast = isinstance(self._display, ScreenDisplay | WindowDisplay) or options.save
+        is_fast = options.save or not isinstance(self._display, LineDisplay)
         self._period = 1 / (options.rate or (_RATE if is_fast else _LINES_RATE))
         self._is_single: bool = options.once
         self._timeout: float | None = options.timeout
@@ -119,19 +116,31 @@ class Viewer:
 
 
 def _choose_display(options: argparse.Namespace) -> Display:
-    check_scale(options.near, options.far)
-    look = Look(COLOR_MAPS[options.colors], options.near, options.far)
+    colors = ColorOptions(COLOR_MAPS[options.colors], options.near, options.far)
     if options.values and not options.save:
         raise UsageError("--values is about the files of --save", "add --save FILE")
     if options.window and options.save:
         raise UsageError("--window and --save do not go together", "leave out one of them")
     if options.save:
-        return FileDisplay(options.save, look, as_values=options.values, as_json=options.json)
+        return FileDisplay(options.save, colors, as_values=options.values, as_json=options.json)
     if options.window:
-        return WindowDisplay(look)
+        from lcmtools.labs.nodes.picture.window import WindowDisplay
+
+        return WindowDisplay(colors)
     if options.json or not _is_screen():
         return LineDisplay(as_json=options.json)
-    return ScreenDisplay(look, options.graphics, is_single=options.once)
+    return _screen(colors, options)
+
+
+def _screen(colors: ColorOptions, options: argparse.Namespace) -> Display:
+    try:
+        from lcmtools.labs.nodes.picture.screen import ScreenDisplay
+    except ImportError as error:
+        raise MissingExtra(
+            "pictures in a terminal need textual-image, which is not installed",
+            "install the extra 'view' of lcmtools-robotics, or use --save FILE or --json",
+        ) from error
+    return ScreenDisplay(colors, options.graphics, is_single=options.once)
 
 
 def _is_screen() -> bool:

@@ -6,9 +6,8 @@ from types import ModuleType
 from typing import Protocol, cast
 
 from lcmtools.errors import LcmtoolsError, MissingExtra
+from lcmtools.labs.nodes.picture.colors import ColorOptions, colored, facts, sentence
 from lcmtools.labs.nodes.picture.pixels import Picture
-from lcmtools.labs.nodes.picture.sample import Look, fitting_size, take_view
-from lcmtools.labs.nodes.picture.words import facts, sentence
 
 _USUAL_SIZE = (640, 480)
 
@@ -38,16 +37,16 @@ class WindowDisplay:
     """Shows pictures in a window, as large as that is; closing it, q and Escape end.
 
     Args:
-        look: The colours.
+        options: The colours.
     """
 
-    def __init__(self, look: Look) -> None:
+    def __init__(self, options: ColorOptions) -> None:
         self.is_over = False
-        self._look = look
+        self._options = options
         self._tkinter = _import_tkinter()
         self._window: _Window | None = None
         self._label: _Label | None = None
-        self._image: object = None  # tkinter keeps none itself
+        self._image: object = None  # tkinter keeps no reference itself
 
     def open(self, title: str) -> None:
         """Open the window.
@@ -76,21 +75,21 @@ class WindowDisplay:
         self._window.update()
 
     def show(self, picture: Picture) -> None:
-        """See Display."""
+        """Show a picture as large as the window."""
         if self._window and self._label:
             room = self._window.winfo_width(), max(1, self._window.winfo_height() - 24)
-            view = take_view(picture, self._look, *fitting_size(picture, *room))
-            portable = f"P6 {view.width} {view.height} 255\n".encode() + view.to_bytes()
-            self._image = self._tkinter.PhotoImage(data=portable, format="PPM")
+            from PIL import ImageTk
+
+            self._image = ImageTk.PhotoImage(colored(picture.fitted(*room), self._options).image)
             self._label.configure(image=self._image, text=sentence(facts(picture)))
 
     def say(self, text: str) -> None:
-        """Say it in place of the picture."""
+        """Write a reason in place of the picture."""
         if self._label:
             self._label.configure(image="", text=text)
 
     def attend(self) -> None:
-        """See Display."""
+        """Handle the window's events."""
         if self._window and not self.is_over:
             try:
                 self._window.update()

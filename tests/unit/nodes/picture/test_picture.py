@@ -1,34 +1,29 @@
-"""Pictures: read from messages and PNG files, coloured, and written for terminals and files."""
+"""Pictures: read from messages and files, coloured, and shown in terminals and files."""
 
-import base64
-import random
-import re
+import io
 import struct
 import zlib
 from array import array
 
+import PIL.Image
 import pytest
 
-from lcmtools.errors import DecodeError
-from lcmtools.labs.nodes.picture.blocks import (
-    Depth,
-    color_depth,
-    draw_blocks,
-    draw_legend,
-    nearest_256,
+from lcmtools.errors import DecodeError, UsageError
+from lcmtools.labs.nodes.picture.colors import (
+    COLOR_MAPS,
+    ColorOptions,
+    colored,
+    facts,
+    mix,
+    sentence,
 )
-from lcmtools.labs.nodes.picture.display import colors_of, numbered, values_of
+from lcmtools.labs.nodes.picture.display import numbered, values_of
 from lcmtools.labs.nodes.picture.graphics import graphics_in
-from lcmtools.labs.nodes.picture.kitty import draw_kitty
-from lcmtools.labs.nodes.picture.pixels import read_picture
-from lcmtools.labs.nodes.picture.png import PngPixels, decode_png, encode_png
-from lcmtools.labs.nodes.picture.sample import Look, fitting_size, take_view
-from lcmtools.labs.nodes.picture.shades import COLOR_MAPS, mix
-from lcmtools.labs.nodes.picture.sixel import draw_sixel
-from lcmtools.labs.nodes.picture.words import facts, sentence
+from lcmtools.labs.nodes.picture.pixels import Picture, read_picture
+from lcmtools.labs.nodes.picture.screen import ScreenDisplay
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
-WARM = Look(COLOR_MAPS["warm"])
+WARM = ColorOptions(COLOR_MAPS["warm"])
 NEAREST, FARTHEST = COLOR_MAPS["warm"][0], COLOR_MAPS["warm"][-1]
 
 
@@ -45,69 +40,23 @@ def depth(width: int, height: int, *millimetres: int) -> Image:
     return image("16UC1", width, height, struct.pack(f"<{len(millimetres)}H", *millimetres))
 
 
-def png(channels: int, bits: int, filters: list[int], rows: list[bytes]) -> bytes:
-    """A PNG file with a filter of our choice for each row, by the standard's definition."""
-    pixel = channels * bits // 8
-    above = bytes(len(rows[0]))
-    content = b""
-    for kind, row in zip(filters, rows, strict=True):
-        coded = bytearray()
-        for at, value in enumerate(row):
-            a = row[at - pixel] if at >= pixel else 0
-            b = above[at]
-            c = above[at - pixel] if at >= pixel else 0
-            p = a + b - c
-            paeth = min((a, b, c), key=lambda one, p=p: abs(p - one))
-            guesses = {0: 0, 1: a, 2: b, 3: (a + b) // 2, 4: paeth}
-            coded.append((value - guesses.get(kind, 0)) % 256)
-        content += bytes([kind]) + coded
-        above = row
-    color = {1: 0, 3: 2, 4: 6}[channels]
-    width = len(rows[0]) // pixel
-    chunks = [
-        (b"IHDR", struct.pack(">IIBBBBB", width, len(rows), bits, color, 0, 0, 0)),
-        (b"IDAT", zlib.compress(content)),
-        (b"IEND", b""),
-    ]
-    packed = b"".join(
-        struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
-        for name, body in chunks
-    )
-    return b"\x89PNG\r\n\x1a\n" + packed
+def compressed(data: bytes, format: str = "png") -> CompressedImage:  # noqa: A002 - the field's name
+    message = CompressedImage()
+    message.data, message.data_length, message.format = data, len(data), format
+    return message
 
 
-@pytest.mark.parametrize(("channels", "bits"), [(1, 8), (1, 16), (3, 8), (4, 8)])
-def test_png_of_every_filter_is_read(channels: int, bits: int) -> None:
-    source = random.Random(channels)  # noqa: S311 - any numbers
-    rows = [source.randbytes(7 * channels * bits // 8) for _ in range(10)]
-    decoded = decode_png(png(channels, bits, [0, 1, 2, 3, 4, 4, 3, 2, 1, 0], rows))
-    assert decoded == PngPixels(7, 10, channels, bits, b"".join(rows))
-    assert decode_png(encode_png(decoded)) == decoded
+def file_of(image: PIL.Image.Image, kind: str = "PNG") -> bytes:
+    stream = io.BytesIO()
+    image.save(stream, kind)
+    return stream.getvalue()
 
 
-@pytest.mark.parametrize(
-    ("change", "reason"),
-    [
-        (lambda data: data[:20], "requires a buffer"),
-        (lambda data: b"GIF" + data, "no PNG signature"),
-        (lambda data: data.replace(b"IDAT", b"IDAX"), "checksum"),
-        (lambda _: png(1, 8, [7], [b"abc"]), "unknown filter 7"),
-    ],
-)
-def test_broken_png_is_refused_with_the_reason(change: object, reason: str) -> None:
-    good = png(1, 8, [0], [b"abc"])
-    with pytest.raises(DecodeError, match=rf"broken PNG picture: .*{reason}"):
-        decode_png(change(good))  # type: ignore[operator]
-
-
-def test_png_that_says_it_is_huge_costs_no_memory() -> None:
-    header = struct.pack(">IIBBBBB", 1 << 30, 1 << 30, 8, 0, 0, 0, 0)
-    chunk = (
-        struct.pack(">I", 13) + b"IHDR" + header + struct.pack(">I", zlib.crc32(b"IHDR" + header))
-    )
-    end = struct.pack(">I", 0) + b"IEND" + struct.pack(">I", zlib.crc32(b"IEND"))
-    with pytest.raises(DecodeError, match="1073741824 x 1073741824 pixels"):
-        decode_png(b"\x89PNG\r\n\x1a\n" + chunk + end)
+def pixels(picture: Picture) -> list[object]:
+    if picture.image.mode != "RGB":
+        return list(picture.values())
+    data = picture.image.tobytes()
+    return list(zip(data[::3], data[1::3], data[2::3], strict=True))
 
 
 @pytest.mark.parametrize(
@@ -127,9 +76,7 @@ def test_png_that_says_it_is_huge_costs_no_memory() -> None:
     ],
 )
 def test_pixels_are_read_by_their_encoding(message: Image, row: list[object]) -> None:
-    picture = read_picture(message)
-    assert picture.row(0) == row
-    assert picture.row(0, [len(row) - 1]) == row[-1:]
+    assert pixels(read_picture(message)) == row
 
 
 @pytest.mark.parametrize(
@@ -147,30 +94,64 @@ def test_picture_that_cannot_be_is_refused_with_the_reason(message: Image, reaso
         read_picture(message)
 
 
-def test_compressed_depth_is_read_and_jpeg_refused() -> None:
-    message = CompressedImage()
-    message.data = encode_png(PngPixels(2, 1, 1, 16, struct.pack(">2H", 700, 1200)))
-    assert read_picture(message).row(0) == [700, 1200]
-    message.format, message.data = "16UC1; compressedDepth png", bytes(12) + message.data
-    assert read_picture(message).row(0) == [700, 1200]
-    message.format, message.data = "jpeg", b"\xff\xd8\xff\xe0"
-    with pytest.raises(DecodeError, match="JPEG pictures are not shown"):
-        read_picture(message)
+def test_compressed_pictures_are_read() -> None:
+    depths = PIL.Image.frombytes("I;16", (2, 1), struct.pack("<2H", 700, 1200))
+    assert pixels(read_picture(compressed(file_of(depths)))) == [700, 1200]
+    of_ros = compressed(bytes(12) + file_of(depths), "16UC1; compressedDepth png")
+    assert pixels(read_picture(of_ros)) == [700, 1200]
+    red = PIL.Image.new("RGBA", (1, 1), (255, 0, 0, 7))
+    assert pixels(read_picture(compressed(file_of(red)))) == [(255, 0, 0)]
+    grey = PIL.Image.new("L", (8, 8), 200)
+    assert set(pixels(read_picture(compressed(file_of(grey, "JPEG"), "jpeg")))) == {200}
+
+
+def huge_png(size: int) -> bytes:
+    header = struct.pack(">IIBBBBB", size, size, 8, 0, 0, 0, 0)
+    parts = ((b"IHDR", header), (b"IDAT", zlib.compress(b"")), (b"IEND", b""))
+    chunks = (
+        struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
+        for name, body in parts
+    )
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunks)
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"no picture",
+        b"\xff\xd8\xff\xe0",
+        file_of(PIL.Image.new("L", (9, 9)))[:40],
+        file_of(PIL.Image.new("L", (9, 9))).replace(b"IDAT", b"IDAX"),
+        huge_png(1 << 30),
+        huge_png(10_000),
+        huge_png(8_500),
+    ],
+)
+def test_a_file_that_is_no_picture_or_too_large_is_refused(data: bytes) -> None:
+    with pytest.raises(DecodeError, match=r"broken picture: |is not shown"):
+        read_picture(compressed(data))
 
 
 def test_depth_goes_from_light_to_dark_and_no_reading_is_black() -> None:
-    view = take_view(read_picture(depth(3, 1, 1000, 2000, 0)), WARM, 3, 1)
-    assert view.rows == [[NEAREST, FARTHEST, (0, 0, 0)]]
-    assert (view.scale.near, view.scale.far) == (1000, 2000)
-    assert re.sub(r"\x1b\[[0-9;]*m", "", draw_legend(view, Depth.FULL)).split() == [
-        "near", "1", "m", "\u2580" * 24, "2", "m", "far",
-    ]  # fmt: skip
+    view = colored(read_picture(depth(3, 1, 1000, 2000, 0)), WARM)
+    assert view.image.tobytes() == bytes([*NEAREST, *FARTHEST, 0, 0, 0])
+    assert view.legend_ends == ("1 m", "2 m")
 
 
-def test_scale_that_is_said_is_kept() -> None:
-    look = Look(COLOR_MAPS["warm"], 0.0, 4.0)
-    view = take_view(read_picture(depth(2, 1, 4000, 9000)), look, 2, 1)
-    assert view.rows == [[FARTHEST, FARTHEST]]
+def test_a_given_scale_is_kept_and_exchanged_ends_are_refused() -> None:
+    view = colored(
+        read_picture(depth(2, 1, 4000, 9000)), ColorOptions(COLOR_MAPS["warm"], 0.0, 4.0)
+    )
+    assert view.image.tobytes() == bytes(FARTHEST * 2)
+    with pytest.raises(UsageError, match="--near 2 is not below --far 1"):
+        ColorOptions(COLOR_MAPS["warm"], 2.0, 1.0)
+
+
+def test_grey_of_16_bits_is_stretched_and_of_8_bits_is_not() -> None:
+    of_16 = read_picture(image("mono16", 2, 1, struct.pack("<2H", 1000, 1100)))
+    assert colored(of_16, WARM).image.tobytes() == bytes([0, 0, 0, 255, 255, 255])
+    of_8 = read_picture(image("mono8", 2, 1, bytes([10, 20])))
+    assert colored(of_8, WARM).image.tobytes() == bytes([10, 10, 10, 20, 20, 20])
 
 
 def test_middle_of_a_color_map_lies_between_its_colors() -> None:
@@ -183,40 +164,13 @@ def test_middle_of_a_color_map_lies_between_its_colors() -> None:
 )
 def test_picture_keeps_its_proportions(room: tuple[int, int], size: tuple[int, int]) -> None:
     picture = read_picture(image("mono8", 640, 480, bytes(640 * 480)))
-    assert fitting_size(picture, *room) == size
-
-
-def test_half_blocks_show_two_rows_in_a_line() -> None:
-    picture = read_picture(image("rgb8", 1, 3, bytes(range(9))))
-    lines = draw_blocks(take_view(picture, WARM, 1, 3), Depth.FULL)
-    assert lines == [
-        "\x1b[38;2;0;1;2;48;2;3;4;5m\u2580\x1b[0m",
-        "\x1b[38;2;6;7;8;48;2;6;7;8m\u2580\x1b[0m",
-    ]
-    few = draw_blocks(take_view(picture, WARM, 1, 3), Depth.COLORS_256)
-    assert few[0] == "\x1b[38;5;16;48;5;16m\u2580\x1b[0m"
-    grey = read_picture(image("mono8", 2, 2, b"\0\xff\0\xff"))
-    assert draw_blocks(take_view(grey, WARM, 2, 2), Depth.NONE) == [" @"]
-
-
-@pytest.mark.parametrize(
-    ("color", "number"),
-    [((0, 0, 0), 16), ((255, 255, 255), 231), ((255, 0, 0), 196), ((128, 128, 128), 244)],
-)
-def test_nearest_of_256_colors_is_found(color: tuple[int, int, int], number: int) -> None:
-    assert nearest_256(color) == number
-
-
-def test_colors_are_as_many_as_the_terminal_says() -> None:
-    assert color_depth({"COLORTERM": "truecolor"}, wanted=True) is Depth.FULL
-    assert color_depth({}, wanted=True) is Depth.COLORS_256
-    assert color_depth({"COLORTERM": "truecolor"}, wanted=False) is Depth.NONE
+    assert picture.fitted(*room).image.size == size
 
 
 @pytest.mark.parametrize(
     ("answer", "graphics"),
     [
-        (b"\x1b_Gi=31;OK\x1b\\\x1b[?62;4c", "kitty"),
+        (b"\x1b_Gi=31;OK\x1b\\\x1b[6;20;10t\x1b[?62;4c", "kitty"),
         (b"\x1b[?62;4;22c", "sixel"),
         (b"\x1b[?64;14;22c", "blocks"),
         (b"", "blocks"),
@@ -226,31 +180,35 @@ def test_graphics_are_what_the_terminal_answers(answer: bytes, graphics: str) ->
     assert graphics_in(answer) == graphics
 
 
-def test_kitty_gets_the_pixels_compressed() -> None:
-    picture = read_picture(image("rgb8", 2, 1, b"abcdef"))
-    text = draw_kitty(take_view(picture, WARM, 2, 1), 10, 5)
-    head, _, rest = text.partition(";")
-    assert {"a=T", "f=24", "s=2", "v=1", "c=10", "r=5", "m=0"} <= set(head[3:].split(","))
-    assert zlib.decompress(base64.b64decode(rest.removesuffix("\x1b\\"))) == b"abcdef"
+@pytest.mark.filterwarnings("ignore:Image.Image.getdata is deprecated")  # textual-image's business
+@pytest.mark.parametrize("graphics", ["blocks", "sixel", "kitty"])
+def test_a_terminal_gets_the_chosen_graphics(
+    graphics: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    written = io.StringIO()
+    monkeypatch.setattr("sys.__stdout__", written)  # where textual-image sends what is no text
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    display = ScreenDisplay(WARM, graphics, is_single=True)
+    display.open("/depth")
+    display.show(read_picture(depth(2, 2, 1000, 2000, 1500, 0)))
+    text = capsys.readouterr().out
+    assert "near 1 m" in text
+    assert "2 x 2 16UC1" in text
+    expected = {"blocks": "\u2580", "sixel": "\x1bP", "kitty": "\U0010eeee"}
+    assert expected[graphics] in text
 
 
-def test_sixels_are_columns_of_six_pixels() -> None:
-    picture = read_picture(image("rgb8", 4, 2, b"\0\0\0" * 4 + b"\xff\xff\xff" * 4))
-    text = draw_sixel(take_view(picture, WARM, 4, 2))
-    assert text == '\x1bP0;1q"1;1;4;2#0;2;0;0;0#1;2;100;100;100#0!4@$#1!4A\x1b\\'
-
-
-def test_picture_is_told_in_words() -> None:
+def test_picture_is_described_in_words() -> None:
     known = facts(read_picture(depth(3, 1, 620, 0, 4310)))
     assert sentence(known) == "3 x 1 16UC1  min 0.62 m  max 4.31 m  middle none"
     assert sentence(facts(read_picture(image("rgb8", 1, 1, b"abc")))) == "1 x 1 rgb8"
+    nothing = facts(read_picture(depth(1, 1, 0)))
+    assert sentence(nothing) == "1 x 1 16UC1  min none  max none  middle none"
 
 
-def test_files_are_numbered_and_have_colors_or_values() -> None:
+def test_files_are_numbered_and_have_values() -> None:
     assert [numbered("a%04d.png", 7), numbered("a%d%s", 7), numbered("a", 7)] == [
         "a0007.png", "a7%s", "a",
     ]  # fmt: skip
-    picture = read_picture(depth(2, 1, 1000, 2000))
-    assert colors_of(picture, WARM).rows == bytes([*NEAREST, *FARTHEST])
-    assert values_of(picture) == PngPixels(2, 1, 1, 16, struct.pack(">2H", 1000, 2000))
-    assert values_of(read_picture(image("rgb8", 1, 1, b"abc"))) is None
+    values = values_of(read_picture(depth(2, 1, 1000, 65535)))
+    assert read_picture(compressed(file_of(values))).values() == [1000, 65535]
