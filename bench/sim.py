@@ -1,17 +1,17 @@
-"""How fast the simulator runs beside the bare engine with the same bodies.
+"""The speed of the simulator beside the bare engine with the same bodies.
 
 Every row is a scene. Columns, whose sides take turns in slices: simulated seconds in a second of
 processor time
   bare        of Bullet's stepSimulation alone
-  engine      of stepSimulation, and of reading and setting how every robot moves
+  engine      of stepSimulation, and of reading and setting every robot's motion
   drive       of the simulation without its sensors: commands, motors, tyres and encoders too
-  sensors     of the simulation with all its sensors, whose messages come encoded
-  unheard     of the whole node on a bus where nobody listens
-  heard       of the whole node with a plain LCM program that hears everything, so that all is sent
-and what part of a whole node's time is not the engine's or the sensors':
-  tyres       motors, tyres and encoders, unheard: the physics that Bullet does not do
-  loop        the rest, unheard: the schedule, the clock, the bus
-  sending     handing the messages to LCM, heard
+  sensors     of the simulation with all its sensors, including the encoding of messages
+  alone       of the whole node on a bus without any subscriber
+  subscribed  of the whole node with a plain LCM program, for which everything is sent
+and the share of a whole node's time that is not the engine's or the sensors':
+  tyres       motors, tyres and encoders, alone: the physics that Bullet does not do
+  loop        the rest, alone: the schedule, the clock, the bus
+  sending     passing the messages to LCM, subscribed
 Then the time from the start to the first odometry, and memory.
 
     python bench/sim.py [--seconds SIMULATED] [--hours SIMULATED]
@@ -34,16 +34,16 @@ import lcmtools
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools_sim.bridge import Bridge
+from lcmtools_sim.geometry import Pose
 from lcmtools_sim.loop import Loop
-from lcmtools_sim.pose import Pose
-from lcmtools_sim.readings import Interest
+from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.robots.model import RobotModel
 from lcmtools_sim.robots.pioneer import PIONEER
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.schedule import Pacer
 from lcmtools_sim.sensors.laser import LaserSettings
-from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.world import World
 from lcmtools_sim.world_file import read_scene
@@ -53,7 +53,7 @@ URL = bus(7791)
 SLICES = 30
 SHORTEST_SLICE = 48  # steps, so that all of them publish the same
 WARMING = 12  # steps before each slice: the side before has left the processor's caches to itself
-SPEEDS = ("bare", "engine", "drive", "sensors", "unheard", "heard")
+SPEEDS = ("bare", "engine", "drive", "sensors", "alone", "subscribed")
 LASER = SensorMount(
     "laser", "scan", 10.0, Pose(0.3, 0, 0.3), settings=LaserSettings(360, -0.75 * pi, 0.75 * pi)
 )
@@ -73,7 +73,7 @@ def yard(model: RobotModel, count: int) -> Scene:
 
 
 def scenes() -> dict[str, tuple[Scene, Callable[[str], bool]]]:
-    """What is measured: each scene, and which of its topics are wanted for "sensors"."""
+    """The scenes, and which of their topics are wanted for "sensors"."""
 
     def everything(_: str) -> bool:
         return True
@@ -123,7 +123,7 @@ def bare(scene: Scene) -> Iterator[Advance]:
 
 @contextmanager
 def engine(scene: Scene) -> Iterator[Advance]:
-    """The engine, and all that is asked of it and told to it in a step."""
+    """The engine, with the reading and setting of a step."""
     with World(scene) as world:
         bodies = [world.add_robot(r.namespace, r.model.body, r.pose) for r in scene.robots]
         for body in bodies:
@@ -132,7 +132,7 @@ def engine(scene: Scene) -> Iterator[Advance]:
         def step() -> None:
             motions = [(body, world.motion(body)) for body in bodies]
             for body, motion in motions:
-                world.set_velocity(body, motion.velocity, motion.turning)
+                world.set_velocity(body, motion.velocity, motion.angular_velocity)
             world.step()
 
         yield lambda steps: [step() for _ in range(steps)]
@@ -142,7 +142,7 @@ def engine(scene: Scene) -> Iterator[Advance]:
 def simulation(scene: Scene, wanted: Callable[[str], bool]) -> Iterator[Advance]:
     """The simulation without a bus."""
     with Simulation(scene) as simulated:
-        simulated.ask(lambda topic: Interest.SURE if wanted(topic) else Interest.NONE)
+        simulated.select(lambda topic: Subscribers.KNOWN if wanted(topic) else Subscribers.NONE)
         for robot in simulated.robots:
             robot.command(circle())
         yield lambda steps: [simulated.step() for _ in range(steps)]
@@ -157,7 +157,7 @@ def whole(scene: Scene) -> Iterator[Advance]:
             for robot in simulated.robots:
                 robot.command(circle())
             bridge = Bridge(node, simulated)
-            settled = time.monotonic() + 1.5  # until it is known who listens
+            settled = time.monotonic() + 1.5  # until the subscribers are known
             while time.monotonic() < settled:
                 bridge.receive(0.1)
             pacer = Pacer(0.0)
@@ -169,7 +169,7 @@ def whole(scene: Scene) -> Iterator[Advance]:
 
 
 def listen(connection: Connection) -> None:
-    """Hear everything, as any LCM program can, and announce nothing."""
+    """Subscribe as any LCM program can, and announce nothing."""
     import lcm
 
     listener = lcm.LCM(URL)
@@ -205,8 +205,10 @@ def measure(scene: Scene, wanted: Callable[[str], bool], steps: int) -> dict[str
     if wanted("/r0/camera/depth/points"):  # eight pictures at once are another measurement
         with child(listen) as listener:
             listener.wait()
-            sensed, heard = race(steps, simulation(scene, wanted), whole(scene))
-            spent["heard"] = heard * spent["sensors"] / sensed  # as if all had run at one time
+            sensed, subscribed = race(steps, simulation(scene, wanted), whole(scene))
+            spent["subscribed"] = (
+                subscribed * spent["sensors"] / sensed
+            )  # as if all had run at one time
     return spent
 
 
@@ -217,9 +219,9 @@ def compare(seconds: float) -> None:
         simulated = seconds / max(1, len(scene.robots) / 2)
         spent = measure(scene, wanted, round(simulated / scene.dt))
         parts = (
-            (spent["drive"] - spent["engine"]) / spent["unheard"],
-            (spent["unheard"] - spent["drive"]) / spent["unheard"],
-            (spent["heard"] - spent["sensors"]) / spent["heard"],
+            (spent["drive"] - spent["engine"]) / spent["alone"],
+            (spent["alone"] - spent["drive"]) / spent["alone"],
+            (spent["subscribed"] - spent["sensors"]) / spent["subscribed"],
         )
         speeds = [simulated / part for part in spent.values()]
         rows.append((name, *speeds, *("-" if isnan(part) else f"{part:.0%}" for part in parts)))
@@ -245,7 +247,7 @@ def first_odometry() -> float:
 
 
 def memory(hours: float) -> None:
-    """How the process grows while everything is measured."""
+    """The growth of the process while everything is measured."""
     rows = []
     with Simulation(yard(HUSKY, 1)) as simulated:
         simulated.robots[0].command(circle())

@@ -1,8 +1,8 @@
-"""How fast pictures of a world are made, beside the engine's own software renderer.
+"""The speed of pictures and scans of a world, beside the engine's own software renderer and rays.
 
 The world has 26 boxes: four walls, four tables of five pieces, two crates. Rows: pictures as a
 camera turns round in its middle; milliseconds (median), and how many times faster than pybullet's
-getCameraImage (TinyRenderer, shadows off), in turn in one run. Then what follows a picture.
+getCameraImage (TinyRenderer, shadows off), in turn in one run. Then the steps after a picture.
 
     python bench/vision.py [--pictures N]
 """
@@ -17,18 +17,22 @@ import numpy as np
 import pybullet
 from common import parser, show
 
-from lcmtools_sim.rotation import Vector, from_euler
+from lcmtools_sim.geometry import Vector, from_euler
 from lcmtools_sim.shapes import Cuboid, Part
 from lcmtools_sim.vision.camera import Camera, optical
-from lcmtools_sim.vision.cloud import cloud_message
 from lcmtools_sim.vision.color import color_image
-from lcmtools_sim.vision.depth import Sight, look
-from lcmtools_sim.vision.encode import METRES, compressed_message, depth_message, in_millimetres
+from lcmtools_sim.vision.messages import (
+    METRES,
+    cloud_message,
+    compressed_message,
+    depth_message,
+    in_millimetres,
+)
 from lcmtools_sim.vision.noise import KINECT, noisy
-from lcmtools_sim.vision.rays import cast
-from lcmtools_sim.vision.scan import Scanner, scannable
-from lcmtools_sim.vision.solids import solids_of
-from lcmtools_sim.vision.surfaces import Field
+from lcmtools_sim.vision.render import Rendering, render
+from lcmtools_sim.vision.scan import Numbers, Scanner
+from lcmtools_sim.vision.solids import Floats, solids_of
+from lcmtools_sim.vision.surfaces import Floats32
 
 EYE: Vector = (-1.0, 0.2, 0.4)
 NEAR, FAR = 0.5, 8.0
@@ -74,7 +78,7 @@ def engine() -> int:
 
 
 def engine_picture(client: int, camera: Camera, yaw: float) -> object:
-    """What the engine's renderer makes of it."""
+    """The picture of the engine's renderer."""
     ahead = EYE[0] + math.cos(yaw), EYE[1] + math.sin(yaw), EYE[2]
     return pybullet.getCameraImage(
         camera.width,
@@ -104,9 +108,9 @@ def measure(works: Sequence[Work], count: int) -> list[float]:
     return [statistics.median(spent) for spent in times]
 
 
-def seen(camera: Camera, yaw: float) -> Sight:
-    """What this project makes of it."""
-    return look(WORLD, camera, EYE, optical(from_euler(0, 0, yaw)), FAR)
+def seen(camera: Camera, yaw: float) -> Rendering:
+    """The view of this project's renderer."""
+    return render(WORLD, camera, EYE, optical(from_euler(0, 0, yaw)), FAR)
 
 
 def compare_pictures(client: int, count: int) -> None:
@@ -128,28 +132,39 @@ def compare_pictures(client: int, count: int) -> None:
     show("pictures, 26 boxes [ms]", columns, rows)
 
 
+class EveryPair(Scanner):
+    """A scanner that tests each ray with each solid."""
+
+    def _pairs(self, arcs: Floats) -> tuple[Numbers, Numbers]:
+        everywhere = np.broadcast_to(((-np.pi,), (np.pi,)), arcs.shape)
+        return super()._pairs(everywhere)
+
+
 def compare_lasers(client: int, count: int) -> None:
-    """Print the table of lasers; only the scan turns round."""
-    rows, standing = [], [(scannable(WORLD), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))]
+    """Print the table of lasers; only the scans turn round.
+
+    "every pair" tests each ray with each solid, as if all bounding circles were around the scanner.
+    """
+    rows, bodies = [], [(WORLD, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))]
     for number in (200, 720):
         angles = np.linspace(-1, 1, number)
         rays = np.stack((np.cos(angles), np.sin(angles), np.zeros(number)), axis=-1)
-        scanner = Scanner(angles, 10.0)
-        theirs, truth, ours = measure(
+        scanner, plain = Scanner(angles, 10.0), EveryPair(angles, 10.0)
+        theirs, pairs, ours = measure(
             [
                 lambda _yaw, rays=rays: engine_rays(client, rays),
-                lambda _yaw, rays=rays: cast(WORLD, EYE, rays, 10.0),
-                lambda yaw, scanner=scanner: scanner.scan(EYE, from_euler(0, 0, yaw), standing),
+                lambda yaw, plain=plain: plain.scan(EYE, from_euler(0, 0, yaw), bodies),
+                lambda yaw, scanner=scanner: scanner.scan(EYE, from_euler(0, 0, yaw), bodies),
             ],
             count,
         )
-        rows.append((f"{number} rays", theirs, truth, ours, theirs / ours))
-    columns = ("rays", "pybullet", "ray by ray", "scan", "times faster")
+        rows.append((f"{number} rays", theirs, pairs, ours, theirs / ours))
+    columns = ("rays", "pybullet", "every pair", "scan", "times faster")
     show("lasers, 26 boxes [ms]", columns, rows)
 
 
 def follow_ups(count: int) -> None:
-    """Print what it takes to send a picture."""
+    """Print the time of each step after a picture."""
     camera, random = Camera(640, 480, FIELD_OF_VIEW), np.random.default_rng(1)
     sight = seen(camera, 0.0)
     color, rough = color_image(sight), noisy(sight.depth, KINECT, random)
@@ -169,7 +184,7 @@ def follow_ups(count: int) -> None:
     show("then, for 640x480 [ms]", ("", "time"), list(zip(works, times, strict=True)))
 
 
-def png(depth: Field) -> object:
+def png(depth: Floats32) -> object:
     """Depth as a compressed message."""
     return compressed_message(in_millimetres(depth, NEAR, FAR))
 

@@ -2,8 +2,8 @@
 
 The simulator's command: ``lcmtools run sim``, ``lcmtools-sim``, ``python -m lcmtools_sim``.
 
-This is the edge: arguments, environment, printing and exit codes. What only informs (--help,
---list-worlds, --print-world, --check) needs no bus, and pybullet only to look who starts in whom.
+This is the edge: arguments, environment, printing and exit codes. Requests for information (--help,
+--list-worlds, --print-world, --check) need no bus, and pybullet only to find overlaps at the start.
 """
 
 import signal
@@ -15,7 +15,7 @@ from dataclasses import replace
 from lcmtools.arguments import split_arguments
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools_sim.options import Options, parse_options
-from lcmtools_sim.scene import Scene, contents, fleet, joined, selected
+from lcmtools_sim.scene import Scene, contents, fleet, selected, with_robot
 from lcmtools_sim.world_file import read_scene
 from lcmtools_sim.worlds import describe, find_world, world_names
 
@@ -29,7 +29,7 @@ def main(args: Sequence[str] | None = None) -> int:
         if not _inform(options):
             _simulate(options, arguments)
     except LcmtoolsError as error:
-        print(f"lcmtools run sim: {error}", file=sys.stderr)  # noqa: T201 - the command's edge
+        _warn(str(error))
         return error.exit_code
     except KeyboardInterrupt:
         return 0
@@ -37,62 +37,66 @@ def main(args: Sequence[str] | None = None) -> int:
 
 
 def _inform(options: Options) -> bool:
-    """Answer what is only a question; whether it was one."""
+    """Answer a request for information; return whether it was one."""
     if options.list_worlds:
         width = max(map(len, world_names()))
-        lines = [f"{name:<{width}}  {describe(name)}" for name in world_names()]
+        text = "\n".join(f"{name:<{width}}  {describe(name)}" for name in world_names())
     elif options.print_world is not None:
-        lines = [find_world(options.print_world)[0].rstrip()]
+        text = find_world(options.print_world)[0].rstrip()
     elif options.check is not None:
         scene = _read(options.check)
         _check_starts(scene)
-        lines = [f"{options.check}: ok, {contents(scene)}"]
+        text = f"{options.check}: ok, {contents(scene)}"
     else:
         return False
-    print("\n".join(lines))  # noqa: T201 - the command's edge
+    print(text)  # noqa: T201 - the command's edge
     return True
 
 
+def _warn(text: str) -> None:
+    print(f"lcmtools run sim: {text}", file=sys.stderr)  # noqa: T201 - the command's edge
+
+
 def _read(world: str) -> Scene:
-    """A world by name or file; says what of it is not simulated."""
+    """A world by name or file; warns of ignored content."""
     scene = read_scene(*find_world(world))
     for note in scene.notes:
-        print(f"lcmtools run sim: {note}", file=sys.stderr)  # noqa: T201 - the command's edge
+        _warn(note)
     return scene
 
 
 def _check_starts(scene: Scene) -> None:
-    """Refuse robots that start inside something, say so of things; where there is the engine."""
-    from lcmtools_sim.starts import check_starts, misplaced_things
+    """Refuse robots that start inside something, warn of such objects; if pybullet is there."""
+    from lcmtools_sim.simulation import check_starts, misplaced_objects
 
     try:
-        notes = misplaced_things(scene)
+        notes = misplaced_objects(scene)
         check_starts(scene)
     except MissingExtra:
         notes = ["whether something starts inside something else is not checked without pybullet"]
     for note in notes:
-        print(f"lcmtools run sim: {note}", file=sys.stderr)  # noqa: T201 - the command's edge
+        _warn(note)
 
 
 def overridden(scene: Scene, options: Options) -> tuple[Scene, Options]:
-    """The scene with what the command line says of it, and whether it has to follow another."""
+    """The scene with the command line's changes, and the options with ``follow`` settled."""
     if options.seed is not None:
         scene = replace(scene, seed=options.seed)
     for model, pose in options.added:
-        scene = joined(scene, model, pose)
+        scene = with_robot(scene, model, pose)
     if options.robots is not None:
         scene = fleet(scene, options.robots)
     part = selected(scene, options.only) if options.only else scene
     if not part.robots or not (options.follow or part.robots[0] != scene.robots[0]):
         return part, options
-    # Nodes have names of their own; this one is not the leader.
+    # Nodes have different names; this one is not the leader.
     first = part.robots[0]
     node = f"{scene.node}_{first.namespace.strip('/').replace('/', '_') or first.model.name}"
     return replace(part, node=node), replace(options, follow=True)
 
 
 def _simulate(options: Options, arguments: Sequence[str]) -> None:
-    """Run the world that is asked for, with what the command line overrides."""
+    """Run the given world, with the command line's changes."""
     scene, options = overridden(_read(options.world), options)
     if threading.current_thread() is threading.main_thread():
         # Until the bus takes over, SIGTERM ends it as quietly as Ctrl-C.

@@ -1,4 +1,4 @@
-"""Making Bullet's bodies from things and robot models, and how they look.
+"""Bullet's bodies, made from scene objects and robot models.
 
 The engine comes in as an argument: only world.py imports it.
 """
@@ -7,24 +7,31 @@ from collections.abc import Sequence
 from importlib import import_module
 from types import ModuleType
 
-from lcmtools_sim.pose import Pose
+from lcmtools_sim.geometry import ORIGIN, ZERO, Pose, Vector, add, axes, scaled, subtract
 from lcmtools_sim.robots.model import Body, Mesh
-from lcmtools_sim.rotation import Vector, add, axes, from_euler, scaled, subtract
-from lcmtools_sim.scene import Ground, Thing
-from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part, Shape, Sphere
-from lcmtools_sim.weight import moments_of
+from lcmtools_sim.scene import Ground, SceneObject
+from lcmtools_sim.shapes import (
+    Color,
+    Cuboid,
+    Cylinder,
+    Part,
+    Shape,
+    Sphere,
+    centre_of_mass,
+    inertials_of,
+    moments,
+)
 
 _FEET_COLOR: Color = (0.2, 0.2, 0.2)
-_UNTOUCHED = -1
-"""In place of a collision shape."""
+_NO_COLLISION = -1
 _RIM = 0.002
 """[m] Length of the discs at a cylinder's ends."""
 _RECESS = 0.0002
-"""[m] By which what is between them is thinner."""
+"""[m] By which the cylinder between them is thinner."""
 
 
-class BodyMaker:
-    """Puts bodies into one world of the engine; each method returns the new body's number.
+class BodyFactory:
+    """Makes bodies in one world of the engine; each method returns the new body's number.
 
     Args:
         bullet: The engine.
@@ -40,22 +47,23 @@ class BodyMaker:
         shape = self._bullet.createCollisionShape(
             self._bullet.GEOM_PLANE, physicsClientId=self._client
         )
-        body = self._body(0.0, shape, Pose())
+        body = self._body(0.0, shape, ORIGIN)
         self._set_surface(body, ground.friction, ground.color)
         return body
 
-    def thing(self, thing: Thing) -> int:
-        """A thing as one rigid body, whose origin is its centre of mass."""
-        parts = _able_to_roll(thing.parts) if thing.mass else thing.parts
+    def scene_object(self, thing: SceneObject) -> int:
+        """An object as one rigid body, whose origin is its centre of mass."""
+        parts = _with_rims(thing.parts) if thing.mass else thing.parts
         body = self._body(thing.mass, self._compound(parts), thing.pose)
         self._set_surface(body, thing.friction, thing.parts[0].color)
         if thing.mass:
+            inertials = inertials_of(thing.parts, thing.mass)
             self._bullet.changeDynamics(
                 body,
                 -1,
                 mass=thing.mass,  # without it the engine takes the mass away
-                localInertiaDiagonal=moments_of(thing.parts, thing.mass),
-                # What goes farther than its own size in a step would go through a wall.
+                localInertiaDiagonal=moments(inertials, centre_of_mass(inertials)[1]),
+                # A body that moves farther than its own size in a step would pass through a wall.
                 ccdSweptSphereRadius=min(map(_least_radius, thing.parts)) / 2,
                 physicsClientId=self._client,
             )
@@ -64,7 +72,7 @@ class BodyMaker:
     def robot(self, body: Body, pose: Pose) -> int:
         """A robot's body, ``pose`` being that of its base_footprint.
 
-        In a window it cannot be seen where the robot has meshes.
+        In a window it is invisible if the robot has meshes.
         """
         feet = [
             Part(Sphere(body.foot_radius), (x, y, body.foot_radius), color=_FEET_COLOR)
@@ -90,15 +98,15 @@ class BodyMaker:
         return number
 
     def mesh(self, mesh: Mesh) -> int:
-        """What is seen of a robot in a window, as a body that weighs and touches nothing."""
+        """A mesh in the window, as a body without mass and collision."""
         folder = import_module("pybullet_data").getDataPath()
-        look = self._bullet.createVisualShape(
+        visual = self._bullet.createVisualShape(
             self._bullet.GEOM_MESH,
             fileName=f"{folder}/{mesh.file}",
             rgbaColor=(*mesh.color, 1.0),
             physicsClientId=self._client,
         )
-        return self._body(0.0, _UNTOUCHED, Pose(), baseVisualShapeIndex=look)
+        return self._body(0.0, _NO_COLLISION, ORIGIN, baseVisualShapeIndex=visual)
 
     def _body(self, mass: float, shape: int, pose: Pose, **more: object) -> int:
         """Make a body; ``more`` are createMultiBody's own names."""
@@ -106,7 +114,7 @@ class BodyMaker:
             mass,
             shape,
             basePosition=pose.position,
-            baseOrientation=from_euler(pose.roll, pose.pitch, pose.yaw),
+            baseOrientation=pose.rotation,
             useMaximalCoordinates=True,
             physicsClientId=self._client,
             **more,
@@ -120,16 +128,21 @@ class BodyMaker:
         self._paint(body, color)
 
     def _paint(self, body: int, color: Color, opacity: float = 1.0) -> None:
-        """Give a body its colour: one body shows only one."""
+        """Set a body's colour: the engine has one for each body."""
         self._bullet.changeVisualShape(
             body, -1, rgbaColor=(*color, opacity), physicsClientId=self._client
         )
 
     def _compound(self, parts: Sequence[Part]) -> int:
         """The collision shape of several parts, in one frame."""
-        shapes = [part.shape for part in parts]
-        number = self._bullet.createCollisionShapeArray(
-            shapeTypes=[self._kind(shape) for shape in shapes],
+        bullet, shapes = self._bullet, [part.shape for part in parts]
+        kinds = {
+            Cuboid: bullet.GEOM_BOX,
+            Cylinder: bullet.GEOM_CYLINDER,
+            Sphere: bullet.GEOM_SPHERE,
+        }
+        number = bullet.createCollisionShapeArray(
+            shapeTypes=[kinds[type(shape)] for shape in shapes],
             halfExtents=[_half_extents(shape) for shape in shapes],
             radii=[0.0 if isinstance(shape, Cuboid) else shape.radius for shape in shapes],
             lengths=[shape.length if isinstance(shape, Cylinder) else 0.0 for shape in shapes],
@@ -139,19 +152,12 @@ class BodyMaker:
         )
         return int(number)
 
-    def _kind(self, shape: Shape) -> int:
-        if isinstance(shape, Cuboid):
-            return int(self._bullet.GEOM_BOX)
-        if isinstance(shape, Cylinder):
-            return int(self._bullet.GEOM_CYLINDER)
-        return int(self._bullet.GEOM_SPHERE)
 
-
-def _able_to_roll(parts: Sequence[Part]) -> list[Part]:
-    """The same with each cylinder as two discs and what is between them.
+def _with_rims(parts: Sequence[Part]) -> list[Part]:
+    """The parts with each cylinder as two discs and a thinner cylinder between them.
 
     Of a whole one that lies the engine finds one end at a time, and leaves the other's contact
-    where it was, behind: that would drive it on.
+    behind, which would drive it on.
     """
     found = []
     for part in parts:
@@ -171,14 +177,11 @@ def _able_to_roll(parts: Sequence[Part]) -> list[Part]:
 
 
 def _half_extents(shape: Shape) -> Vector:
-    if not isinstance(shape, Cuboid):
-        return 0.0, 0.0, 0.0
-    length, width, height = shape.size
-    return length / 2, width / 2, height / 2
+    return scaled(shape.size, 0.5) if isinstance(shape, Cuboid) else ZERO
 
 
 def _least_radius(part: Part) -> float:
-    """Half of the least measure of a shape [m]."""
+    """Half of the least dimension of a shape [m]."""
     shape = part.shape
     if isinstance(shape, Cuboid):
         return min(shape.size) / 2

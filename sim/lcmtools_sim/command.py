@@ -1,7 +1,7 @@
-"""What a steering message means: JointState or Twist to the speeds of the two sides.
+"""The meaning of a command: JointState or Twist to the speeds of the two sides.
 
-Pure decisions on one message. What cannot be meant is refused with the reason; who sent it, when,
-and what becomes of a refused one is known elsewhere.
+Pure decisions on one message. Faults are refused with the reason; the sender and the time of a
+message are not known here.
 """
 
 import math
@@ -15,31 +15,27 @@ from lcmtools_sim.robots.model import RobotModel
 
 
 def interpret(message: JointState | Twist, model: RobotModel) -> SideSpeeds:
-    """The side speeds [m/s] that a command asks of a robot, within its limits.
+    """The side speeds [m/s] of a command, within the robot's limits.
 
     A Twist gives forward speed and turn rate; a JointState the effort of the sides (fractions of
-    full power), or where it has none their wheel speeds [rad/s].
+    full power), or without effort their wheel speeds [rad/s].
 
     Raises:
-        ValueMismatch: The message fits nothing; the reason names the field.
+        ValueMismatch: The message is no command; the reason names the field.
     """
     if isinstance(message, Twist):
-        return _from_twist(message, model)
+        forward = _finite("linear.x", message.linear.x)
+        return side_speeds(forward, _finite("angular.z", message.angular.z), model.drive)
     if isinstance(message, JointState):
         return _from_joint_state(message, model)
     raise ValueMismatch(f"a {type(message).__name__} is no command", "send a JointState or a Twist")
-
-
-def _from_twist(twist: Twist, model: RobotModel) -> SideSpeeds:
-    forward = _finite("linear.x", twist.linear.x)
-    return side_speeds(forward, _finite("angular.z", twist.angular.z), model.drive)
 
 
 def _from_joint_state(state: JointState, model: RobotModel) -> SideSpeeds:
     if state.effort:
         left, right = _by_side("effort", state.effort, state.name, model)
         full = model.drive.full_speed
-        return SideSpeeds(_clip(left) * full, _clip(right) * full)
+        return SideSpeeds(max(-1.0, min(1.0, left)) * full, max(-1.0, min(1.0, right)) * full)
     if state.velocity:
         left, right = _by_side("velocity", state.velocity, state.name, model)
         speeds = SideSpeeds(left * model.drive.wheel_radius, right * model.drive.wheel_radius)
@@ -66,7 +62,6 @@ def _by_side(
 
 
 def _mean(by_name: dict[str, float], wheels: Sequence[str]) -> float:
-    """The mean of one side's values."""
     values = [by_name[wheel] for wheel in wheels if wheel in by_name]
     if not values:
         raise ValueMismatch(f"no value for the side of '{wheels[0]}'", "give both sides")
@@ -77,7 +72,3 @@ def _finite(field: str, value: float) -> float:
     if not math.isfinite(value):
         raise ValueMismatch(f"{field} is {value}, which is no number to drive by")
     return value
-
-
-def _clip(effort: float) -> float:
-    return max(-1.0, min(1.0, effort))

@@ -1,7 +1,7 @@
-"""What the shell may offer for the simulator's arguments: worlds and options.
+"""Shell completion of the simulator's arguments: worlds and options.
 
 ``lcmtools``' completion finds this module by its name and calls ``complete``; nothing here may be
-slow to import, so that the parser and pybullet stay out.
+slow to import: neither the parser nor pybullet.
 """
 
 from collections.abc import Iterable, Sequence
@@ -15,7 +15,7 @@ _FLAGS = ("--gui", "--paused", "--follow", "--list-worlds", "--help")
 
 
 def complete(before: Sequence[str], word: str) -> Iterable[str]:
-    """Words that could stand behind the arguments ``before``; "" stands for files."""
+    """Words that may follow the arguments ``before``; "" stands for files."""
     last = before[-1] if before else ""
     option, equals, _ = word.partition("=")
     if equals and option in _WORLD:

@@ -1,6 +1,6 @@
-"""The simulator's services: pause, resume, step, reset, and everything about single robots.
+"""The simulator's services: pause, resume, step, reset, and those of single robots.
 
-Each answers with ``success`` and, where that is false, with the reason; none makes the simulator
+Each answers with ``success`` and, if that is false, with the reason; none makes the simulator
 end. They run between two steps, on the thread that simulates.
 """
 
@@ -12,23 +12,22 @@ from lcmtools import Node
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.names import did_you_mean, resolve_namespace
 from lcmtools.types import geometry_msgs, sim_msgs, std_srvs
+from lcmtools_sim.geometry import Frame, Pose, Quaternion, to_euler
 from lcmtools_sim.loop import Loop
-from lcmtools_sim.pose import Pose
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.robots import MODELS
-from lcmtools_sim.rotation import Quaternion, to_euler
-from lcmtools_sim.scene import RobotPlacement
+from lcmtools_sim.scene import RobotPlacement, robot_hint
 from lcmtools_sim.simulation import Simulation
-from lcmtools_sim.snapshot import from_above, from_behind
+from lcmtools_sim.snapshot import snapshot
 
 _MOST_STEPS = 1_000_000
 _MOST_PIXELS = 4096
 _WIDTH, _HEIGHT = 800, 600
-_FARTHEST = 1e5  # [m], as world files have it
+_FARTHEST = 1e5  # [m], as in world files
 
 
 class Outcome(Protocol):
-    """What every response has."""
+    """The fields of every response."""
 
     success: bool
     message: str
@@ -43,9 +42,9 @@ class Control:
 
     Args:
         node: The simulator's node.
-        simulation: What they act on.
-        loop: That lets it go on.
-        on_change: Called when robots have come or gone.
+        simulation: The simulation.
+        loop: The loop that runs it.
+        on_change: Called when robots have been added or removed.
     """
 
     def __init__(
@@ -55,16 +54,16 @@ class Control:
         self._loop = loop
         self._on_change = on_change
         offer = node.create_service
-        offer(std_srvs.Trigger, "~pause", _told(self._pause))
-        offer(std_srvs.Trigger, "~resume", _told(self._resume))
-        offer(std_srvs.Trigger, "~reset", _told(self._reset))
-        offer(sim_msgs.Step, "~step", _told(self._step))
-        offer(sim_msgs.SetRate, "~set_rate", _told(self._set_rate))
-        offer(sim_msgs.SetPose, "~set_pose", _told(self._set_pose))
-        offer(sim_msgs.GetState, "~get_state", _told(self._get_state))
-        offer(sim_msgs.Spawn, "~spawn", _told(self._spawn))
-        offer(sim_msgs.Delete, "~delete", _told(self._delete))
-        offer(sim_msgs.Snapshot, "~snapshot", _told(self._snapshot))
+        offer(std_srvs.Trigger, "~pause", _answered(self._pause))
+        offer(std_srvs.Trigger, "~resume", _answered(self._resume))
+        offer(std_srvs.Trigger, "~reset", _answered(self._reset))
+        offer(sim_msgs.Step, "~step", _answered(self._step))
+        offer(sim_msgs.SetRate, "~set_rate", _answered(self._set_rate))
+        offer(sim_msgs.SetPose, "~set_pose", _answered(self._set_pose))
+        offer(sim_msgs.GetState, "~get_state", _answered(self._get_state))
+        offer(sim_msgs.Spawn, "~spawn", _answered(self._spawn))
+        offer(sim_msgs.Delete, "~delete", _answered(self._delete))
+        offer(sim_msgs.Snapshot, "~snapshot", _answered(self._snapshot))
 
     def _pause(self, _: std_srvs.Trigger_Request, response: std_srvs.Trigger_Response) -> None:
         response.message = "was paused already" if self._loop.paused else "paused"
@@ -110,9 +109,9 @@ class Control:
         robot = self._robot(request.robot)
         state = robot.state(self._simulation.time)
         response.time, response.model = state.time, robot.model.name
-        place, turned, twist = response.pose.position, response.pose.orientation, response.twist
+        place, turn, twist = response.pose.position, response.pose.orientation, response.twist
         place.x, place.y, place.z = state.position
-        turned.x, turned.y, turned.z, turned.w = state.rotation
+        turn.x, turn.y, turn.z, turn.w = state.rotation
         twist.linear.x, twist.linear.y, twist.linear.z = state.velocity
         twist.angular.x, twist.angular.y, twist.angular.z = state.angular_velocity
 
@@ -142,37 +141,31 @@ class Control:
         width, height = request.width or _WIDTH, request.height or _HEIGHT
         if not (1 <= width <= _MOST_PIXELS and 1 <= height <= _MOST_PIXELS):
             raise UsageError(f"a picture has 1 to {_MOST_PIXELS} columns and rows")
-        parts, ground = self._simulation.parts(), self._simulation.scene.ground.color
+        simulation, frame = self._simulation, None
         if request.robot:
-            state = self._robot(request.robot).state(self._simulation.time)
-            place = state.position, state.rotation
-            picture = from_behind(parts, ground, width, height, place)
-        else:
-            picture = from_above(parts, ground, width, height)
-        response.image.format, response.image.data = "png", picture
+            state = self._robot(request.robot).state(simulation.time)
+            frame = Frame(state.position, state.rotation)
+        color = simulation.scene.ground.color
+        response.image.data = snapshot(simulation.parts(), color, width, height, frame)
+        response.image.format = "png"
         response.message = f"a picture of {width} x {height} pixels"
 
     def _robots(self) -> dict[str, Robot]:
         return {robot.namespace: robot for robot in self._simulation.robots}
 
     def _robot(self, name: str) -> Robot:
-        """The robot with a namespace, written with or without a slash.
-
-        Raises:
-            UsageError: There is none.
-        """
+        """The robot with a namespace, written with or without a slash."""
         robots = self._robots()
         namespace = f"/{name.strip('/')}"
         if namespace not in robots:
-            hint = did_you_mean(namespace, robots) or f"robots: {', '.join(robots) or 'none'}"
-            raise UsageError(f"there is no robot '{name}'", hint)
+            raise UsageError(f"there is no robot '{name}'", robot_hint(namespace, robots))
         return robots[namespace]
 
 
-def _told(
+def _answered(
     act: Callable[[RequestT, OutcomeT], None],
 ) -> Callable[[RequestT, OutcomeT], OutcomeT]:
-    """A service's callback: acts, and says whether it could."""
+    """A service's callback: acts, and answers with success or the error."""
 
     def answer(request: RequestT, response: OutcomeT) -> OutcomeT:
         response.success = True
@@ -186,13 +179,13 @@ def _told(
 
 
 def _read_pose(message: geometry_msgs.Pose) -> Pose:
-    """A pose as a message has it; a quaternion of any length but zero.
+    """A pose message with a quaternion of any length but zero.
 
     Raises:
         UsageError: It is no pose in the world.
     """
-    place, turned = message.position, message.orientation
-    rotation = turned.x, turned.y, turned.z, turned.w
+    place, turn = message.position, message.orientation
+    rotation = turn.x, turn.y, turn.z, turn.w
     if not all(abs(value) <= _FARTHEST for value in (place.x, place.y, place.z, *rotation)):
         raise UsageError(f"the pose is not finite, or farther than {_FARTHEST:g} m")
     return Pose(place.x, place.y, place.z, *to_euler(_normalized(rotation)))

@@ -1,15 +1,15 @@
-"""How a robot on wheels drives: motors and encoders, as plain mathematics.
+"""Motors and encoders of a robot on wheels, as plain mathematics.
 
-Everything here is a function of numbers or a small state of numbers. What the wheels do to the
-robot is tyres.py's. Symbols and signs are those of the textbook (R. Siegwart et al., Introduction
-to Autonomous Mobile Robots, section 3.2): v [m/s] forward, w [rad/s] counter-clockwise, side
-speeds v -+ w track / 2.
+The tyres are in tyres.py. Symbols and signs are those of the textbook (R. Siegwart et al.,
+Introduction to Autonomous Mobile Robots, section 3.2): v [m/s] forward, w [rad/s]
+counter-clockwise, side speeds v -+ w track / 2.
 """
 
 from collections.abc import Callable, Iterable
 from math import cos, sin, sqrt
 from typing import NamedTuple
 
+from lcmtools_sim.geometry import Vector
 from lcmtools_sim.robots.model import Drive
 
 _STANDSTILL = 1e-6  # [m/s]; a motor this near to its target has reached it
@@ -26,10 +26,9 @@ STOPPED = SideSpeeds(0.0, 0.0)
 
 
 def side_speeds(forward: float, turn_rate: float, drive: Drive) -> SideSpeeds:
-    """The side speeds that make a robot drive so [m/s, rad/s], slowed to what it can.
+    """The side speeds for this forward speed and turn rate [m/s, rad/s], within the limits.
 
-    Where one of the two is above its limit both are reduced by the same factor, so that the robot
-    keeps to the same circle.
+    Above a limit both are reduced by the same factor, so that the robot keeps to the same circle.
     """
     excess = max(1.0, abs(forward) / drive.max_speed, abs(turn_rate) / drive.max_turn_rate)
     half_difference = turn_rate / excess * (drive.believed_track or drive.track) / 2
@@ -56,34 +55,32 @@ def follow(speeds: SideSpeeds, targets: SideSpeeds, drive: Drive, dt: float) -> 
     return SideSpeeds(left + gain * left_lag, right + gain * right_lag)
 
 
-def reckon(
-    pose: tuple[float, float, float], way: float, half_turn: float, steps: int = 1
-) -> tuple[float, float, float]:
-    """Where a robot is after so many steps of the same motion: dead reckoning.
+def dead_reckoning(pose: Vector, distance: float, half_turn: float, steps: int = 1) -> Vector:
+    """The pose after a number of steps of the same motion.
 
-    In each step it goes the chord of its arc, as the engine's bodies do; the sum of the chords has
-    a closed form.
+    In each step the robot moves along the chord of its arc, as the engine's bodies do; the sum of
+    the chords has a closed form.
 
     Args:
         pose: x, y [m] and yaw [rad] before.
-        way: Of a step [m].
-        half_turn: Half the angle by which it turns in a step [rad].
-        steps: How many.
+        distance: Of a step [m].
+        half_turn: Half the angle of a step [rad].
+        steps: Their number.
     """
     x, y, yaw = pose
     heading = yaw + steps * half_turn
     if steps > 1 and half_turn:
-        way *= sin(steps * half_turn) / sin(half_turn)
+        distance *= sin(steps * half_turn) / sin(half_turn)
     else:
-        way *= steps
-    return x + way * cos(heading), y + way * sin(heading), heading + steps * half_turn
+        distance *= steps
+    return x + distance * cos(heading), y + distance * sin(heading), heading + steps * half_turn
 
 
 class Encoders:
-    """What the wheels' encoders count: each side's speed, with noise that grows like a random walk.
+    """The wheels' encoders: each side's speed, with noise that grows like a random walk.
 
     Args:
-        noise: Standard deviation of a side's way after 1 m [m].
+        noise: Standard deviation of a side's distance after 1 m [m].
         random: Draws that many numbers of the standard normal distribution.
         dt: Seconds of a step.
     """
@@ -95,7 +92,7 @@ class Encoders:
         self._random = random
 
     def read(self, speeds: SideSpeeds) -> SideSpeeds:
-        """Each side's speed as it is counted over one step [m/s]."""
+        """Each side's measured speed over one step [m/s]."""
         left, right = self._random(2)
         return SideSpeeds(
             speeds.left + self._gain * sqrt(abs(speeds.left)) * left,
@@ -104,10 +101,10 @@ class Encoders:
 
 
 class Drivetrain:
-    """Both sides' motors and wheels, and what their encoders count.
+    """Both sides' motors and wheels, and their encoders.
 
-    As long as the speeds stay the same only steps are counted: where that has led is worked out
-    when it is asked for, which changes nothing.
+    While the speeds stay the same only steps are counted: angles and pose are computed when they
+    are read, which changes nothing.
 
     Args:
         drive: The motors.
@@ -123,6 +120,7 @@ class Drivetrain:
     __slots__ = (
         "_angle_by_speed",
         "_angles",
+        "_distance",
         "_drive",
         "_dt",
         "_encoders",
@@ -130,7 +128,6 @@ class Drivetrain:
         "_half_turn_by_speed",
         "_pose",
         "_steps",
-        "_way",
         "mid_turn",
         "speeds",
     )
@@ -151,27 +148,27 @@ class Drivetrain:
         if self.speeds != targets:
             self._change(follow(self.speeds, targets, self._drive, self._dt))
         elif self._encoders and targets != STOPPED:
-            self._change(targets)  # they count another speed in each step
+            self._change(targets)  # the encoders read another speed in each step
         self._steps += 1
 
     def stop(self) -> None:
-        """Stand still at once."""
+        """Stop at once."""
         self._change(STOPPED)
 
     def angles(self) -> tuple[float, float]:
-        """How far the left and the right wheels have turned since the start [rad]."""
+        """The angles of the left and the right wheels since the start [rad]."""
         (left, right), (left_speed, right_speed) = self._angles, self.speeds
         gain = self._steps * self._angle_by_speed
         return left + gain * left_speed, right + gain * right_speed
 
-    def reckoned_pose(self) -> tuple[float, float, float]:
-        """x, y [m] and yaw [rad, not wrapped] by the encoders, where it started as origin."""
-        return reckon(self._pose, self._way, self._half_turn, self._steps)
+    def odometry_pose(self) -> Vector:
+        """x, y [m] and yaw [rad, not wrapped] by the encoders, relative to the start."""
+        return dead_reckoning(self._pose, self._distance, self._half_turn, self._steps)
 
     def _change(self, speeds: SideSpeeds) -> None:
-        """Go on with other speeds."""
+        """Continue with other speeds."""
         if self._steps:
-            self._angles, self._pose = self.angles(), self.reckoned_pose()
+            self._angles, self._pose = self.angles(), self.odometry_pose()
             self._steps = 0
         self.speeds = speeds
         left, right = speeds
@@ -179,5 +176,5 @@ class Drivetrain:
         self.mid_turn = sin(quarter_turn), cos(quarter_turn)
         if self._encoders:
             left, right = self._encoders.read(speeds)
-        self._way = (left + right) / 2 * self._dt
+        self._distance = (left + right) / 2 * self._dt
         self._half_turn = (right - left) * self._half_turn_by_speed

@@ -1,8 +1,8 @@
-"""One process of several that simulate one world together: it goes as the leader's clock goes.
+"""One of several processes that simulate one world together: it follows the leader's clock.
 
 With ``--only`` each process simulates some of the world's robots; the one that has the first robot
-leads and publishes /clock, the others step as far as that says. Each has all the things of the
-world for itself, and robots of different processes neither meet nor see each other.
+leads and publishes /clock, the others step up to its time. Each has all objects of the world for
+itself, and robots of different processes neither meet nor see each other.
 """
 
 from collections.abc import Callable
@@ -11,11 +11,11 @@ from lcmtools import Node, spin_once
 from lcmtools.clock import NANOSECONDS
 from lcmtools.messages.registry import Message
 from lcmtools.types.rosgraph_msgs import Clock
-from lcmtools_sim.readings import Sample
+from lcmtools_sim.mounted import Sample
 from lcmtools_sim.schedule import Pacer
 from lcmtools_sim.simulation import CLOCK_TOPIC, Simulation
 
-_LONGEST_WAIT = 0.1  # [s]; how long a request to stop may go unnoticed
+_LONGEST_WAIT = 0.1  # [s]; the longest delay of a request to end
 
 
 class FollowingSimulation(Simulation):
@@ -26,23 +26,23 @@ class FollowingSimulation(Simulation):
         return {topic: kind for topic, kind in super().topics().items() if topic != CLOCK_TOPIC}
 
     def step(self) -> list[Sample]:
-        """Let dt pass and return what is due then, but for the clock."""
+        """Simulate one dt and return the samples that are due, without the clock."""
         return [sample for sample in super().step() if sample.topic != CLOCK_TOPIC]
 
 
-class LeadersClock(Pacer):
-    """Lets steps run as far as the leader's /clock says.
+class LeaderClock(Pacer):
+    """Lets steps run up to the leader's /clock.
 
-    Where the leader was before this process, the simulation begins at the leader's time; where its
-    clock goes back (a reset, or a new leader), it begins anew there.
+    If the leader started before this process, the simulation begins at the leader's time; if its
+    clock goes back (a reset, or a new leader), it starts again there.
 
     Args:
         node: The simulator's node.
-        simulation: What follows.
-        on_restart: Called when it has begun anew: its robots are others then.
+        simulation: The follower.
+        on_restart: Called when it has started again, with other robots.
 
     Attributes:
-        period: Means nothing here: the leader sets the pace.
+        period: Unused: the leader sets the pace.
     """
 
     def __init__(self, node: Node, simulation: Simulation, on_restart: Callable[[], None]) -> None:
@@ -51,21 +51,13 @@ class LeadersClock(Pacer):
         self._simulation = simulation
         self._on_restart = on_restart
         self._leader: int | None = None
-        node.create_subscription(Clock, CLOCK_TOPIC, self._hear)
+        node.create_subscription(Clock, CLOCK_TOPIC, self._receive)
 
     def restart(self) -> None:
-        """Nothing is late here."""
+        """Do nothing: a follower is never late."""
 
     def wait(self, go_on: Callable[[], bool], meanwhile: Callable[[], None]) -> float:
-        """Wait until the leader has come to the next step, or until ``go_on`` says no.
-
-        Args:
-            go_on: Whether to wait on.
-            meanwhile: What must not wait: called now and then.
-
-        Returns:
-            The time that was dropped [s]: none.
-        """
+        """Wait until the leader has reached the next step, or ``go_on`` returns False."""
         while go_on() and not self._may_step():
             spin_once(self._node, _LONGEST_WAIT)
             meanwhile()
@@ -74,7 +66,7 @@ class LeadersClock(Pacer):
     def _may_step(self) -> bool:
         return self._leader is not None and self._simulation.steps < self._steps(self._leader)
 
-    def _hear(self, message: Clock) -> None:
+    def _receive(self, message: Clock) -> None:
         now = message.clock.sec * NANOSECONDS + message.clock.nsec
         if self._leader is None or now < self._leader:
             self._simulation.reset(self._steps(now))
@@ -82,5 +74,5 @@ class LeadersClock(Pacer):
         self._leader = now
 
     def _steps(self, time: int) -> int:
-        """How many steps fit into a time [ns]; stamps are rounded, so nearly one is one."""
+        """The number of steps in a time [ns]; stamps are rounded, so nearly one is one."""
         return int(time / NANOSECONDS / self._simulation.scene.dt + 1e-3)

@@ -1,20 +1,20 @@
-"""What the simulator's command line says, checked before anything is started."""
+"""The simulator's command line, checked before anything is started."""
 
 import argparse
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
 from typing import NoReturn
 
 from lcmtools.errors import UsageError
 from lcmtools.names import did_you_mean
-from lcmtools_sim.pose import Pose
+from lcmtools_sim.geometry import Pose
 from lcmtools_sim.robots import MODELS
 from lcmtools_sim.robots.model import RobotModel
 
 DEFAULT_WORLD = "husky"
 _MOST_ROBOTS = 1000
-_FARTHEST = 1e5  # [m], as world files have it
+_FARTHEST = 1e5  # [m], as in world files
 
 _EXAMPLES = """\
 names and the bus, as for every node:
@@ -34,20 +34,20 @@ robot publishes /clock, and the others go by it.
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """What to do.
+    """The options.
 
     Attributes:
         world: Name or file.
-        rate: Simulated seconds in a second; 0 as many as possible.
-        seed: Instead of the world file's; None keeps that.
-        robots: So many like the world's first; None keeps the world's own.
-        added: More robots: models, and where they start.
+        rate: Simulated seconds in a second; 0 for as many as possible.
+        seed: Replaces the world file's; None keeps it.
+        robots: A number of robots like the world's first; None keeps the world's own.
+        added: More robots: models and poses.
         only: The names of the robots that this process simulates; none means all.
-        follow: Go by the /clock of another process.
-        gui: Whether to show it.
-        paused: Whether to wait for a call before the first step.
-        duration: Simulated seconds to run; None runs until asked to end.
-        list_worlds: Only name the worlds.
+        follow: Follow the /clock of another process.
+        gui: Show it in a window.
+        paused: Wait for a service call before the first step.
+        duration: Simulated seconds to run; None for no end.
+        list_worlds: Only list the worlds.
         print_world: Only print the file of this world.
         check: Only check this world file.
     """
@@ -68,33 +68,21 @@ class Options:
 
 
 def parse_options(arguments: Sequence[str]) -> Options:
-    """Read the command line; ``--help`` prints and ends the program.
+    """Parse the command line; ``--help`` prints and ends the program.
 
     Raises:
         UsageError: Something on it is wrong.
     """
-    said = _parser().parse_args(arguments)
-    if said.world and said.world_option and said.world != said.world_option:
-        raise UsageError(f"two worlds are given, '{said.world}' and '{said.world_option}'")
-    return Options(
-        world=said.world or said.world_option or DEFAULT_WORLD,
-        rate=said.rate,
-        seed=said.seed,
-        robots=said.robots,
-        added=tuple(said.robot),
-        only=said.only,
-        follow=said.follow,
-        gui=said.gui,
-        paused=said.paused,
-        duration=said.duration,
-        list_worlds=said.list_worlds,
-        print_world=said.print_world,
-        check=said.check,
-    )
+    values = vars(_parser().parse_args(arguments))
+    world, option = values["world"], values.pop("world_option")
+    if world and option and world != option:
+        raise UsageError(f"two worlds are given, '{world}' and '{option}'")
+    values |= {"world": world or option or DEFAULT_WORLD, "added": tuple(values.pop("robot"))}
+    return Options(**{field.name: values[field.name] for field in fields(Options)})
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, by raising it."""
+    """Raises errors in one line."""
 
     def error(self, message: str) -> NoReturn:
         raise UsageError(message, "see lcmtools run sim --help")
@@ -109,11 +97,15 @@ def _parser() -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     add = parser.add_argument
+    rate = _number(float, 0.0, math.inf, "times real time, 0 or more")
+    seed = _number(int, 0, 2**63, "a whole number, 0 or more")
+    robots = _number(int, 1, _MOST_ROBOTS + 1, f"a whole number from 1 to {_MOST_ROBOTS}")
+    duration = _number(float, 1e-3, math.inf, "a number of seconds above 0")
     add("world", nargs="?", metavar="WORLD", help=f"name or file (default: {DEFAULT_WORLD})")
     add("--world", dest="world_option", metavar="WORLD", help="the same as an option")
-    add("--rate", type=_rate, default=1.0, metavar="N", help="times real time; 0: no waiting")
-    add("--seed", type=_seed, metavar="N", help="instead of the world file's seed")
-    add("--robots", type=_robots, metavar="N", help="so many robots like the world's first")
+    add("--rate", type=rate, default=1.0, metavar="N", help="times real time; 0: no waiting")
+    add("--seed", type=seed, metavar="N", help="instead of the world file's seed")
+    add("--robots", type=robots, metavar="N", help="this many robots like the world's first")
     add(
         "--robot",
         type=_robot,
@@ -123,8 +115,8 @@ def _parser() -> argparse.ArgumentParser:
         help="one more robot, called /MODEL0, /MODEL1, ... (YAW in radians, or 90deg)",
     )
     add("--only", type=_names, default=(), metavar="NAMES", help="simulate only these robots: a,b")
-    add("--follow", action="store_true", help="go by the /clock of another process")
-    add("--duration", type=_duration, metavar="S", help="end after S simulated seconds")
+    add("--follow", action="store_true", help="follow the /clock of another process")
+    add("--duration", type=duration, metavar="S", help="end after S simulated seconds")
     add("--gui", action="store_true", help="show it in a window")
     add("--paused", action="store_true", help="wait for lcmtools sim resume, or step N")
     add("--list-worlds", action="store_true", help="list the worlds that are there, and end")
@@ -133,33 +125,25 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _rate(text: str) -> float:
-    return _number(text, 0.0, "times real time, 0 or more")
+def _number(
+    kind: Callable[[str], float], least: float, end: float, wanted: str
+) -> Callable[[str], float]:
+    """A reader of numbers from ``least`` to below ``end``."""
 
+    def read(text: str) -> float:
+        try:
+            value = kind(text)
+        except ValueError:
+            value = math.nan
+        if not least <= value < end or (kind is int and not (text.isascii() and text.isdecimal())):
+            raise argparse.ArgumentTypeError(f"must be {wanted}, not '{text}'")
+        return value
 
-def _duration(text: str) -> float:
-    return _number(text, 1e-3, "a number of seconds above 0")
-
-
-def _number(text: str, minimum: float, wanted: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not minimum <= value < math.inf:
-        raise argparse.ArgumentTypeError(f"must be {wanted}, not '{text}'")
-    return value
-
-
-def _robots(text: str) -> int:
-    if not (text.isascii() and text.isdecimal()) or not 1 <= int(text) <= _MOST_ROBOTS:
-        wanted = f"a whole number from 1 to {_MOST_ROBOTS}"
-        raise argparse.ArgumentTypeError(f"must be {wanted}, not '{text}'")
-    return int(text)
+    return read
 
 
 def _robot(text: str) -> tuple[RobotModel, Pose]:
-    """A model by name, and where it starts ("husky@1,2,90deg")."""
+    """A model by name, and its start ("husky@1,2,90deg")."""
     name, at, place = text.partition("@")
     if name not in MODELS:
         hint = did_you_mean(name, MODELS) or f"known models: {', '.join(MODELS)}"
@@ -186,9 +170,3 @@ def _names(text: str) -> tuple[str, ...]:
     if not all(names):
         raise argparse.ArgumentTypeError(f"must be names with commas between, not '{text}'")
     return names
-
-
-def _seed(text: str) -> int:
-    if not (text.isascii() and text.isdecimal()) or int(text) >= 2**63:
-        raise argparse.ArgumentTypeError(f"must be a whole number, 0 or more, not '{text}'")
-    return int(text)

@@ -7,15 +7,9 @@ from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.command import interpret
-from lcmtools_sim.drive import (
-    STOPPED,
-    Drivetrain,
-    Encoders,
-    body_velocity,
-)
-from lcmtools_sim.pose import Pose
-from lcmtools_sim.robots.model import Drive
-from lcmtools_sim.rotation import (
+from lcmtools_sim.drive import STOPPED, Drivetrain, Encoders, body_velocity
+from lcmtools_sim.geometry import (
+    Pose,
     Quaternion,
     Vector,
     add,
@@ -24,27 +18,26 @@ from lcmtools_sim.rotation import (
     cross,
     scaled,
     subtract,
-    turn,
 )
+from lcmtools_sim.robots.model import Drive
 from lcmtools_sim.scene import RobotPlacement, Scene
-from lcmtools_sim.sensors.odometry import OdometrySettings
-from lcmtools_sim.sensors.sensor import Contact, RobotState, Sides, generator
+from lcmtools_sim.sensors.motion import OdometrySettings
+from lcmtools_sim.sensors.sensor import Contact, RobotState, Sides, random_numbers
 from lcmtools_sim.shapes import Color, Part
-from lcmtools_sim.skid import skidding
-from lcmtools_sim.tyres import gripping
+from lcmtools_sim.tyres import gripping, skidding
 from lcmtools_sim.world import World
 
-_LIFTING_OFF = 0.2  # [m/s] along its own up axis: what stands on its wheels has none
+_LIFTING_OFF = 0.2  # [m/s] along its own up axis: a robot on its wheels has none
 START_OVERLAP = 0.02
-"""[m] That a body may stand in another one at the start."""
+"""[m] The largest penetration of another body at the start."""
 _UPRIGHT = 0.5  # cosine of the tilt; further over, no wheel reaches the ground
 
 
 class Robot:
-    """Drives one body by the last command.
+    """A body that is driven by the last command.
 
     Args:
-        world: Where its body is put.
+        world: Its body is added there.
         scene: Step, gravity and ground.
         placement: Its model, namespace, start and timeout.
     """
@@ -69,10 +62,10 @@ class Robot:
         self._command_age = 0.0
 
     def check_start(self, where: str) -> None:
-        """Refuse a start inside something else: the engine would throw the robot out.
+        """Refuse a start inside another body: the engine would throw the robot out.
 
         Raises:
-            InvalidFile: Naming the other one, and ``where`` the world file puts the robot.
+            InvalidFile: Naming the other one, and the robot's line ``where`` of the world file.
         """
         depth, other = self._world.overlap(self._body)
         if depth > START_OVERLAP:
@@ -83,10 +76,10 @@ class Robot:
             )
 
     def command(self, message: JointState | Twist) -> None:
-        """Obey a message until the next one comes or the timeout is over.
+        """Execute a command until the next one or the timeout.
 
         Raises:
-            ValueMismatch: It is no command; the last one stays.
+            ValueMismatch: It is no command; the last one remains.
         """
         self._targets = interpret(message, self.model)
         self._command_age = 0.0
@@ -100,21 +93,20 @@ class Robot:
         self._world.set_velocity(self._body, *self._pulled())
 
     def observe(self) -> None:
-        """Look at the body, after the engine's step."""
+        """Read the body's motion, after the engine's step."""
         self._before, self._motion = self._motion, self._world.motion(self._body)
 
     def remove(self) -> None:
-        """Take its body out of the world."""
+        """Remove its body from the world."""
         self._world.remove(self._body)
 
     def place(self, pose: Pose) -> None:
-        """Put its base_footprint elsewhere, at rest; the wheels stop, the encoders go on.
+        """Put its base_footprint at a pose, at rest; the wheels stop, the encoders continue.
 
         Raises:
-            UsageError: It would stand inside something else; it stays as it is.
+            UsageError: It would stand inside another body; it stays as it is.
         """
-        height = scaled(turn((0.0, 0.0, 1.0), pose.rotation), self.model.body.centre_of_mass)
-        centre = add(pose.position, height)
+        centre = pose.frame.point((0.0, 0.0, self.model.body.centre_of_mass))
         depth, other = self._world.overlap_at(self._body, centre, pose.rotation)
         if depth > START_OVERLAP:
             raise UsageError(
@@ -126,27 +118,27 @@ class Robot:
         self._motion = self._before = self._world.motion(self._body)
 
     def fixed_parts(self) -> tuple[Part, ...]:
-        """The shapes that stand for ever; see Surroundings, which a robot is for its sensors."""
+        """The immovable shapes; this and the next methods are the WorldView of its sensors."""
         return self._world.fixed_parts()
 
     def moving_parts(self) -> list[Part]:
-        """The shapes that can move, in the world now, but for its own."""
+        """The movable shapes but its own, in the world."""
         return self._world.moving_parts(but=self._body)
 
     def moving_bodies(self) -> list[tuple[tuple[Part, ...], Vector, Quaternion]]:
-        """The bodies that can move, but its own."""
+        """The movable bodies but its own."""
         return self._world.moving_bodies(but=self._body)
 
     def ground_color(self) -> Color:
-        """How the plane z = 0 looks."""
+        """The colour of the plane z = 0."""
         return self._ground_color
 
-    def touching(self) -> list[Contact]:
-        """Where it touches something that is not the ground."""
+    def contacts(self) -> list[Contact]:
+        """Its contacts with anything but the ground."""
         return self._world.contacts(self._body)
 
     def state(self, time: int) -> RobotState:
-        """What its sensors may measure; ``time`` in simulated nanoseconds."""
+        """The state that its sensors measure; ``time`` in simulated nanoseconds."""
         motion, before, body = self._motion, self._before, self.model.body
         drive, train = self.model.drive, self._train
         frame = axes(motion.rotation)
@@ -172,17 +164,19 @@ class Robot:
             wheel_angles=Sides(*train.angles()),
             wheel_speeds=Sides(left / drive.wheel_radius, right / drive.wheel_radius),
             efforts=Sides(_effort(left_target, drive), _effort(right_target, drive)),
-            reckoned_pose=train.reckoned_pose(),
-            reckoned_speed=body_velocity(train.speeds, drive.track),
+            odometry_pose=train.odometry_pose(),
+            odometry_speed=body_velocity(train.speeds, drive.track),
         )
 
     def _pulled(self) -> tuple[Vector, Vector]:
         """Velocity and angular velocity in the world after the tyres' pull.
 
         The pull acts along the heading in the middle of the step, so that the engine's straight
-        steps are the chords of the arc that the robot drives. It makes good what gravity is going
-        to do in this step, or the robot would creep down every slope; on a slope the wheels carry
-        less.
+        steps are the chords of the robot's arc. It compensates the effect of gravity in this step,
+        or the robot would creep down every slope; on a slope the wheels carry less.
+
+        The rotations are written out, as this is called in every step; tests compare it with
+        geometry's functions.
         """
         _, (x, y, z, w), velocity, angular_velocity = self._motion
         (vx, vy, vz), (wx, wy, wz) = velocity, angular_velocity
@@ -215,14 +209,14 @@ class Robot:
 
 
 def _drivetrain(placement: RobotPlacement, scene: Scene) -> Drivetrain:
-    """A robot's; its encoders are the same for all that is told from them."""
+    """A robot's; all its odometry sensors share the encoders."""
     settings = [mount.settings for mount in placement.model.sensors]
     noise = max((s.travel_noise for s in settings if isinstance(s, OdometrySettings)), default=0.0)
-    random = generator(scene.seed, f"{placement.namespace}/encoders").standard_normal
+    random = random_numbers(scene.seed, f"{placement.namespace}/encoders").standard_normal
     encoders = Encoders(noise, random, scene.dt) if noise else None
     return Drivetrain(placement.model.drive, scene.dt, encoders)
 
 
 def _effort(target: float, drive: Drive) -> float:
-    """What a motor driver reports: the fraction of full power."""
+    """The report of a motor driver: the fraction of full power."""
     return max(-1.0, min(1.0, target / drive.full_speed))

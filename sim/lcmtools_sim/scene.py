@@ -1,23 +1,22 @@
-"""What stands in a world before it starts, as frozen values.
+"""The content of a world before it starts, as frozen values.
 
-Only values live here: world_file.py reads them from YAML, world.py builds them in the engine.
+Only values live here: world_file reads them from YAML, world.py builds them in the engine.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import count
 
 from lcmtools.errors import UsageError
 from lcmtools.names import did_you_mean
-from lcmtools_sim.pose import ORIGIN, Pose
+from lcmtools_sim.geometry import ORIGIN, Pose, Vector
 from lcmtools_sim.robots.model import RobotModel
-from lcmtools_sim.rotation import Vector
 from lcmtools_sim.shapes import Color, Cuboid, Part
 
 _SPACING = 3.0  # [m] between the robots of a fleet
 FRICTION = 0.6
-"""Of things, where nothing else is said."""
+"""The default of objects."""
 WOOD: Color = (0.7, 0.6, 0.45)
 
 
@@ -26,7 +25,7 @@ class Ground:
     """The plane z = 0.
 
     Attributes:
-        friction: Coulomb coefficient; the products with a box's and with a tyre's are what counts.
+        friction: Coulomb coefficient; its products with a box's and with a tyre's are effective.
         color: Red, green, blue, 0 to 1.
     """
 
@@ -35,16 +34,16 @@ class Ground:
 
 
 @dataclass(frozen=True, slots=True)
-class Thing:
-    """Something that stands in the world or can be pushed: one rigid body.
+class SceneObject:
+    """An object that stands in the world or can be pushed: one rigid body.
 
     Attributes:
         name: For messages.
         parts: Its shapes, in its own frame; the origin is its centre of mass.
         pose: Of that frame in the world.
-        mass: [kg]; 0 stands for ever.
+        mass: [kg]; 0 for an immovable object.
         friction: Coulomb coefficient.
-        where: File and line that it comes from ("yard.yaml:12"), for messages.
+        where: Its file and line ("yard.yaml:12"), for messages.
     """
 
     name: str
@@ -57,21 +56,21 @@ class Thing:
 
 def box(
     name: str, size: Vector, pose: Pose, mass: float = 0.0, friction: float = FRICTION
-) -> Thing:
+) -> SceneObject:
     """A box; ``pose`` is that of its centre."""
-    return Thing(name, (Part(Cuboid(size), color=WOOD),), pose, mass, friction)
+    return SceneObject(name, (Part(Cuboid(size), color=WOOD),), pose, mass, friction)
 
 
 @dataclass(frozen=True, slots=True)
 class RobotPlacement:
-    """A robot of a model, and where it starts.
+    """A robot of a model, and its start.
 
     Attributes:
-        model: What it is, with all that the world file changes of it.
+        model: With all changes by the world file.
         namespace: Global, "/husky0".
         pose: Of the point on the ground between its wheels.
-        cmd_timeout: Simulated seconds after which a command ends; None holds it for ever.
-        where: File and line that it comes from ("yard.yaml:12"), for messages.
+        cmd_timeout: Simulated seconds after which a command ends; None for never.
+        where: Its file and line ("yard.yaml:12"), for messages.
     """
 
     model: RobotModel
@@ -83,18 +82,18 @@ class RobotPlacement:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """All that a world file says.
+    """The content of a world file.
 
     Attributes:
         name: The file's name without its ending.
         node: The simulator's name on the bus.
-        seed: Of everything random.
+        seed: Of all random numbers.
         dt: Simulated seconds of one step.
         gravity: [m/s^2] downwards.
-        ground: What everything stands on.
-        things: Boxes, pieces of walls, tables and so on.
-        robots: Who drives.
-        notes: What its files hold and the simulator does not, one line each.
+        ground: The plane z = 0.
+        objects: Boxes, pieces of walls, tables and so on.
+        robots: In the order of the file.
+        notes: Content of its files that the simulator ignores, one line each.
     """
 
     name: str
@@ -103,13 +102,13 @@ class Scene:
     dt: float = 1 / 240
     gravity: float = 9.81
     ground: Ground = Ground()
-    things: tuple[Thing, ...] = ()
+    objects: tuple[SceneObject, ...] = ()
     robots: tuple[RobotPlacement, ...] = ()
     notes: tuple[str, ...] = field(default=(), compare=False)
 
 
 def fleet(scene: Scene, size: int) -> Scene:
-    """The scene with so many robots like its first one, in rows.
+    """The scene with this number of robots like its first one, in rows.
 
     Their namespaces are the first one's with other numbers at the end.
 
@@ -128,8 +127,13 @@ def fleet(scene: Scene, size: int) -> Scene:
     return replace(scene, robots=robots)
 
 
-def joined(scene: Scene, model: RobotModel, pose: Pose) -> Scene:
-    """The scene with one more robot, called by its model and the next free number (/husky0)."""
+def _beside(pose: Pose, number: int, side: int) -> Pose:
+    row, column = divmod(number, side)
+    return replace(pose, x=pose.x + row * _SPACING, y=pose.y + column * _SPACING)
+
+
+def with_robot(scene: Scene, model: RobotModel, pose: Pose) -> Scene:
+    """The scene with one more robot, named by its model and the next free number (/husky0)."""
     taken = {robot.namespace for robot in scene.robots}
     number = next(n for n in count() if f"/{model.name}{n}" not in taken)
     robot = RobotPlacement(model, f"/{model.name}{number}", pose, where="--robot")
@@ -137,26 +141,26 @@ def joined(scene: Scene, model: RobotModel, pose: Pose) -> Scene:
 
 
 def selected(scene: Scene, names: Sequence[str]) -> Scene:
-    """The scene with only these of its robots, named with or without a slash before.
+    """The scene with only these of its robots, with or without a leading slash.
 
     Raises:
-        UsageError: One is not there.
+        UsageError: One does not exist.
     """
     robots = {robot.namespace: robot for robot in scene.robots}
     wanted = [f"/{name.strip('/')}" for name in names]
     for name in wanted:
         if name not in robots:
-            hint = did_you_mean(name, robots) or f"robots: {', '.join(robots) or 'none'}"
+            hint = robot_hint(name, robots)
             raise UsageError(f"the world {scene.name} has no robot '{name}'", hint)
     return replace(scene, robots=tuple(robots[name] for name in robots if name in wanted))
 
 
-def _beside(pose: Pose, number: int, side: int) -> Pose:
-    row, column = divmod(number, side)
-    return replace(pose, x=pose.x + row * _SPACING, y=pose.y + column * _SPACING)
+def robot_hint(name: str, robots: Mapping[str, object]) -> str:
+    """The hint for a robot that does not exist."""
+    return did_you_mean(name, robots) or f"robots: {', '.join(robots) or 'none'}"
 
 
 def contents(scene: Scene) -> str:
-    """What stands in a scene, in one line."""
+    """The robots and the number of objects of a scene, in one line."""
     robots = ", ".join(f"{robot.model.name} {robot.namespace}" for robot in scene.robots)
-    return f"{robots or 'no robot'}; {len(scene.things)} things"
+    return f"{robots or 'no robot'}; {len(scene.objects)} objects"

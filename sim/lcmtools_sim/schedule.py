@@ -1,4 +1,4 @@
-"""When things happen: which step publishes what, and at which moment a step may run.
+"""The schedule: the step at which each item is due, and the moment at which a step may run.
 
 Steps are numbered from 1 and are the only time here; the wall clock comes in as a function.
 """
@@ -6,6 +6,7 @@ Steps are numbered from 1 and are the only time here; the wall clock comes in as
 import math
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 Item = TypeVar("Item")
@@ -13,14 +14,14 @@ Item = TypeVar("Item")
 MAX_DEBT = 0.25
 """Wall seconds that the simulation may be late before the rest is dropped."""
 
-_LONGEST_SLEEP = 0.1  # [s]; how long a request may go unnoticed
+_LONGEST_SLEEP = 0.1  # [s]; the longest delay of a request
 
 
 class Timetable(Generic[Item]):
     """Items that are due at rates which need not divide the rate of the steps.
 
-    The k-th time an item is due is the first step at or after k / rate, so that 50 Hz on a grid
-    of 240 Hz is exact on average and never drifts. All items of a rate are due together.
+    The k-th time of an item is the first step at or after k / rate, so that 50 Hz on a grid of
+    240 Hz is exact on average and never drifts. All items of a rate are due together.
 
     Args:
         dt: Seconds of a step.
@@ -31,10 +32,10 @@ class Timetable(Generic[Item]):
         self._groups: dict[float, _Group[Item]] = {}
         self._added = 0
         self._next: float = math.inf
-        """The step at which the first of all is due: most steps need not look further."""
+        """The next step at which any item is due: most steps need not look further."""
 
     def add(self, rate: float, item: Item, *, after: int = 0) -> None:
-        """Let ``item`` be due ``rate`` times a second, at most once a step, from ``after`` on."""
+        """Let ``item`` be due ``rate`` times a second, at most once a step, after a step."""
         if rate not in self._groups:
             count = math.floor(after * self._dt * rate) + 1
             while self._step(count, rate) <= after:
@@ -42,72 +43,62 @@ class Timetable(Generic[Item]):
             self._groups[rate] = _Group(count, self._step(count, rate))
         self._groups[rate].items[self._added] = item
         self._added += 1
-        self._look_ahead()
+        self._find_next()
 
     def remove(self, items: Sequence[Item]) -> None:
-        """Let these be due no more."""
+        """Remove these items."""
         for rate, group in tuple(self._groups.items()):
             group.items = {n: item for n, item in group.items.items() if item not in items}
             if not group.items:
                 del self._groups[rate]
-        self._look_ahead()
+        self._find_next()
 
     def due(self, step: int) -> list[Item]:
-        """What is due at ``step``, in the order of adding; steps are asked for in their order."""
+        """The items due at ``step``, in the order of adding; steps come in their order."""
         if step < self._next:
             return []
         found = [self._take(rate, step) for rate, g in self._groups.items() if g.step <= step]
-        self._look_ahead()
-        if len(found) < 2:  # noqa: PLR2004 - else there is an order to make
+        self._find_next()
+        if len(found) < 2:  # noqa: PLR2004 - else they must be sorted
             return list(found[0].values()) if found else []
         together = {number: item for items in found for number, item in items.items()}
         return [together[number] for number in sorted(together)]
 
     def _take(self, rate: float, step: int) -> dict[int, Item]:
-        """The items of a rate that is due at ``step``, by their number, and when it is due next."""
+        """The items of a rate that is due at ``step``; sets the rate's next step."""
         group = self._groups[rate]
         group.count += 1
         group.step = max(step + 1, self._step(group.count, rate))
         return group.items
 
-    def _look_ahead(self) -> None:
+    def _find_next(self) -> None:
         self._next = min((group.step for group in self._groups.values()), default=math.inf)
 
     def _step(self, count: int, rate: float) -> int:
-        # The factor keeps what rounding puts just above a whole step from going to the next.
+        # The factor keeps a value that rounding puts just above a whole step from the next one.
         return math.ceil(count / (rate * self._dt) * (1 - 1e-12))
 
 
+@dataclass(slots=True)
 class _Group(Generic[Item]):
-    """All items of one rate.
+    """All items of one rate, by the number of their adding; the next time's number and step."""
 
-    Args:
-        count: The how many-th time comes next.
-        step: When that is.
-
-    Attributes:
-        items: By the number of their adding.
-    """
-
-    __slots__ = ("count", "items", "step")
-
-    def __init__(self, count: int, step: int) -> None:
-        self.count = count
-        self.step = step
-        self.items: dict[int, Item] = {}
+    count: int
+    step: int
+    items: dict[int, Item] = field(default_factory=dict)
 
 
 class Pacer:
     """Lets steps run at their moments by the wall clock.
 
-    Deadlines are absolute, so that a late wake-up is made good by the following steps, which then
-    run without sleeping. What is later than MAX_DEBT is dropped: the simulation falls behind
-    instead of racing.
+    Deadlines are absolute, so that a late wake-up is compensated by the following steps, which then
+    run without sleeping. Debt above MAX_DEBT is dropped: the simulation falls behind instead of
+    racing.
 
     Args:
         period: Wall seconds of a step; 0 never waits.
         now: A monotonic clock [s].
-        sleep: Waits the seconds given.
+        sleep: Waits the given seconds.
 
     Attributes:
         period: As given; may be changed.
@@ -129,11 +120,11 @@ class Pacer:
         self._deadline = self._now()
 
     def wait(self, go_on: Callable[[], bool], meanwhile: Callable[[], None]) -> float:
-        """Wait until the next step may run, or until ``go_on`` says no.
+        """Wait until the next step may run, or until ``go_on`` returns False.
 
         Args:
-            go_on: Whether to wait on.
-            meanwhile: What must not wait: called now and then while the next step is far away.
+            go_on: Returns True to continue waiting.
+            meanwhile: Called now and then while the next step is far away.
 
         Returns:
             The debt that was dropped [s], mostly 0.

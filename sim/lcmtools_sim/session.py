@@ -6,27 +6,26 @@ from collections.abc import Sequence
 import lcmtools
 from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.control import Control
-from lcmtools_sim.display import check_display
-from lcmtools_sim.follow import FollowingSimulation, LeadersClock
+from lcmtools_sim.follow import FollowingSimulation, LeaderClock
 from lcmtools_sim.loop import Loop
+from lcmtools_sim.native import check_display
 from lcmtools_sim.options import Options
 from lcmtools_sim.scene import Scene, contents
 from lcmtools_sim.schedule import Pacer
-from lcmtools_sim.simulation import Simulation
-from lcmtools_sim.starts import misplaced_things
+from lcmtools_sim.simulation import Simulation, misplaced_objects
 from lcmtools_sim.world import check_installed
 
 
 def simulate(scene: Scene, options: Options, arguments: Sequence[str]) -> None:
-    """Simulate a scene on the bus until asked to end, or until the time given is over.
+    """Simulate a scene on the bus until a request to end, or for the given duration.
 
     Args:
-        scene: What to simulate.
+        scene: The scene.
         options: Rate, duration and window.
         arguments: The whole command line, for the node's name, remaps and the bus.
 
     Raises:
-        MissingExtra: pybullet is not installed.
+        MissingExtra: A package of the extra is not installed.
         LcmtoolsError: There is no bus, or no display for the window.
     """
     check_installed()
@@ -46,18 +45,19 @@ def _run(simulation: Simulation, options: Options) -> None:
     with lcmtools.Node(scene.node) as node:
         bridge = Bridge(node, simulation)
         if options.follow:
-            pacer: Pacer = LeadersClock(node, simulation, bridge.refresh)
+            pacer: Pacer = LeaderClock(node, simulation, bridge.refresh)
         else:
             pacer = Pacer(scene.dt / options.rate if options.rate else 0.0)
         last_step = round(options.duration / scene.dt) if options.duration else None
         loop = Loop(simulation, bridge, pacer, go_on=lcmtools.ok, last_step=last_step)
         loop.paused = options.paused
         Control(node, simulation, loop, bridge.refresh)
-        for line in misplaced_things(scene):
-            node.get_logger().warning(line)
+        log = node.get_logger()
+        for line in misplaced_objects(scene):
+            log.warning(line)
         paused = "; paused: lcmtools sim resume starts it" if options.paused else ""
-        node.get_logger().info(f"simulating {scene.name}: {contents(scene)}{paused}")
+        log.info(f"simulating {scene.name}: {contents(scene)}{paused}")
         if options.follow:
-            node.get_logger().info("waiting for the /clock of the process that leads")
+            log.info("waiting for the /clock of the process that leads")
             pacer.wait(lcmtools.ok, bridge.receive)
         loop.run()

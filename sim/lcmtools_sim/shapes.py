@@ -1,30 +1,32 @@
-"""The solid shapes that worlds and robots are made of, as frozen values.
+"""Solid shapes, which worlds and robots consist of, with their mass and inertia.
 
-What they weigh and how they move is not known here, nor who looks at them.
+Symbols are those of the textbooks: the inertia tensor about the centre of mass, and the parallel
+axis theorem (Steiner) for any other point.
 """
 
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from lcmtools_sim.rotation import Quaternion, Vector
+from lcmtools_sim.geometry import IDENTITY, ZERO, Frame, Quaternion, Vector, axes, dot, subtract
 
 Color = tuple[float, float, float]
 """Red, green, blue, 0 to 1."""
 
 GREY: Color = (0.6, 0.6, 0.62)
-UNTURNED: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Cuboid:
-    """A box; its origin is its centre. Attributes: length (x), width (y), height (z) [m]."""
+    """A box about its centre: length (x), width (y) and height (z) [m]."""
 
     size: Vector
 
 
 @dataclass(frozen=True, slots=True)
 class Cylinder:
-    """A cylinder along z; its origin is its centre. Attributes: [m]."""
+    """A cylinder along z, about its centre [m]."""
 
     radius: float
     length: float
@@ -32,7 +34,7 @@ class Cylinder:
 
 @dataclass(frozen=True, slots=True)
 class Sphere:
-    """A ball about its origin. Attributes: [m]."""
+    """A sphere about its centre [m]."""
 
     radius: float
 
@@ -42,16 +44,102 @@ Shape: TypeAlias = Cuboid | Cylinder | Sphere
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A shape in its place on a body, or in the world.
-
-    Attributes:
-        shape: What it is.
-        position: Of its centre [m].
-        rotation: Of its axes.
-        color: How it looks.
-    """
+    """A shape at a place: the position of its centre [m] and the rotation of its axes."""
 
     shape: Shape
-    position: Vector = (0.0, 0.0, 0.0)
-    rotation: Quaternion = UNTURNED
+    position: Vector = ZERO
+    rotation: Quaternion = IDENTITY
     color: Color = GREY
+
+    def placed(self, position: Vector, rotation: Quaternion = IDENTITY) -> "Part":
+        """The part in an outer frame, in which its own frame is at this pose."""
+        place = Frame(position, rotation).place(Frame(self.position, self.rotation))
+        return Part(self.shape, *place, self.color)
+
+    def extent(self, axis: int) -> float:
+        """The distance from the centre to the farthest point along an axis of the frame [m]."""
+        shape = self.shape
+        if isinstance(shape, Sphere):
+            return shape.radius
+        columns = [column[axis] for column in axes(self.rotation)]
+        if isinstance(shape, Cuboid):
+            return sum(abs(c) * side / 2 for c, side in zip(columns, shape.size, strict=True))
+        along = abs(columns[2])
+        return shape.radius * math.sqrt(max(0.0, 1 - along * along)) + shape.length / 2 * along
+
+
+@dataclass(frozen=True, slots=True)
+class Inertial:
+    """The mass properties of one body.
+
+    Attributes:
+        mass: [kg]
+        frame: Of the centre of mass, and of the axes that the tensor is given about.
+        tensor: Inertia xx, yy, zz, xy, xz, yz about the centre of mass [kg m^2].
+    """
+
+    mass: float
+    frame: Frame
+    tensor: tuple[float, float, float, float, float, float] = (0.0,) * 6
+
+
+def inertials_of(parts: Sequence[Part], mass: float) -> list[Inertial]:
+    """The mass properties of parts of one homogeneous material, with this mass together [kg]."""
+    density = mass / sum(_volume(part.shape) for part in parts)
+    return [_inertial(part, density) for part in parts]
+
+
+def centre_of_mass(bodies: Iterable[Inertial]) -> tuple[float, Vector]:
+    """The total mass [kg] and the common centre; the origin without any mass."""
+    known = list(bodies)
+    mass = sum(body.mass for body in known)
+    if not mass:
+        return 0.0, ZERO
+    x, y, z = (sum(body.mass * body.frame.position[i] for body in known) / mass for i in range(3))
+    return mass, (x, y, z)
+
+
+def moments(bodies: Iterable[Inertial], point: Vector) -> Vector:
+    """The moments of inertia of all bodies about x, y, z through a point [kg m^2]."""
+    found = [_moments(body, point) for body in bodies]
+    x, y, z = (sum(values) for values in zip(*found, strict=True))
+    return x, y, z
+
+
+def _moments(body: Inertial, point: Vector) -> Vector:
+    xx, yy, zz, xy, xz, yz = body.tensor
+    lever = subtract(body.frame.position, point)
+    rows = zip(*axes(body.frame.rotation), strict=True)
+    x, y, z = (
+        (a * a * xx + b * b * yy + c * c * zz + 2 * (a * b * xy + a * c * xz + b * c * yz))
+        + body.mass * (dot(lever, lever) - d * d)
+        for (a, b, c), d in zip(rows, lever, strict=True)
+    )
+    return x, y, z
+
+
+def _inertial(part: Part, density: float) -> Inertial:
+    mass = density * _volume(part.shape)
+    xx, yy, zz = (mass * value for value in _unit_moments(part.shape))
+    return Inertial(mass, Frame(part.position, part.rotation), (xx, yy, zz, 0.0, 0.0, 0.0))
+
+
+def _unit_moments(shape: Shape) -> Vector:
+    """The moments about a shape's own axes for a mass of 1 kg [m^2]."""
+    if isinstance(shape, Cuboid):
+        xx, yy, zz = (length * length / 12 for length in shape.size)
+        return yy + zz, xx + zz, xx + yy
+    square = shape.radius * shape.radius
+    if isinstance(shape, Cylinder):
+        across = square / 4 + shape.length * shape.length / 12
+        return across, across, square / 2
+    return 0.4 * square, 0.4 * square, 0.4 * square
+
+
+def _volume(shape: Shape) -> float:
+    """[m^3]."""
+    if isinstance(shape, Cuboid):
+        return math.prod(shape.size)
+    if isinstance(shape, Cylinder):
+        return math.pi * shape.radius**2 * shape.length
+    return 4 / 3 * math.pi * shape.radius**3

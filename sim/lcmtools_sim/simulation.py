@@ -1,7 +1,6 @@
-"""The simulation without its surroundings: robots in a world, stepped from messages to messages.
+"""The simulation: robots in a world, stepped from command messages to sensor messages.
 
-It knows no bus and no wall clock: commands come in as messages, each step gives back the messages
-that are due. bridge.py connects it to the bus, loop.py to the wall clock.
+It knows no bus and no wall clock: bridge.py connects it to the bus, loop.py to the wall clock.
 """
 
 from collections.abc import Callable, Iterable
@@ -11,8 +10,8 @@ from lcmtools.errors import InvalidFile
 from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.registry import Message
 from lcmtools.types.rosgraph_msgs import Clock
-from lcmtools_sim.readings import Interest, Reading, Sample, mount_sensors
-from lcmtools_sim.robot import Robot
+from lcmtools_sim.mounted import MountedSensor, Sample, Subscribers, mount_sensors
+from lcmtools_sim.robot import START_OVERLAP, Robot
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.schedule import Timetable
 from lcmtools_sim.sensors.sensor import RobotState
@@ -23,30 +22,30 @@ CLOCK_TOPIC = "/clock"
 CLOCK_RATE = 50.0
 """[Hz] Least rate of the clock; besides, it ticks with every step that publishes something."""
 
-_TICK = None  # what is due when only the clock is
+_TICK = None  # due when only the clock is
 _CLOCK = PayloadTemplate(Clock(), "clock")
 
 
 class Simulation:
-    """A scene come to life. A context manager: it owns the engine's world.
+    """A running scene. A context manager: it owns the engine's world.
 
     Args:
-        scene: What stands where.
-        window: Whether to show it (see World).
+        scene: Its content.
+        window: Show it (see World).
 
     Attributes:
         scene: As given.
         robots: In the order of the scene, then as they were added.
-        steps: How many have been done.
+        steps: Their number so far.
 
     Raises:
         MissingExtra: pybullet is not installed.
-        InvalidFile: A robot starts inside something else.
+        InvalidFile: A robot starts inside another body.
     """
 
     def __init__(self, scene: Scene, *, window: bool = False) -> None:
         self.scene = scene
-        self._is_clock_heard = True
+        self._publishes_clock = True
         self._world = World(scene, window=window)
         try:
             self._begin()
@@ -59,7 +58,7 @@ class Simulation:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Give the engine back."""
+        """Close the engine's world."""
         self._world.close()
 
     @property
@@ -68,45 +67,45 @@ class Simulation:
         return round(self.steps * self.scene.dt * NANOSECONDS)
 
     @property
-    def is_clock_heard(self) -> bool:
-        """Whether its steps give the clock; else who wants it now and then asks for ``tick``."""
-        return self._is_clock_heard
+    def publishes_clock(self) -> bool:
+        """True if its steps return the clock; else ``tick`` returns it on request."""
+        return self._publishes_clock
 
     def tick(self) -> Sample:
-        """The clock as it stands."""
+        """The present clock message."""
         return Sample(CLOCK_TOPIC, Clock, _CLOCK.fill(split_stamp(self.time)))
 
     def is_open(self) -> bool:
-        """Whether it can go on; not after its window was closed."""
+        """Return False once the window is closed."""
         return self._world.is_open()
 
     def parts(self) -> list[Part]:
-        """Every shape that there is, in the world now."""
+        """All shapes, in the world."""
         return [*self._world.fixed_parts(), *self._world.moving_parts()]
 
     def topics(self) -> dict[str, type[Message]]:
         """Every topic of its samples, with the type."""
         found: dict[str, type[Message]] = {CLOCK_TOPIC: Clock}
         for robot in self.robots:
-            for reading in self._readings[robot.namespace]:
-                found.update(reading.topics())
+            for sensor in self._sensors[robot.namespace]:
+                found.update(sensor.topics())
         return found
 
-    def ask(self, interest: Callable[[str], Interest]) -> None:
-        """Measure only what is wanted from now on: topics that somebody can be listening to.
+    def select(self, subscribers: Callable[[str], Subscribers]) -> None:
+        """Measure only topics that can have subscribers from now on.
 
-        Until it is asked everything is measured, and so are the sensors of robots that come later.
+        Before the first call everything is measured, and so are the sensors of robots added later.
         """
         is_leader = CLOCK_TOPIC in self.topics()
-        self._is_clock_heard = is_leader and interest(CLOCK_TOPIC) is not Interest.NONE
-        for readings in self._readings.values():
-            for reading in readings:
-                reading.ask(interest)
+        self._publishes_clock = is_leader and subscribers(CLOCK_TOPIC) is not Subscribers.NONE
+        for sensors in self._sensors.values():
+            for sensor in sensors:
+                sensor.select(subscribers)
 
     def step(self) -> list[Sample]:
-        """Let dt pass and return what is due then and heard, all with the same time.
+        """Simulate one dt and return the samples that are due and selected, with the same time.
 
-        The clock comes first, so that nobody sees a stamp that is ahead of it.
+        The clock comes first, so that no stamp is ahead of it.
         """
         for robot in self.robots:
             robot.drive()
@@ -114,23 +113,23 @@ class Simulation:
         for robot in self.robots:
             robot.observe()
         self.steps += 1
-        due = [item for item in self._timetable.due(self.steps) if self._is_wanted(item)]
+        due = [item for item in self._timetable.due(self.steps) if self._is_selected(item)]
         return self._samples(due) if due else []
 
     def reset(self, steps: int = 0) -> None:
-        """Begin anew: the same start, to the bit, as that of a new process with this scene.
+        """Start again, to the bit as a new process with this scene does.
 
         Args:
-            steps: As if so many had been done with everything standing still.
+            steps: As if this number of steps had been done with everything standing still.
         """
         self._world.reset(self.scene)
         self._begin(steps)
 
     def add(self, placement: RobotPlacement) -> Robot:
-        """Put up one more robot; ``reset`` takes it away again.
+        """Add a robot; ``reset`` removes it again.
 
         Raises:
-            InvalidFile: It would stand inside something else; nothing has been added.
+            InvalidFile: It would stand inside another body; nothing has been added.
         """
         robot = Robot(self._world, self.scene, placement)
         try:
@@ -139,40 +138,68 @@ class Simulation:
             robot.remove()
             raise
         self.robots.append(robot)
-        readings = mount_sensors(robot, self.scene)
-        self._readings[robot.namespace] = readings
-        for reading in readings:
-            self._timetable.add(reading.rate, reading, after=self.steps)
+        sensors = mount_sensors(robot, self.scene)
+        self._sensors[robot.namespace] = sensors
+        for sensor in sensors:
+            self._timetable.add(sensor.rate, sensor, after=self.steps)
         return robot
 
     def remove(self, robot: Robot) -> None:
-        """Take a robot away; ``reset`` brings it back if it is the scene's."""
-        gone = self._readings.pop(robot.namespace)
-        self._timetable.remove(gone)
+        """Remove a robot; ``reset`` restores it if it is the scene's."""
+        self._timetable.remove(self._sensors.pop(robot.namespace))
         self.robots.remove(robot)
         robot.remove()
 
     def _begin(self, steps: int = 0) -> None:
         self.steps = steps
         self.robots: list[Robot] = []
-        self._readings: dict[str, list[Reading]] = {}
-        self._timetable: Timetable[Reading | None] = Timetable(self.scene.dt)
+        self._sensors: dict[str, list[MountedSensor]] = {}
+        self._timetable: Timetable[MountedSensor | None] = Timetable(self.scene.dt)
         self._timetable.add(CLOCK_RATE, _TICK, after=steps)
         for placement in self.scene.robots:
             self.add(placement)
 
-    def _is_wanted(self, item: Reading | None) -> bool:
-        return self._is_clock_heard if item is _TICK else not item.is_idle
+    def _is_selected(self, item: MountedSensor | None) -> bool:
+        return self._publishes_clock if item is _TICK else not item.is_idle
 
-    def _samples(self, due: Iterable[Reading | None]) -> list[Sample]:
-        samples = [self.tick()] if self._is_clock_heard else []
+    def _samples(self, due: Iterable[MountedSensor | None]) -> list[Sample]:
+        samples = [self.tick()] if self._publishes_clock else []
         time = self.time
         states: dict[str, RobotState] = {}
-        for reading in due:
-            if reading is _TICK:
+        for sensor in due:
+            if sensor is _TICK:
                 continue
-            namespace = reading.robot.namespace
+            namespace = sensor.robot.namespace
             if namespace not in states:
-                states[namespace] = reading.robot.state(time)
-            samples += reading.measure(states[namespace])
+                states[namespace] = sensor.robot.state(time)
+            samples += sensor.measure(states[namespace])
         return samples
+
+
+def check_starts(scene: Scene) -> None:
+    """Return if every robot can start, tried in a simulation that ends at once.
+
+    Raises:
+        InvalidFile: One stands inside another body; with its file and line.
+        MissingExtra: pybullet is not installed.
+    """
+    with Simulation(scene):
+        pass
+
+
+def misplaced_objects(scene: Scene) -> list[str]:
+    """Warnings of movable objects that start inside another body, one line each.
+
+    Raises:
+        MissingExtra: pybullet is not installed.
+    """
+    if not any(thing.mass for thing in scene.objects):
+        return []
+    with World(scene) as world:
+        found = world.overlaps()
+    return [
+        f"{thing.where or scene.name}: {thing.name} starts {depth:.2f} m inside {other}, and is"
+        " thrown out of it"
+        for thing, depth, other in found
+        if depth > START_OVERLAP
+    ]

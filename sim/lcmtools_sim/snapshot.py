@@ -4,13 +4,12 @@ import math
 
 import numpy as np
 
-from lcmtools_sim.rotation import Quaternion, Vector, add, from_euler, turn, yaw_of
+from lcmtools_sim.geometry import Frame, Quaternion, Vector, add, from_euler, rotate, yaw_of
 from lcmtools_sim.shapes import Color, Part
-from lcmtools_sim.vision.camera import Camera, optical
+from lcmtools_sim.vision.camera import Camera, corners_of, optical
 from lcmtools_sim.vision.color import color_image
-from lcmtools_sim.vision.depth import look
-from lcmtools_sim.vision.outlines import corners_of
-from lcmtools_sim.vision.png import encode_png
+from lcmtools_sim.vision.messages import png_file
+from lcmtools_sim.vision.render import render
 from lcmtools_sim.vision.solids import Floats, solids_of
 
 _FIELD_OF_VIEW = math.radians(60)
@@ -23,23 +22,31 @@ _BEHIND: Vector = (-3.0, 0.0, 1.8)
 _TILT = math.radians(22)
 
 
-def from_above(parts: list[Part], ground: Color, width: int, height: int) -> bytes:
-    """The whole world as a PNG file: x to the right, y up.
+def snapshot(
+    parts: list[Part], ground: Color, width: int, height: int, robot: Frame | None = None
+) -> bytes:
+    """A PNG file of the whole world from above, x to the right, y up; or from behind a robot.
 
     Args:
-        parts: All that is there, in the world.
+        parts: All shapes, in the world.
         ground: Its colour.
         width: [pixels]
         height: [pixels]
+        robot: The robot's base_link in the world.
     """
     camera = Camera(width, height, _FIELD_OF_VIEW)
-    eye = _above(corners_of(solids_of(parts)).reshape(-1, 3), camera)
-    return _picture(parts, ground, camera, eye, _DOWN)
+    if robot is None:
+        eye, view = _above(corners_of(solids_of(parts)).reshape(-1, 3), camera), _DOWN
+    else:
+        heading = yaw_of(robot.rotation)
+        eye = add(robot.position, rotate(_BEHIND, from_euler(0.0, 0.0, heading)))
+        view = optical(from_euler(0.0, _TILT, heading))
+    return png_file(color_image(render(solids_of(parts, ground), camera, eye, view)))
 
 
 def _above(corners: Floats, camera: Camera) -> Vector:
-    """From where a camera that looks down sees all these points (n, 3), the high ones too."""
-    known = corners[np.isfinite(corners).all(axis=1)]  # what the engine has lost is nowhere
+    """The eye of a camera that looks down and sees all these points (n, 3), the high ones too."""
+    known = corners[np.isfinite(corners).all(axis=1)]  # without bodies that the engine has lost
     points = known if len(known) else np.zeros((1, 3))
     low, high = points.min(axis=0), points.max(axis=0)
     middle = (low + high) / 2
@@ -48,32 +55,3 @@ def _above(corners: Floats, camera: Camera) -> Vector:
     least = _LEAST_EXTENT / 2 * slope.max()
     height = max((points[:, 2] + reach).max(), high[2] + least)
     return float(middle[0]), float(middle[1]), float(height)
-
-
-def from_behind(
-    parts: list[Part],
-    ground: Color,
-    width: int,
-    height: int,
-    robot: tuple[Vector, Quaternion],
-) -> bytes:
-    """What is seen from behind and above a robot, as a PNG file.
-
-    Args:
-        parts: All that is there, in the world.
-        ground: Its colour.
-        width: [pixels]
-        height: [pixels]
-        robot: Position [m] and rotation of its base_link in the world.
-    """
-    position, rotation = robot
-    heading = yaw_of(rotation)
-    eye = add(position, turn(_BEHIND, from_euler(0.0, 0.0, heading)))
-    view = optical(from_euler(0.0, _TILT, heading))
-    return _picture(parts, ground, Camera(width, height, _FIELD_OF_VIEW), eye, view)
-
-
-def _picture(
-    parts: list[Part], ground: Color, camera: Camera, eye: Vector, rotation: Quaternion
-) -> bytes:
-    return encode_png(color_image(look(solids_of(parts, ground), camera, eye, rotation)))

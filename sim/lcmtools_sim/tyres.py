@@ -1,13 +1,17 @@
-"""What tyres do to a robot's body, as plain mathematics of the plane that it stands on.
+"""The forces of tyres on a robot's body, in the plane that it stands on.
 
-It knows no engine: what Bullet computed comes in, what the tyres make of it goes out.
+No engine is known here: Bullet's result comes in, the tyres' change of it goes out. There are two
+models, both with Coulomb friction:
 
-The robot stands on two ideal wheels at its effective track, which makes it an exact differential
-drive; each tyre gives at most what Coulomb friction allows. skid.py has the other kind, with all
-wheels where they are.
+- gripping: two ideal wheels at the effective track, which make an exact differential drive.
+- skidding: four fixed wheels at their places, which turn the robot by skidding. Each pulls its
+  contact towards its own speed with an impulse of at most friction times load times step, in any
+  direction of the plane. The balance of all is found by projected Gauss-Seidel sweeps (R. Cottle
+  et al., The Linear Complementarity Problem, chapter 5). On the spot, with wheels at (+-a, +-b),
+  the balance of moments gives b^2 / (a^2 + b^2) of the turn rate without skidding; tests hold it.
 
-This runs in every step for every robot, so constants are worked out beforehand and numbers are
-handed on one by one: a step of the engine itself takes little more time.
+This runs in every step for every robot, so constants are computed before and numbers are passed
+one by one: a step of the engine itself takes little more time.
 """
 
 import math
@@ -16,12 +20,14 @@ from collections.abc import Callable
 from lcmtools_sim.drive import SideSpeeds
 from lcmtools_sim.robots.model import RobotModel
 
-Tyres = Callable[[float, float, float, SideSpeeds, float], tuple[float, float, float]]
-"""How the tyres change a body's velocity in one step.
+_SWEEPS = 6
 
-Takes its velocity before, in its own frame: forward [m/s], to the left [m/s] and turn rate [rad/s];
-the ground speeds of its wheels; and the largest impulse of a side, friction times load times step
-[N s]. Gives the changes of the three.
+Tyres = Callable[[float, float, float, SideSpeeds, float], tuple[float, float, float]]
+"""The change of a body's velocity by its tyres in one step.
+
+Takes the velocity before, in the body's frame: forward [m/s], to the left [m/s] and turn rate
+[rad/s]; the ground speeds of the wheels; and the largest impulse of a side, friction times load
+times step [N s]. Returns the changes of the three.
 """
 
 
@@ -58,6 +64,38 @@ def gripping(model: RobotModel) -> Tyres:
 
 
 def _slip(along: float, across: float, largest: float) -> float:
-    """The factor that brings an impulse down to the largest possible one."""
+    """The factor that reduces an impulse to the largest possible one."""
     impulse = math.hypot(along, across)
     return 1.0 if impulse <= largest else largest / impulse
+
+
+def skidding(model: RobotModel) -> Tyres:
+    """The wheels of a model, each at its contact with the ground."""
+    wheels = model.drive.wheels
+    mass, inertia = model.body.mass, model.body.inertia[2]
+    farthest = max(x * x + y * y for x, y in wheels)
+    gain = 1 / (1 / mass + farthest / inertia)
+    """Impulse for a slip of 1 m/s, the same in all directions, so that none is preferred [kg]."""
+
+    def pull(
+        forward: float, sideways: float, turn_rate: float, speeds: SideSpeeds, largest: float
+    ) -> tuple[float, float, float]:
+        before = forward, sideways, turn_rate
+        limit = 2 * largest / len(wheels)
+        impulses = [(0.0, 0.0)] * len(wheels)
+        for _ in range(_SWEEPS):
+            for i, (x, y) in enumerate(wheels):
+                wheel = speeds.left if y > 0 else speeds.right
+                along, across = impulses[i]
+                trial_along = along - gain * (forward - turn_rate * y - wheel)
+                trial_across = across - gain * (sideways + turn_rate * x)
+                factor = limit / max(limit, math.hypot(trial_along, trial_across))
+                new = trial_along * factor, trial_across * factor
+                change_along, change_across = new[0] - along, new[1] - across
+                forward += change_along / mass
+                sideways += change_across / mass
+                turn_rate += (x * change_across - y * change_along) / inertia
+                impulses[i] = new
+        return forward - before[0], sideways - before[1], turn_rate - before[2]
+
+    return pull

@@ -7,9 +7,9 @@ import pytest
 
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
-from lcmtools_sim.pose import Pose
+from lcmtools_sim.geometry import Pose
 from lcmtools_sim.robots.husky import HUSKY
-from lcmtools_sim.scene import RobotPlacement, Scene, Thing
+from lcmtools_sim.scene import RobotPlacement, Scene, SceneObject
 from lcmtools_sim.simulation import Simulation
 
 START = Pose()
@@ -20,9 +20,11 @@ def simulate() -> Iterator[Callable[..., Simulation]]:
     """Makes simulations of one Husky (or the scene given), ended with the test."""
     with ExitStack() as owned:
 
-        def make(*things: Thing, pose: Pose = START, scene: Scene | None = None) -> Simulation:
+        def make(
+            *things: SceneObject, pose: Pose = START, scene: Scene | None = None
+        ) -> Simulation:
             robots = (RobotPlacement(HUSKY, "/husky0", pose),)
-            scene = scene or Scene("test", things=things, robots=robots)
+            scene = scene or Scene("test", objects=things, robots=robots)
             return owned.enter_context(Simulation(scene))
 
         yield make

@@ -8,10 +8,10 @@ import pytest
 
 from lcmtools.types.gazebo_msgs import ContactsState
 from lcmtools.types.geometry_msgs import Twist
-from lcmtools_sim.pose import Pose
+from lcmtools_sim.geometry import Pose
 from lcmtools_sim.robots import MODELS
-from lcmtools_sim.scene import RobotPlacement, Scene, Thing, box
-from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.scene import RobotPlacement, Scene, SceneObject, box
+from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.simulation import Simulation
 
 Simulate = Callable[..., Simulation]
@@ -26,12 +26,12 @@ def place(simulate: Simulate) -> Place:
     """Makes a simulation of robots with bumpers, measured at every step."""
 
     def make(
-        *things: Thing, model: str = "husky", poses: tuple[Pose, ...] = (Pose(),)
+        *things: SceneObject, model: str = "husky", poses: tuple[Pose, ...] = (Pose(),)
     ) -> Simulation:
         bumper = SensorMount("bumper", "bumper", 240.0)
         robot = replace(MODELS[model], sensors=(bumper,))
         robots = tuple(RobotPlacement(robot, f"/r{i}", pose) for i, pose in enumerate(poses))
-        return simulate(scene=Scene("bumper", things=things, robots=robots))
+        return simulate(scene=Scene("bumper", objects=things, robots=robots))
 
     return make
 

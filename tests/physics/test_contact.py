@@ -8,12 +8,11 @@ import pytest
 from lcmtools.errors import InvalidFile
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
-from lcmtools_sim.pose import Pose
-from lcmtools_sim.readings import Interest
+from lcmtools_sim.geometry import Pose, axes
+from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots import MODELS
 from lcmtools_sim.robots.husky import HUSKY
-from lcmtools_sim.rotation import axes
-from lcmtools_sim.scene import RobotPlacement, Scene, Thing, box
+from lcmtools_sim.scene import RobotPlacement, Scene, SceneObject, box
 from lcmtools_sim.sensors.sensor import RobotState
 from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.world_file import read_scene
@@ -67,7 +66,7 @@ def test_its_wheels_slip_at_a_wall_so_that_odometry_runs_ahead_of_the_truth(
 
     end = states(simulation, 8.0)[-1]
 
-    assert end.reckoned_pose[0] == pytest.approx(7.8, abs=0.02)
+    assert end.odometry_pose[0] == pytest.approx(7.8, abs=0.02)
     assert end.position[0] == pytest.approx(2.506, abs=0.01)
 
 
@@ -92,8 +91,8 @@ def test_a_thin_wall_does_not_let_it_through_at_full_speed(
     # Sheets of 10 mm; a Dolly at 2 m/s goes 17 mm in the longer step.
     sheets = tuple(box(f"sheet{x}", (0.01, 10, 1), Pose(x, 0, 0.5)) for x in (-4.0, 4.0))
     robot = RobotPlacement(MODELS[model], "/a")
-    simulation = simulate(scene=Scene("thin", dt=dt, things=sheets, robots=(robot,)))
-    simulation.ask(lambda _: Interest.NONE)
+    simulation = simulate(scene=Scene("thin", dt=dt, objects=sheets, robots=(robot,)))
+    simulation.select(lambda _: Subscribers.NONE)
     simulation.robots[0].command(twist(forward, 0.0))
 
     run = states(simulation, 8.0)
@@ -133,14 +132,16 @@ def test_the_labs_world_leaves_its_straight_run_and_its_circles_free(
 ) -> None:
     scene = read_scene(*find_world("husky"))
     straight = simulate(scene=scene)
+    straight.select(lambda _: Subscribers.NONE)
     straight.robots[0].command(effort(1, 1))
     assert states(straight, 10.5)[-1].position[0] == pytest.approx(10.3, abs=0.05)
 
     for turn_rate in (0.3, -0.3):
         circle = simulate(scene=scene)
+        circle.select(lambda _: Subscribers.NONE)
         circle.robots[0].command(twist(0.5, turn_rate))
         end = states(circle, 21.0)[-1]
-        assert math.dist(end.position[:2], end.reckoned_pose[:2]) < 0.01
+        assert math.dist(end.position[:2], end.odometry_pose[:2]) < 0.01
 
 
 def test_the_labs_yard_is_closed(simulate: Simulate, effort: Effort) -> None:
@@ -164,7 +165,7 @@ def test_robots_apart_do_not_influence_each_other_to_the_bit(
     all_of_them = simulate(scene=Scene("all", robots=robots))
     alone = simulate(scene=Scene("alone", robots=robots[:1]))
     for simulation in (all_of_them, alone):
-        simulation.ask(lambda _: Interest.NONE)
+        simulation.select(lambda _: Subscribers.NONE)
         simulation.robots[0].command(twist(0.5, 0.3))
     for robot in all_of_them.robots[1:]:
         robot.command(effort(-1, -0.7))
@@ -208,12 +209,12 @@ def test_a_robot_that_starts_slightly_inside_a_wall_is_pushed_out(simulate: Simu
     ],
 )
 def test_a_robot_that_starts_inside_something_is_refused_with_its_line(
-    simulate: Simulate, thing: Thing, pose: Pose, other: str
+    simulate: Simulate, thing: SceneObject, pose: Pose, other: str
 ) -> None:
     robot = RobotPlacement(HUSKY, "/husky0", pose, where="yard.yaml:7")
 
     with pytest.raises(InvalidFile) as caught:
-        simulate(scene=Scene("yard", things=(thing,), robots=(robot,)))
+        simulate(scene=Scene("yard", objects=(thing,), robots=(robot,)))
 
     assert str(caught.value) == (f"yard.yaml:7: the husky /husky0 starts {other}; change its pose")
 
@@ -225,8 +226,9 @@ def test_what_touches_a_wall_is_what_can_be_seen_of_it(
     simulate: Simulate, twist: Steer, model: str, front: float
 ) -> None:
     # The feet stay within the outline: on one foot in front it would turn aside, too.
-    scene = Scene("wall", things=(WALL,), robots=(RobotPlacement(MODELS[model], "/r0"),))
+    scene = Scene("wall", objects=(WALL,), robots=(RobotPlacement(MODELS[model], "/r0"),))
     simulation = simulate(scene=scene)
+    simulation.select(lambda _: Subscribers.NONE)
     simulation.robots[0].command(twist(2.0, 0.0))
 
     end = states(simulation, 9.0)[-1]

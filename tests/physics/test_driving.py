@@ -8,9 +8,8 @@ import pytest
 
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
-from lcmtools_sim.pose import Pose
+from lcmtools_sim.geometry import Pose, axes, yaw_of
 from lcmtools_sim.robots.husky import HUSKY
-from lcmtools_sim.rotation import axes, yaw_of
 from lcmtools_sim.scene import Ground, RobotPlacement, Scene
 from lcmtools_sim.sensors.sensor import RobotState
 from lcmtools_sim.simulation import Simulation
@@ -37,7 +36,7 @@ def test_it_stands_still_without_a_command(simulate: Simulate) -> None:
 
     assert state.position == pytest.approx((0, 0, 0.13228), abs=1e-4)
     assert state.velocity == pytest.approx((0, 0, 0), abs=1e-6)
-    assert state.reckoned_pose == (0, 0, 0)
+    assert state.odometry_pose == (0, 0, 0)
 
 
 def test_full_effort_reaches_one_metre_a_second_within_two_seconds_straight(
@@ -161,14 +160,14 @@ def test_encoder_odometry_agrees_with_the_truth_to_a_thousandth_of_the_way(
 
     state = run(simulation, 20.0)
 
-    x, y, yaw = state.reckoned_pose
+    x, y, yaw = state.odometry_pose
     way = abs(command[0]) * 20
     turned = abs(command[1]) * 20
     assert math.dist((x, y), state.position[:2]) <= 0.001 * max(way, 0.1)
     error = math.remainder(yaw - yaw_of(state.rotation), 2 * math.pi)
     assert abs(error) <= 0.001 * max(turned, 0.1)
-    assert state.reckoned_speed[0] == pytest.approx(state.velocity[0], abs=0.001)
-    assert state.reckoned_speed[1] == pytest.approx(state.angular_velocity[2], abs=0.001)
+    assert state.odometry_speed[0] == pytest.approx(state.velocity[0], abs=0.001)
+    assert state.odometry_speed[1] == pytest.approx(state.angular_velocity[2], abs=0.001)
 
 
 def test_wheels_turn_at_six_radians_a_second_at_full_effort(
@@ -205,7 +204,7 @@ def test_it_starts_where_and_how_the_scene_says(simulate: Simulate, effort: Effo
 
     assert state.position[:2] == pytest.approx((3, -2 + 2.8), abs=0.01)
     assert state.velocity[0] == pytest.approx(1.0, rel=0.02)
-    assert state.reckoned_pose[:2] == pytest.approx((2.8, 0), abs=0.01)
+    assert state.odometry_pose[:2] == pytest.approx((2.8, 0), abs=0.01)
 
 
 def test_dropped_from_above_it_lands_on_its_wheels_and_drives(
@@ -240,7 +239,7 @@ def test_on_ice_it_slips_and_its_encoders_do_not_notice(simulate: Simulate, effo
 
     # Coulomb: at most 0.8 x 0.01 x 9.81 m/s^2 for two seconds.
     assert state.velocity[0] == pytest.approx(0.8 * 0.01 * 9.81 * 2.0, rel=0.02)
-    assert state.reckoned_speed[0] == pytest.approx(1.0, rel=0.01)
+    assert state.odometry_speed[0] == pytest.approx(1.0, rel=0.01)
 
 
 @pytest.mark.parametrize("turn_rate", [0.5, 1.0, -1.0])
@@ -256,4 +255,4 @@ def test_a_skidding_husky_turns_on_the_spot_as_the_balance_of_moments_says(
     state = run(simulation, 3.0)
 
     assert state.angular_velocity[2] == pytest.approx(wheel_speed * b / (a * a + b * b), rel=1e-3)
-    assert state.reckoned_speed[1] == pytest.approx(turn_rate)  # which encoders cannot know
+    assert state.odometry_speed[1] == pytest.approx(turn_rate)  # which encoders cannot know

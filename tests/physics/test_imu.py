@@ -9,11 +9,11 @@ import pytest
 
 from lcmtools.types.geometry_msgs import Twist, Vector3
 from lcmtools.types.sensor_msgs import Imu
-from lcmtools_sim.pose import Pose
+from lcmtools_sim.geometry import Pose
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import RobotPlacement, Scene, box
-from lcmtools_sim.sensors.imu import ImuSettings
-from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.sensors.motion import ImuSettings
+from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.simulation import Simulation
 
 Simulate = Callable[..., Simulation]
@@ -83,7 +83,7 @@ def test_on_a_slope_it_feels_the_same_along_its_tilted_axes(
     mount = SensorMount("imu", "imu", 240.0, settings=ImuSettings())
     start = Pose(z=top, pitch=tilt)
     robot = RobotPlacement(replace(HUSKY, sensors=(mount,)), "/h", start)
-    scene = Scene("slope", gravity=gravity, things=(ramp,), robots=(robot,))
+    scene = Scene("slope", gravity=gravity, objects=(ramp,), robots=(robot,))
 
     message = measure(simulate(scene=scene), 2.0)[-1]
 

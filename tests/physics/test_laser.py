@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from lcmtools.types.sensor_msgs import LaserScan
-from lcmtools_sim.pose import Pose
+from lcmtools_sim.geometry import Pose
 from lcmtools_sim.robots.dolly import DOLLY
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.robots.model import RobotModel
-from lcmtools_sim.scene import RobotPlacement, Scene, Thing, box
+from lcmtools_sim.scene import RobotPlacement, Scene, SceneObject, box
 from lcmtools_sim.sensors.laser import LaserSettings
-from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.shapes import Cylinder, Part
 from lcmtools_sim.simulation import Simulation
 
@@ -41,9 +41,9 @@ def angles(message: LaserScan) -> np.ndarray:
 def world(simulate: Simulate) -> Callable[..., Simulation]:
     """Makes a simulation with one Dolly and some things."""
 
-    def make(*things: Thing, pose: Pose = Pose(), model: RobotModel = DOLLY) -> Simulation:  # noqa: B008 - a value
+    def make(*things: SceneObject, pose: Pose = Pose(), model: RobotModel = DOLLY) -> Simulation:  # noqa: B008 - a value
         robots = (RobotPlacement(model, "/dolly", pose),)
-        return simulate(scene=Scene("laser", things=things, robots=robots))
+        return simulate(scene=Scene("laser", objects=things, robots=robots))
 
     return make
 
@@ -79,7 +79,7 @@ def test_a_flat_wall_is_at_its_distance_along_every_ray(world: Simulate, yaw: fl
 
 
 def test_a_post_is_seen_as_a_circle(world: Simulate) -> None:
-    post = Thing("post", (Part(Cylinder(0.3, 2.0)),), Pose(3.2, 0.5, 1.0))
+    post = SceneObject("post", (Part(Cylinder(0.3, 2.0)),), Pose(3.2, 0.5, 1.0))
     message = scan(world(post))
 
     heading, ranges = angles(message), np.array(message.ranges)
@@ -127,7 +127,7 @@ def test_two_lasers_have_noise_of_their_own(simulate: Simulate) -> None:
     model = replace(DOLLY, sensors=(laser,))
     wall = box("wall", (0.2, 90, 2), Pose(4.1, 0, 1))
     robots = (RobotPlacement(model, "/a"), RobotPlacement(model, "/b", Pose(0, 20)))
-    simulation = simulate(scene=Scene("two", things=(wall,), robots=robots))
+    simulation = simulate(scene=Scene("two", objects=(wall,), robots=robots))
 
     assert scan(simulation, "/a/laser_scan").ranges != scan(simulation, "/b/laser_scan").ranges
 

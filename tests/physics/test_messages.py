@@ -17,11 +17,11 @@ from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.sensor_msgs import Imu, JointState
 from lcmtools.types.std_msgs import Time
 from lcmtools.types.tf2_msgs import TFMessage
-from lcmtools_sim.pose import Pose
-from lcmtools_sim.readings import Interest
+from lcmtools_sim.geometry import Pose
+from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import RobotPlacement, Scene
-from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.simulation import Sample, Simulation
 
 Simulate = Callable[..., Simulation]
@@ -101,7 +101,7 @@ def test_what_nobody_wants_is_not_measured_but_for_what_is_wanted_always(
     )
     robot = RobotPlacement(replace(HUSKY, sensors=mounts), "/h")
     simulation = simulate(scene=Scene("heard", robots=(robot,)))
-    simulation.ask(lambda topic: Interest.SURE if topic == "/h/imu" else Interest.NONE)
+    simulation.select(lambda topic: Subscribers.KNOWN if topic == "/h/imu" else Subscribers.NONE)
 
     topics = {sample.topic for samples in run(simulation, 1.0) for sample in samples}
 
@@ -112,14 +112,14 @@ def test_where_nobody_listens_nothing_is_sent(simulate: Simulate) -> None:
     fast = SensorMount("wheel_states", "wheels", 240.0)
     robot = RobotPlacement(replace(HUSKY, sensors=(fast,)), "/h")
     simulation = simulate(scene=Scene("unheard", robots=(robot,)))
-    simulation.ask(lambda _: Interest.NONE)
+    simulation.select(lambda _: Subscribers.NONE)
 
     assert [samples for samples in run(simulation, 1.0) if samples] == []
 
 
 def test_a_clock_that_is_heard_alone_ticks_at_its_least_rate(simulate: Simulate) -> None:
     simulation = simulate()
-    simulation.ask(lambda topic: Interest.SURE if topic == "/clock" else Interest.NONE)
+    simulation.select(lambda topic: Subscribers.KNOWN if topic == "/clock" else Subscribers.NONE)
 
     topics = [sample.topic for samples in run(simulation, 1.0) for sample in samples]
 
@@ -239,7 +239,7 @@ def test_a_bad_command_changes_nothing_and_the_robot_stays_finite(
     run(simulation, 1.0)
 
     state = robot.state(simulation.time)
-    assert all(map(math.isfinite, (*state.position, *state.velocity, *state.reckoned_pose)))
+    assert all(map(math.isfinite, (*state.position, *state.velocity, *state.odometry_pose)))
     assert state.velocity[0] == pytest.approx(1.0, rel=0.02)
 
 

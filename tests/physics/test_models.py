@@ -8,12 +8,11 @@ from itertools import pairwise
 import pytest
 
 from lcmtools.types.geometry_msgs import Twist
-from lcmtools_sim.pose import Pose
-from lcmtools_sim.readings import Interest
+from lcmtools_sim.geometry import Pose, yaw_of
+from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots import MODELS
 from lcmtools_sim.robots.dolly import DOLLY
 from lcmtools_sim.robots.model import RobotModel
-from lcmtools_sim.rotation import yaw_of
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.sensors.sensor import RobotState
 from lcmtools_sim.simulation import Simulation
@@ -30,7 +29,7 @@ def place(simulate: Simulate) -> Place:
     def make(model: str | RobotModel, pose: Pose = Pose()) -> Simulation:  # noqa: B008 - a value
         model = MODELS[model] if isinstance(model, str) else model
         simulation = simulate(scene=Scene("free", robots=(RobotPlacement(model, "/r", pose),)))
-        simulation.ask(lambda _: Interest.NONE)
+        simulation.select(lambda _: Subscribers.NONE)
         return simulation
 
     return make
@@ -167,7 +166,7 @@ def test_encoders_agree_with_the_truth_where_nothing_slips(
 
     end = states(simulation, 20.0)[-1]
 
-    x, y, yaw = end.reckoned_pose
+    x, y, yaw = end.odometry_pose
     assert math.dist((x, y), end.position[:2]) < 0.001 * max(abs(command[0]) * 20, 0.1)
     assert abs(math.remainder(yaw - yaw_of(end.rotation), 2 * math.pi)) < 0.001
 

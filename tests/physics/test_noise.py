@@ -10,17 +10,19 @@ import pytest
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import Twist
-from lcmtools_sim.pose import Pose
-from lcmtools_sim.readings import Interest
+from lcmtools_sim.geometry import Pose
+from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import RobotPlacement, Scene, box
-from lcmtools_sim.sensors.depth_camera import DepthCameraSettings
-from lcmtools_sim.sensors.ground_truth import GroundTruthSettings
-from lcmtools_sim.sensors.imu import ImuSettings
+from lcmtools_sim.sensors.cameras import DepthCameraSettings
 from lcmtools_sim.sensors.laser import LaserSettings
-from lcmtools_sim.sensors.mount import SensorMount
-from lcmtools_sim.sensors.odometry import OdometrySettings
-from lcmtools_sim.sensors.wheel_states import WheelStatesSettings
+from lcmtools_sim.sensors.motion import (
+    GroundTruthSettings,
+    ImuSettings,
+    OdometrySettings,
+    WheelStatesSettings,
+)
+from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.simulation import Simulation
 
 Simulate = Callable[..., Simulation]
@@ -45,7 +47,7 @@ def scene(*mounts: SensorMount, seed: int = 0, count: int = 1) -> Scene:
         RobotPlacement(replace(HUSKY, sensors=mounts), f"/h{i}", Pose(0, 5.0 * i))
         for i in range(count)
     )
-    return Scene("noise", seed=seed, things=(WALL,), robots=robots)
+    return Scene("noise", seed=seed, objects=(WALL,), robots=robots)
 
 
 @pytest.fixture
@@ -93,26 +95,26 @@ def test_without_noise_the_seed_does_not_matter(
 
 
 def test_encoders_drift_from_the_way_like_a_random_walk(simulate: Simulate, twist: Steer) -> None:
-    # After 10 m straight on: each side's way is off by 0.01 sqrt(10) m, so that the forward way is
+    # After 5 m straight on: each side is off by 0.01 sqrt(5) m, so that the forward distance is off
     # by that / sqrt(2) and the heading by that sqrt(2) / track.
     mount = replace(NOISY["odometry"], settings=OdometrySettings(0.01))
     ways, headings = [], []
-    simulation = simulate(scene=replace(scene(mount, count=40), things=()))
-    simulation.ask(lambda _: Interest.NONE)
+    simulation = simulate(scene=replace(scene(mount, count=24), objects=()))
+    simulation.select(lambda _: Subscribers.NONE)
     for robot in simulation.robots:
         robot.command(twist(1.0, 0.0))
-    for _ in range(round(10.35 * 240)):
+    for _ in range(round(5.35 * 240)):
         simulation.step()
     for robot in simulation.robots:
         state = robot.state(0)
-        x, y, yaw = state.reckoned_pose
+        x, y, yaw = state.odometry_pose
         ways.append(math.hypot(x, y) - state.position[0])
         headings.append(yaw)
 
-    spread = 0.01 * math.sqrt(10)
+    spread = 0.01 * math.sqrt(5)
     assert np.std(headings) == pytest.approx(spread * math.sqrt(2) / HUSKY.drive.track, rel=0.35)
     assert np.std(ways) == pytest.approx(spread / math.sqrt(2), rel=0.35)
-    assert abs(np.mean(headings)) < 4 * np.std(headings) / math.sqrt(40)
+    assert abs(np.mean(headings)) < 4 * np.std(headings) / math.sqrt(24)
 
 
 def test_encoders_at_rest_do_not_drift_and_the_robot_drives_as_without_noise(
@@ -123,15 +125,15 @@ def test_encoders_at_rest_do_not_drift_and_the_robot_drives_as_without_noise(
     for simulation in (noisy, exact):
         for _ in range(240):
             simulation.step()
-        assert simulation.robots[0].state(0).reckoned_pose == (0, 0, 0)
+        assert simulation.robots[0].state(0).odometry_pose == (0, 0, 0)
         simulation.robots[0].command(twist(0.3, 1.0))
         for _ in range(480):
             simulation.step()
 
     first, second = (simulation.robots[0].state(0) for simulation in (noisy, exact))
     assert first.position == second.position
-    assert first.reckoned_pose != second.reckoned_pose
-    assert math.dist(first.reckoned_pose, second.reckoned_pose) < 0.3
+    assert first.odometry_pose != second.odometry_pose
+    assert math.dist(first.odometry_pose, second.odometry_pose) < 0.3
 
 
 def test_odometry_and_the_transform_to_base_link_drift_together(
@@ -157,10 +159,14 @@ def test_odometry_and_the_transform_to_base_link_drift_together(
 def test_white_noise_has_the_deviations_that_are_asked_for(
     messages: Callable[..., list[Message]],
 ) -> None:
+    runs = {
+        kind: (messages(NOISY[kind], 10.0), messages(without_noise(NOISY[kind]), 10.0))
+        for kind in ("odometry", "wheel_states", "ground_truth")
+    }
+
     def column(kind: str, read: Callable[[Message], float]) -> float:
-        noisy = [read(message) for message in messages(NOISY[kind], 10.0)]
-        exact = [read(message) for message in messages(without_noise(NOISY[kind]), 10.0)]
-        error = np.array(noisy) - exact
+        noisy, exact = ([read(message) for message in run] for run in runs[kind])
+        error = np.subtract(noisy, exact)
         assert abs(error.mean()) < 4 * error.std() / math.sqrt(len(error))
         return float(error.std())
 
@@ -180,7 +186,7 @@ def test_noise_does_not_depend_on_who_listens_to_other_sensors(
 ) -> None:
     def heard(wanted: Callable[[str], bool]) -> list[bytes]:
         simulation = simulate(scene=scene(*(replace(m, topic=k) for k, m in NOISY.items())))
-        simulation.ask(lambda topic: Interest.SURE if wanted(topic) else Interest.NONE)
+        simulation.select(lambda topic: Subscribers.KNOWN if wanted(topic) else Subscribers.NONE)
         simulation.robots[0].command(twist(0.3, 1.0))
         steps = [simulation.step() for _ in range(120)]
         return [

@@ -80,26 +80,18 @@ def test_it_ends_on_a_signal_within_a_second_quietly_and_with_0(
     assert watch.until_end() < 1.0
     out, error = process.communicate(timeout=40)
     assert (process.returncode, out, error) == (0, "", "")
-    assert line.endswith("[/morse]: simulating husky: husky /husky0; 11 things\n")
+    assert line.endswith("[/morse]: simulating husky: husky /husky0; 11 objects\n")
 
 
-def test_it_runs_in_real_time_and_ends_after_its_duration(
-    start: Start, stopwatch: Callable[[int], Any]
-) -> None:
-    most = 2.0 + 0.4
-    for _ in range(4):  # a busy computer delays
-        process = start("--duration", "2")
-        wait_for_start(process)
-        begun, watch = time.monotonic(), stopwatch(process.pid)
-        spent = watch.until_end()
-        spent_in_all = time.monotonic() - begun
-        out, error = process.communicate(timeout=40)
-        if "the computer is too slow" in error:
-            continue
-        assert (process.returncode, out, error) == (0, "", "")
-        if spent <= most and spent_in_all > 1.6:
-            return
-    pytest.fail(f"the last took {spent_in_all} s, with a processor {spent} s")
+def test_it_ends_after_its_duration_and_not_before(start: Start) -> None:
+    """Not after either, but for what the computer delays: see Pacer's tests, and bench/sim.py."""
+    begun = time.monotonic()
+
+    process = start("--duration", "2")
+    process.communicate(timeout=100)
+
+    assert process.returncode == 0
+    assert time.monotonic() - begun > 2.0
 
 
 def test_it_obeys_commands_warns_of_bad_ones_and_goes_on(start: Start, node: lcmtools.Node) -> None:
@@ -127,7 +119,9 @@ def test_it_obeys_commands_warns_of_bad_ones_and_goes_on(start: Start, node: lcm
 
     assert speeds[-1] == pytest.approx(1.0, rel=0.02)
     assert process.returncode == 0
-    first, second = sorted(line.partition("/driver]: ")[2] for line in error.splitlines())
+    # A busy computer may be too slow for the rate, which is a warning too.
+    lines = [line for line in error.splitlines() if "the computer is too slow" not in line]
+    first, second = sorted(line.partition("/driver]: ")[2] for line in lines)
     assert first.startswith("/husky0/wheel_cmd: command ignored: effort[0] is nan")
     assert "/husky0/wheel_velocity_cmd: message ignored: expected" in second
 
@@ -168,4 +162,6 @@ def test_without_pybullet_it_says_what_to_type_and_ends_with_3(
     out, error = process.communicate(timeout=40)
 
     assert (process.returncode, out, error.count("\n")) == (3, "", 1)
-    assert error.startswith("lcmtools run sim: the simulator needs pybullet and numpy; type: pip")
+    assert error.startswith(
+        "lcmtools run sim: the simulator needs pybullet, numpy and pillow; type: pip"
+    )

@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 
 from lcmtools.types.geometry_msgs import Twist
-from lcmtools_sim.pose import Pose
+from lcmtools_sim.geometry import Pose, from_euler, multiply, to_euler
+from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots import MODELS
-from lcmtools_sim.rotation import from_euler, multiply, to_euler
 from lcmtools_sim.scene import Ground, RobotPlacement, Scene, box
 from lcmtools_sim.sensors.sensor import RobotState
 from lcmtools_sim.simulation import Simulation
@@ -33,8 +33,9 @@ def on_slope(simulate: Simulate) -> Callable[..., Simulation]:
         upon = to_euler(multiply(from_euler(0, -slope, 0), from_euler(0, 0, yaw)))
         chosen = replace(MODELS[model], drive=replace(MODELS[model].drive, skids=skids))
         robots = (RobotPlacement(chosen, "/r0", Pose(0, 0, TOP, *upon)),)
-        scene = Scene("slope", things=(board,), robots=robots, ground=Ground(friction=friction))
+        scene = Scene("slope", objects=(board,), robots=robots, ground=Ground(friction=friction))
         simulation = simulate(scene=scene)
+        simulation.select(lambda _: Subscribers.NONE)
         run(simulation, 0.5)
         return simulation
 

@@ -66,7 +66,7 @@ def test_without_pybullet_the_rest_is_checked_and_that_is_said(
     assert main(["--check", str(yard)]) == 0
 
     captured = capsys.readouterr()
-    assert captured.out == f"{yard}: ok, husky /a, husky /b; 0 things\n"
+    assert captured.out == f"{yard}: ok, husky /a, husky /b; 0 objects\n"
     assert captured.err.count("\n") == 1
     assert "is not checked without pybullet" in captured.err
 

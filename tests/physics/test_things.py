@@ -7,14 +7,12 @@ from contextlib import ExitStack
 import pytest
 
 from lcmtools.types.geometry_msgs import Twist
-from lcmtools_sim.pose import Pose
-from lcmtools_sim.readings import Interest
+from lcmtools_sim.geometry import Pose, Vector, add, axes, components, rotate, scaled, to_euler
+from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots.husky import HUSKY
-from lcmtools_sim.rotation import Vector, add, axes, components, scaled, to_euler, turn
-from lcmtools_sim.scene import RobotPlacement, Scene, Thing, box
-from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Shape, Sphere
+from lcmtools_sim.scene import RobotPlacement, Scene, SceneObject, box
+from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Shape, Sphere, inertials_of, moments
 from lcmtools_sim.simulation import Simulation
-from lcmtools_sim.weight import moments_of
 from lcmtools_sim.world import World
 from lcmtools_sim.world_file import read_scene
 
@@ -33,14 +31,14 @@ def put() -> Iterator[Put]:
     """Makes worlds of things, without robots."""
     with ExitStack() as owned:
 
-        def make(*things: Thing, dt: float = 1 / 240, gravity: float = G) -> World:
-            return owned.enter_context(World(Scene("t", dt=dt, gravity=gravity, things=things)))
+        def make(*things: SceneObject, dt: float = 1 / 240, gravity: float = G) -> World:
+            return owned.enter_context(World(Scene("t", dt=dt, gravity=gravity, objects=things)))
 
         yield make
 
 
 def body(world: World, number: int = 0) -> int:
-    return world._things[number][1]
+    return world._objects[number][1]
 
 
 def let_pass(world: World, seconds: float, dt: float = 1 / 240) -> None:
@@ -48,13 +46,17 @@ def let_pass(world: World, seconds: float, dt: float = 1 / 240) -> None:
         world.step()
 
 
-def on_slope(angle: float, shape: Shape, height: float, friction: float) -> tuple[Thing, Thing]:
+def on_slope(
+    angle: float, shape: Shape, height: float, friction: float
+) -> tuple[SceneObject, SceneObject]:
     """A ramp, and a thing on it whose centre is so high above it."""
     ramp = Pose(0, 0, 10, pitch=angle)
-    up = turn((0.0, 0.0, 1.0), ramp.rotation)
+    up = rotate((0.0, 0.0, 1.0), ramp.rotation)
     place = add(ramp.position, scaled(up, 0.1 + height))
     roll = LYING if isinstance(shape, Cylinder) else 0.0
-    thing = Thing("it", (Part(shape),), Pose(*place, roll, 0 if roll else angle), 5.0, friction)
+    thing = SceneObject(
+        "it", (Part(shape),), Pose(*place, roll, 0 if roll else angle), 5.0, friction
+    )
     return box("ramp", (40, 40, 0.2), ramp, friction=1.0), thing
 
 
@@ -77,7 +79,7 @@ def test_a_crate_falls_as_galileo_says_and_comes_to_rest_on_the_ground(
 
 def test_nothing_slows_what_flies_and_its_angular_momentum_stays(put: Put) -> None:
     size = (0.4, 0.6, 0.9)
-    moments = moments_of((Part(Cuboid(size)),), 3.0)
+    inertia = moments(inertials_of([Part(Cuboid(size))], 3.0), (0.0, 0.0, 0.0))
     world = put(box("crate", size, Pose(0, 0, 9), mass=3), gravity=0.0)
     world.set_velocity(body(world), (2, 0, 0), (0.2, 0.3, 2.0))
 
@@ -85,7 +87,7 @@ def test_nothing_slows_what_flies_and_its_angular_momentum_stays(put: Put) -> No
         motion = world.motion(body(world))
         frame = axes(motion.rotation)
         x, y, z = components(motion.angular_velocity, frame)
-        own = moments[0] * x, moments[1] * y, moments[2] * z
+        own = inertia[0] * x, inertia[1] * y, inertia[2] * z
         return add(
             add(scaled(frame[0], own[0]), scaled(frame[1], own[1])), scaled(frame[2], own[2])
         )
@@ -149,7 +151,7 @@ def test_what_is_round_rolls_down_a_slope_by_its_inertia(
 def test_what_is_round_rolls_on_as_it_does_on_level_ground(
     put: Put, shape: Shape, speed: float
 ) -> None:
-    world = put(Thing("it", (Part(shape),), Pose(0, 0, 0.2, LYING), 5.0))
+    world = put(SceneObject("it", (Part(shape),), Pose(0, 0, 0.2, LYING), 5.0))
     world.set_velocity(body(world), (speed, 0, 0), (0, speed / 0.2, 0))
 
     let_pass(world, 10.0)
@@ -160,7 +162,7 @@ def test_what_is_round_rolls_on_as_it_does_on_level_ground(
 
 
 def test_a_ball_that_slides_ends_up_rolling_at_five_sevenths(put: Put) -> None:
-    world = put(Thing("ball", (Part(Sphere(0.2)),), Pose(0, 0, 0.2), 5.0))
+    world = put(SceneObject("ball", (Part(Sphere(0.2)),), Pose(0, 0, 0.2), 5.0))
     world.set_velocity(body(world), (1.4, 0, 0), NOWHERE)
 
     let_pass(world, 2.0)
@@ -186,7 +188,7 @@ def test_a_stack_stands_still_for_a_minute(put: Put, dt: float) -> None:
 def test_nothing_that_falls_springs_back(put: Put) -> None:
     world = put(
         box("crate", (0.4, 0.4, 0.4), Pose(0, 0, 2), mass=3),
-        Thing("ball", (Part(Sphere(0.2)),), Pose(3, 0, 2), 3.0),
+        SceneObject("ball", (Part(Sphere(0.2)),), Pose(3, 0, 2), 3.0),
     )
     let_pass(world, 0.7)  # they have arrived
 
@@ -202,7 +204,7 @@ def test_what_is_thrown_does_not_go_through_a_thin_wall(
 ) -> None:
     # A third of a metre in each step: it would be before the wall and then behind it.
     wall = box("wall", (0.01, 10, 4), Pose(2, 0, 2))
-    world = put(wall, Thing("it", (Part(shape),), Pose(1.17, 0, 0.051), 1.0, 0.0), dt=dt)
+    world = put(wall, SceneObject("it", (Part(shape),), Pose(1.17, 0, 0.051), 1.0, 0.0), dt=dt)
     world.set_velocity(body(world, 1), (speed, 0, 0), NOWHERE)
 
     let_pass(world, 1.0, dt)
@@ -212,7 +214,7 @@ def test_what_is_thrown_does_not_go_through_a_thin_wall(
 
 def test_the_centre_of_mass_of_a_table_is_where_its_parts_have_it() -> None:
     text = "objects: [{type: table, size: [1.2, 0.8, 0.75], pose: [1, 2, 90 deg], mass: 12}]"
-    (table,) = read_scene(text, "hall.yaml").things
+    (table,) = read_scene(text, "hall.yaml").objects
 
     top, legs = 1.2 * 0.8 * 0.03, 4 * 0.05 * 0.05 * 0.72
     height = (top * 0.735 + legs * 0.36) / (top + legs)
@@ -223,7 +225,7 @@ def test_the_centre_of_mass_of_a_table_is_where_its_parts_have_it() -> None:
 
 def test_a_thing_of_several_parts_resists_as_they_do(put: Put) -> None:
     parts = tuple(Part(Sphere(0.1), (0.0, y, 0.0)) for y in (-0.5, 0.5))
-    world = put(Thing("dumbbell", parts, Pose(0, 0, 5), 10.0))
+    world = put(SceneObject("dumbbell", parts, Pose(0, 0, 5), 10.0))
 
     told = world._bullet.getDynamicsInfo(body(world), -1, physicsClientId=world._client)
 
@@ -239,7 +241,7 @@ def test_a_crate_that_is_pushed_goes_straight_ahead(
 ) -> None:
     crate = box("crate", (0.5, 0.5, 0.5), Pose(1.5, 0, 0.25), mass=mass, friction=friction)
     simulation = simulate(crate)
-    simulation.ask(lambda _: Interest.NONE)
+    simulation.select(lambda _: Subscribers.NONE)
     simulation.robots[0].command(twist(1.0, 0.0))
 
     for _ in range(5 * 240):
@@ -258,7 +260,7 @@ def test_who_rested_for_long_is_pushed_and_drives_as_before(
     simulate: Simulate, twist: Steer
 ) -> None:
     simulation = simulate(box("crate", (0.5, 0.5, 0.5), Pose(1.5, 0, 0.25), mass=10))
-    simulation.ask(lambda _: Interest.NONE)
+    simulation.select(lambda _: Subscribers.NONE)
     world, robot = simulation._world, simulation.robots[0]
     for _ in range(60 * 240):
         simulation.step()
@@ -277,8 +279,8 @@ def test_who_rested_for_long_is_pushed_and_drives_as_before(
 def test_what_stands_on_a_robot_falls_when_it_goes(simulate: Simulate, *, is_deleted: bool) -> None:
     load = box("load", (0.3, 0.3, 0.3), Pose(0, 0, 0.53), mass=5)
     robots = (RobotPlacement(HUSKY, "/a"), RobotPlacement(HUSKY, "/b", Pose(0, 5)))
-    simulation = simulate(scene=Scene("load", things=(load,), robots=robots))
-    simulation.ask(lambda _: Interest.NONE)
+    simulation = simulate(scene=Scene("load", objects=(load,), robots=robots))
+    simulation.select(lambda _: Subscribers.NONE)
     world = simulation._world
     for _ in range(20 * 240):
         simulation.step()

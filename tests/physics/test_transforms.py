@@ -8,11 +8,11 @@ import pytest
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.tf2_msgs import TFMessage
-from lcmtools_sim.pose import Pose
-from lcmtools_sim.readings import Interest
+from lcmtools_sim.geometry import Pose
+from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots import MODELS
 from lcmtools_sim.scene import RobotPlacement, Scene
-from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.simulation import Simulation
 
 Simulate = Callable[..., Simulation]
@@ -34,7 +34,9 @@ def driving(simulate: Simulate, twist: Steer) -> Callable[..., Simulation]:
         robots = (RobotPlacement(MODELS[model], namespace),)
         simulation = simulate(scene=Scene("tf", robots=robots))
         simulation.robots[0].command(twist(0.5, 0.3))
-        simulation.ask(lambda topic: Interest.SURE if "camera" not in topic else Interest.NONE)
+        simulation.select(
+            lambda topic: Subscribers.KNOWN if "camera" not in topic else Subscribers.NONE
+        )
         return simulation
 
     return make

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from lcmtools.types.geometry_msgs import Twist
+from lcmtools_sim.geometry import yaw_of
 from lcmtools_sim.robot import Robot
-from lcmtools_sim.rotation import yaw_of
 from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.world_file import read_scene
 

@@ -6,7 +6,8 @@ The window's engine is asked for without its display: what is built in it is the
 import pytest
 
 from lcmtools.types.geometry_msgs import Twist
-from lcmtools_sim.pose import Pose
+from lcmtools_sim.geometry import Pose
+from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots import DOLLY, HUSKY, PIONEER
 from lcmtools_sim.scene import RobotPlacement, Scene, box
 from lcmtools_sim.sensors.sensor import RobotState
@@ -27,16 +28,18 @@ ROBOTS = tuple(
 
 def run(*, window: bool) -> list[list[RobotState]]:
     """Four robots that push and turn; one goes and another one comes meanwhile."""
-    with Simulation(Scene("all", things=THINGS, robots=ROBOTS), window=window) as simulation:
+    with Simulation(Scene("all", objects=THINGS, robots=ROBOTS), window=window) as simulation:
+        simulation.select(lambda _: Subscribers.NONE)
         for number, robot in enumerate(simulation.robots):
             command = Twist()
             command.linear.x, command.angular.z = 0.8, 0.2 * number - 0.1
             robot.command(command)
         found = []
-        for step in range(1200):
-            if step == 600:
+        for step in range(720):
+            if step == 360:
                 simulation.remove(simulation.robots[1])
                 simulation.add(RobotPlacement(HUSKY, "/late", Pose(-3, -3)))
+                simulation.select(lambda _: Subscribers.NONE)
             simulation.step()
             found.append([robot.state(0) for robot in simulation.robots])
         return found

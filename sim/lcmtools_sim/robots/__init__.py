@@ -6,4 +6,3 @@ from lcmtools_sim.robots.model import RobotModel
 from lcmtools_sim.robots.pioneer import PIONEER
 
 MODELS: dict[str, RobotModel] = {model.name: model for model in (HUSKY, PIONEER, DOLLY)}
-"""Every model by its name."""

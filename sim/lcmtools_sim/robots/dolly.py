@@ -1,17 +1,16 @@
 """Dolly, the sheep that follows: a small cart with a laser in front.
 
 All numbers are those of its public model (chapulina/dolly, dolly_gazebo/models/dolly/model.sdf).
-Its Gazebo plugin was told a wheel separation of 1.25 m where the wheels are 0.6 m apart, so that
-there it turns 1.25 / 0.6 times as fast as commanded; ``gazebo_quirks: true`` in a world file brings
-that back.
+Its Gazebo plugin has a wheel separation of 1.25 m, but the wheels are 0.6 m apart, so that there it
+turns 1.25 / 0.6 times as fast as commanded; ``gazebo_quirks: true`` in a world file restores that.
 """
 
 from dataclasses import replace
 
-from lcmtools_sim.pose import Pose
-from lcmtools_sim.robots.model import Body, CommandTopic, Drive, RobotModel
+from lcmtools_sim.geometry import Pose
+from lcmtools_sim.robots.model import ON_ITS_SIDE, Body, CommandTopic, Drive, RobotModel
 from lcmtools_sim.sensors.laser import LaserSettings
-from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part
 
 WHEEL_RADIUS = 0.15
@@ -19,11 +18,11 @@ TRACK = 0.6
 
 _GAZEBO_TRACK = 1.25
 _PLUGIN_RATE = 100.0
-"""[Hz] At which Gazebo's differential drive tells of itself where a model says nothing else."""
+"""[Hz] The default of Gazebo's differential drive."""
 _HEIGHT = 0.225
-"""[m] Of the chassis' middle, and of base_link, which is above the axle."""
+"""[m] Of the middle of the chassis, and of base_link, which is above the axle."""
 _AXLE = 0.3
-"""[m] The wheels stand so far in front of the chassis' middle."""
+"""[m] The distance of the wheels in front of the middle of the chassis."""
 _CHASSIS = (1.0, 0.5, 0.15)
 _MASS = 2.0
 """[kg] Chassis and two wheels."""
@@ -32,15 +31,15 @@ _INERTIA = (0.06, 0.13, 0.19)
 
 _WHITE: Color = (0.9, 0.9, 0.88)
 _BLACK: Color = (0.15, 0.15, 0.15)
-_ON_ITS_SIDE = (0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
 
 
 def _wheel(side: int) -> Part:
-    """What is seen and hit of a wheel (left 1, right -1), a little above the ground."""
+    """The shape of a wheel (left 1, right -1), a little above the ground."""
     wheel = Cylinder(WHEEL_RADIUS - 0.005, 0.05)
-    return Part(wheel, (0.0, side * TRACK / 2, WHEEL_RADIUS), _ON_ITS_SIDE, _BLACK)
+    return Part(wheel, (0.0, side * TRACK / 2, WHEEL_RADIUS), ON_ITS_SIDE, _BLACK)
 
 
+_LASER = LaserSettings(200, -1.0, 1.0, 0.05, 10.0)
 _DRIVE = Drive(
     wheel_radius=WHEEL_RADIUS,
     track=TRACK,
@@ -61,20 +60,14 @@ DOLLY = RobotModel(
         base_height=_HEIGHT,
         parts=(Part(Cuboid(_CHASSIS), (-_AXLE, 0.0, _HEIGHT), color=_WHITE), _wheel(1), _wheel(-1)),
         feet=((0.0, TRACK / 2), (0.0, -TRACK / 2), (-2 * _AXLE, 0.0), (0.17, 0.0)),
-        foot_radius=0.025,  # within the outline, or it would be what touches
+        foot_radius=0.025,  # within the outline, so that it never touches first
     ),
     drive=_DRIVE,
     left_wheels=("left", "left_wheel"),
     right_wheels=("right", "right_wheel"),
     sensors=(
         SensorMount("odometry", "odom", _PLUGIN_RATE),
-        SensorMount(
-            "laser",
-            "laser_scan",
-            100.0,
-            Pose(0.5 - _AXLE),
-            settings=LaserSettings(200, -1.0, 1.0, 0.05, 10.0),
-        ),
+        SensorMount("laser", "laser_scan", 100.0, Pose(0.5 - _AXLE), settings=_LASER),
         SensorMount("ground_truth", "ground_truth", 50.0),
         SensorMount("transforms", "/tf", _PLUGIN_RATE),
     ),

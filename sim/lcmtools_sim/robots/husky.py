@@ -4,10 +4,10 @@ Dimensions, masses, limits and the wheel_separation_multiplier are those of the 
 packages of the robot (husky/husky, noetic: husky.urdf.xacro, wheel.urdf.xacro, control.yaml).
 """
 
-from lcmtools_sim.pose import Pose
+from lcmtools_sim.geometry import Pose
 from lcmtools_sim.robots.model import Body, Drive, Mesh, RobotModel
-from lcmtools_sim.sensors.imu import ImuSettings
-from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.sensors.motion import ImuSettings
+from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.shapes import Color, Cuboid, Part
 
 WHEEL_RADIUS = 0.1651
@@ -15,7 +15,7 @@ WHEEL_WIDTH = 0.1143
 WHEELBASE = 0.5120
 TRACK = 0.5708
 TRACK_MULTIPLIER = 1.875
-"""A skid-steered robot turns slower than its wheels say, as if they stood this much wider."""
+"""A skid-steered robot turns slower than its wheels, as if they were this much wider apart."""
 
 _BASE_HEIGHT = 0.13228
 _CHASSIS = (0.9874, 0.5709, 0.2475)
@@ -67,17 +67,11 @@ HUSKY = RobotModel(
         foot_radius=0.05,
         meshes=(
             Mesh("husky/meshes/base_link.stl", (0.0, 0.0, _BASE_HEIGHT)),
-            Mesh(
-                "husky/meshes/top_plate.stl",
-                (0.0, 0.0, _BASE_HEIGHT),
-                color=_YELLOW,
-            ),
+            Mesh("husky/meshes/top_plate.stl", (0.0, 0.0, _BASE_HEIGHT), color=_YELLOW),
             Mesh("husky/meshes/user_rail.stl", (0.272, 0.0, _BASE_HEIGHT + 0.245)),
             Mesh("husky/meshes/bumper.stl", (0.48, 0.0, _BASE_HEIGHT + 0.091)),
             Mesh(
-                "husky/meshes/bumper.stl",
-                (-0.48, 0.0, _BASE_HEIGHT + 0.091),
-                (0.0, 0.0, 1.0, 0.0),
+                "husky/meshes/bumper.stl", (-0.48, 0.0, _BASE_HEIGHT + 0.091), (0.0, 0.0, 1.0, 0.0)
             ),
             *(
                 Mesh("husky/meshes/wheel.stl", (x, y, WHEEL_RADIUS), is_wheel=True)

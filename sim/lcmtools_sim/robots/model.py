@@ -1,43 +1,43 @@
-"""What a robot model consists of: its body, wheels, limits and sensors, as frozen values.
+"""Robot models: body, wheels, limits and sensors, as frozen values.
 
 All positions are given in base_footprint: on the ground, in the middle between the wheels, x
-forward, y left, z up. How these values move is drive.py's business, how they collide world.py's.
+forward, y left, z up.
 """
 
 from dataclasses import dataclass
 
-from lcmtools_sim.rotation import Quaternion, Vector
-from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.geometry import IDENTITY, Quaternion, Vector
+from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.shapes import Part
+
+ON_ITS_SIDE: Quaternion = (0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
+"""The rotation of a cylinder that is a wheel."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mesh:
-    """A part of the body that is seen in the window: a file of pybullet_data and where it is.
-
-    A wheel turns about its y axis.
-    """
+    """A part of the body in the window: a file of pybullet_data; a wheel turns about its y axis."""
 
     file: str
     position: Vector
-    rotation: Quaternion = (0.0, 0.0, 0.0, 1.0)
+    rotation: Quaternion = IDENTITY
     color: Vector = (0.2, 0.2, 0.2)
     is_wheel: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A rigid body that slides on feet without friction; its tyres are drive.py's business.
+    """A rigid body that slides on feet without friction; tyres pull it.
 
     Attributes:
         mass: [kg], wheels included.
         inertia: About x, y, z through the centre of mass [kg m^2].
-        centre_of_mass: Height above the ground [m]; it lies in the middle between the wheels.
+        centre_of_mass: Height above the ground [m], in the middle between the wheels.
         base_height: Of base_link above the ground [m].
-        parts: What collides, and is seen by sensors.
+        parts: The shapes that collide and that sensors see.
         feet: (x, y) of the points that it stands on [m].
         foot_radius: [m]
-        meshes: What is seen in the window; none: the parts.
+        meshes: Shown in the window instead of the parts.
     """
 
     mass: float
@@ -58,14 +58,13 @@ class Drive:
         wheel_radius: [m]
         track: Distance at which two ideal wheels would turn the robot as its own do [m].
         full_speed: Ground speed of a side at effort 1 [m/s].
-        max_speed: Highest forward speed that is obeyed [m/s].
-        max_turn_rate: Highest turn rate that is obeyed [rad/s].
+        max_speed: Highest forward speed of a command [m/s].
+        max_turn_rate: Highest turn rate of a command [rad/s].
         max_acceleration: Of a side [m/s^2].
         time_constant: Of the motors [s].
         tyre_friction: Coulomb coefficient on ground of friction 1.
-        believed_track: What its controller takes for the track when it obeys a turn rate [m]; 0
-            for the track itself.
-        wheels: (x, y) where wheels touch the ground, for those that skid when it turns [m].
+        believed_track: The track that its controller assumes for turn rates [m]; 0 for the track.
+        wheels: (x, y) of the contacts of wheels that skid when it turns [m].
         skids: Turn by skidding on these wheels, as a real one does, instead of as two ideal wheels
             at the track would.
     """
@@ -85,7 +84,7 @@ class Drive:
 
 @dataclass(frozen=True, slots=True)
 class CommandTopic:
-    """A name by which a robot is steered, and whether it is declared as one of Twists."""
+    """A topic that steers a robot; it is declared as Twist or as JointState, and takes both."""
 
     name: str
     is_twist: bool = False
@@ -97,7 +96,7 @@ COMMANDS = (
     CommandTopic("wheel_velocity_cmd"),
     CommandTopic("cmd_vel", is_twist=True),
 )
-"""What every name of the Husky lab's text means: the same."""
+"""All names in the Husky lab's text; they mean the same."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,15 +104,14 @@ class RobotModel:
     """A kind of robot.
 
     Attributes:
-        name: As world files say it.
-        body: What collides and is seen.
-        drive: What moves it.
+        name: In world files.
+        body: Its rigid body.
+        drive: Its motors and tyres.
         left_wheels: Names that commands may use for the left side, the usual one first.
         right_wheels: Names for the right side, in the same order.
-        sensors: What it publishes.
-        commands: The topics by which it is steered, and whether each is declared as one of Twist;
-            all take both types. ``wtf`` names the first one when nobody publishes any.
-        gazebo_drive: How it drove in Gazebo, where that was known to be wrong.
+        sensors: In their order.
+        commands: ``wtf`` names the first one if nobody publishes any.
+        gazebo_drive: The drive as it was in Gazebo, if that is known to be wrong.
     """
 
     name: str

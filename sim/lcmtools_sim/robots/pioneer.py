@@ -5,9 +5,9 @@ MobileRobots' own model of the robot (amr-ros-config, pioneer3dx.urdf). Topics h
 the robot's ROS driver (RosAria) and of the Kinect's (openni).
 """
 
-from lcmtools_sim.pose import Pose
-from lcmtools_sim.robots.model import Body, CommandTopic, Drive, RobotModel
-from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.geometry import Pose
+from lcmtools_sim.robots.model import ON_ITS_SIDE, Body, CommandTopic, Drive, RobotModel
+from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part
 
 WHEEL_RADIUS = 0.0975
@@ -16,25 +16,24 @@ TRACK = 0.33
 _LENGTH, _WIDTH = 0.455, 0.381
 _BOTTOM, _TOP = 0.06, 0.237
 _CENTRE = -0.04
-"""[m] The middle of the body lies behind the axle by so much."""
+"""[m] The middle of the body, behind the axle."""
 _CASTER = -0.185
 _MASS = 23.0
 """[kg] The robot itself and a load of batteries and a computer."""
 _INERTIA = (0.35, 0.48, 0.62)
-"""[kg m^2] That of a box of this size and mass."""
+"""[kg m^2] Of a box of this size and mass."""
 
 _KINECT = (0.10, 0.0, 0.25)
-"""[m] Where the Kinect stands in base_link, on the deck."""
+"""[m] The position of the Kinect in base_link, on the deck."""
 
 _RED: Color = (0.7, 0.1, 0.1)
 _BLACK: Color = (0.15, 0.15, 0.15)
-_ON_ITS_SIDE = (0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
 
 
 def _wheel(side: int) -> Part:
-    """What is seen and hit of a wheel (left 1, right -1), a little above the ground."""
+    """The shape of a wheel (left 1, right -1), a little above the ground."""
     wheel = Cylinder(WHEEL_RADIUS - 0.005, 0.04)
-    return Part(wheel, (0.0, side * TRACK / 2, WHEEL_RADIUS), _ON_ITS_SIDE, _BLACK)
+    return Part(wheel, (0.0, side * TRACK / 2, WHEEL_RADIUS), ON_ITS_SIDE, _BLACK)
 
 
 PIONEER = RobotModel(
@@ -54,7 +53,7 @@ PIONEER = RobotModel(
             _wheel(-1),
         ),
         feet=((0.0, TRACK / 2), (0.0, -TRACK / 2), (_CASTER, 0.0), (0.1, 0.0)),
-        foot_radius=0.02,  # within the outline, or it would be what touches
+        foot_radius=0.02,  # within the outline, so that it never touches first
     ),
     drive=Drive(
         wheel_radius=WHEEL_RADIUS,

@@ -1,15 +1,26 @@
-"""The sensors, one file each; robot models and world files name them by their key here."""
+"""The sensors; robot models and world files name them by their key here."""
 
 from lcmtools_sim.sensors.bumper import BumperSensor
-from lcmtools_sim.sensors.camera import CameraSensor, CameraSettings
-from lcmtools_sim.sensors.depth_camera import BULKY, DepthCameraSensor, DepthCameraSettings
-from lcmtools_sim.sensors.ground_truth import GroundTruthSensor, GroundTruthSettings
-from lcmtools_sim.sensors.imu import ImuSensor, ImuSettings
+from lcmtools_sim.sensors.cameras import (
+    BULKY,
+    CameraSensor,
+    CameraSettings,
+    DepthCameraSensor,
+    DepthCameraSettings,
+)
 from lcmtools_sim.sensors.laser import LaserSensor, LaserSettings
-from lcmtools_sim.sensors.odometry import OdometrySensor, OdometrySettings
+from lcmtools_sim.sensors.motion import (
+    GroundTruthSensor,
+    GroundTruthSettings,
+    ImuSensor,
+    ImuSettings,
+    OdometrySensor,
+    OdometrySettings,
+    TransformsSensor,
+    WheelStatesSensor,
+    WheelStatesSettings,
+)
 from lcmtools_sim.sensors.sensor import SensorKind
-from lcmtools_sim.sensors.transforms import TransformsSensor
-from lcmtools_sim.sensors.wheel_states import WheelStatesSensor, WheelStatesSettings
 
 SENSORS: dict[str, SensorKind] = {
     "bumper": SensorKind(BumperSensor, topic="bumper"),
@@ -24,4 +35,3 @@ SENSORS: dict[str, SensorKind] = {
     "transforms": SensorKind(TransformsSensor, topic="/tf"),
     "wheel_states": SensorKind(WheelStatesSensor, WheelStatesSettings, topic="wheel_velocities"),
 }
-"""Every sensor by its kind."""

@@ -1,4 +1,4 @@
-"""A bumper around the whole robot: what it touches, and how hard."""
+"""A bumper around the whole robot."""
 
 from collections.abc import Collection, Mapping, Sequence
 
@@ -6,59 +6,52 @@ from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
 from lcmtools.types.gazebo_msgs import ContactsState, ContactState
 from lcmtools.types.geometry_msgs import Vector3, Wrench
-from lcmtools_sim.rotation import Vector, axes, components, scaled, subtract
-from lcmtools_sim.sensors.mount import SensorMount
-from lcmtools_sim.sensors.sensor import Carrier, Contact, RobotState, fill_header
+from lcmtools_sim.geometry import Vector, axes, components, scaled, subtract
+from lcmtools_sim.sensors.sensor import Contact, RobotState, SensorContext, SensorMount, fill_header
 
 
 class BumperSensor:
-    """gazebo_msgs/ContactsState in base_link: one state for each thing that is touched.
+    """gazebo_msgs/ContactsState in base_link: one state for each body that is touched.
 
-    Standing on the ground is no touch. Forces are those of the last step, without torque.
-
-    Args:
-        mount: Where it publishes.
-        carrier: The robot.
+    The ground is not counted. Forces are those of the last step, without torque.
     """
 
     outputs: Mapping[str, type[Message]] = {"": ContactsState}
 
-    def __init__(self, mount: SensorMount, carrier: Carrier) -> None:
+    def __init__(self, mount: SensorMount, context: SensorContext) -> None:
         del mount  # it measures the whole robot
-        self._around = carrier.around
-        self._name = carrier.namespace
-        self._frame = carrier.frame("base_link")
+        self._world = context.world
+        self._name = context.namespace
+        self._frame = context.frame("base_link")
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
-        """What is touched after one step."""
+        """The contacts after one step."""
         del wanted
         message = ContactsState()
         fill_header(message.header, state.time, self._frame)
-        touched: dict[str, list[Contact]] = {}
-        for contact in self._around.touching():
-            touched.setdefault(contact.name, []).append(contact)
-        message.states = [self._touch(name, contacts, state) for name, contacts in touched.items()]
+        bodies: dict[str, list[Contact]] = {}
+        for contact in self._world.contacts():
+            bodies.setdefault(contact.name, []).append(contact)
+        message.states = [self._state(name, found, state) for name, found in bodies.items()]
         return {"": encode(message)}
 
-    def _touch(self, name: str, contacts: Sequence[Contact], state: RobotState) -> ContactState:
-        """Everything about one thing that is touched."""
+    def _state(self, name: str, contacts: Sequence[Contact], state: RobotState) -> ContactState:
+        """All contacts with one body."""
         frame = axes(state.rotation)
-        touch = ContactState()
-        touch.collision1_name, touch.collision2_name = self._name, name
+        message = ContactState()
+        message.collision1_name, message.collision2_name = self._name, name
         normals = [components(contact.normal, frame) for contact in contacts]
-        forces = [
-            scaled(normal, contact.force) for normal, contact in zip(normals, contacts, strict=True)
-        ]
-        touch.contact_positions = [
+        forces = [scaled(n, contact.force) for n, contact in zip(normals, contacts, strict=True)]
+        message.contact_positions = [
             _vector(components(subtract(contact.position, state.position), frame))
             for contact in contacts
         ]
-        touch.contact_normals = [_vector(normal) for normal in normals]
-        touch.depths = [contact.depth for contact in contacts]
-        touch.wrenches = [_wrench(force) for force in forces]
-        x, y, z = (sum(parts) for parts in zip(*forces, strict=True))
-        touch.total_wrench = _wrench((x, y, z))
-        return touch
+        message.contact_normals = [_vector(normal) for normal in normals]
+        message.depths = [contact.depth for contact in contacts]
+        message.wrenches = [_wrench(force) for force in forces]
+        x, y, z = (sum(values) for values in zip(*forces, strict=True))
+        message.total_wrench = _wrench((x, y, z))
+        return message
 
 
 def _wrench(force: Vector) -> Wrench:

@@ -9,27 +9,32 @@ import numpy as np
 from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.registry import Message
 from lcmtools.types.sensor_msgs import LaserScan
-from lcmtools_sim.sensors.mount import SensorMount, Settings
-from lcmtools_sim.sensors.sensor import Carrier, RobotState, placed
-from lcmtools_sim.sensors.settings import deviation, number
-from lcmtools_sim.shapes import UNTURNED, Part
-from lcmtools_sim.vision.scan import Scannable, Scanner, Standing, scannable
-from lcmtools_sim.vision.solids import Floats, solids_of
+from lcmtools_sim.geometry import IDENTITY, ZERO
+from lcmtools_sim.sensors.sensor import (
+    RobotState,
+    SensorContext,
+    SensorMount,
+    Settings,
+    deviation,
+    number,
+)
+from lcmtools_sim.shapes import Part
+from lcmtools_sim.vision.scan import Body, Scanner
+from lcmtools_sim.vision.solids import Floats, Solids, solids_of
 
-_MOST_KNOWN = 10_000  # bodies
-_IN_THE_WORLD = (0.0, 0.0, 0.0), UNTURNED
+_MOST_PREPARED = 10_000  # bodies
 
 
 @dataclass(frozen=True, slots=True)
 class LaserSettings(Settings):
-    """What a scanner is.
+    """The properties of a scanner.
 
     Attributes:
-        rays: How many, from the first angle to the last.
+        rays: Their number, from the first angle to the last.
         first_angle: [rad] counter-clockwise, 0 along the sensor's x axis.
         last_angle: [rad]
-        shortest: What is nearer cannot be measured [m].
-        longest: What is farther cannot be measured [m].
+        shortest: Least range [m].
+        longest: Greatest range [m].
         noise: Standard deviation of a range [m].
     """
 
@@ -42,27 +47,29 @@ class LaserSettings(Settings):
 
 
 class LaserSensor:
-    """sensor_msgs/LaserScan by REP-117: +inf for no return, -inf for what is too near.
+    """sensor_msgs/LaserScan by REP-117: +inf for no return, -inf for a return that is too near.
 
     All rays are measured in the same instant. The robot's own body is transparent to them.
-
-    Args:
-        mount: Where it is, and its settings.
-        carrier: The robot.
     """
 
     outputs: Mapping[str, type[Message]] = {"": LaserScan}
 
-    def __init__(self, mount: SensorMount, carrier: Carrier) -> None:
-        self._mount = mount
-        self._around = carrier.around
+    def __init__(self, mount: SensorMount, context: SensorContext) -> None:
+        self._pose = mount.pose
+        self._world = context.world
         self._settings = settings = cast("LaserSettings", mount.settings or LaserSettings())
-        self._generator = carrier.generator(mount)
-        frame = carrier.put_frame(mount, "laser", mount.pose.rotation)
-        self._fill = _template(frame, settings, mount.rate).fill
+        self._random = context.random(mount)
         angles = np.linspace(settings.first_angle, settings.last_angle, settings.rays)
         self._scanner = Scanner(angles, settings.longest)
-        self._known: dict[int, tuple[tuple[Part, ...], Scannable]] = {}
+        self._prepared: dict[int, tuple[tuple[Part, ...], Solids]] = {}
+        message = LaserScan()
+        message.header.frame_id = context.add_frame(mount, "laser", mount.pose.rotation)
+        message.angle_min, message.angle_max = settings.first_angle, settings.last_angle
+        message.angle_increment = (settings.last_angle - settings.first_angle) / (settings.rays - 1)
+        message.scan_time = 1 / mount.rate
+        message.range_min, message.range_max = settings.shortest, settings.longest
+        message.ranges = [0.0] * settings.rays
+        self._fill = PayloadTemplate(message, "header.stamp", "ranges").fill
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The scan of one step."""
@@ -70,40 +77,27 @@ class LaserSensor:
         return {"": self._fill(state.stamp, self._ranges(state).tolist())}
 
     def _ranges(self, state: RobotState) -> Floats:
-        """Distances along all rays [m], with inf as the message has it."""
+        """The ranges of all rays [m], with inf as the message has it."""
         settings = self._settings
-        ranges = self._scanner.scan(*placed(state, self._mount.pose), self._standing())
+        ranges = self._scanner.scan(*state.sensor_frame(self._pose), self._bodies())
         if settings.noise:
-            ranges += self._generator.normal(0.0, settings.noise, len(ranges))
+            ranges += self._random.normal(0.0, settings.noise, len(ranges))
             ranges[ranges > settings.longest] = np.inf
         ranges[ranges < settings.shortest] = -np.inf
         return ranges
 
-    def _standing(self) -> list[Standing]:
-        """What is around, and where; shapes are prepared when they are seen first."""
-        prepared, around = self._prepared, self._around
+    def _bodies(self) -> list[Body]:
+        solids, world = self._solids, self._world
         return [
-            (prepared(around.fixed_parts()), *_IN_THE_WORLD),
-            *[(prepared(parts), place, turn) for parts, place, turn in around.moving_bodies()],
+            (solids(world.fixed_parts()), ZERO, IDENTITY),
+            *[(solids(parts), place, turn) for parts, place, turn in world.moving_bodies()],
         ]
 
-    def _prepared(self, parts: tuple[Part, ...]) -> Scannable:
-        """These shapes, which are the same as long as they are the same object."""
-        known = self._known.get(id(parts))
+    def _solids(self, parts: tuple[Part, ...]) -> Solids:
+        """These shapes as arrays; shapes are the same as long as they are the same object."""
+        known = self._prepared.get(id(parts))
         if known is None or known[0] is not parts:
-            if len(self._known) > _MOST_KNOWN:  # bodies that have gone
-                self._known.clear()
-            known = self._known[id(parts)] = parts, scannable(solids_of(parts))
+            if len(self._prepared) > _MOST_PREPARED:  # bodies that are deleted
+                self._prepared.clear()
+            known = self._prepared[id(parts)] = parts, solids_of(parts)
         return known[1]
-
-
-def _template(frame: str, settings: LaserSettings, rate: float) -> PayloadTemplate:
-    """The message but for its time and the ranges."""
-    message = LaserScan()
-    message.header.frame_id = frame
-    message.angle_min, message.angle_max = settings.first_angle, settings.last_angle
-    message.angle_increment = (settings.last_angle - settings.first_angle) / (settings.rays - 1)
-    message.scan_time = 1 / rate
-    message.range_min, message.range_max = settings.shortest, settings.longest
-    message.ranges = [0.0] * settings.rays
-    return PayloadTemplate(message, "header.stamp", "ranges")

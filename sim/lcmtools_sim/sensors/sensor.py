@@ -1,51 +1,94 @@
-"""What every sensor is given and what it gives back.
+"""The interface of sensors: how one is mounted and set, what it is given and what it returns.
 
-A sensor turns the state of one robot after one step, and what it sees around it, into messages,
-encoded as they go out: what is measured often fills a stencil instead of making a message anew.
-It knows no bus, no engine and no schedule; one sensor, one file.
+A sensor turns the state of one robot after one step, and its view of the world, into encoded
+messages; frequent ones fill a template instead of encoding a message each time. Sensors know no
+bus, no engine and no schedule.
 """
 
 import zlib
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
 from lcmtools.clock import split_stamp
 from lcmtools.messages.registry import Message
-from lcmtools.types.geometry_msgs import Quaternion as QuaternionMessage
 from lcmtools.types.std_msgs import Header
-from lcmtools_sim.pose import Pose
-from lcmtools_sim.rotation import Quaternion, Vector, add, multiply, turn
-from lcmtools_sim.sensors.mount import SensorMount, Settings
+from lcmtools_sim.geometry import ORIGIN, Frame, Pose, Quaternion, Vector
 from lcmtools_sim.shapes import Color, Part
+
+Number = TypeVar("Number", int, float)
+
+
+class Settings:
+    """The base of every kind's settings: a frozen dataclass, whose fields a world file may set."""
+
+    __slots__ = ()
+
+
+def number(default: Number, lowest: float, highest: float, *, angle: bool = False) -> Number:
+    """A setting that is a number within bounds; an angle [rad] may be written as "90 deg".
+
+    Whole if the default is whole.
+    """
+    bounds = {"lowest": lowest, "highest": highest, "angle": angle}
+    return field(default=default, metadata=bounds)
+
+
+def deviation() -> float:
+    """A setting that is the standard deviation of a noise, in the unit of the disturbed value."""
+    return number(0.0, 0.0, 1e3)
+
+
+@dataclass(frozen=True, slots=True)
+class SensorMount:
+    """A sensor on a robot.
+
+    Attributes:
+        kind: A key of sensors.SENSORS.
+        topic: Its topic, or the prefix of its several topics; relative to the robot's namespace,
+            or absolute.
+        rate: [Hz], at most one measurement a step.
+        pose: Of the sensor in base_link; unused by sensors of the whole robot.
+        frame: The name of its frame without the namespace; "" for the kind's usual one.
+        settings: None for the kind's defaults.
+        always: Measure also without any subscriber.
+    """
+
+    kind: str
+    topic: str
+    rate: float
+    pose: Pose = ORIGIN
+    frame: str = ""
+    settings: Settings | None = None
+    always: bool = False
 
 
 class Sides(NamedTuple):
-    """A number for the left and one for the right wheels."""
+    """Values of the left and the right wheels."""
 
     left: float
     right: float
 
 
 class RobotState(NamedTuple):
-    """A robot after a step, as its sensors may measure it. A tuple, for many are made.
+    """The state of a robot after a step. A tuple, for many are made.
 
     Attributes:
         time: Simulated nanoseconds since the start.
-        stamp: The same, as messages have it: seconds and nanoseconds.
+        stamp: The same in seconds and nanoseconds.
         position: Of base_link in the world [m].
         rotation: Of base_link in the world.
         velocity: Of base_link, in its own frame [m/s].
-        angular_velocity: Angular velocity in its own frame [rad/s].
-        acceleration: Of base_link, in its own frame, gravity not counted [m/s^2].
-        angular_acceleration: Angular acceleration in its own frame [rad/s^2].
+        angular_velocity: In its own frame [rad/s].
+        acceleration: Of base_link, in its own frame, without gravity [m/s^2].
+        angular_acceleration: In its own frame [rad/s^2].
         wheel_angles: Since the start [rad].
         wheel_speeds: [rad/s]
-        efforts: What the motors are told to, as fractions of their full power.
-        reckoned_pose: x, y [m] and yaw [rad] by the wheels' encoders, where it started as origin.
-        reckoned_speed: Forward speed [m/s] and turn rate [rad/s] by the wheels' encoders.
+        efforts: The motors' commands, as fractions of full power.
+        odometry_pose: x, y [m] and yaw [rad] by the wheels' encoders, relative to the start.
+        odometry_speed: Forward speed [m/s] and turn rate [rad/s] by the wheels' encoders.
     """
 
     time: int
@@ -59,20 +102,24 @@ class RobotState(NamedTuple):
     wheel_angles: Sides
     wheel_speeds: Sides
     efforts: Sides
-    reckoned_pose: tuple[float, float, float]
-    reckoned_speed: tuple[float, float]
+    odometry_pose: Vector
+    odometry_speed: tuple[float, float]
+
+    def sensor_frame(self, pose: Pose) -> Frame:
+        """The frame in the world of a sensor with this pose in base_link."""
+        return Frame(self.position, self.rotation).place(pose.frame)
 
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """A place where a robot touches something.
+    """A point where a robot touches something.
 
     Attributes:
-        name: What it touches.
+        name: Of the other body.
         position: In the world [m].
         normal: Towards the robot, in the world.
         force: Along the normal [N].
-        depth: How deep the two stand in each other [m]; negative for a gap.
+        depth: Penetration [m]; negative for a gap.
     """
 
     name: str
@@ -82,90 +129,89 @@ class Contact:
     depth: float
 
 
-class Surroundings(Protocol):
-    """What a robot's sensors may see of the world around it; see lcmtools_sim.world."""
+class WorldView(Protocol):
+    """The world as a robot's sensors may see it; see lcmtools_sim.robot."""
 
     def fixed_parts(self) -> tuple[Part, ...]:
-        """The shapes that stand for ever, in the world; equal (by identity) until one changes."""
+        """The immovable shapes, in the world; the same object until one is added."""
         ...
 
     def moving_parts(self) -> list[Part]:
-        """The shapes that can move, in the world now, but for the robot's own."""
+        """The movable shapes but for the robot's own, in the world."""
         ...
 
     def moving_bodies(self) -> list[tuple[tuple[Part, ...], Vector, Quaternion]]:
-        """The bodies that can move, but for the robot's own: their shapes in a frame, and its pose.
+        """The movable bodies but for the robot's own: their shapes in a frame, and its pose.
 
-        The shapes of a body are the same object as long as it is there.
+        The shapes of a body are the same object as long as it exists.
         """
         ...
 
     def ground_color(self) -> Color:
-        """How the plane z = 0 looks."""
+        """The colour of the plane z = 0."""
         ...
 
-    def touching(self) -> list[Contact]:
-        """Where the robot touches something that is not the ground."""
+    def contacts(self) -> list[Contact]:
+        """The contacts of the robot with anything but the ground."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
-class Carrier:
+class SensorContext:
     """The robot that carries a sensor, as far as sensors need to know it.
 
     Attributes:
         namespace: The robot's, which prefixes frames and topics.
-        parts: Its body's shapes, in base_link.
+        parts: The body's shapes, in base_link.
         gravity: [m/s^2]
         seed: The world's.
-        around: What can be seen.
-        frames: Of the sensors mounted so far: where each is in base_link, by its prefixed name.
+        world: The view of the world.
+        frames: The frames in base_link of the sensors mounted so far, by their prefixed names.
     """
 
     namespace: str
     parts: tuple[Part, ...]
     gravity: float
     seed: int
-    around: Surroundings
-    frames: dict[str, tuple[Vector, Quaternion]] = field(default_factory=dict)
+    world: WorldView
+    frames: dict[str, Frame] = field(default_factory=dict)
 
     def frame(self, name: str) -> str:
-        """A frame's id with the robot's prefix and no slash before ("husky0/odom")."""
+        """A frame's id with the robot's prefix and no leading slash ("husky0/odom")."""
         return f"{self.namespace}/{name}".lstrip("/")
 
-    def put_frame(self, mount: SensorMount, usual: str, rotation: Quaternion) -> str:
-        """Note where a sensor's frame is; return its id.
+    def add_frame(self, mount: SensorMount, usual: str, rotation: Quaternion) -> str:
+        """Register a sensor's frame; return its id.
 
-        A frame can be at one place only: where another sensor has the usual name, the topic goes
-        before it.
+        A frame is at one place only: if another sensor has the usual name, the topic prefixes it.
 
         Args:
             mount: Of the sensor.
-            usual: The frame's name, where the mount has none.
+            usual: The frame's name, if the mount has none.
             rotation: Of the frame in base_link.
         """
-        place = mount.pose.position, rotation
+        frame = Frame(mount.pose.position, rotation)
         name = self.frame(mount.frame or usual)
-        if not mount.frame and self.frames.get(name, place) != place:
+        if not mount.frame and self.frames.get(name, frame) != frame:
             name = self.frame(f"{mount.topic.strip('/').replace('/', '_')}_{usual}")
-        self.frames[name] = place
+        self.frames[name] = frame
         return name
 
-    def generator(self, mount: SensorMount) -> np.random.Generator:
-        """The noise of one sensor: of its own, the same in each run with the same seed."""
-        return generator(self.seed, f"{self.namespace}/{mount.kind}/{mount.topic}")
+    def random(self, mount: SensorMount) -> np.random.Generator:
+        """The random numbers of one sensor; see ``random_numbers``."""
+        return random_numbers(self.seed, f"{self.namespace}/{mount.kind}/{mount.topic}")
 
 
 class Sensor(Protocol):
-    """Measures for one robot."""
+    """A sensor of one robot."""
 
     @property
     def outputs(self) -> Mapping[str, type[Message]]:
-        """What it publishes: a type for each name behind the mount's topic ("" for that itself)."""
+        """The type of each output, by its name below the mount's topic ("" for that itself)."""
         ...
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
-        """The payloads of one step, of those outputs that are wanted."""
+        """The payloads of one step, of the wanted outputs."""
         ...
 
 
@@ -175,36 +221,25 @@ class SensorKind:
 
     Attributes:
         make: Makes one for a mount on a robot.
-        settings: The class of its settings; None where there is nothing to set.
-        rate: [Hz] Where a world file does not say it.
-        topic: Where a world file does not say it.
-        bulky: Outputs that are too large to be sent where nobody is known to listen.
+        settings: The class of its settings; None for a kind without any.
+        rate: The default rate in world files [Hz].
+        topic: The default topic in world files.
+        bulky: Outputs that are too large to send without a known subscriber.
     """
 
-    make: Callable[[SensorMount, Carrier], Sensor]
+    make: Callable[[SensorMount, SensorContext], Sensor]
     settings: type[Settings] | None = None
     rate: float = 50.0
     topic: str = ""
     bulky: frozenset[str] = frozenset()
 
 
-def generator(seed: int, name: str) -> np.random.Generator:
-    """The noise of whatever has this name: of its own, the same in each run with the same seed."""
+def random_numbers(seed: int, name: str) -> np.random.Generator:
+    """The random numbers of the noise with this name, the same in each run with the same seed."""
     return np.random.default_rng([seed, zlib.crc32(name.encode())])
-
-
-def placed(state: RobotState, pose: Pose) -> tuple[Vector, Quaternion]:
-    """Where a sensor with this pose in base_link is in the world."""
-    position = add(state.position, turn(pose.position, state.rotation))
-    return position, multiply(state.rotation, pose.rotation)
 
 
 def fill_header(header: Header, time: int, frame_id: str) -> None:
     """Stamp a header with the step's time [ns] and its frame."""
     header.stamp.sec, header.stamp.nsec = split_stamp(time)
     header.frame_id = frame_id
-
-
-def fill_quaternion(message: QuaternionMessage, rotation: Quaternion) -> None:
-    """Copy a rotation into a message."""
-    message.x, message.y, message.z, message.w = rotation

@@ -1,4 +1,4 @@
-"""A pinhole camera without distortion: which pixel looks where.
+"""A pinhole camera without distortion: the rays of its pixels, and the pixels that solids cover.
 
 Only geometry in the optical frame: z into the scene, x to the right, y down (REP-103). Pixel (i, j)
 is column i, row j, and integers are the pixels' centres; the picture reaches half a pixel further.
@@ -7,21 +7,23 @@ is column i, row j, and integers are the pixels' centres; the picture reaches ha
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from lcmtools.types.sensor_msgs import CameraInfo
-from lcmtools_sim.rotation import Quaternion
-from lcmtools_sim.vision.solids import Floats
+from lcmtools_sim.geometry import Quaternion, multiply
+from lcmtools_sim.vision.solids import SPHERE, Floats, Solids
 
 OPTICAL: Quaternion = (-0.5, 0.5, -0.5, 0.5)
 """The optical frame in a camera's own frame (x forward, y left, z up; REP-103)."""
+_SLACK = 1e-3  # [pixels] for what rounding may have shifted
 
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """Its picture's size and opening; pixels are square.
+    """A camera's intrinsics; pixels are square.
 
     Attributes:
         width: [pixels]
@@ -29,7 +31,7 @@ class Camera:
         field_of_view: From the left to the right edge of the picture [rad], between 0 and pi.
 
     Raises:
-        ValueError: It could not make a picture.
+        ValueError: The values cannot make a picture.
     """
 
     width: int
@@ -37,7 +39,7 @@ class Camera:
     field_of_view: float
 
     def __post_init__(self) -> None:
-        """Refuse what would give nonsense, such as degrees."""
+        """Refuse nonsense, such as degrees."""
         if self.width < 1 or self.height < 1:
             raise ValueError(f"a picture of {self.width} x {self.height} pixels")
         if not 0 < self.field_of_view < math.pi:
@@ -67,9 +69,9 @@ class Camera:
         return np.stack(np.broadcast_arrays(x, y[:, None], 1.0), axis=-1)
 
     def project(self, points: npt.ArrayLike) -> Floats:
-        """Columns and rows (..., 2) where points (..., 3) [m] of the optical frame appear.
+        """Columns and rows (..., 2) of points (..., 3) [m] of the optical frame.
 
-        NaN where a point is not in front of the camera.
+        NaN for a point that is not in front of the camera.
         """
         x, y, z = np.moveaxis(np.asarray(points, np.float64), -1, 0)
         forward = np.where(z > 0, z, np.nan)
@@ -78,7 +80,7 @@ class Camera:
         return pixels
 
     def frustum(self, near: float) -> tuple[float, float, float, float]:
-        """Where the picture's edges are at distance ``near`` [m]: left, right, bottom, top.
+        """The picture's edges at distance ``near`` [m]: left, right, bottom, top.
 
         As OpenGL's glFrustum takes it (y up): another renderer then has exactly the same pixels.
         """
@@ -93,24 +95,96 @@ class Camera:
         message.width, message.height = self.width, self.height
         message.distortion_model = "plumb_bob"
         message.D = [0.0] * 5
-        message.K = _flat((focal, 0, column), (0, focal, row), (0, 0, 1))
-        message.R = _flat((1, 0, 0), (0, 1, 0), (0, 0, 1))
-        message.P = _flat((focal, 0, column, 0), (0, focal, row, 0), (0, 0, 1, 0))
+        message.K = _row_major((focal, 0, column), (0, focal, row), (0, 0, 1))
+        message.R = _row_major((1, 0, 0), (0, 1, 0), (0, 0, 1))
+        message.P = _row_major((focal, 0, column, 0), (0, focal, row, 0), (0, 0, 1, 0))
         return message
 
 
-def optical(rotation: Quaternion) -> Quaternion:
-    """The rotation of the optical frame of a camera whose own frame is turned so."""
-    x, y, z, w = rotation
-    a, b, c, d = OPTICAL
-    return (
-        w * a + x * d + y * c - z * b,
-        w * b - x * c + y * d + z * a,
-        w * c + x * b - y * a + z * d,
-        w * d - x * a - y * b - z * c,
-    )
-
-
-def _flat(*rows: Sequence[float]) -> list[float]:
-    """A matrix row by row."""
+def _row_major(*rows: Sequence[float]) -> list[float]:
     return [float(value) for row in rows for value in row]
+
+
+def optical(rotation: Quaternion) -> Quaternion:
+    """The rotation of the optical frame of a camera whose own frame has this rotation."""
+    return multiply(rotation, OPTICAL)
+
+
+class PixelBounds(NamedTuple):
+    """The pixels that a solid can cover: rows top..bottom-1, columns left..right-1.
+
+    Attributes:
+        number: Of the solid in its group.
+        nearest: Least depth of its bounding box [m]; 0 or less behind the camera.
+    """
+
+    number: int
+    nearest: float
+    left: int
+    right: int
+    top: int
+    bottom: int
+
+
+def pixel_bounds(solids: Solids, camera: Camera, far: float) -> list[PixelBounds]:
+    """The bounds of all solids (in the optical frame) in view, the nearest first.
+
+    Solids behind the camera, further than ``far`` [m] or beside the picture have none.
+    """
+    corners = corners_of(solids)
+    depths = corners[:, :, 2]
+    nearest, furthest = depths.min(axis=1), depths.max(axis=1)
+    lowest, highest = _slope_ranges(corners)
+    centre = np.array(camera.centre)
+    ends = np.array((camera.width, camera.height))
+    first = np.ceil(np.clip(lowest * camera.focal_length + centre - _SLACK, 0, ends))
+    last = np.floor(np.clip(highest * camera.focal_length + centre + _SLACK, -1, ends - 1))
+    # A body that the engine has lost (NaN) fails these comparisons, too.
+    in_view = (furthest > 0) & (nearest <= far) & (first <= last).all(axis=1)
+    numbers = np.flatnonzero(in_view)
+    numbers = numbers[np.argsort(nearest[numbers], kind="stable")]
+    edges = np.stack((first, last + 1), axis=-1)[numbers].astype(int).reshape(-1, 4)
+    rows = zip(numbers.tolist(), nearest[numbers].tolist(), edges.tolist(), strict=True)
+    return [PixelBounds(number, near, *edge) for number, near, edge in rows]
+
+
+_CUBE = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+_EDGES = np.array([(i, i + step) for step in (1, 2, 4) for i in range(8) if not i & step])
+
+
+def corners_of(solids: Solids) -> Floats:
+    """The corners of the bounding boxes [m]: (n, 8, 3). A sphere's box is aligned with the view."""
+    upright = (solids.kinds == SPHERE)[:, None, None]
+    turns = np.where(upright, np.eye(3), solids.axes.transpose(0, 2, 1))
+    offsets: Floats = (_CUBE * solids.half_sizes[:, None, :]) @ turns
+    return offsets + solids.centres[:, None, :]
+
+
+def _slope_ranges(corners: Floats) -> tuple[Floats, Floats]:
+    """Least and greatest x/z and y/z of the part of each box before the camera, (n, 2) each.
+
+    Over a convex body x/z has its extremes at a corner; if the plane z = 0 cuts the body, on that
+    cut, where x/z is infinite with the sign of x.
+    """
+    depths = corners[:, :, 2:]
+    ahead = depths > 0
+    slopes = np.divide(corners[:, :, :2], depths, where=ahead, out=np.zeros_like(corners[:, :, :2]))
+    lowest = np.where(ahead, slopes, np.inf).min(axis=1)
+    highest = np.where(ahead, slopes, -np.inf).max(axis=1)
+    crossing = np.flatnonzero(ahead.any(axis=(1, 2)) & ~ahead.all(axis=(1, 2)))
+    if len(crossing):
+        left, right = _cut(corners[crossing])
+        lowest[crossing] = np.where(left <= 0, -np.inf, lowest[crossing])
+        highest[crossing] = np.where(right >= 0, np.inf, highest[crossing])
+    return lowest, highest
+
+
+def _cut(corners: Floats) -> tuple[Floats, Floats]:
+    """Least and greatest x and y [m] of the boxes' cuts with the plane z = 0, (n, 2) each."""
+    start, end = corners[:, _EDGES[:, 0]], corners[:, _EDGES[:, 1]]
+    cut = (start[:, :, 2:] > 0) != (end[:, :, 2:] > 0)
+    span = np.where(cut, start[:, :, 2:] - end[:, :, 2:], 1.0)
+    points = start + (end - start) * (start[:, :, 2:] / span)
+    least = np.where(cut, points, np.inf)[:, :, :2].min(axis=1)
+    greatest = np.where(cut, points, -np.inf)[:, :, :2].max(axis=1)
+    return least, greatest

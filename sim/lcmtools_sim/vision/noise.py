@@ -1,4 +1,4 @@
-"""What a real depth camera makes of the true depth.
+"""The errors of a real depth camera.
 
 Source of the Kinect's numbers: K. Khoshelham, S. Oude Elberink, Accuracy and Resolution of Kinect
 Depth Data for Indoor Mapping Applications, Sensors 12(2), 2012: the random error grows with the
@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lcmtools_sim.vision.surfaces import Field
+from lcmtools_sim.vision.surfaces import Floats32
 
 
 @dataclass(frozen=True, slots=True)
 class DepthNoise:
-    """How far readings are from the truth; all zero is exact.
+    """The errors of readings; all zero is exact.
 
     Attributes:
         spread: Standard deviation at 1 m [m]; at z metres it is z^2 times that.
@@ -35,10 +35,10 @@ KINECT = DepthNoise(spread=1.4e-3)
 KINECT_STEP = 2.85e-3
 
 
-def noisy(depth: Field, noise: DepthNoise, random: np.random.Generator) -> Field:
-    """Depth [m] as the sensor reads it; inf stays inf, and a reading that is dropped is NaN.
+def noisy(depth: Floats32, noise: DepthNoise, random: np.random.Generator) -> Floats32:
+    """Depth [m] with the errors; inf stays inf, a dropped reading is NaN.
 
-    How many numbers are drawn depends on the picture's size only, so that a run can be repeated.
+    The count of random numbers depends on the picture's size only, so that runs are repeatable.
     """
     if noise.spread:
         error = random.standard_normal(depth.shape, np.float32) * np.float32(noise.spread)

@@ -1,53 +1,31 @@
-"""How far the rays of one scanner go: exact as rays.py, and fast for many solids at once.
+"""The ranges of a laser scanner: rays from one point, all in one plane.
 
-The rays lie in one plane, whose directions are complex numbers here: forward is 1, left is i.
-Nearness is 1 / distance, as in surfaces.py, and on a plane it is a linear form f of the ray r:
-Re(f r*), r* being the conjugate. A convex solid is hit where the least nearness of its surfaces
-with the eye outside is more than the greatest of the others. So a face f of a box is what is seen
-where Re((f - g) r*) > 0 for each plane g with the eye inside, and Re((g - f) r*) > 0 for each
-other face g. All of these are half turns, and together an arc: the rays in it need no test, and
-others cost nothing. Cylinders and balls are tested within the arcs of the balls around them.
-
-What takes the time is the number of calls of numpy; hence all solids together.
+The bounding sphere of a solid cuts the scan's plane in a circle. A solid is tested only with the
+rays towards its circle, and all such pairs of a ray and a solid are tested at once, by the
+textbook's intersections (A. Glassner, An Introduction to Ray Tracing, chapter 2): a box is three
+slabs, a cylinder or a sphere a quadratic equation. bench/vision.py shows what the circles save.
 """
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
-from lcmtools_sim.rotation import Quaternion, Vector, axes, subtract
-from lcmtools_sim.vision.rounds import TOUCH, Complex, Numbers, Rounds, Sight
-from lcmtools_sim.vision.solids import CUBOID, Floats, Solids, joined
+from lcmtools_sim.geometry import Quaternion, Vector, axes, subtract
+from lcmtools_sim.vision.solids import CUBOID, SPHERE, Floats, Solids, joined
 
-_EDGE = 1e-12  # [rad] that arcs reach over, or a ray could slip through where two of them meet
-_MANY = 50  # boxes; with so many it pays to look which are in reach
-_TINY = 1e-300
-_QUARTERS = np.array(((-math.pi / 2,), (math.pi / 2,)))  # of a turn
+_TOUCH = 1e-9  # [m]; an eye so near to a surface is inside it
+_TINY = 1e-300  # in place of 0, to divide by
+_EDGE = 1 + 1e-12  # a ray through an edge leaves where it enters, but for rounding
+_MARGIN = 1e-9  # [rad] by which the arcs are too wide
+_BOUNDING = np.array(((1, 1, 1), (1, 0, 1), (1, 0, 0)))
+"""By kind: the half sizes whose squares add up to that of the bounding sphere's radius."""
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Scannable:
-    """Solids that keep together.
-
-    Attributes:
-        solids: In a frame of their own.
-        reach: How far anything of them is from its origin, at most [m].
-    """
-
-    solids: Solids
-    reach: float
-
-
-Standing = tuple[Scannable, Vector, Quaternion]
-"""A group, and where its frame is in the world."""
-
-
-def scannable(solids: Solids) -> Scannable:
-    """A group of solids; their ground is not in it."""
-    reach = _norms(solids.centres) + _norms(solids.half_sizes)
-    return Scannable(solids, float(reach.max(initial=0.0)))
+Numbers = npt.NDArray[np.intp]
+Mask = npt.NDArray[np.bool_]
+Body = tuple[Solids, Vector, Quaternion]
+"""Solids that keep together, and the pose of their frame in the world."""
 
 
 class Scanner:
@@ -55,69 +33,60 @@ class Scanner:
 
     Args:
         angles: (n,) of the rays in the scanner's x-y plane [rad], rising or falling.
-        longest: What is farther is not seen [m].
+        longest: Greatest range [m].
     """
 
     def __init__(self, angles: Floats, longest: float) -> None:
         self._longest = longest
         self._is_falling = bool(angles[-1] < angles[0])
         self._angles = angles[::-1].copy() if self._is_falling else angles
-        self._rays = np.exp(-1j * self._angles)
+        self._cosines, self._sines = np.cos(self._angles), np.sin(self._angles)
         first, last = self._angles[0] / math.tau, self._angles[-1] / math.tau
         # Arcs are within a turn of 0, either way; rays can be in them some turns further.
         turns = math.tau * np.arange(math.ceil(first) - 1, math.floor(last) + 2)
-        self._turns = np.array((turns - _EDGE, turns + _EDGE))[:, None]
-        self._groups: tuple[Scannable, ...] = ()
-        self._crowd: _Crowd | None = None
+        self._turns = np.array((turns - _MARGIN, turns + _MARGIN))[:, None]
+        self._groups: tuple[Solids, ...] = ()
+        self._targets: _Targets | None = None
 
-    def scan(self, eye: Vector, rotation: Quaternion, standing: Sequence[Standing]) -> Floats:
-        """Distances to what is hit first [m], inf where nothing is within the longest.
+    def scan(self, eye: Vector, rotation: Quaternion, bodies: Sequence[Body]) -> Floats:
+        """The ranges [m], inf for nothing within the longest.
 
-        A solid in which the eye is, is not seen. The plane z = 0 is the ground.
+        A solid around the eye is not seen. The plane z = 0 is the ground.
 
         Args:
-            eye: Where all rays start [m].
+            eye: The origin of all rays [m].
             rotation: Of the scanner.
-            standing: What there is.
+            bodies: Everything around.
         """
         forward, left, _ = axes(rotation)
-        inverse_depth = np.full(len(self._rays), 0.5 / self._longest)  # too far to be seen
-        if TOUCH < eye[2] <= self._longest * math.hypot(forward[2], left[2]):
-            ground = complex(forward[2], left[2]) / -eye[2]
-            np.maximum(inverse_depth, (ground * self._rays).real, out=inverse_depth)
-        near = [one for one in standing if math.dist(one[1], eye) <= self._longest + one[0].reach]
+        ranges = np.full(len(self._angles), np.inf)
+        if _TOUCH < eye[2] <= self._longest * math.hypot(forward[2], left[2]):
+            down = -forward[2] * self._cosines - left[2] * self._sines
+            np.divide(eye[2], down, out=ranges, where=down > 0)
+        near = [body for body in bodies if math.dist(body[1], eye) <= self._longest + body[0].reach]
         if near:
-            views = [number for one in near for number in _view(one, eye, forward, left)]
-            crowd = self._together(tuple([group for group, _, _ in near]))
-            self._draw(inverse_depth, crowd, np.array(views).reshape(-1, 3, 3))
-        distances: Floats = 1 / inverse_depth
-        distances[distances > self._longest] = np.inf
-        return distances[::-1] if self._is_falling else distances
+            views = [number for body in near for number in _view(body, eye, forward, left)]
+            targets = self._prepared(tuple([solids for solids, _, _ in near]))
+            self._measure(ranges, targets, np.array(views).reshape(-1, 3, 3))
+        ranges[ranges > self._longest] = np.inf
+        return ranges[::-1] if self._is_falling else ranges
 
-    def _together(self, groups: tuple[Scannable, ...]) -> "_Crowd":
+    def _prepared(self, groups: tuple[Solids, ...]) -> "_Targets":
         """These groups prepared; mostly they are those of the last scan."""
-        if self._crowd is None or groups != self._groups:
-            self._groups, self._crowd = groups, _Crowd(groups)
-        return self._crowd
+        if self._targets is None or groups != self._groups:
+            self._groups, self._targets = groups, _Targets(groups)
+        return self._targets
 
-    def _draw(self, inverse_depth: Floats, crowd: "_Crowd", views: Floats) -> None:
-        """Raise the nearness to that of solids, when their groups are seen so."""
-        boxes, rounds = slice(crowd.boxes), slice(crowd.boxes, None)
-        seen = crowd.seen(views, self._longest)
-        faces, arcs = _faces(seen.only(boxes))
-        if crowd.rounds:
-            arcs = np.concatenate((arcs, crowd.rounds.arcs(seen.only(rounds))), axis=1)
-        ray, arc = self._rays_within(arcs)
-        rays, flat = self._rays.take(ray), int(arc.searchsorted(len(faces)))
-        entered: Floats = (faces.take(arc[:flat]) * rays[:flat]).real
-        if crowd.rounds and flat < len(arc):
-            solid = arc[flat:] - len(faces)
-            sides = crowd.rounds.entered(seen.only(rounds), solid, rays[flat:])
-            entered = np.concatenate((entered, sides))
-        np.maximum.at(inverse_depth, ray, entered)
+    def _measure(self, ranges: Floats, targets: "_Targets", views: Floats) -> None:
+        """Reduce the ranges to those of the solids, seen from these views of their groups."""
+        eye, forward, left = targets.seen(views)
+        ray, solid = self._pairs(targets.arcs(eye, forward, left, self._longest))
+        along, across = self._cosines.take(ray), self._sines.take(ray)
+        rays = forward.take(solid, axis=1) * along + left.take(solid, axis=1) * across
+        np.minimum.at(ranges, ray, targets.entered(eye.take(solid, axis=1), rays, solid))
 
-    def _rays_within(self, arcs: Floats) -> tuple[Numbers, Numbers]:
-        """The numbers of the rays in all arcs (2, n) [rad], and those of the arcs, which rise."""
+    def _pairs(self, arcs: Floats) -> tuple[Numbers, Numbers]:
+        """All pairs of a ray and an arc (2, n) [rad] that holds it; the arcs' numbers rise."""
         starts, stops = self._angles.searchsorted((arcs[:, :, None] + self._turns).reshape(2, -1))
         counts = np.maximum(stops - starts, 0)
         arc = np.arange(len(counts)).repeat(counts)
@@ -125,67 +94,90 @@ class Scanner:
         return ray, arc // self._turns.shape[2]
 
 
-class _Crowd:
-    """Solids of several groups, prepared: boxes first, and all with six planes.
+class _Targets:
+    """The solids of several groups, each in a frame of its own, as arrays: boxes first."""
 
-    Args:
-        groups: The solids', each in a frame of its own.
-
-    Attributes:
-        boxes: How many are boxes.
-        rounds: The others; None where there are none.
-    """
-
-    def __init__(self, groups: Sequence[Scannable]) -> None:
-        solids = joined(*(group.solids for group in groups))
-        owners = np.arange(len(groups)).repeat([len(group.solids) for group in groups])
+    def __init__(self, groups: Sequence[Solids]) -> None:
+        solids = joined(*groups)
         order = (solids.kinds != CUBOID).argsort(kind="stable")
-        kinds, turns, half = solids.kinds[order], solids.axes[order], solids.half_sizes[order]
-        self.boxes = int((kinds == CUBOID).sum())
-        self.rounds = (
-            Rounds(kinds[self.boxes :], half[self.boxes :]) if self.boxes < len(order) else None
-        )
-        self._owners = owners[order]
-        self._normals = np.concatenate((turns, -turns), axis=2)
-        middles = np.einsum("ni,nik->kn", solids.centres[order], self._normals)
-        self._offsets = middles + np.concatenate((half, half), axis=1).T
+        kinds, half = solids.kinds[order], solids.half_sizes[order]
+        self._owners = np.arange(len(groups)).repeat([len(group) for group in groups])[order]
+        self._axes = solids.axes[order]
+        self._centres = np.einsum("ni,nij->jn", solids.centres[order], self._axes)
+        self._half_sizes = half.T.copy()
+        self._boxes = int((kinds == CUBOID).sum())
+        self._reach_squares = (half * half * _BOUNDING[kinds]).sum(axis=1)
+        # A cylinder is round in x and y, a sphere in z too.
+        self._roundness = np.array((kinds >= 0, kinds >= 0, kinds == SPHERE), np.float64)
 
-    def seen(self, views: Floats, longest: float) -> Sight:
-        """The solids when their groups are seen so (groups, 3, 3), rows as of ``_view``.
+    def seen(self, views: Floats) -> tuple[Floats, Floats, Floats]:
+        """The eye, forward and left (3, n) in the axes of each solid, about its centre.
 
-        Boxes farther than ``longest`` [m] may have no faces, as if the eye were inside.
+        ``views`` (groups, 3, 3) has them in the groups' frames, as rows.
         """
-        eyes, forward, left = (views.take(self._owners, axis=0) @ self._normals).transpose(1, 2, 0)
-        room, slopes = self._offsets - eyes, forward + 1j * left
-        is_outside = room < -TOUCH
-        forms = slopes / np.where(is_outside, room, np.maximum(room, TOUCH))
-        if self.boxes > _MANY:
-            is_outside[:, : self.boxes] &= np.minimum.reduce(room[:, : self.boxes]) >= -longest
-        return Sight(room, slopes, is_outside, forms)
+        eye, forward, left = (views.take(self._owners, axis=0) @ self._axes).transpose(1, 2, 0)
+        return eye - self._centres, forward, left
+
+    def arcs(self, eye: Floats, forward: Floats, left: Floats, longest: float) -> Floats:
+        """The arcs (2, n) [rad] of the bounding spheres' circles in the plane of the scan.
+
+        They end before they begin for a solid around the eye, without a circle, or with none within
+        ``longest`` [m].
+        """
+        x, y = -np.add.reduce(eye * forward), -np.add.reduce(eye * left)
+        square = x * x + y * y
+        radius_square = self._reach_squares - np.add.reduce(eye * eye) + square
+        distance, radius = np.sqrt(square), np.sqrt(np.maximum(radius_square, 0.0))
+        sines = radius / np.maximum(distance, _TOUCH)
+        widths = np.where(sines < 1, np.arcsin(np.minimum(sines, 1.0)), math.pi)
+        hidden = (radius_square <= 0) | (distance - radius > longest) | self._around(eye)
+        widths[hidden] = -1.0
+        middles = np.arctan2(y, x)
+        return np.array((middles - widths, middles + widths))
+
+    def _around(self, eye: Floats) -> Mask:
+        """True for each solid that the eye is in, or touches."""
+        gaps = np.abs(eye) - self._half_sizes
+        radial = np.sqrt(np.add.reduce(eye * eye * self._roundness))
+        gaps[:2, self._boxes :] = (radial - self._half_sizes[0])[self._boxes :]
+        around: Mask = gaps.max(axis=0) <= _TOUCH
+        return around
+
+    def entered(self, eye: Floats, rays: Floats, solid: Numbers) -> Floats:
+        """The distance (m,) at which each ray (3, m) enters its solid, or inf; solids rise."""
+        half = self._half_sizes.take(solid, axis=1)
+        inverse = 1 / np.where(rays == 0, _TINY, rays)
+        middle, reach = -eye * inverse, half * np.abs(inverse)
+        enter, leave = middle - reach, middle + reach
+        boxes = int(solid.searchsorted(self._boxes))
+        found = [_first(enter[:, :boxes].max(axis=0), leave[:, :boxes].min(axis=0))]
+        if boxes < len(solid):
+            eye, rays, radius = eye[:, boxes:], rays[:, boxes:], half[0, boxes:]
+            sides = _round(eye, rays, radius, self._roundness.take(solid[boxes:], axis=1))
+            caps = enter[2, boxes:], leave[2, boxes:]
+            found.append(_first(np.maximum(sides[0], caps[0]), np.minimum(sides[1], caps[1])))
+        return np.concatenate(found)
 
 
-def _faces(boxes: Sight) -> tuple[Complex, Floats]:
-    """The faces (n,) as linear forms, and the arcs (2, n) where each of them is seen [rad]."""
-    _, _, is_face, forms = boxes
-    box = is_face.nonzero()[1]
-    faces, signs = forms[is_face], np.where(is_face, -1.0, 1.0)
-    bounds = (faces - forms.take(box, axis=1)) * (signs.take(box, axis=1) * faces.conj())
-    # Away from the face's own direction; itself, 0 or -0, bounds nothing.
-    turned = np.arctan2(bounds.imag, bounds.real + _TINY)
-    arcs = np.array((np.maximum.reduce(turned), np.minimum.reduce(turned)))
-    arcs += np.arctan2(faces.imag, faces.real) + _QUARTERS
-    return faces, arcs
+def _round(eye: Floats, rays: Floats, radius: Floats, roundness: Floats) -> tuple[Floats, Floats]:
+    """The distances at which rays enter and leave a cylinder's side or a sphere; NaN for a miss."""
+    across = rays * roundness
+    square = np.add.reduce(across * rays)
+    closest = -np.add.reduce(across * eye) / np.maximum(square, _TINY)
+    foot = eye + rays * closest
+    with np.errstate(divide="ignore", invalid="ignore"):
+        root = np.sqrt((radius * radius - np.add.reduce(foot * foot * roundness)) / square)
+        return closest - root, closest + root
 
 
-def _view(standing: Standing, eye: Vector, forward: Vector, left: Vector) -> list[float]:
-    """The eye and the scanner's axes as a group's own frame has them, one after the other."""
-    _, position, rotation = standing
+def _first(enter: Floats, leave: Floats) -> Floats:
+    """The distance of entering, unless the ray misses or starts inside of or beyond the solid."""
+    return np.where((enter <= leave * _EDGE) & (enter > _TOUCH), enter, np.inf)
+
+
+def _view(body: Body, eye: Vector, forward: Vector, left: Vector) -> list[float]:
+    """The eye and the scanner's axes in a body's own frame, one after the other."""
+    _, position, rotation = body
     frame = axes(rotation)
     seen = subtract(eye, position), forward, left
     return [x * a + y * b + z * c for x, y, z in seen for a, b, c in frame]
-
-
-def _norms(vectors: Floats) -> Floats:
-    """The lengths of vectors (n, 3)."""
-    lengths: Floats = np.sqrt((vectors * vectors).sum(axis=1))
-    return lengths

@@ -1,17 +1,17 @@
-"""What there is to be seen: solid shapes as arrays, and the ground.
+"""Solid shapes as arrays, by their kinds, poses, sizes and colours.
 
-Only where things are and how they look; who looks is not known here. Arrays are prepared once for
-a group of parts that keep together (the world's walls, the body of a robot); ``placed`` moves a
-group, ``joined`` makes one of several.
+Arrays are prepared once for a group of parts that keep together (the world's walls, the body of a
+robot); ``placed`` moves a group, ``joined`` makes one of several.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
-from lcmtools_sim.rotation import Quaternion, Vector, axes
+from lcmtools_sim.geometry import Quaternion, Vector, axes
 from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part, Shape, Sphere
 
 Floats = npt.NDArray[np.float64]
@@ -19,7 +19,7 @@ Floats = npt.NDArray[np.float64]
 CUBOID, CYLINDER, SPHERE = range(3)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Solids:
     """A group of solids in one frame.
 
@@ -29,7 +29,7 @@ class Solids:
         axes: (n, 3, 3) rotation matrices; the columns are the solid's axes.
         half_sizes: (n, 3) [m] from the centre to the sides along its axes.
         colors: (n, 3) red, green, blue, 0 to 1.
-        ground: The colour of the plane z = 0, which is solid below; None where there is none.
+        ground: The colour of the plane z = 0, which is solid below; None for no ground.
     """
 
     kinds: npt.NDArray[np.int8]
@@ -40,21 +40,17 @@ class Solids:
     ground: Color | None = None
 
     def __len__(self) -> int:
-        """How many solids, the ground not counted."""
+        """Return the number of solids, without the ground."""
         return len(self.kinds)
 
-    def only(self, mask: npt.NDArray[np.bool_]) -> "Solids":
-        """Those of the group where ``mask`` (n,) is true, without the ground."""
-        return Solids(
-            self.kinds[mask],
-            self.centres[mask],
-            self.axes[mask],
-            self.half_sizes[mask],
-            self.colors[mask],
-        )
+    @cached_property
+    def reach(self) -> float:
+        """The greatest distance of any point of the solids from the frame's origin, at most [m]."""
+        lengths = np.linalg.norm(self.centres, axis=1) + np.linalg.norm(self.half_sizes, axis=1)
+        return float(lengths.max(initial=0.0))
 
     def placed(self, position: Vector, rotation: Quaternion) -> "Solids":
-        """The group as it is in the world when its frame is at this pose there."""
+        """The group in an outer frame, in which its own frame is at this pose."""
         turn = matrix(rotation)
         return replace(
             self, centres=self.centres @ turn.T + np.array(position), axes=turn @ self.axes
@@ -84,15 +80,14 @@ def solids_of(parts: Sequence[Part], ground: Color | None = None) -> Solids:
 
 
 def joined(*groups: Solids) -> Solids:
-    """All the groups as one, in this order; the ground is that of the first that has one."""
-    grounds = [group.ground for group in groups if group.ground is not None]
+    """All groups as one, in this order; the ground is that of the first group that has one."""
     return Solids(
         kinds=np.concatenate([group.kinds for group in groups]),
         centres=np.concatenate([group.centres for group in groups]),
         axes=np.concatenate([group.axes for group in groups]),
         half_sizes=np.concatenate([group.half_sizes for group in groups]),
         colors=np.concatenate([group.colors for group in groups]),
-        ground=grounds[0] if grounds else None,
+        ground=next((group.ground for group in groups if group.ground is not None), None),
     )
 
 
@@ -113,5 +108,5 @@ def _measure(shape: Shape) -> tuple[int, Vector]:
 
 
 def _array(rows: object, *shape: int) -> Floats:
-    """Rows as an array of this shape, also when there are none."""
+    """Rows as an array of this shape, also without any row."""
     return np.array(rows, np.float64).reshape(-1, *shape)

@@ -1,15 +1,15 @@
-"""The surfaces of solids as seen from the origin: nearness as a function of the pixel.
+"""The surfaces of solids as seen from the origin: inverse depth as a function of the pixel.
 
-Nearness is 1 / depth along the optical axis [1/m]. On any plane it is a linear form of the ray
+Inverse depth is 1 / depth along the optical axis [1/m]. On any plane it is a linear form of the ray
 (x, y, 1): a point t (x, y, 1) of the plane n.p = s has 1/t = n.(x, y, 1) / s. A convex solid is
-where nearness is at most that of each surface with the eye outside (its ``faces``), and at least
-that of each with the eye inside (its ``backs``); what is seen is the least of the faces' nearness.
-So the picture of a plane costs one addition a pixel, and no division.
+where inverse depth is at most that of each surface with the eye outside (its ``front``), and at
+least that of each with the eye inside (its ``back``); the visible surface is the least of the
+front's. So the picture of a plane costs one addition a pixel, and no division.
 
 A round side, in a frame whose first axis leads from the eye at (-e, 0, 0) to its axis, is hit where
-c w^2 - 2 e u w + (u^2 + v^2) = 0, with w the nearness, (u, v) the ray there, r the radius and
+c w^2 - 2 e u w + (u^2 + v^2) = 0, with w the inverse depth, (u, v) the ray there, r the radius and
 c = e^2 - r^2 > 0: w = (e u +- sqrt(r^2 u^2 - c v^2)) / c. The root's argument is the product of two
-linear forms, hence exact in float32 where the difference of squares would not be. A ball adds a
+linear forms, hence exact in float32 where the difference of squares would not be. A sphere adds a
 third coordinate to v^2.
 """
 
@@ -22,7 +22,7 @@ from lcmtools_sim.vision.solids import CUBOID, CYLINDER, Floats, Solids
 
 _TOUCH = 1e-9  # [m]; an eye so near to a plane is inside it
 
-Field = npt.NDArray[np.float32]
+Floats32 = npt.NDArray[np.float32]
 
 NOTHING = np.empty((0, 3))
 
@@ -31,21 +31,21 @@ class Surfaces(NamedTuple):
     """One solid's surfaces as linear forms of (x, y, 1), each a row of a (k, 3) array.
 
     Attributes:
-        faces: Planes with the eye outside; none when the eye is not outside any.
-        backs: Planes with the eye inside.
+        front: Planes with the eye outside.
+        back: Planes with the eye inside.
         side: Of a round side seen from outside: e u / c, the two factors of the root's argument,
-            and for a ball the third coordinate; empty when there is none.
-        hollow: Of a round side with the eye inside: e u, u, v and -c; empty when there is none.
+            and for a sphere the third coordinate.
+        hollow: Of a round side with the eye inside: e u, u, v and -c.
     """
 
-    faces: Floats
-    backs: Floats
+    front: Floats
+    back: Floats
     side: Floats = NOTHING
     hollow: Floats = NOTHING
 
 
 def surfaces(solids: Solids, number: int) -> Surfaces | None:
-    """The surfaces of a solid, which is in the optical frame; None when the eye is inside it.
+    """The surfaces of a solid, which is in the optical frame; None with the eye inside it.
 
     As for the engine's rays, a solid is not seen from within: a camera in its housing looks out.
     """
@@ -54,14 +54,14 @@ def surfaces(solids: Solids, number: int) -> Surfaces | None:
     eye = -(centre @ axes)
     if kind == CUBOID:
         planes = _planes(axes, eye, half)
-        return planes if len(planes.faces) else None
+        return planes if len(planes.front) else None
     if kind == CYLINDER:
         return _cylinder(axes, eye, half)
-    return _ball(centre, float(half[0]))
+    return _sphere(centre, float(half[0]))
 
 
 def ground(height: float, up: Floats) -> Floats | None:
-    """The form of the ground's nearness for an eye ``height`` [m] above it; None from below."""
+    """The ground's linear form for an eye ``height`` [m] above it; None from below."""
     return -up / height if height > _TOUCH else None
 
 
@@ -69,9 +69,9 @@ def _planes(axes: Floats, eye: Floats, half: Floats) -> Surfaces:
     """The two planes across each of these axes (columns), ``half`` [m] from the centre."""
     room = np.concatenate((half - eye, half + eye))
     normals = np.concatenate((axes.T, -axes.T))
-    front = room < -_TOUCH
-    forms = normals / np.where(front, room, np.maximum(room, _TOUCH))[:, None]
-    return Surfaces(forms[front], forms[~front])
+    is_front = room < -_TOUCH
+    forms = normals / np.where(is_front, room, np.maximum(room, _TOUCH))[:, None]
+    return Surfaces(forms[is_front], forms[~is_front])
 
 
 def _cylinder(axes: Floats, eye: Floats, half: Floats) -> Surfaces | None:
@@ -82,23 +82,21 @@ def _cylinder(axes: Floats, eye: Floats, half: Floats) -> Surfaces | None:
     v = axes[:, :2] @ np.array((-inwards[1], inwards[0]))
     if away > radius + _TOUCH:
         return caps._replace(side=_side(u, v, away, radius))
-    if not len(caps.faces):
+    if not len(caps.front):
         return None
     depth = max((radius - away) * (radius + away), _TOUCH)
     return caps._replace(hollow=np.stack((away * u, u, v, np.array((0, 0, depth)))))
 
 
-def _ball(centre: Floats, radius: float) -> Surfaces | None:
+def _sphere(centre: Floats, radius: float) -> Surfaces | None:
     away = float(np.linalg.norm(centre))
     if away <= radius + _TOUCH:
         return None
     u = centre / away
-    sideways = np.eye(3)[np.argmin(np.abs(u))]
-    v = np.cross(u, sideways)
+    v = np.cross(u, np.eye(3)[np.argmin(np.abs(u))])
     v /= np.linalg.norm(v)
-    side = _side(u, v, away, radius)
     third = np.cross(u, v) / np.sqrt((away - radius) * (away + radius))
-    return Surfaces(NOTHING, NOTHING, np.concatenate((side, third[None])))
+    return Surfaces(NOTHING, NOTHING, np.vstack((_side(u, v, away, radius), third)))
 
 
 def _side(u: Floats, v: Floats, away: float, radius: float) -> Floats:
@@ -109,16 +107,16 @@ def _side(u: Floats, v: Floats, away: float, radius: float) -> Floats:
     return np.stack((middle, width - slope, width + slope))
 
 
-def field(form: Floats, x: Floats, y: Floats, out: Field | None = None) -> Field:
+def evaluate(form: Floats, x: Floats, y: Floats, out: Floats32 | None = None) -> Floats32:
     """A linear form over the rays (x[i], y[j], 1): (len(y), len(x)) float32."""
     a, b, c = form
     rows = (b * y + c).astype(np.float32)
-    result: Field = np.add(rows[:, None], (a * x).astype(np.float32), out=out)
+    result: Floats32 = np.add(rows[:, None], (a * x).astype(np.float32), out=out)
     return result
 
 
-def hollow_exit(along: Field, u: Field, v: Field, depth: Field) -> Field:
-    """Nearness of leaving a cylinder through its side, the eye within its infinite prolongation.
+def hollow_exit(along: Floats32, u: Floats32, v: Floats32, depth: Floats32) -> Floats32:
+    """The inverse depth of leaving an infinite cylinder, from an eye inside it, through its side.
 
     Args:
         along: e u, with e the distance from the axis [m].
@@ -128,5 +126,5 @@ def hollow_exit(along: Field, u: Field, v: Field, depth: Field) -> Field:
     """
     square = u * u + v * v
     root = np.sqrt(along * along + square * depth)
-    # Either form of the same root, whichever has no difference of nearly equal numbers.
+    # Of two forms of the same root, the one without a difference of nearly equal numbers.
     return np.where(along > 0, square / (root + along), (root - along) / depth)

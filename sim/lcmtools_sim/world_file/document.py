@@ -16,6 +16,8 @@ from lcmtools.names import did_you_mean
 class Item:
     """One value of the document: a scalar, a list or a mapping.
 
+    Its readers raise InvalidFile, with file and line, for a value of another kind.
+
     Attributes:
         name: Its place in the document, for errors ("pose", "size[2]").
         source: The file that it comes from, for errors.
@@ -36,11 +38,7 @@ class Item:
         return InvalidFile(f"{self.source}:{self.line}: {reason}", hint)
 
     def text(self) -> str:
-        """Return the scalar as it is written.
-
-        Raises:
-            InvalidFile: It is no scalar, empty, or not printable.
-        """
+        """Return the scalar as it is written."""
         if not isinstance(self.node.value, str):
             raise self.error(f"'{self.name}' must be one word or number, not a {self._kind()}")
         text = " ".join(self.node.value.split())  # it may be written over several lines
@@ -51,11 +49,7 @@ class Item:
         return text
 
     def number(self, minimum: float = -1e5, maximum: float = 1e5) -> float:
-        """Return a finite number within the bounds; a fraction such as 1/240 is one too.
-
-        Raises:
-            InvalidFile: It is not a number, or out of bounds.
-        """
+        """Return a finite number within the bounds; a fraction such as 1/240 is one too."""
         text = self.text()
         try:
             value = _parse_number(text)
@@ -64,11 +58,7 @@ class Item:
         return self._check_bounds(value, minimum, maximum)
 
     def angle(self, minimum: float = -1e5, maximum: float = 1e5) -> float:
-        """Return an angle [rad] within the bounds; "90 deg" is one too.
-
-        Raises:
-            InvalidFile: It is no angle, or out of bounds.
-        """
+        """Return an angle [rad] within the bounds; "90 deg" is one too."""
         text = self.text()
         if not text.endswith("deg"):
             return self.number(minimum, maximum)
@@ -79,11 +69,7 @@ class Item:
             raise self.error(f"'{self.name}' must be an angle, not '{text}'") from None
 
     def integer(self, minimum: int, maximum: int) -> int:
-        """Return a whole number within the bounds.
-
-        Raises:
-            InvalidFile: It is not a whole number, or out of bounds.
-        """
+        """Return a whole number within the bounds."""
         text = self.text()
         try:
             value = int(text)
@@ -93,22 +79,14 @@ class Item:
         return value
 
     def flag(self) -> bool:
-        """Return True or False.
-
-        Raises:
-            InvalidFile: It is neither.
-        """
+        """Return True or False."""
         text = self.text()
         if text.lower() not in ("true", "false"):
             raise self.error(f"'{self.name}' must be true or false, not '{text}'")
         return text.lower() == "true"
 
     def items(self, *lengths: int) -> list["Item"]:
-        """Return the elements of a list, which has one of ``lengths`` where any are given.
-
-        Raises:
-            InvalidFile: It is no list, or of another length.
-        """
+        """Return the elements of a list, of one of these lengths, if any are given."""
         nodes = self.node.value
         if not isinstance(nodes, list):
             raise self.error(f"'{self.name}' must be a list, not a {self._kind()}")
@@ -118,11 +96,7 @@ class Item:
         return [Item(f"{self.name}[{i}]", self.source, node) for i, node in enumerate(nodes)]
 
     def fields(self, known: Collection[str], required: Collection[str] = ()) -> dict[str, "Item"]:
-        """Return the values of a mapping by key, in the order of the file.
-
-        Raises:
-            InvalidFile: It is no mapping; a key is unknown or missing.
-        """
+        """Return the values of a mapping by key, in the order of the file."""
         mapping = self._mapping()
         for written, node in mapping.items():
             key = Item("key", self.source, Node(written, node.key_line))
@@ -135,11 +109,7 @@ class Item:
         return {name: Item(name, self.source, node) for name, node in mapping.items()}
 
     def field(self, name: str) -> "Item":
-        """Return one value of a mapping; the others are not checked.
-
-        Raises:
-            InvalidFile: It is no mapping, or has no such key.
-        """
+        """Return one value of a mapping; the others are not checked."""
         mapping = self._mapping()
         if name not in mapping:
             raise self.error(f"'{self.name}' lacks the key '{name}'")

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from lcmtools.formats import strict_xml
-from lcmtools_sim.rotation import Vector
+from lcmtools_sim.geometry import Vector
 
 _LARGEST = 1e6
-"""Of the numbers that may stand for lengths, masses and angles."""
+"""Of all lengths, masses and angles."""
 
 
 @dataclass(slots=True)
@@ -34,33 +34,21 @@ class Element(strict_xml.Element):
         return found
 
     def needed(self, tag: str) -> "Element":
-        """Return the child of this name.
-
-        Raises:
-            InvalidFile: There is none.
-        """
+        """Return the child of this name, which is required."""
         if found := self.child(tag):
             return found
         raise self.error(f"{self} lacks <{tag}>")
 
     def attribute(self, name: str) -> str:
-        """Return an attribute, without spaces around it.
-
-        Raises:
-            InvalidFile: There is none, it is empty, or not printable.
-        """
+        """Return an attribute, which is required, without spaces around it."""
         return self._checked(self.attributes.get(name), f"lacks the attribute '{name}'")
 
     def words(self) -> str:
-        """Return the text of the element.
-
-        Raises:
-            InvalidFile: There is none, or it is not printable.
-        """
+        """Return the text of the element, which is required."""
         return self._checked(self.text, "is empty")
 
     def number(self, name: str = "", *, lowest: float = -_LARGEST) -> float:
-        """Return the number in an attribute; in the element itself where no name is given."""
+        """Return the number in an attribute; in the element itself without a name."""
         return self.numbers(name, (1,), lowest=lowest)[0]
 
     def length(self, name: str = "") -> float:
@@ -94,7 +82,7 @@ class Element(strict_xml.Element):
         return [self._number(word, what, lowest) for word in words]
 
     def __str__(self) -> str:
-        """Return the element as errors call it: with its name where it has one."""
+        """Return the element as errors call it: with its name if it has one."""
         name = self.attributes.get("name", "")
         return f"<{self.tag} name='{name}'>" if name.isprintable() and name else f"<{self.tag}>"
 
@@ -119,11 +107,7 @@ class Element(strict_xml.Element):
 def load_markup(text: str, source: str, root: str, hint: str = "") -> Element:
     """Return the root of an XML document, which must have the name ``root``.
 
-    Args:
-        text: The document.
-        source: The file's name, for errors.
-        root: The name.
-        hint: What to do with a document about something else.
+    ``hint`` is for a document about something else.
 
     Raises:
         InvalidFile: The text is no XML, has a document type, or is about something else.

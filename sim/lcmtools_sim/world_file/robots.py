@@ -1,62 +1,57 @@
-"""The entries of ``robots``: which model, where, and what is different about it."""
+"""The entries of ``robots``: model, place, and changes of the model."""
 
 from collections.abc import Iterable
 from dataclasses import replace
 
 from lcmtools.errors import InvalidName
-from lcmtools.names import check_length, resolve
-from lcmtools_sim.pose import ORIGIN
+from lcmtools.names import check_length, resolve, resolve_namespace
+from lcmtools_sim.geometry import ORIGIN
 from lcmtools_sim.robots import MODELS
 from lcmtools_sim.robots.model import CommandTopic, RobotModel
 from lcmtools_sim.scene import RobotPlacement
-from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.world_file.document import Item
 from lcmtools_sim.world_file.sensors import read_sensors
 from lcmtools_sim.world_file.urdf import read_urdf
 from lcmtools_sim.world_file.urdf_robot import urdf_model
-from lcmtools_sim.world_file.values import named_file, namespace, one_of, pose, value
+from lcmtools_sim.world_file.values import (
+    checked_name,
+    given_twice,
+    named_file,
+    one_of,
+    pose,
+    value,
+)
 
 _ROBOT_KEYS = (
-    "model",
-    "namespace",
-    "pose",
-    "cmd_timeout",
-    "sensors",
-    "topics",
-    "commands",
-    "drive",
-    "gazebo_quirks",
-    "skid",
+    *("model", "namespace", "pose", "cmd_timeout", "sensors", "topics", "commands", "drive"),
+    *("gazebo_quirks", "skid"),
 )
 
 
 def read_robots(item: Item, notes: list[str]) -> tuple[RobotPlacement, ...]:
-    """Everything that ``robots`` lists; ``notes`` gets what was left out of their files.
+    """All entries of ``robots``; notes on ignored content of their files are added to ``notes``.
 
     Raises:
         InvalidFile: Anything is wrong with an entry, with file, line and reason.
     """
     robots: list[RobotPlacement] = []
     for element in item.items():
-        robot = read_robot(element, notes)
+        robot = _robot(element, notes)
         if robot.namespace in [other.namespace for other in robots]:
             raise element.error(f"two robots have the namespace '{robot.namespace}'")
         robots.append(robot)
     return tuple(robots)
 
 
-def read_robot(item: Item, notes: list[str]) -> RobotPlacement:
-    """One entry of ``robots``.
-
-    Raises:
-        InvalidFile: Anything is wrong with it, with file, line and reason.
-    """
+def _robot(item: Item, notes: list[str]) -> RobotPlacement:
     keys = item.fields(_ROBOT_KEYS, required=["model", "namespace"])
-    model, where = _model(keys, item, notes), namespace(keys["namespace"])
-    _check_topics(model, where, keys, item)
+    model = _model(keys, item, notes)
+    namespace = checked_name(resolve_namespace)(keys["namespace"])
+    _check_topics(model, namespace, keys, item)
     return RobotPlacement(
         model=model,
-        namespace=where,
+        namespace=namespace,
         pose=value(keys, "pose", pose, ORIGIN),
         cmd_timeout=value(keys, "cmd_timeout", _timeout, None),
         where=f"{item.source}:{item.line}",
@@ -64,7 +59,7 @@ def read_robot(item: Item, notes: list[str]) -> RobotPlacement:
 
 
 def _model(keys: dict[str, Item], item: Item, notes: list[str]) -> RobotModel:
-    """The model, with what the entry changes of it."""
+    """The model with the entry's changes."""
     model = _plain_model(keys, item, notes)
     if value(keys, "gazebo_quirks", Item.flag, default=False):
         if model.gazebo_drive is None:
@@ -85,7 +80,7 @@ def _model(keys: dict[str, Item], item: Item, notes: list[str]) -> RobotModel:
 
 
 def _plain_model(keys: dict[str, Item], item: Item, notes: list[str]) -> RobotModel:
-    """The model that is named, or described by a URDF file."""
+    """The model with a name, or of a URDF file."""
     path = keys["model"].text()
     if "/" not in path and not path.endswith((".urdf", ".xacro")):
         if "drive" in keys:
@@ -107,7 +102,7 @@ def _plain_model(keys: dict[str, Item], item: Item, notes: list[str]) -> RobotMo
 
 
 def _renamed(item: Item, mounts: Iterable[SensorMount]) -> tuple[SensorMount, ...]:
-    """The sensors with other topics: those that they have now are the keys."""
+    """The sensors with other topics, by their present ones."""
     topics = {mount.topic: mount for mount in mounts}
     named = item.fields(topics)
     return tuple(
@@ -117,33 +112,29 @@ def _renamed(item: Item, mounts: Iterable[SensorMount]) -> tuple[SensorMount, ..
 
 
 def _commands(item: Item) -> tuple[CommandTopic, ...]:
-    """The topics that steer it, each declared as one of Twists."""
+    """The topics of its commands, each declared as Twist."""
     names = [name.text() for name in item.items()]
     if not names:
         raise item.error("'commands' is empty: nothing could steer the robot")
-    if twice := next((name for name in names if names.count(name) > 1), None):
+    if twice := given_twice(names):
         raise item.error(f"'{twice}' is given twice in 'commands'")
     return tuple(CommandTopic(name, is_twist=True) for name in names)
 
 
-def _check_topics(model: RobotModel, where: str, keys: dict[str, Item], item: Item) -> None:
-    """Refuse topics that the bus could not carry, and two sensors or a command on one.
-
-    Raises:
-        InvalidFile: Naming the topic.
-    """
+def _check_topics(model: RobotModel, namespace: str, keys: dict[str, Item], item: Item) -> None:
+    """Refuse topics that are illegal on the bus, and one topic for two uses."""
     sensors = keys.get("topics") or keys.get("sensors") or item
     commands = keys.get("commands") or sensors
     names = [(mount.topic, sensors) for mount in model.sensors]
     names += [(command.name, commands) for command in model.commands]
     found: set[str] = set()
-    for name, said in names:
+    for name, given in names:
         try:
-            topic = check_length(resolve(name, where), name)
+            topic = check_length(resolve(name, namespace), name)
         except InvalidName as error:
-            raise said.error(error.what, error.hint) from None
+            raise given.error(error.what, error.hint) from None
         if topic in found:
-            raise said.error(f"the topic '{topic}' is used twice", "give one another name")
+            raise given.error(f"the topic '{topic}' is used twice", "give one another name")
         found.add(topic)
 
 

@@ -1,23 +1,21 @@
-"""What stands in a Gazebo world: the static part of an SDF file, and the models that it includes.
+"""The objects of a Gazebo world: an SDF file's static content, and the models that it includes.
 
-Boxes, cylinders, spheres, capsules and planes are taken, with their poses, masses, frictions and
-colours. Links that joints join become one rigid body. Meshes, lights and the like are left out,
-and counted; what makes Gazebo run (physics, plugins, gui) is not for this simulator. The format is
+Boxes, cylinders, spheres, capsules and planes are read, with their poses, masses, frictions and
+colours. Links with joints between them become one rigid body. Meshes, lights and the like are left
+out, and counted; Gazebo's own settings (physics, plugins, gui) have no meaning here. The format is
 that of http://sdformat.org/spec.
 """
 
 from collections import Counter
-from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from lcmtools_sim.pose import Pose
-from lcmtools_sim.scene import Ground, Scene, Thing
-from lcmtools_sim.world_file.files import find_model, read_file
-from lcmtools_sim.world_file.frames import Frame, frame_of
-from lcmtools_sim.world_file.inertia import Inertial, centre_of_mass
+from lcmtools_sim.geometry import Frame, Pose
+from lcmtools_sim.scene import Ground, Scene, SceneObject
+from lcmtools_sim.shapes import Inertial, centre_of_mass
 from lcmtools_sim.world_file.markup import Element, load_markup
 from lcmtools_sim.world_file.sdf_links import SdfLink, read_link, read_pose
+from lcmtools_sim.world_file.values import find_model, read_file
 
 _BUILT_IN = ("model://sun", "model://ground_plane")
 _COUNTED = ("light", "actor", "road", "population")
@@ -29,16 +27,16 @@ _JOINTED = "movement of a joint"
 
 @dataclass(frozen=True, slots=True)
 class SdfContents:
-    """What a file holds.
+    """The content of a file.
 
     Attributes:
-        things: In the world.
-        ground: What it says of the plane z = 0; None for nothing.
-        gravity: [m/s^2] downwards; None where nothing is said.
-        notes: What was left out, one line.
+        objects: In the world.
+        ground: The plane z = 0; None if the file has none.
+        gravity: [m/s^2] downwards; None if the file has none.
+        notes: The elements that were left out, one line.
     """
 
-    things: tuple[Thing, ...]
+    objects: tuple[SceneObject, ...]
     ground: Ground | None
     gravity: float | None
     notes: tuple[str, ...]
@@ -50,7 +48,7 @@ def read_sdf(text: str, source: str, pose: Pose | None = None) -> SdfContents:
     Args:
         text: The file's.
         source: Its path.
-        pose: Where its origin stands in the world.
+        pose: Of its origin in the world.
 
     Raises:
         InvalidFile: Anything is wrong with it, with file, line and reason.
@@ -60,11 +58,10 @@ def read_sdf(text: str, source: str, pose: Pose | None = None) -> SdfContents:
     if not worlds and not root.all("model"):
         raise root.error("the file holds no <world> and no <model>")
     holder = worlds[0] if worlds else root
-    reader.read(holder, frame_of(pose) if pose else Frame())
-    grounds = [link.ground for link in reader.links if link.ground]
+    reader.read(holder, pose.frame if pose else Frame())
     return SdfContents(
-        things=tuple(reader.things),
-        ground=grounds[0] if grounds else None,
+        objects=tuple(reader.objects),
+        ground=next((link.ground for link in reader.links if link.ground), None),
         gravity=_gravity(holder),
         notes=reader.notes(source),
     )
@@ -83,7 +80,7 @@ def read_sdf_scene(text: str, source: str) -> Scene:
         node="gazebo",
         gravity=plain.gravity if found.gravity is None else found.gravity,
         ground=found.ground or plain.ground,
-        things=found.things,
+        objects=found.objects,
         notes=found.notes,
     )
 
@@ -100,14 +97,14 @@ def _gravity(world: Element) -> float | None:
 
 @dataclass(slots=True)
 class _Model:
-    """The links and joints of one model, with those of the models in it."""
+    """The links and joints of one model, with those of its nested models."""
 
     links: dict[str, SdfLink] = field(default_factory=dict)
     joints: list[tuple[str, str]] = field(default_factory=list)
 
 
 class _Reader:
-    """Goes through a file and what it includes.
+    """Reads a file and its includes.
 
     Args:
         opened: The files that are being read, the outermost first.
@@ -115,36 +112,53 @@ class _Reader:
 
     def __init__(self, opened: list[Path]) -> None:
         self.links: list[SdfLink] = []
-        self.things: list[Thing] = []
+        self.objects: list[SceneObject] = []
         self._opened = opened
         self._models = 0
         self._left_out: Counter[str] = Counter()
-        self._lost: Counter[str] = Counter()
+        self._not_found: Counter[str] = Counter()
 
     def notes(self, source: str) -> tuple[str, ...]:
-        """What was left out."""
+        """The elements that were left out."""
         parts = [f"{kind} ({count})" for kind, count in sorted(self._left_out.items())]
-        parts += [f"{uri} (not found, {count})" for uri, count in sorted(self._lost.items())]
+        parts += [f"{uri} (not found, {count})" for uri, count in sorted(self._not_found.items())]
         return (f"{source}: left out: {', '.join(parts)}",) if parts else ()
 
     def read(self, holder: Element, frame: Frame) -> None:
-        """Take the models of a world."""
+        """Read the models of a world."""
         for element in holder.children:
             if element.tag in ("model", "include"):
                 model = _Model()
-                self._read_member(element, frame, model, "", static=False)
+                self._member(element, frame, model, "", static=False)
                 self.links += model.links.values()
-                self.things += _things(model)
+                self.objects += [found for group in _groups(model) if (found := _object(group))]
             elif element.tag in _COUNTED:
                 self._left_out[element.tag] += 1
 
-    def _read_member(
+    def _member(
         self, element: Element, outer: Frame, into: _Model, prefix: str, *, static: bool
     ) -> None:
-        if element.tag == "include":
-            self._include(element, outer, into, prefix, static=static)
-        else:
+        """Read a model, or an included one with the name, pose and so on of the include."""
+        if element.tag == "model":
             self._model(element, outer, into, prefix, static=static)
+            return
+        uri = element.needed("uri").words()
+        path = find_model(uri, element.source)
+        if path is None:
+            if uri not in _BUILT_IN:
+                self._not_found[uri] += 1
+            return
+        if path.resolve() in self._opened:
+            raise element.error(f"{path} includes itself")
+        self._opened.append(path.resolve())
+        root = load_markup(read_file(path), str(path), "sdf")
+        if model := root.child("model"):
+            self._model(_overridden(model, element), outer, into, prefix, static=static)
+        elif root.child("light"):
+            self._left_out["light"] += 1
+        else:
+            raise element.error(f"{path} holds no <model>")
+        self._opened.pop()
 
     def _model(
         self, element: Element, outer: Frame, into: _Model, prefix: str, *, static: bool
@@ -164,7 +178,7 @@ class _Reader:
             elif child.tag == "joint":
                 self._joint(child, into, name)
             elif child.tag in ("model", "include"):
-                self._read_member(child, frame, into, f"{name}::", static=static)
+                self._member(child, frame, into, f"{name}::", static=static)
 
     def _joint(self, element: Element, into: _Model, model: str) -> None:
         parent, child = (element.needed(tag).words() for tag in ("parent", "child"))
@@ -173,54 +187,30 @@ class _Reader:
         ends = [end if end == _WORLD else f"{model}::{end}" for end in (parent, child)]
         into.joints.append((ends[0], ends[1]))
 
-    def _include(
-        self, element: Element, outer: Frame, into: _Model, prefix: str, *, static: bool
-    ) -> None:
-        """Take an included model, with the name, pose and so on that the include gives it."""
-        uri = element.needed("uri").words()
-        path = find_model(uri, element.source)
-        if path is None:
-            if uri not in _BUILT_IN:
-                self._lost[uri] += 1
-            return
-        if path.resolve() in self._opened:
-            raise element.error(f"{path} includes itself")
-        self._opened.append(path.resolve())
-        root = load_markup(read_file(path), str(path), "sdf")
-        if model := root.child("model"):
-            self._model(_overridden(model, element), outer, into, prefix, static=static)
-        elif root.child("light"):
-            self._left_out["light"] += 1
-        else:
-            raise element.error(f"{path} holds no <model>")
-        self._opened.pop()
-
 
 def _overridden(model: Element, include: Element) -> Element:
-    """An included model with what the include says instead."""
-    said = [child for tag in ("pose", "static") if (child := include.child(tag))]
-    kept = [child for child in model.children if child.tag not in {one.tag for one in said}]
+    """An included model with the include's pose, name and so on."""
+    own = [child for tag in ("pose", "static") if (child := include.child(tag))]
+    kept = [child for child in model.children if child.tag not in {one.tag for one in own}]
     name = include.child("name")
     attributes = {**model.attributes, **({"name": name.words()} if name else {})}
-    return Element(model.tag, model.source, model.line, attributes, [*said, *kept])
+    return Element(model.tag, model.source, model.line, attributes, [*own, *kept])
 
 
 def _flag(element: Element | None) -> bool:
     return element is not None and element.text.strip().lower() in ("true", "1")
 
 
-def _things(model: _Model) -> list[Thing]:
-    """The bodies of a model: static links one by one, movable ones as they are joined."""
-    return [thing for group in _groups(model) if (thing := _thing(group))]
-
-
 def _groups(model: _Model) -> list[list[SdfLink]]:
-    """Links that joints hold together; what is joined to the world stands for ever."""
+    """The links of each body: static ones alone, movable ones with those joined to them.
+
+    Links that are joined to the world are static.
+    """
     leader = {name: name for name in (*model.links, _WORLD)}
 
     def top(name: str) -> str:
         while leader[name] != name:
-            leader[name] = name = leader[leader[name]]  # halves the way for the next one
+            leader[name] = name = leader[leader[name]]  # halves the path for the next one
         return name
 
     for parent, child in model.joints:
@@ -233,22 +223,18 @@ def _groups(model: _Model) -> list[list[SdfLink]]:
     return list(groups.values())
 
 
-def _thing(links: list[SdfLink]) -> Thing | None:
-    """One body of the links; None where nothing of it can be hit."""
+def _object(links: list[SdfLink]) -> SceneObject | None:
+    """One body of the links; None without any shape."""
     parts = [part for link in links for part in link.parts]
     if not parts:
         return None
-    mass, centre = centre_of_mass(_inertials(links))
+    mass, centre = centre_of_mass(Inertial(link.mass, link.frame) for link in links)
     frame = Frame(centre, links[0].frame.rotation)
     inside = frame.inverse()
-    return Thing(
+    return SceneObject(
         name=links[0].name.removesuffix("::link"),
-        parts=tuple(inside.part(part) for part in parts),
+        parts=tuple(part.placed(*inside) for part in parts),
         pose=frame.pose(),
         mass=0.0 if links[0].static else mass,
         friction=links[0].friction,
     )
-
-
-def _inertials(links: Iterable[SdfLink]) -> list[Inertial]:
-    return [Inertial(link.mass, link.frame, (0.0,) * 6) for link in links]

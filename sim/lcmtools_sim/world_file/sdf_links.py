@@ -1,7 +1,7 @@
 """A link of an SDF model: its shapes, mass, friction and looks.
 
-What has no simple shape is counted by its kind, so that the reader can say what was left out. The
-format is that of http://sdformat.org/spec.
+Elements without a simple shape are counted by their kind. The format is that of
+http://sdformat.org/spec.
 """
 
 import math
@@ -9,15 +9,13 @@ from collections import Counter
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from lcmtools_sim.pose import Pose
-from lcmtools_sim.rotation import Vector, axes
+from lcmtools_sim.geometry import ZERO, Frame, Pose, Vector, axes
 from lcmtools_sim.scene import Ground
 from lcmtools_sim.shapes import GREY, Color, Cuboid, Cylinder, Part, Sphere
-from lcmtools_sim.world_file.frames import Frame, frame_of
 from lcmtools_sim.world_file.markup import Element
 
 _FRICTION = 1.0
-"""As SDF has it where nothing is said."""
+"""The default of SDF."""
 _MOST_FRICTION = 10.0
 _SLAB = 0.02
 """[m] Thickness of a plane that is not the ground."""
@@ -40,7 +38,7 @@ _SCRIPTS: dict[str, Color] = {
     "Wood": (0.6, 0.42, 0.25),
     "Yellow": (1.0, 1.0, 0.0),
 }
-"""Colours that Gazebo's own materials ("Gazebo/Red") are like."""
+"""Colours like those of Gazebo's own materials ("Gazebo/Red")."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +51,8 @@ class SdfLink:
         parts: Its shapes, in the world.
         mass: [kg]
         friction: Of its first shape.
-        static: It stands for ever.
-        ground: What it makes of the plane z = 0; None where it holds no such plane.
+        static: True for an immovable link.
+        ground: The plane z = 0, if the link holds it.
     """
 
     name: str
@@ -69,7 +67,7 @@ class SdfLink:
 def read_link(
     element: Element, outer: Frame, name: str, left_out: Counter[str], *, static: bool
 ) -> SdfLink:
-    """One link of a model that stands at ``outer`` in the world.
+    """One link of a model at ``outer`` in the world.
 
     Raises:
         InvalidFile: Anything is wrong with it, with file, line and reason.
@@ -86,7 +84,7 @@ def read_link(
             ground = Ground(rough, color)
             continue
         found = _parts(collision.needed("geometry"), color, left_out)
-        parts += [place.part(part) for part in found]
+        parts += [part.placed(*place) for part in found]
         friction = rough if friction is None else friction
     if element.all("visual") and not element.all("collision"):
         left_out["look that nothing collides with"] += len(element.all("visual"))
@@ -103,34 +101,34 @@ def read_link(
 
 
 def read_pose(element: Element, parents: Collection[str]) -> Frame:
-    """Where an element is in its parent, which may have the names ``parents``.
+    """The frame of an element in its parent, which may have the names ``parents``.
 
     Raises:
-        InvalidFile: The pose is wrong, or is told in another frame.
+        InvalidFile: The pose is wrong, or relative to another frame.
     """
     pose = element.child("pose")
     if pose is None or not pose.text.strip():
         return Frame()
-    told_in = pose.attributes.get("relative_to") or pose.attributes.get("frame") or ""
-    if told_in and told_in not in parents:
+    relative_to = pose.attributes.get("relative_to") or pose.attributes.get("frame") or ""
+    if relative_to and relative_to not in parents:
         raise pose.error(
-            f"the pose of {element} is relative to '{told_in}'",
+            f"the pose of {element} is relative to '{relative_to}'",
             "only poses relative to what holds the element are read",
         )
-    x, y, z, *turned = pose.numbers("", (6, 7))
-    if len(turned) == 4:  # noqa: PLR2004 - a quaternion
-        size = math.hypot(*turned)
+    x, y, z, *angles = pose.numbers("", (6, 7))
+    if len(angles) == 4:  # noqa: PLR2004 - a quaternion
+        size = math.hypot(*angles)
         if not size:
             raise pose.error("the rotation is all zeros", "0 0 0 1 for none")
-        qx, qy, qz, qw = (value / size for value in turned)
+        qx, qy, qz, qw = (value / size for value in angles)
         return Frame((x, y, z), (qx, qy, qz, qw))
     if pose.attributes.get("degrees") in ("true", "1"):
-        turned = [math.radians(angle) for angle in turned]
-    return frame_of(Pose(x, y, z, *turned))
+        angles = [math.radians(angle) for angle in angles]
+    return Pose(x, y, z, *angles).frame
 
 
 def _parts(geometry: Element, color: Color, left_out: Counter[str]) -> list[Part]:
-    """The shapes of one geometry, in its own frame; none where it is none of the simple ones."""
+    """The shapes of one geometry, in its own frame; none of any but simple ones."""
     if found := geometry.child("box"):
         return [Part(Cuboid(found.needed("size").size()), color=color)]
     if found := geometry.child("sphere"):
@@ -151,7 +149,7 @@ def _parts(geometry: Element, color: Color, left_out: Counter[str]) -> list[Part
 
 
 def _is_ground(collision: Element, place: Frame) -> bool:
-    """Whether it is the plane z = 0."""
+    """Return whether it is the plane z = 0."""
     level = axes(place.rotation)[2][2] > _LEVEL and abs(place.position[2]) < _NEAR
     return level and collision.path("geometry", "plane") is not None
 
@@ -162,21 +160,21 @@ def _friction(collision: Element) -> float:
 
 
 def _inertial(link: Element) -> tuple[float, Vector]:
-    """Mass [kg], and the centre of mass in the link."""
+    """The mass [kg], and the centre of mass in the link."""
     inertial = link.child("inertial")
     if inertial is None:
-        return 1.0, (0.0, 0.0, 0.0)
+        return 1.0, ZERO
     mass = inertial.child("mass")
     weight = mass.number(lowest=1e-6) if mass else 1.0
     return weight, read_pose(inertial, {link.attributes.get("name", "")}).position
 
 
 def _color(link: Element, collision: Element) -> Color:
-    """Of the look that has the same shape; else the first one of the link."""
+    """The colour of the visual with the same shape; else of the link's first one."""
     geometry = collision.child("geometry")
-    looks = link.all("visual")
-    looks.sort(key=lambda visual: not _same(visual.child("geometry"), geometry))
-    return next((color for visual in looks if (color := _material(visual))), GREY)
+    visuals = link.all("visual")
+    visuals.sort(key=lambda visual: not _same(visual.child("geometry"), geometry))
+    return next((color for visual in visuals if (color := _material(visual))), GREY)
 
 
 def _same(one: Element | None, other: Element | None) -> bool:

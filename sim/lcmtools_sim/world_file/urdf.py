@@ -1,17 +1,15 @@
-"""What a URDF file says: links of simple shapes and masses, joined to one body.
+"""The content of a URDF file: links of simple shapes and masses, joined to one body.
 
-Every joint stands at zero. How such a body drives is not known here, see urdf_robot.py. The format
-is that of http://wiki.ros.org/urdf/XML.
+Every joint is at zero. Driving is not known here, see urdf_robot.py. The format is that of
+http://wiki.ros.org/urdf/XML.
 """
 
 from dataclasses import dataclass
 from pathlib import PurePath
 
 from lcmtools.errors import InvalidFile
-from lcmtools_sim.pose import Pose
-from lcmtools_sim.shapes import GREY, Color, Cuboid, Cylinder, Part, Shape, Sphere
-from lcmtools_sim.world_file.frames import Frame, frame_of
-from lcmtools_sim.world_file.inertia import Inertial
+from lcmtools_sim.geometry import ZERO, Frame, Pose
+from lcmtools_sim.shapes import GREY, Color, Cuboid, Cylinder, Inertial, Part, Shape, Sphere
 from lcmtools_sim.world_file.markup import Element, load_markup
 
 _BASE = "base_link"
@@ -23,10 +21,10 @@ class Link:
     """A link of the robot, in the frame of its base.
 
     Attributes:
-        element: Where it comes from, for messages.
+        element: Its source, for messages.
         frame: Of the link itself.
-        parts: Its shapes; those that collide, or where none do, those that are seen.
-        inertial: How it resists; None has no mass.
+        parts: Its collision shapes, or without any its visual ones.
+        inertial: Its mass properties; None has no mass.
     """
 
     element: Element
@@ -37,14 +35,9 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """What joins two links.
+    """A joint of two links, by name; ``frame`` is that of the child in the parent, at zero.
 
-    Attributes:
-        element: Where it comes from, for messages.
-        kind: As URDF has it: fixed, continuous, revolute and so on.
-        parent: A link's name.
-        child: A link's name.
-        frame: Of the child in the parent, at zero.
+    Its kind is URDF's type: fixed, continuous, revolute and so on.
     """
 
     element: Element
@@ -56,14 +49,14 @@ class Joint:
 
 @dataclass(frozen=True, slots=True)
 class Urdf:
-    """A robot as its file describes it.
+    """A robot's description.
 
     Attributes:
         root: The element of the whole, for messages.
         name: The robot's.
-        links: By name, in the frame of base_link (or of the first link, where none is called so).
+        links: By name, in the frame of base_link (or of the first link, without a base_link).
         joints: By name.
-        notes: What was left out.
+        notes: The links that were left out.
     """
 
     root: Element
@@ -122,7 +115,7 @@ def _joint(element: Element) -> Joint:
 
 
 def _frames(root: Element, links: dict[str, Element], joints: dict[str, Joint]) -> dict[str, Frame]:
-    """Where each link is in the base, which must hold all of them together."""
+    """The frame of each link in the base; all must form one tree."""
     above: dict[str, Joint] = {}
     for joint in joints.values():
         for name in (joint.parent, joint.child):
@@ -163,14 +156,13 @@ def _link(element: Element, frame: Frame, colors: dict[str, Color]) -> Link:
     shapes = element.all("collision") or [
         visual for visual in element.all("visual") if not visual.path("geometry", "mesh")
     ]
-    parts = tuple(frame.part(_part(element, shape, color)) for shape in shapes)
+    parts = tuple(_part(element, shape, color).placed(*frame) for shape in shapes)
     return Link(element, frame, parts, _inertial(element, frame))
 
 
 def _part(link: Element, element: Element, color: Color) -> Part:
     """One collision or visual of a link, in the link's frame."""
-    frame = _origin(element)
-    return Part(_shape(link, element.needed("geometry")), frame.position, frame.rotation, color)
+    return Part(_shape(link, element.needed("geometry")), *_origin(element), color)
 
 
 def _shape(link: Element, geometry: Element) -> Shape:
@@ -206,13 +198,14 @@ def _origin(element: Element) -> Frame:
     origin = element.child("origin")
     if origin is None:
         return Frame()
-    place = origin.vector("xyz") if "xyz" in origin.attributes else (0.0, 0.0, 0.0)
-    turned = origin.vector("rpy") if "rpy" in origin.attributes else (0.0, 0.0, 0.0)
-    return frame_of(Pose(*place, *turned))
+    place, angles = (
+        origin.vector(name) if name in origin.attributes else ZERO for name in ("xyz", "rpy")
+    )
+    return Pose(*place, *angles).frame
 
 
 def _colors(root: Element) -> dict[str, Color]:
-    """The named materials, wherever they are described."""
+    """The colours of all named materials."""
     materials = root.all("material")
     for link in root.all("link"):
         materials += [material for v in link.all("visual") for material in v.all("material")]
@@ -225,7 +218,7 @@ def _colors(root: Element) -> dict[str, Color]:
 
 
 def _look(link: Element, colors: dict[str, Color]) -> Color:
-    """The first colour of what is seen of a link."""
+    """The first colour of a link's visuals."""
     for visual in link.all("visual"):
         for material in visual.all("material"):
             color = _rgb(material) or colors.get(material.attributes.get("name", ""))
@@ -243,7 +236,7 @@ def _rgb(material: Element) -> Color | None:
 
 
 def _left_out(link: Element, source: str) -> list[str]:
-    """What is seen as a mesh, where nothing says how it collides."""
+    """Notes on a visual mesh without any collision shape."""
     if link.all("collision") or not any(v.path("geometry", "mesh") for v in link.all("visual")):
         return []
     return [f"{source}:{link.line}: link '{link.attribute('name')}' is left out: it is a mesh"]

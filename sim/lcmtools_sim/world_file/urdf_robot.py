@@ -1,8 +1,8 @@
-"""A robot model made of a URDF: which of its joints drive it, and what it stands on.
+"""A robot model from a URDF: its wheels' joints, and one rigid body of all links.
 
-The body is one rigid piece that slides on frictionless feet, as those of all models; its mass is
-taken to lie over the middle between the wheels, where the tyre model wants it, with the moments of
-inertia that all links together have about that line.
+The body slides on frictionless feet, as those of all models; its mass is taken to lie over the
+middle between the wheels, as the tyre model needs it, with the moments of inertia of all links
+about that line.
 """
 
 import math
@@ -10,30 +10,29 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from lcmtools.names import did_you_mean
-from lcmtools_sim.robots.model import Drive, RobotModel
-from lcmtools_sim.rotation import Vector, axes, turn
-from lcmtools_sim.sensors.mount import SensorMount
-from lcmtools_sim.shapes import Cylinder, Part, Sphere
+from lcmtools_sim.geometry import Vector, axes, rotate, scaled
+from lcmtools_sim.robots.model import Body, Drive, RobotModel
+from lcmtools_sim.sensors.sensor import SensorMount
+from lcmtools_sim.shapes import Cylinder, Part, Sphere, centre_of_mass, moments
 from lcmtools_sim.world_file.document import Item
 from lcmtools_sim.world_file.urdf import Joint, Urdf
-from lcmtools_sim.world_file.urdf_body import urdf_body
-from lcmtools_sim.world_file.values import friction, length, value
+from lcmtools_sim.world_file.values import friction, given_twice, length, number, value
 
 _DRIVE_KEYS = (
-    "left",
-    "right",
-    "max_speed",
-    "max_turn_rate",
-    "max_acceleration",
-    "time_constant",
-    "friction",
-    "wheel_radius",
-    "track",
+    *("left", "right", "max_speed", "max_turn_rate", "max_acceleration", "time_constant"),
+    *("friction", "wheel_radius", "track"),
 )
 _NEAR = 0.01
 """[m] Two places so near to each other are one."""
-_ALONG = 0.99
-"""Cosine of the largest angle between what must be parallel."""
+_PARALLEL = 0.99
+"""Cosine of the largest angle between parallel axes."""
+_CLEARANCE = 0.004
+"""[m] The least height of all parts above the ground: only the feet touch it."""
+_DEEPEST = 0.05
+"""[m] A part that reaches farther below the wheels would carry the robot instead of them."""
+_NEAR_GROUND = 0.01
+"""[m] A part so near to the ground supports the robot."""
+_TURNING = ("continuous", "revolute")
 _SENSORS = (
     SensorMount("odometry", "odometry", 50.0),
     SensorMount("wheel_states", "wheel_states", 50.0),
@@ -44,7 +43,7 @@ _SENSORS = (
 
 @dataclass(frozen=True, slots=True)
 class _Wheel:
-    """A driven wheel: its middle in base_link, and its radius [m]; 0 where it is not round."""
+    """A driven wheel: its centre in base_link, and its radius [m]; 0 if it is not round."""
 
     joint: str
     centre: Vector
@@ -52,26 +51,37 @@ class _Wheel:
 
 
 def urdf_model(urdf: Urdf, item: Item) -> tuple[RobotModel, tuple[str, ...]]:
-    """The robot that a URDF describes, driven as ``item`` says, and notes about it.
+    """The robot of a URDF, driven as ``item`` says, and notes about it.
 
     Raises:
         InvalidFile: The joints do not fit, or the robot could not stand on its wheels.
     """
     keys = item.fields(_DRIVE_KEYS, required=["left", "right"])
-    sides = tuple(
-        tuple(_wheel(urdf, joint) for joint in keys[side].items()) for side in ("left", "right")
+    left, right = (
+        [_wheel(urdf, joint) for joint in keys[side].items()] for side in ("left", "right")
     )
-    left, right = sides
     _check_sides(item, left, right)
-    said = value(keys, "wheel_radius", length, 0.0)
-    radius = said or _common_radius(item, (*left, *right))
-    middle = _middle(left, right, radius)
-    drive = _drive(keys, left, right, radius, middle)
-    body = urdf_body(urdf, _contacts((*left, *right), middle), middle, radius)
+    wheels = [*left, *right]
+    radius = value(keys, "wheel_radius", length, 0.0) or _common_radius(item, wheels)
+    x, y = ((_mean(left, i) + _mean(right, i)) / 2 for i in (0, 1))
+    middle = (x, y, min(wheel.centre[2] for wheel in wheels) - radius)
+    contacts = tuple((wheel.centre[0] - x, wheel.centre[1] - y) for wheel in wheels)
+    speed = value(keys, "max_speed", number(1e-3, 100), 1.0)
+    track = value(keys, "track", length, _mean(left, 1) - _mean(right, 1))
     model = RobotModel(
         name=urdf.name,
-        body=body,
-        drive=drive,
+        body=_body(urdf, contacts, middle, radius),
+        drive=Drive(
+            wheel_radius=radius,
+            track=track,
+            full_speed=speed,
+            max_speed=speed,
+            max_turn_rate=value(keys, "max_turn_rate", number(1e-3, 100), 2 * speed / track),
+            max_acceleration=value(keys, "max_acceleration", number(1e-3, 1e3), 1.0),
+            time_constant=value(keys, "time_constant", number(0, 10), 0.1),
+            tyre_friction=value(keys, "friction", friction, 0.8),
+            wheels=contacts if len(contacts) > 2 else (),  # noqa: PLR2004 - two do not skid
+        ),
         left_wheels=_names("left", left),
         right_wheels=_names("right", right),
         sensors=_SENSORS,
@@ -83,8 +93,12 @@ def _names(side: str, wheels: Sequence[_Wheel]) -> tuple[str, ...]:
     return (side, *(wheel.joint for wheel in wheels if wheel.joint != side))
 
 
+def _mean(wheels: Sequence[_Wheel], axis: int) -> float:
+    return sum(wheel.centre[axis] for wheel in wheels) / len(wheels)
+
+
 def _notes(urdf: Urdf, middle: Vector) -> tuple[str, ...]:
-    """Where the file's own base_link is not that of the simulation."""
+    """A note if the file's base_link is not that of the simulation."""
     x, y, _ = middle
     if math.hypot(x, y) < _NEAR:
         return ()
@@ -96,7 +110,7 @@ def _wheel(urdf: Urdf, item: Item) -> _Wheel:
     name = item.text()
     joint = urdf.joints.get(name)
     if joint is None:
-        turning = [n for n, one in urdf.joints.items() if one.kind in ("continuous", "revolute")]
+        turning = [n for n, one in urdf.joints.items() if one.kind in _TURNING]
         known = f"joints that turn: {', '.join(turning) or 'none'}"
         raise item.error(
             f"{urdf.root.source} has no joint '{name}'", did_you_mean(name, turning) or known
@@ -104,25 +118,24 @@ def _wheel(urdf: Urdf, item: Item) -> _Wheel:
     _check_axis(urdf, joint)
     link = urdf.links[joint.child]
     round_parts = [p for p in link.parts if isinstance(p.shape, Cylinder | Sphere)]
-    biggest = max(round_parts, key=_radius, default=None)
-    if biggest is None:
+    largest = max(round_parts, key=_radius, default=None)
+    if largest is None:
         return _Wheel(name, link.frame.position, 0.0)
-    if isinstance(biggest.shape, Cylinder) and abs(axes(biggest.rotation)[2][1]) < _ALONG:
+    if isinstance(largest.shape, Cylinder) and abs(axes(largest.rotation)[2][1]) < _PARALLEL:
         raise link.element.error(
             f"the cylinder of the wheel '{joint.child}' does not lie along its axle",
             'rpy="1.5708 0 0" in its <origin> turns it, where the axle is y',
         )
-    return _Wheel(name, biggest.position, _radius(biggest))
+    return _Wheel(name, largest.position, _radius(largest))
 
 
 def _check_axis(urdf: Urdf, joint: Joint) -> None:
-    if joint.kind not in ("continuous", "revolute"):
+    if joint.kind not in _TURNING:
         raise joint.element.error(f"{joint.element} is {joint.kind}: a wheel's is continuous")
     axis = joint.element.child("axis")
     own = axis.vector("xyz") if axis else (1.0, 0.0, 0.0)
     size = math.hypot(*own)
-    turned = turn(own, urdf.links[joint.child].frame.rotation)
-    if not size or abs(turned[1]) / size < _ALONG:
+    if not size or abs(rotate(own, urdf.links[joint.child].frame.rotation)[1]) / size < _PARALLEL:
         raise joint.element.error(
             f"{joint.element} does not turn about the y axis of base_link, as wheels do",
             'give it <axis xyz="0 1 0"/>',
@@ -137,15 +150,14 @@ def _check_sides(item: Item, left: Sequence[_Wheel], right: Sequence[_Wheel]) ->
     for side, wheels in (("left", left), ("right", right)):
         if not wheels:
             raise item.error(f"'{side}' names no joint")
-    names = [wheel.joint for wheel in (*left, *right)]
-    if twice := next((name for name in names if names.count(name) > 1), None):
+    if twice := given_twice([wheel.joint for wheel in (*left, *right)]):
         raise item.error(f"the joint '{twice}' is given twice")
     if min(w.centre[1] for w in left) <= max(w.centre[1] for w in right):
         raise item.error("the left wheels are not to the left (y) of the right ones", "swap them?")
 
 
 def _common_radius(item: Item, wheels: Iterable[_Wheel]) -> float:
-    """The wheels' radius [m], where they agree on it to a hundredth."""
+    """The wheels' radius [m], if they agree to a hundredth."""
     radii = {wheel.joint: wheel.radius for wheel in wheels}
     for joint, radius in radii.items():
         if not radius:
@@ -158,42 +170,77 @@ def _common_radius(item: Item, wheels: Iterable[_Wheel]) -> float:
     return largest
 
 
-def _middle(left: Sequence[_Wheel], right: Sequence[_Wheel], radius: float) -> Vector:
-    """The point on the ground in the middle between the wheels, in base_link."""
-    wheels = (*left, *right)
-    x, y = ((_mean(left, i) + _mean(right, i)) / 2 for i in (0, 1))
-    return x, y, min(wheel.centre[2] for wheel in wheels) - radius
+def _body(
+    urdf: Urdf, contacts: Sequence[tuple[float, float]], middle: Vector, radius: float
+) -> Body:
+    """The body of all links together.
 
-
-def _contacts(wheels: Iterable[_Wheel], middle: Vector) -> tuple[tuple[float, float], ...]:
-    """Where the wheels touch the ground, about the middle [m]."""
-    return tuple((w.centre[0] - middle[0], w.centre[1] - middle[1]) for w in wheels)
-
-
-def _mean(wheels: Sequence[_Wheel], axis: int) -> float:
-    return sum(wheel.centre[axis] for wheel in wheels) / len(wheels)
-
-
-def _drive(
-    keys: dict[str, Item],
-    left: Sequence[_Wheel],
-    right: Sequence[_Wheel],
-    radius: float,
-    middle: Vector,
-) -> Drive:
-    speed = value(keys, "max_speed", lambda item: item.number(1e-3, 100), 1.0)
-    track = value(keys, "track", length, _mean(left, 1) - _mean(right, 1))
-    contacts = _contacts((*left, *right), middle)
-    return Drive(
-        wheel_radius=radius,
-        track=track,
-        full_speed=speed,
-        max_speed=speed,
-        max_turn_rate=value(
-            keys, "max_turn_rate", lambda item: item.number(1e-3, 100), 2 * speed / track
-        ),
-        max_acceleration=value(keys, "max_acceleration", lambda item: item.number(1e-3, 1e3), 1.0),
-        time_constant=value(keys, "time_constant", lambda item: item.number(0, 10), 0.1),
-        tyre_friction=value(keys, "friction", friction, 0.8),
-        wheels=contacts if len(contacts) > 2 else (),  # noqa: PLR2004 - two wheels do not skid
+    Args:
+        urdf: The robot.
+        contacts: (x, y) of its wheels' contacts with the ground, about ``middle`` [m].
+        middle: Of the wheels, on the ground, in base_link.
+        radius: Of the wheels [m].
+    """
+    inertials = [link.inertial for link in urdf.links.values() if link.inertial]
+    mass, centre = centre_of_mass(inertials)
+    if not mass:
+        raise urdf.root.error("no link has a mass", "give base_link an <inertial>")
+    inertia = moments(inertials, (middle[0], middle[1], centre[2]))
+    if min(inertia) <= 0:
+        raise urdf.root.error("the moments of inertia must be above 0")
+    to_footprint = scaled(middle, -1.0)
+    linked = [
+        (name, part.placed(to_footprint))
+        for name, link in urdf.links.items()
+        for part in link.parts
+    ]
+    if not linked:
+        raise urdf.root.error("no link has a shape", "boxes, cylinders and spheres are taken")
+    parts = tuple(_lifted(urdf, name, part) for name, part in linked)
+    height = centre[2] - middle[2]
+    if height <= 0:
+        raise urdf.root.error("the centre of mass lies below the ground on which the wheels stand")
+    reach = max(abs(part.position[0]) + part.extent(0) for part in parts)
+    # Casters and the like.
+    supports = [part.position[:2] for _, part in linked if _lowest(part) < _NEAR_GROUND]
+    return Body(
+        mass=mass,
+        inertia=inertia,
+        centre_of_mass=height,
+        base_height=-middle[2],
+        parts=parts,
+        feet=_feet([*contacts, *supports], reach),
+        foot_radius=min(0.05, radius / 2),
     )
+
+
+def _lowest(part: Part) -> float:
+    return part.position[2] - part.extent(2)
+
+
+def _lifted(urdf: Urdf, name: str, part: Part) -> Part:
+    """A part in base_footprint, lifted off the ground.
+
+    Raises:
+        InvalidFile: It reaches far below the wheels.
+    """
+    lowest = _lowest(part)
+    if lowest < -_DEEPEST:
+        raise urdf.links[name].element.error(
+            f"the link '{name}' reaches {-lowest:.3f} m below the wheels, which then carry nothing"
+        )
+    return part.placed((0.0, 0.0, max(0.0, _CLEARANCE - lowest)))
+
+
+def _feet(supports: Iterable[tuple[float, float]], reach: float) -> tuple[tuple[float, float], ...]:
+    """The points under wheels and casters, and more of them to keep the body level.
+
+    A body that only stands between two wheels would tip over their axle; without a support in front
+    or behind, a foot is added that no real robot has.
+    """
+    feet = list(dict.fromkeys(supports))
+    least = max(reach, 0.05) / 3
+    for direction in (1, -1):
+        if not any(direction * x >= least / 2 for x, _ in feet):
+            feet.append((direction * least, 0.0))
+    return tuple(feet)

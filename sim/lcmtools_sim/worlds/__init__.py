@@ -1,7 +1,4 @@
-"""The worlds that come with the simulator, and finding a world by name or file.
-
-Only files are read here; what they say is world_file.py's business.
-"""
+"""The worlds that come with the simulator, and finding a world by name or file."""
 
 from importlib.resources import files
 from pathlib import Path
@@ -15,7 +12,7 @@ ALIASES = {
     "pre_assignment2": "pioneer",
     "empty_world": "empty",
 }
-"""Names that the labs' texts use."""
+"""Names in the labs' texts."""
 _ENDINGS = (".yaml", ".yml", ".sdf", ".world")
 
 
@@ -26,23 +23,23 @@ def world_names() -> list[str]:
 
 
 def describe(name: str) -> str:
-    """What a world that comes with the simulator is: the comment in its first line."""
+    """The description of a world that comes with the simulator: the comment in its first line."""
     return _packaged(name).partition("\n")[0].removeprefix("#").strip()
 
 
 def find_world(world: str) -> tuple[str, str]:
-    """A world file's text and what messages call it.
+    """A world file's text and its name for messages.
 
     Args:
-        world: The name of one that comes with the simulator, or a file: what has a slash in it or
-            ends with .yaml, .yml, .sdf or .world.
+        world: The name of one that comes with the simulator, or a file: a name with a slash or the
+            ending .yaml, .yml, .sdf or .world.
 
     Raises:
         UsageError: There is no world of this name.
         InvalidFile: The file cannot be read.
     """
     if "/" in world or world.endswith(_ENDINGS):
-        from lcmtools_sim.world_file.files import read_file  # numpy comes with it: too slow for TAB
+        from lcmtools_sim.world_file.values import read_file
 
         return read_file(Path(world)), world
     name = ALIASES.get(world, world)

@@ -14,7 +14,7 @@ from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.command import interpret
-from lcmtools_sim.readings import Interest, Sample
+from lcmtools_sim.mounted import Sample, Subscribers
 from lcmtools_sim.robots.husky import HUSKY
 
 
@@ -108,9 +108,9 @@ class FakeSimulation:
         self.time = 0
 
     @property
-    def is_clock_heard(self) -> bool:
+    def publishes_clock(self) -> bool:
         """Whether it was told so."""
-        return self.interest("/clock") is not Interest.NONE
+        return self.interest("/clock") is not Subscribers.NONE
 
     def tick(self) -> Sample:
         """The clock."""
@@ -122,7 +122,7 @@ class FakeSimulation:
         """One topic."""
         return {"/clock": Clock}
 
-    def ask(self, interest: Callable[[str], Interest]) -> None:
+    def select(self, interest: Callable[[str], Subscribers]) -> None:
         """Keep what it is told."""
         self.interest = interest
 
@@ -219,10 +219,10 @@ def test_the_fake_robot_refuses_as_the_real_one_does() -> None:
 @pytest.mark.parametrize(
     ("listening", "interest"),  # topics of nodes, and whether others may listen
     [
-        (({"/clock"}, False), Interest.SURE),
-        (({"/clock"}, True), Interest.SURE),
-        ((set(), True), Interest.POSSIBLE),
-        (({"/other"}, False), Interest.NONE),
+        (({"/clock"}, False), Subscribers.KNOWN),
+        (({"/clock"}, True), Subscribers.KNOWN),
+        ((set(), True), Subscribers.POSSIBLE),
+        (({"/other"}, False), Subscribers.NONE),
     ],
 )
 def test_who_can_be_listening_is_told_to_the_simulation(
@@ -230,7 +230,7 @@ def test_who_can_be_listening_is_told_to_the_simulation(
     simulation: FakeSimulation,
     bridge: Bridge,
     listening: tuple[set[str], bool],
-    interest: Interest,
+    interest: Subscribers,
 ) -> None:
     node.heard, node.overheard = frozenset(listening[0]), listening[1]
 
@@ -245,9 +245,9 @@ def test_a_look_at_once_counts_who_has_only_just_come(
     bridge.receive()
     node.overheard_of_late = True
 
-    bridge.look()
+    bridge.find_subscribers()
 
-    assert simulation.interest("/clock") is Interest.POSSIBLE
+    assert simulation.interest("/clock") is Subscribers.POSSIBLE
 
 
 def test_a_clock_that_nobody_hears_is_shown_now_and_then_while_time_passes(

@@ -12,8 +12,8 @@ from lcmtools_sim.drive import (
     Encoders,
     SideSpeeds,
     body_velocity,
+    dead_reckoning,
     follow,
-    reckon,
     side_speeds,
 )
 from lcmtools_sim.robots.husky import HUSKY
@@ -91,7 +91,7 @@ def test_dead_reckoning_closes_a_circle() -> None:
     # Twist (0.5, 0.3): radius 1.6667 m, period 20.944 s.
     dt = 2 * math.pi / 0.3 / 5000
 
-    x, y, yaw = reckon((0.0, 0.0, 0.0), 0.5 * dt, 0.3 * dt / 2, 5000)
+    x, y, yaw = dead_reckoning((0.0, 0.0, 0.0), 0.5 * dt, 0.3 * dt / 2, 5000)
 
     assert (x, y) == pytest.approx((0, 0), abs=1e-9)
     assert yaw == pytest.approx(2 * math.pi)
@@ -100,7 +100,7 @@ def test_dead_reckoning_closes_a_circle() -> None:
 def test_dead_reckoning_is_half_a_circle_away_after_half_the_time() -> None:
     dt = math.pi / 0.3 / 5000
 
-    x, y, _ = reckon((0.0, 0.0, 0.0), 0.5 * dt, 0.3 * dt / 2, 5000)
+    x, y, _ = dead_reckoning((0.0, 0.0, 0.0), 0.5 * dt, 0.3 * dt / 2, 5000)
 
     assert (x, y) == pytest.approx((0, 2 * 0.5 / 0.3), abs=1e-6)
 
@@ -113,9 +113,9 @@ def test_many_steps_at_once_lead_where_they_lead_one_by_one(
 ) -> None:
     pose = start = 1.0, -2.0, 0.5
     for _ in range(steps):
-        pose = reckon(pose, way, half_turn)
+        pose = dead_reckoning(pose, way, half_turn)
 
-    assert reckon(start, way, half_turn, steps) == pytest.approx(pose, abs=1e-9)
+    assert dead_reckoning(start, way, half_turn, steps) == pytest.approx(pose, abs=1e-9)
 
 
 def test_looking_at_the_wheels_changes_nothing() -> None:
@@ -124,23 +124,23 @@ def test_looking_at_the_wheels_changes_nothing() -> None:
         targets = SideSpeeds(1.0, 0.4) if step < 2000 else STOPPED
         seen.step(targets)
         unseen.step(targets)
-        seen.angles(), seen.reckoned_pose()
+        seen.angles(), seen.odometry_pose()
 
-    assert (seen.angles(), seen.reckoned_pose()) == (unseen.angles(), unseen.reckoned_pose())
+    assert (seen.angles(), seen.odometry_pose()) == (unseen.angles(), unseen.odometry_pose())
 
 
 def test_stopped_wheels_stay_where_they_have_come() -> None:
     train = Drivetrain(DRIVE, DT)
     for _ in range(1000):
         train.step(SideSpeeds(1.0, 0.4))
-    before = train.angles(), train.reckoned_pose()
+    before = train.angles(), train.odometry_pose()
 
     train.stop()
     for _ in range(10):
         train.step(STOPPED)
 
     assert train.speeds == STOPPED
-    assert (train.angles(), train.reckoned_pose()) == before
+    assert (train.angles(), train.odometry_pose()) == before
 
 
 def test_noisy_encoders_count_anew_in_each_step_but_not_at_rest() -> None:
@@ -161,6 +161,6 @@ def test_noisy_encoders_count_anew_in_each_step_but_not_at_rest() -> None:
     way = train.angles()[0] * DRIVE.wheel_radius
     assert moving == 2001  # the start's too
     assert len(drawn) == moving + 1
-    assert train.reckoned_pose()[0] - way == pytest.approx(
+    assert train.odometry_pose()[0] - way == pytest.approx(
         0.01 / math.sqrt(DT) * math.sqrt(0.5) * 2000 * DT, rel=0.05
     )

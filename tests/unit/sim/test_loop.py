@@ -39,7 +39,7 @@ class Log:
         del timeout
         self.lines.append("receive")
 
-    def look(self) -> None:
+    def find_subscribers(self) -> None:
         """Write it down."""
         self.lines.append("look")
 

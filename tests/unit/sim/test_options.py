@@ -68,7 +68,7 @@ def test_a_printed_world_can_be_checked(
 
     assert main(["--check", str(file)]) == 0
 
-    assert capsys.readouterr().out == f"{file}: ok, husky /husky0; 11 things\n"
+    assert capsys.readouterr().out == f"{file}: ok, husky /husky0; 11 objects\n"
 
 
 def test_a_bad_world_is_one_line_and_exit_code_2(
@@ -144,7 +144,7 @@ def test_the_process_with_the_first_robot_leads_and_others_follow() -> None:
     assert (names(leading), leader.follow, leading.node) == (["/husky0", "/husky1"], False, "sim")
     assert (names(following), follower.follow) == (["/husky3", "/husky4"], True)
     assert following.node == "sim_husky3"
-    assert following.things == leading.things
+    assert following.objects == leading.objects
 
 
 def test_a_process_that_is_told_to_follow_is_a_node_of_another_name() -> None:
@@ -169,5 +169,5 @@ def test_what_a_world_of_gazebo_holds_and_is_left_out_is_said(
     assert main(["--check", str(file)]) == 0
 
     captured = capsys.readouterr()
-    assert captured.out == f"{file}: ok, no robot; 0 things\n"
+    assert captured.out == f"{file}: ok, no robot; 0 objects\n"
     assert captured.err == f"lcmtools run sim: {file}: left out: light (2)\n"

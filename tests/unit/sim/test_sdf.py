@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from lcmtools.errors import InvalidFile
-from lcmtools_sim.pose import Pose
-from lcmtools_sim.scene import Ground, Scene, Thing
+from lcmtools_sim.geometry import Pose
+from lcmtools_sim.scene import Ground, Scene, SceneObject
 from lcmtools_sim.shapes import Cuboid, Cylinder, Sphere
 from lcmtools_sim.world_file import read_scene
 
@@ -32,8 +32,8 @@ def read(folder: Path, inside: str) -> Scene:
     return read_scene(world(inside), str(folder / "yard.world"))
 
 
-def only(scene: Scene) -> Thing:
-    (thing,) = scene.things
+def only(scene: Scene) -> SceneObject:
+    (thing,) = scene.objects
     return thing
 
 
@@ -89,7 +89,7 @@ def test_the_plane_at_zero_is_the_ground_with_its_friction_and_color(tmp_path: P
 
     found = read(tmp_path, "<gravity>0 0 -3.7</gravity>" + inside)
 
-    assert found.things == ()
+    assert found.objects == ()
     assert found.ground == Ground(0.7, (0.1, 0.2, 0.3))
     assert (found.gravity, found.name) == (3.7, "yard")
 
@@ -126,7 +126,7 @@ def test_links_that_joints_hold_are_one_body_and_others_fall_apart(tmp_path: Pat
 
     found = read(tmp_path, f"<model name='m'>{links}{joints}</model>")
 
-    assert [(t.name, t.mass, t.pose.x, len(t.parts)) for t in found.things] == [
+    assert [(t.name, t.mass, t.pose.x, len(t.parts)) for t in found.objects] == [
         ("m::a", 4.0, 3.0, 2),  # about the common centre of mass
         ("m::c", 5.0, 9.0, 1),
         ("m::d", 0.0, 20.0, 1),  # held by the world
@@ -187,7 +187,7 @@ def test_includes_are_found_beside_the_file_and_where_gazebo_looks(
 
     found = read(tmp_path, inside)
 
-    assert [(thing.name, thing.pose.x) for thing in found.things] == [
+    assert [(thing.name, thing.pose.x) for thing in found.objects] == [
         (f"n{i}::l", float(i)) for i in range(len(uris))
     ]
     assert found.notes == ()
@@ -206,7 +206,7 @@ def test_what_is_left_out_is_one_line(tmp_path: Path) -> None:
 
     found = read(tmp_path, inside)
 
-    assert found.things == ()
+    assert found.objects == ()
     assert found.notes == (
         (
             f"{tmp_path}/yard.world: left out: heightmap (1), light (1), look that nothing"

@@ -5,10 +5,10 @@ import sys
 
 SCRIPT = """
 import ctypes, os, sys
-from lcmtools_sim.silence import silenced
+from lcmtools_sim.native import suppressed_output
 libc = ctypes.CDLL(None)
 print("before")
-with silenced():
+with suppressed_output():
     libc.printf(b"chatter of C\\n")
     os.write(2, b"chatter on stderr\\n")
     print("chatter of Python")

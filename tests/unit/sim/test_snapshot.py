@@ -5,8 +5,7 @@ import pytest
 
 from lcmtools_sim.shapes import Cuboid, Part
 from lcmtools_sim.snapshot import _above
-from lcmtools_sim.vision.camera import Camera
-from lcmtools_sim.vision.outlines import corners_of
+from lcmtools_sim.vision.camera import Camera, corners_of
 from lcmtools_sim.vision.solids import solids_of
 
 

@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 
 from lcmtools_sim.drive import STOPPED, SideSpeeds, body_velocity
 from lcmtools_sim.robots.husky import HUSKY
-from lcmtools_sim.skid import skidding
-from lcmtools_sim.tyres import Tyres, gripping
+from lcmtools_sim.tyres import Tyres, gripping, skidding
 
 NO_LIMIT = 1e9  # [N s]
 LIMIT = 0.9  # [N s] of a side

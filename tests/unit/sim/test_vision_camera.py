@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from lcmtools.messages.codec import decode, encode
 from lcmtools.types.sensor_msgs import CameraInfo
-from lcmtools_sim.rotation import axes, from_euler
+from lcmtools_sim.geometry import axes, from_euler
 from lcmtools_sim.shapes import Part, Sphere
 from lcmtools_sim.vision.camera import OPTICAL, Camera, optical
-from lcmtools_sim.vision.depth import depth_image
+from lcmtools_sim.vision.render import render
 from lcmtools_sim.vision.solids import matrix, solids_of
 
 KINECT = Camera(640, 480, math.radians(57))
@@ -91,7 +91,7 @@ def test_camera_info_says_at_which_pixel_a_point_is_seen(
     u, v, w = np.array(message.P).reshape(3, 4) @ (*point, 1)
 
     ball = solids_of([Part(Sphere(0.03 * z), position)])
-    rows, columns = np.nonzero(np.isfinite(depth_image(ball, camera, (0, 0, 0), OPTICAL)))
+    rows, columns = np.nonzero(np.isfinite(render(ball, camera, (0, 0, 0), OPTICAL).depth))
 
     if 12 < u / w < 307 and 12 < v / w < 227:  # all of the ball in the picture
         assert columns.mean() == pytest.approx(u / w, abs=0.5)

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from lcmtools_sim.rotation import from_euler
+from lcmtools_sim.geometry import from_euler
 from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Sphere
 from lcmtools_sim.vision.camera import Camera, optical
 from lcmtools_sim.vision.color import SKY_COLOR, SUN, color_image
-from lcmtools_sim.vision.depth import GROUND, SKY, Sight, look
+from lcmtools_sim.vision.render import GROUND, SKY, Rendering, render
 from lcmtools_sim.vision.solids import solids_of
 
 CAMERA = Camera(161, 121, math.radians(57))
@@ -16,8 +16,8 @@ AHEAD = optical((0.0, 0.0, 0.0, 1.0))
 RED, GREEN, BLUE = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
-def sight_of(*parts: Part) -> Sight:
-    return look(solids_of(parts, BLUE), CAMERA, (0, 0, 0.3), AHEAD)
+def sight_of(*parts: Part) -> Rendering:
+    return render(solids_of(parts, BLUE), CAMERA, (0, 0, 0.3), AHEAD)
 
 
 def hues(picture: np.ndarray) -> np.ndarray:

@@ -1,28 +1,30 @@
 """Pictures as messages: the bytes that other programs will read."""
 
 import math
+from io import BytesIO
 
 import numpy as np
 import pytest
+from fixtures.plain_rays import cast
+from PIL import Image as PngFile
 
 from lcmtools.messages.codec import decode, encode
 from lcmtools.types.sensor_msgs import CompressedImage, Image, PointCloud2
-from lcmtools_sim.rotation import from_euler
+from lcmtools_sim.geometry import from_euler
 from lcmtools_sim.shapes import Cuboid, Part, Sphere
 from lcmtools_sim.vision.camera import Camera, optical
-from lcmtools_sim.vision.cloud import cloud_message, points
 from lcmtools_sim.vision.color import color_image
-from lcmtools_sim.vision.depth import Sight, look
-from lcmtools_sim.vision.encode import (
+from lcmtools_sim.vision.messages import (
     METRES,
     MILLIMETRES,
+    cloud_message,
     color_message,
     compressed_message,
     depth_message,
     in_millimetres,
+    points,
 )
-from lcmtools_sim.vision.png import decode_png
-from lcmtools_sim.vision.rays import cast
+from lcmtools_sim.vision.render import Rendering, render
 from lcmtools_sim.vision.solids import matrix, solids_of
 
 CAMERA = Camera(80, 60, math.radians(57))
@@ -32,9 +34,9 @@ ROW = np.array([[0.2, 0.5, 1.2344, 1.2346, 8.0, 8.1, np.inf, np.nan]], np.float3
 
 
 @pytest.fixture
-def sight() -> Sight:
+def sight() -> Rendering:
     parts = [Part(Cuboid((1, 1, 1)), (3, 0.5, 0.5)), Part(Sphere(0.3), (2, -0.3, 0.3))]
-    return look(solids_of(parts, (0.5, 0.5, 0.5)), CAMERA, EYE, ROTATION)
+    return render(solids_of(parts, (0.5, 0.5, 0.5)), CAMERA, EYE, ROTATION)
 
 
 def test_metres_are_float32_with_nan_outside_the_range() -> None:
@@ -66,7 +68,7 @@ def test_another_encoding_is_refused() -> None:
         depth_message(ROW, "mono8", NEAR, FAR)
 
 
-def test_colours_are_rgb8(sight: Sight) -> None:
+def test_colours_are_rgb8(sight: Rendering) -> None:
     picture = color_image(sight)
     message = decode(Image, encode(color_message(picture)))
 
@@ -75,15 +77,15 @@ def test_colours_are_rgb8(sight: Sight) -> None:
     assert message.data == picture.tobytes()
 
 
-def test_compressed_pictures_are_png_files_of_the_same_pixels(sight: Sight) -> None:
+def test_compressed_pictures_are_png_files_of_the_same_pixels(sight: Rendering) -> None:
     for picture in (color_image(sight), in_millimetres(sight.depth, NEAR, FAR)):
         message = decode(CompressedImage, encode(compressed_message(picture)))
 
         assert message.format == "png"
-        np.testing.assert_array_equal(decode_png(message.data), picture)
+        np.testing.assert_array_equal(np.asarray(PngFile.open(BytesIO(message.data))), picture)
 
 
-def test_a_cloud_without_colours_is_three_floats_a_point(sight: Sight) -> None:
+def test_a_cloud_without_colours_is_three_floats_a_point(sight: Rendering) -> None:
     message = decode(PointCloud2, encode(cloud_message(sight.depth, CAMERA, NEAR, FAR)))
 
     assert (message.height, message.width) == (60, 80)
@@ -96,7 +98,7 @@ def test_a_cloud_without_colours_is_three_floats_a_point(sight: Sight) -> None:
     assert len(message.data) == 60 * 960
 
 
-def test_a_clouds_points_are_the_depth_along_the_rays(sight: Sight) -> None:
+def test_a_clouds_points_are_the_depth_along_the_rays(sight: Rendering) -> None:
     message = cloud_message(sight.depth, CAMERA, NEAR, FAR)
     cloud = np.frombuffer(message.data, "<f4").reshape(60, 80, 3)
     valid = (sight.depth >= NEAR) & (sight.depth <= FAR)
@@ -108,7 +110,7 @@ def test_a_clouds_points_are_the_depth_along_the_rays(sight: Sight) -> None:
     np.testing.assert_array_equal(cloud, points(sight.depth, CAMERA, NEAR, FAR))
 
 
-def test_a_clouds_points_lie_on_the_solids(sight: Sight) -> None:
+def test_a_clouds_points_lie_on_the_solids(sight: Rendering) -> None:
     turn = matrix(ROTATION)
     cloud = points(sight.depth, CAMERA, NEAR, FAR)[sight.solid == 1] @ turn.T + EYE
 
@@ -119,7 +121,7 @@ def test_a_clouds_points_lie_on_the_solids(sight: Sight) -> None:
     np.testing.assert_allclose(np.linalg.norm(cloud - EYE, axis=1), distances, atol=1e-4)
 
 
-def test_a_clouds_colours_are_those_of_its_pixels(sight: Sight) -> None:
+def test_a_clouds_colours_are_those_of_its_pixels(sight: Rendering) -> None:
     picture = color_image(sight)
     message = decode(PointCloud2, encode(cloud_message(sight.depth, CAMERA, NEAR, FAR, picture)))
     data = np.frombuffer(message.data, np.uint8).reshape(60, 80, 16)

@@ -1,16 +1,18 @@
-"""Rays one by one against what geometry says."""
+"""Single rays of a scan against known answers."""
 
 import math
 
 import numpy as np
 import pytest
+from fixtures.plain_rays import cast
 
-from lcmtools_sim.rotation import from_euler
+from lcmtools_sim.geometry import from_euler
 from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Shape, Sphere
-from lcmtools_sim.vision.rays import cast
+from lcmtools_sim.vision.scan import Scanner
 from lcmtools_sim.vision.solids import solids_of
 
 INF = math.inf
+FAR_ABOVE = (3.0, -2.0, 100.0)  # out of reach of the ground
 
 
 @pytest.mark.parametrize(
@@ -43,40 +45,27 @@ def test_a_ray_goes_to_the_first_surface(
     direction: tuple[float, ...],
     distance: float,
 ) -> None:
-    position, rotation = (3.0, -2.0, 1.0), from_euler(0.3, -0.7, 2.0)
+    rotation = from_euler(0.3, -0.7, 2.0)
     body = solids_of([Part(shape)])
+    start = solids_of([Part(shape, origin)]).placed(FAR_ABOVE, rotation).centres[0]
+    x, y, z = solids_of([Part(shape, direction)]).placed((0, 0, 0), rotation).centres[0]
+    towards = from_euler(0.0, -math.atan2(z, math.hypot(x, y)), math.atan2(y, x))
 
-    plain = cast(body, origin, [direction])
-    moved = body.placed(position, rotation)
-    start = solids_of([Part(shape, origin)]).placed(position, rotation).centres[0]
-    along = solids_of([Part(shape, direction)]).placed((0, 0, 0), rotation).centres[0]
+    ranges = Scanner(np.array((0.0, 1e-6)), 50.0).scan(
+        tuple(start), towards, [(body, FAR_ABOVE, rotation)]
+    )
 
-    assert plain == pytest.approx([distance], abs=1e-12)
-    assert cast(moved, start, [along]) == pytest.approx([distance], abs=1e-9)
-
-
-def test_rays_meet_the_ground_from_above_only() -> None:
-    ground = solids_of([], (0.5, 0.5, 0.5))
-    down = [(1, 0, -1), (0, 0, -1), (1, 0, 0), (0, 0, 1)]
-
-    assert cast(ground, (0, 0, 2), down) == pytest.approx([2 * math.sqrt(2), 2, INF, INF])
-    assert np.isinf(cast(ground, (0, 0, -2), down)).all()
-
-
-def test_what_is_further_than_the_longest_ray_is_not_hit() -> None:
-    wall = solids_of([Part(Cuboid((2, 90, 90)), (5, 0, 0))])
-    rays = [(1, 0, 0), (1, 1, 0)]
-
-    assert cast(wall, (0, 0, 0), rays, longest=5).tolist() == [4, INF]
-    assert cast(wall, [(0, 0, 0), (3, 0, 0)], rays, longest=5) == pytest.approx([4, math.sqrt(2)])
+    assert ranges[0] == pytest.approx(distance, abs=1e-9)
+    assert cast(body, origin, [direction]) == pytest.approx([distance], abs=1e-12)
 
 
 def test_a_laser_in_a_square_room_measures_the_walls() -> None:
-    walls = [((2.1, 0, 0), (0.2, 5, 1)), ((-2.1, 0, 0), (0.2, 5, 1))]
-    walls += [((0, 2.1, 0), (5, 0.2, 1)), ((0, -2.1, 0), (5, 0.2, 1))]
+    walls = [((2.1, 0, 1), (0.2, 5, 1)), ((-2.1, 0, 1), (0.2, 5, 1))]
+    walls += [((0, 2.1, 1), (5, 0.2, 1)), ((0, -2.1, 1), (5, 0.2, 1))]
     room = solids_of([Part(Cuboid(size), place) for place, size in walls])
     angles = np.linspace(-math.pi, math.pi, 360, endpoint=False)
-    rays = np.stack((np.cos(angles), np.sin(angles), np.zeros(360)), axis=-1)
-    expected = 2 / np.maximum(np.abs(rays[:, 0]), np.abs(rays[:, 1]))
+    expected = 2 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))
 
-    np.testing.assert_allclose(cast(room, (0, 0, 0), rays), expected, rtol=1e-12)
+    ranges = Scanner(angles, 10.0).scan((0, 0, 1), (0, 0, 0, 1), [(room, (0, 0, 0), (0, 0, 0, 1))])
+
+    np.testing.assert_allclose(ranges, expected, rtol=1e-12)

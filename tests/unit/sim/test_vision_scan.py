@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from fixtures.plain_rays import cast
 
-from lcmtools_sim.rotation import Quaternion, Vector, from_euler
+from lcmtools_sim.geometry import Quaternion, Vector, from_euler
 from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Shape, Sphere
-from lcmtools_sim.vision.rays import cast
-from lcmtools_sim.vision.scan import Scanner, Standing, scannable
+from lcmtools_sim.vision.scan import Body, Scanner
 from lcmtools_sim.vision.solids import Floats, Solids, joined, matrix, solids_of
 
 LONGEST = 10.0
@@ -43,7 +43,7 @@ def check(
     angles: Floats, eye: Vector, tilt: Quaternion, *groups: tuple[Solids, Vector, Quaternion]
 ) -> Floats:
     """Compare a scan with single rays; return it."""
-    standing: list[Standing] = [(scannable(solids), *pose) for solids, *pose in groups]
+    standing: list[Body] = [(solids, *pose) for solids, *pose in groups]
     distances = Scanner(angles, LONGEST).scan(eye, tilt, standing)
     world = joined(solids_of([], (0, 0, 0)), *(solids.placed(*pose) for solids, *pose in groups))
     expected = cast(world, eye, rays(angles, tilt), LONGEST)
@@ -114,7 +114,7 @@ def test_it_agrees_for_any_fan_of_rays(first: float, last: float, count: int) ->
 def test_a_scanner_sees_what_moves_comes_and_goes() -> None:
     random, scanner = np.random.default_rng(2), Scanner(CIRCLE, LONGEST)
     body, other = (solids_of(clutter(random, 6)) for _ in range(2))
-    groups = scannable(body), scannable(other)
+    groups = body, other
     for number in range(20):
         pose = tuple(random.uniform(-8, 8, 3).tolist()), from_euler(0, 0.1, 0.3 * number)
         shown = (number % 3 > 0, number % 4 > 0)
@@ -132,7 +132,7 @@ def test_a_scanner_sees_what_moves_comes_and_goes() -> None:
 
 
 def look(*parts: Part, eye: Vector = (0.0, 0.0, 0.5)) -> Floats:
-    return Scanner(CIRCLE, LONGEST).scan(eye, LEVEL, [(scannable(solids_of(parts)), *HERE)])
+    return Scanner(CIRCLE, LONGEST).scan(eye, LEVEL, [(solids_of(parts), *HERE)])
 
 
 def test_nothing_is_infinitely_far() -> None:
@@ -142,7 +142,7 @@ def test_nothing_is_infinitely_far() -> None:
 
 def test_a_body_that_the_engine_has_lost_is_not_seen() -> None:
     lost = (math.nan, 0.0, 0.0), LEVEL
-    group = scannable(solids_of([Part(Cuboid((1.0, 1.0, 1.0)))]))
+    group = solids_of([Part(Cuboid((1.0, 1.0, 1.0)))])
 
     assert np.isposinf(Scanner(CIRCLE, LONGEST).scan(EYE, LEVEL, [(group, *lost)])).all()
 
@@ -173,7 +173,7 @@ def test_no_ray_slips_through_where_two_boxes_meet() -> None:
     for size in (0.25, 0.5, 1.0):
         wall = [Part(Cuboid((2.0, size, 1.0)), (5.0, y * size, 0.5)) for y in range(-20, 21)]
         seams = np.sort(np.arctan2((np.arange(-19, 19) + 0.5) * size, 4.0))
-        group = scannable(solids_of(wall))
+        group = solids_of(wall)
 
         distances = Scanner(seams, LONGEST * 10).scan((0.0, 0.0, 0.5), LEVEL, [(group, *HERE)])
 
@@ -187,7 +187,7 @@ def test_the_edge_of_a_box_towards_the_eye_is_seen() -> None:
         angles = np.arctan2(corner[1], corner[0]) + np.array((0.0, 1.0))
 
         distances = Scanner(angles, LONGEST).scan(
-            (0.0, 0.0, 0.5), LEVEL, [(scannable(solids_of([box])), *HERE)]
+            (0.0, 0.0, 0.5), LEVEL, [(solids_of([box]), *HERE)]
         )
 
         assert distances[0] == pytest.approx(math.hypot(*corner[:2]), abs=1e-9)

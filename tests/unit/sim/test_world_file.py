@@ -5,7 +5,7 @@ import math
 import pytest
 
 from lcmtools.errors import InvalidFile
-from lcmtools_sim.pose import Pose
+from lcmtools_sim.geometry import Pose
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import Ground, RobotPlacement, Scene, box
 from lcmtools_sim.shapes import Cuboid
@@ -258,7 +258,7 @@ robots:
         dt=0.002,
         gravity=3.7,
         ground=Ground(0.5, (0.0, 0.5, 1.0)),
-        things=(box("crate", (1, 2, 3), Pose(4, 5, 1.5, yaw=math.pi / 2), 10, 0.2),),
+        objects=(box("crate", (1, 2, 3), Pose(4, 5, 1.5, yaw=math.pi / 2), 10, 0.2),),
         robots=(
             RobotPlacement(HUSKY, "/husky0", Pose(1, 2, 3, 0.1, 0.2, 0.3), 0.5),
             RobotPlacement(HUSKY, "/husky1"),
@@ -272,7 +272,7 @@ objects:
 - {type: walls, points: [[0, 0], [4, 0], [4, 3]], closed: true, height: 2, thickness: 0.5}
 """
 
-    pieces = read_scene(text, "w.yaml").things
+    pieces = read_scene(text, "w.yaml").objects
 
     shapes = [part.shape for piece in pieces for part in piece.parts]
     assert shapes == [Cuboid((4.5, 0.5, 2)), Cuboid((3.5, 0.5, 2)), Cuboid((5.5, 0.5, 2))]

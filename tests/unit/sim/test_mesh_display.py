@@ -1,4 +1,4 @@
-"""What is seen of a robot goes with it, and its wheels turn as its motors do. Metres, radians."""
+"""What is seen of a robot goes with it, and its wheels rotate as its motors do. Metres, radians."""
 
 import math
 from itertools import count
@@ -7,9 +7,9 @@ from typing import cast
 
 import pytest
 
-from lcmtools_sim.meshes_in_view import MeshesInView
+from lcmtools_sim.geometry import Quaternion, Vector, from_euler, rotate
+from lcmtools_sim.mesh_display import MeshDisplay
 from lcmtools_sim.robots.model import Mesh
-from lcmtools_sim.rotation import Quaternion, Vector, from_euler, turn
 
 ROBOT, OTHER = 1, 2
 CENTRE = 0.2
@@ -59,12 +59,12 @@ def engine() -> Engine:
 
 
 @pytest.fixture
-def view(engine: Engine) -> MeshesInView:
-    return MeshesInView(cast("ModuleType", engine), 0, engine.make)
+def view(engine: Engine) -> MeshDisplay:
+    return MeshDisplay(cast("ModuleType", engine), 0, engine.make)
 
 
 def test_they_stand_where_the_robot_has_them_and_each_side_turns_by_its_own_angle(
-    engine: Engine, view: MeshesInView
+    engine: Engine, view: MeshDisplay
 ) -> None:
     angles = SimpleNamespace(now=(0.0, 0.0))
     view.add(ROBOT, MESHES, CENTRE, lambda: angles.now)
@@ -78,27 +78,27 @@ def test_they_stand_where_the_robot_has_them_and_each_side_turns_by_its_own_angl
 
     place, turned = engine.of(LEFT)
     assert place == pytest.approx((4.75, 2.3, 0.15))
-    assert turn((0.0, 0.0, 1.0), turned) == pytest.approx((0, 1, 0))  # its top went forward
-    assert turn((0.0, 0.0, 1.0), engine.of(RIGHT)[1]) == pytest.approx((0, 0, 1))
+    assert rotate((0.0, 0.0, 1.0), turned) == pytest.approx((0, 1, 0))  # its top went forward
+    assert rotate((0.0, 0.0, 1.0), engine.of(RIGHT)[1]) == pytest.approx((0, 0, 1))
 
 
 def test_what_does_not_turn_keeps_its_own_rotation_on_the_robot(
-    engine: Engine, view: MeshesInView
+    engine: Engine, view: MeshDisplay
 ) -> None:
     view.add(ROBOT, MESHES, CENTRE, lambda: (1.0, 1.0))
 
     place, turned = engine.of(REAR_BUMPER)
 
     assert place == pytest.approx((5.0, 0.6, 0.2))
-    assert turn((1.0, 0.0, 0.0), turned) == pytest.approx((0, -1, 0))  # it faces backwards
+    assert rotate((1.0, 0.0, 0.0), turned) == pytest.approx((0, -1, 0))  # it faces backwards
 
 
-def test_they_go_with_their_robot_and_the_others_stay(engine: Engine, view: MeshesInView) -> None:
+def test_they_go_with_their_robot_and_the_others_stay(engine: Engine, view: MeshDisplay) -> None:
     engine.poses[OTHER] = (0.0, 0.0, CENTRE), from_euler(0, 0, 0)
     for robot in (ROBOT, OTHER):
         view.add(robot, (LEFT, RIGHT), CENTRE, lambda: (0.0, 0.0))
 
-    view.take_away()
+    view.hide_all()
     assert engine.poses.keys() == {ROBOT, OTHER}
     view.forget(ROBOT)
     view.show_all()

@@ -8,8 +8,8 @@ import pytest
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
 from lcmtools.types.std_msgs import String
-from lcmtools_sim.readings import Interest, Reading
-from lcmtools_sim.sensors.mount import SensorMount
+from lcmtools_sim.mounted import MountedSensor, Subscribers
+from lcmtools_sim.sensors.sensor import SensorMount
 
 
 class Outputs:
@@ -28,13 +28,13 @@ def robot() -> SimpleNamespace:
     return SimpleNamespace(namespace="/r")
 
 
-def measured(reading: Reading, times: int) -> list[str]:
+def measured(reading: MountedSensor, times: int) -> list[str]:
     return [sample.topic for _ in range(times) for sample in reading.measure(None)]  # type: ignore[arg-type] # no state is needed
 
 
-def make(robot: SimpleNamespace, *, always: bool = False) -> Reading:
+def make(robot: SimpleNamespace, *, always: bool = False) -> MountedSensor:
     mount = SensorMount("camera", "eye", 10.0, always=always)
-    return Reading(robot, mount, Outputs(), frozenset(("large",)))  # type: ignore[arg-type] # a part of one
+    return MountedSensor(robot, mount, Outputs(), frozenset(("large",)))  # type: ignore[arg-type] # a part of one
 
 
 def test_everything_is_measured_until_somebody_asks(robot: SimpleNamespace) -> None:
@@ -43,14 +43,14 @@ def test_everything_is_measured_until_somebody_asks(robot: SimpleNamespace) -> N
 
 def test_only_what_nodes_listen_to_is_measured(robot: SimpleNamespace) -> None:
     reading = make(robot)
-    reading.ask(lambda topic: Interest.SURE if topic == "/r/eye/large" else Interest.NONE)
+    reading.select(lambda topic: Subscribers.KNOWN if topic == "/r/eye/large" else Subscribers.NONE)
 
     assert measured(reading, 3) == ["/r/eye/large"] * 3
 
 
 def test_nothing_is_measured_where_nobody_can_listen(robot: SimpleNamespace) -> None:
     reading = make(robot)
-    reading.ask(lambda _: Interest.NONE)
+    reading.select(lambda _: Subscribers.NONE)
 
     assert reading.is_idle
     assert measured(reading, 30) == []
@@ -60,7 +60,7 @@ def test_what_is_bulky_comes_once_a_second_to_those_who_may_only_be_listening(
     robot: SimpleNamespace,
 ) -> None:
     reading = make(robot)
-    reading.ask(lambda _: Interest.POSSIBLE)
+    reading.select(lambda _: Subscribers.POSSIBLE)
 
     topics = measured(reading, 30)
 
@@ -70,6 +70,6 @@ def test_what_is_bulky_comes_once_a_second_to_those_who_may_only_be_listening(
 
 def test_always_means_always(robot: SimpleNamespace) -> None:
     reading = make(robot, always=True)
-    reading.ask(lambda _: Interest.NONE)
+    reading.select(lambda _: Subscribers.NONE)
 
     assert measured(reading, 2) == ["/r/eye/small", "/r/eye/large"] * 2

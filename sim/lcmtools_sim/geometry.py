@@ -1,19 +1,24 @@
-"""Rotations in space as quaternions (x, y, z, w), and the axes that they turn.
+"""Vectors, quaternions (x, y, z, w), poses and frames.
 
 Plain functions of tuples: for one vector at a time they are faster than arrays. Frames are
 right-handed, x forward, y left, z up (REP-103).
 """
 
 import math
+from dataclasses import dataclass
+from typing import NamedTuple
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
+
+ZERO: Vector = (0.0, 0.0, 0.0)
+IDENTITY: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
 _STRAIGHT_UP = 1 - 1e-12
 
 
 def from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
-    """The rotation about the fixed axes x, y, z, in this order [rad]."""
+    """Return the rotation about the fixed axes x, y, z, in this order [rad]."""
     cr, sr = math.cos(roll / 2), math.sin(roll / 2)
     cp, sp = math.cos(pitch / 2), math.sin(pitch / 2)
     cy, sy = math.cos(yaw / 2), math.sin(yaw / 2)
@@ -25,7 +30,7 @@ def from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
     )
 
 
-def to_euler(rotation: Quaternion) -> tuple[float, float, float]:
+def to_euler(rotation: Quaternion) -> Vector:
     """Roll, pitch and yaw about the fixed axes [rad]; the inverse of ``from_euler``."""
     x, y, z, w = rotation
     sine = max(-1.0, min(1.0, 2 * (w * y - z * x)))
@@ -36,7 +41,7 @@ def to_euler(rotation: Quaternion) -> tuple[float, float, float]:
 
 
 def axes(rotation: Quaternion) -> tuple[Vector, Vector, Vector]:
-    """Where the rotation brings forward, left and up: the columns of its matrix."""
+    """The rotated axes forward, left and up: the columns of the rotation matrix."""
     x, y, z, w = rotation
     return (
         (1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)),
@@ -46,13 +51,13 @@ def axes(rotation: Quaternion) -> tuple[Vector, Vector, Vector]:
 
 
 def upwards(rotation: Quaternion) -> Vector:
-    """Where "up" is for something that is turned so: the third row of the rotation's matrix."""
+    """The outer frame's up axis in the rotated frame: the third row of the rotation matrix."""
     x, y, z, w = rotation
     return 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
 
 
 def yaw_of(rotation: Quaternion) -> float:
-    """The heading [rad]: the angle of the turned x axis in the plane, counter-clockwise."""
+    """The heading [rad]: the angle of the rotated x axis in the plane, counter-clockwise."""
     x, y, z, w = rotation
     return math.atan2(2 * (x * y + w * z), 1 - 2 * (y * y + z * z))
 
@@ -82,24 +87,24 @@ def subtract(a: Vector, b: Vector) -> Vector:
 
 
 def scaled(vector: Vector, factor: float) -> Vector:
-    """A vector ``factor`` times as long."""
+    """A vector times a factor."""
     return vector[0] * factor, vector[1] * factor, vector[2] * factor
 
 
 def components(vector: Vector, frame: tuple[Vector, Vector, Vector]) -> Vector:
-    """A vector of the world as seen in a frame with these axes."""
+    """The components of a vector along these axes."""
     (x, y, z), ((a, b, c), (d, e, f), (g, h, i)) = vector, frame
     return a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z
 
 
-def turn(vector: Vector, rotation: Quaternion) -> Vector:
-    """A vector of the turned frame as the frame around it has it."""
+def rotate(vector: Vector, rotation: Quaternion) -> Vector:
+    """A vector of the rotated frame, in the outer frame."""
     forward, left, up = axes(rotation)
     return add(add(scaled(forward, vector[0]), scaled(left, vector[1])), scaled(up, vector[2]))
 
 
 def multiply(outer: Quaternion, inner: Quaternion) -> Quaternion:
-    """The rotation of a frame that is turned by ``inner`` in one that is turned by ``outer``."""
+    """The product: the rotation ``inner`` within a frame that is rotated by ``outer``."""
     x1, y1, z1, w1 = outer
     x2, y2, z2, w2 = inner
     return (
@@ -108,3 +113,58 @@ def multiply(outer: Quaternion, inner: Quaternion) -> Quaternion:
         w1 * z2 + x1 * y2 - y1 * x2 + z1 * w2,
         w1 * w2 - x1 * x2 - y1 * y2 - z1 * z2,
     )
+
+
+class Frame(NamedTuple):
+    """The position [m] and rotation of a frame in an outer one."""
+
+    position: Vector = ZERO
+    rotation: Quaternion = IDENTITY
+
+    def place(self, inner: "Frame") -> "Frame":
+        """The frame ``inner``, which is given in this one, in the outer one."""
+        return Frame(self.point(inner.position), multiply(self.rotation, inner.rotation))
+
+    def point(self, position: Vector) -> Vector:
+        """A point of this frame, in the outer one."""
+        return add(self.position, rotate(position, self.rotation))
+
+    def inverse(self) -> "Frame":
+        """The outer frame in this one."""
+        x, y, z, w = self.rotation
+        back = (-x, -y, -z, w)
+        return Frame(rotate(scaled(self.position, -1.0), back), back)
+
+    def pose(self) -> "Pose":
+        """The same as a pose."""
+        return Pose(*self.position, *to_euler(self.rotation))
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """A pose as world files give it: metres, and fixed-axis roll, pitch, yaw in radians."""
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    roll: float = 0.0
+    pitch: float = 0.0
+    yaw: float = 0.0
+
+    @property
+    def position(self) -> Vector:
+        """The position alone [m]."""
+        return self.x, self.y, self.z
+
+    @property
+    def rotation(self) -> Quaternion:
+        """The orientation as a quaternion."""
+        return from_euler(self.roll, self.pitch, self.yaw)
+
+    @property
+    def frame(self) -> Frame:
+        """The frame at this pose."""
+        return Frame(self.position, self.rotation)
+
+
+ORIGIN = Pose()

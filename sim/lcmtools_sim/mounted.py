@@ -1,0 +1,114 @@
+"""Sensors mounted on their robots: the topics of their outputs, and which of them are measured."""
+
+from collections.abc import Callable
+from enum import Enum
+from typing import NamedTuple
+
+from lcmtools.messages.codec import decode
+from lcmtools.messages.registry import Message
+from lcmtools_sim.robot import Robot
+from lcmtools_sim.scene import Scene
+from lcmtools_sim.sensors import SENSORS
+from lcmtools_sim.sensors.sensor import RobotState, Sensor, SensorContext, SensorMount
+
+
+class Subscribers(Enum):
+    """Knowledge of a topic's subscribers.
+
+    Nodes announce their subscriptions; other programs do not, and may subscribe to any topic.
+    """
+
+    NONE = 0
+    POSSIBLE = 1
+    KNOWN = 2
+
+
+class Sample(NamedTuple):
+    """An encoded message, its type and its topic."""
+
+    topic: str
+    message_type: type[Message]
+    payload: bytes
+
+    @property
+    def message(self) -> Message:
+        """The decoded message."""
+        return decode(self.message_type, self.payload)
+
+
+class MountedSensor:
+    """A sensor of a robot, and the topics of its messages.
+
+    Args:
+        robot: The sensor's robot.
+        mount: Its topic, rate and so on.
+        sensor: Makes the measurements.
+        bulky: Outputs that are sent seldom without a known subscriber.
+
+    Attributes:
+        robot: As given.
+        rate: [Hz]
+        active: The outputs that are measured each time; at first all.
+        seldom: Bulky outputs without a known subscriber: measured once a second.
+    """
+
+    def __init__(
+        self, robot: Robot, mount: SensorMount, sensor: Sensor, bulky: frozenset[str] = frozenset()
+    ) -> None:
+        self.robot = robot
+        self.rate = mount.rate
+        self._sensor = sensor
+        self._bulky = bulky
+        self._always = mount.always
+        self._labels = {
+            name: (_topic(robot.namespace, mount, name), kind)
+            for name, kind in sensor.outputs.items()
+        }
+        """The topic and the type of each output."""
+        self.active = tuple(self._labels)
+        self.seldom: tuple[str, ...] = ()
+        self._count = 0
+
+    def topics(self) -> dict[str, type[Message]]:
+        """Its topics and their types."""
+        return dict(self._labels.values())
+
+    @property
+    def is_idle(self) -> bool:
+        """True if no output can have a subscriber."""
+        return not (self.active or self.seldom)
+
+    def select(self, subscribers: Callable[[str], Subscribers]) -> None:
+        """Measure only outputs that can have subscribers from now on."""
+        found = {name: subscribers(topic) for name, (topic, _) in self._labels.items()}
+        if self._always:
+            found = dict.fromkeys(found, Subscribers.KNOWN)
+        used = [name for name, state in found.items() if state is not Subscribers.NONE]
+        self.seldom = tuple(
+            name for name in used if found[name] is Subscribers.POSSIBLE and name in self._bulky
+        )
+        self.active = tuple(name for name in used if name not in self.seldom)
+
+    def measure(self, state: RobotState) -> list[Sample]:
+        """The messages of one step."""
+        self._count += 1
+        is_second = self.seldom and self._count % max(1, round(self.rate)) == 0
+        wanted = self.active + self.seldom if is_second else self.active
+        payloads = self._sensor.sample(state, wanted) if wanted else {}
+        return [Sample(*self._labels[name], payload) for name, payload in payloads.items()]
+
+
+def mount_sensors(robot: Robot, scene: Scene) -> list[MountedSensor]:
+    """All sensors of a robot, in the order of its model."""
+    body = robot.model.body
+    parts = tuple(part.placed((0.0, 0.0, -body.base_height)) for part in body.parts)
+    context = SensorContext(robot.namespace, parts, scene.gravity, scene.seed, robot)
+    mounts = [(SENSORS[mount.kind], mount) for mount in robot.model.sensors]
+    return [
+        MountedSensor(robot, mount, kind.make(mount, context), kind.bulky) for kind, mount in mounts
+    ]
+
+
+def _topic(namespace: str, mount: SensorMount, output: str) -> str:
+    name = f"{mount.topic}/{output}" if output else mount.topic
+    return name if name.startswith("/") else f"{namespace.rstrip('/')}/{name}"

@@ -1,0 +1,219 @@
+"""A colour camera, and a depth camera with a colour camera in the same place, as the Kinect is."""
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import cast
+
+from lcmtools.messages.codec import encode
+from lcmtools.messages.registry import Message
+from lcmtools.types.sensor_msgs import CameraInfo, CompressedImage, Image, PointCloud2
+from lcmtools_sim.sensors.sensor import (
+    RobotState,
+    SensorContext,
+    SensorMount,
+    Settings,
+    deviation,
+    fill_header,
+    number,
+)
+from lcmtools_sim.vision.camera import Camera, optical
+from lcmtools_sim.vision.color import Pixels, color_image
+from lcmtools_sim.vision.messages import (
+    METRES,
+    MILLIMETRES,
+    cloud_message,
+    color_message,
+    compressed_message,
+    depth_message,
+    in_millimetres,
+)
+from lcmtools_sim.vision.noise import DepthNoise, noisy
+from lcmtools_sim.vision.render import Rendering, render
+from lcmtools_sim.vision.solids import Solids, joined, solids_of
+
+RAW = "image_raw"
+COMPRESSED = "image_raw/compressed"
+INFO = "camera_info"
+
+DEPTH_RAW = "depth/image_raw"
+DEPTH_METRES = "depth/image"
+DEPTH_COMPRESSED = "depth/image_raw/compressed"
+DEPTH_INFO = "depth/camera_info"
+POINTS = "depth/points"
+COLOR_RAW = "rgb/image_raw"
+COLOR_COMPRESSED = "rgb/image_raw/compressed"
+COLOR_INFO = "rgb/camera_info"
+
+BULKY = frozenset((DEPTH_METRES, POINTS))
+"""The same as other outputs in five times the bytes: megabytes, thirty times a second."""
+
+_COLORED = {COLOR_RAW, COLOR_COMPRESSED, POINTS}
+_PICTURES = _COLORED | {DEPTH_RAW, DEPTH_METRES, DEPTH_COMPRESSED}
+_Made = dict[str, Image | CompressedImage | CameraInfo | PointCloud2]
+
+
+@dataclass(frozen=True, slots=True)
+class CameraSettings(Settings):
+    """The properties of a camera.
+
+    Attributes:
+        width: [pixels]
+        height: [pixels]
+        field_of_view: From the left to the right edge of the picture [rad].
+    """
+
+    width: int = number(640, 1, 4096)
+    height: int = number(480, 1, 4096)
+    field_of_view: float = number(math.radians(60), 0.01, 3.1, angle=True)
+
+    @property
+    def camera(self) -> Camera:
+        """The intrinsics."""
+        return Camera(self.width, self.height, self.field_of_view)
+
+
+class _MountedCamera:
+    """A camera on a robot, at its mount's pose (x into the scene). It does not see the robot.
+
+    ``frame`` is the usual name of its optical frame (z into the scene, x right, y down), without
+    the prefix.
+    """
+
+    def __init__(
+        self, camera: Camera, mount: SensorMount, context: SensorContext, frame: str
+    ) -> None:
+        self.camera = camera
+        self._frame = context.add_frame(mount, frame, optical(mount.pose.rotation))
+        self._pose = mount.pose
+        self._world = context.world
+        self._fixed: Solids | None = None
+        self._fixed_parts: object = None
+
+    def view(self, state: RobotState) -> Rendering:
+        """The view after one step."""
+        position, rotation = state.sensor_frame(self._pose)
+        return render(self._solids(), self.camera, position, optical(rotation))
+
+    def encoded(self, made: _Made, state: RobotState) -> dict[str, bytes]:
+        """The messages' payloads, with their headers."""
+        for message in made.values():
+            fill_header(message.header, state.time, self._frame)
+        return {name: encode(message) for name, message in made.items()}
+
+    def _solids(self) -> Solids:
+        """All shapes around; the immovable ones are prepared once."""
+        parts = self._world.fixed_parts()
+        if self._fixed is None or parts is not self._fixed_parts:
+            self._fixed, self._fixed_parts = solids_of(parts, self._world.ground_color()), parts
+        moving = self._world.moving_parts()
+        return joined(self._fixed, solids_of(moving)) if moving else self._fixed
+
+
+class CameraSensor:
+    """Pictures (rgb8) of a pinhole camera without distortion, raw and as PNG files."""
+
+    outputs: Mapping[str, type[Message]] = {
+        RAW: Image,
+        COMPRESSED: CompressedImage,
+        INFO: CameraInfo,
+    }
+
+    def __init__(self, mount: SensorMount, context: SensorContext) -> None:
+        settings = cast("CameraSettings", mount.settings or CameraSettings())
+        self._mounted = _MountedCamera(settings.camera, mount, context, "camera_optical_frame")
+
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
+        """The pictures of one step."""
+        made: _Made = {}
+        if INFO in wanted:
+            made[INFO] = self._mounted.camera.info()
+        if RAW in wanted or COMPRESSED in wanted:
+            picture = color_image(self._mounted.view(state))
+            made |= _color_messages(picture, RAW, COMPRESSED, wanted)
+        return self._mounted.encoded(made, state)
+
+
+@dataclass(frozen=True, slots=True)
+class DepthCameraSettings(CameraSettings):
+    """The properties of a depth camera; the defaults are a Kinect without noise.
+
+    Attributes:
+        near: Least depth that is measured [m].
+        far: Greatest depth that is measured [m].
+        noise: Standard deviation of the depth at 1 m [m]; it grows with its square.
+        step: Distance of two neighbouring readings at 1 m [m]; it grows with its square.
+        dropout: Share of the pixels without a reading.
+    """
+
+    field_of_view: float = number(math.radians(57), 0.01, 3.1, angle=True)
+    near: float = number(0.5, 0.001, 100.0)
+    far: float = number(8.0, 0.01, 1000.0)
+    noise: float = deviation()
+    step: float = deviation()
+    dropout: float = number(0.0, 0.0, 1.0)
+
+
+class DepthCameraSensor:
+    """Depth (16UC1 in mm and 32FC1 in m, REP-118), colour, and points, pixel by pixel the same.
+
+    Both cameras have one optical frame and one camera_info, which is exact for their pixels.
+    """
+
+    outputs: Mapping[str, type[Message]] = {
+        DEPTH_RAW: Image,
+        DEPTH_METRES: Image,
+        DEPTH_COMPRESSED: CompressedImage,
+        DEPTH_INFO: CameraInfo,
+        POINTS: PointCloud2,
+        COLOR_RAW: Image,
+        COLOR_COMPRESSED: CompressedImage,
+        COLOR_INFO: CameraInfo,
+    }
+
+    def __init__(self, mount: SensorMount, context: SensorContext) -> None:
+        settings = cast("DepthCameraSettings", mount.settings or DepthCameraSettings())
+        self._settings = settings
+        self._mounted = _MountedCamera(
+            settings.camera, mount, context, "camera_depth_optical_frame"
+        )
+        self._noise = DepthNoise(settings.noise, settings.step, settings.dropout)
+        self._random = context.random(mount)
+
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
+        """The pictures of one step; the view that they share is rendered once."""
+        made: _Made = {}
+        if _PICTURES.intersection(wanted):
+            view = self._mounted.view(state)
+            color = color_image(view) if _COLORED.intersection(wanted) else None
+            made |= self._depth_messages(view, color, wanted)
+            if color is not None:
+                made |= _color_messages(color, COLOR_RAW, COLOR_COMPRESSED, wanted)
+        info = self._mounted.camera.info
+        made |= {name: info() for name in (DEPTH_INFO, COLOR_INFO) if name in wanted}
+        return self._mounted.encoded(made, state)
+
+    def _depth_messages(
+        self, view: Rendering, color: Pixels | None, wanted: Collection[str]
+    ) -> _Made:
+        near, far = self._settings.near, self._settings.far
+        depth = noisy(view.depth, self._noise, self._random)
+        made: _Made = {}
+        if DEPTH_RAW in wanted:
+            made[DEPTH_RAW] = depth_message(depth, MILLIMETRES, near, far)
+        if DEPTH_METRES in wanted:
+            made[DEPTH_METRES] = depth_message(depth, METRES, near, far)
+        if DEPTH_COMPRESSED in wanted:
+            made[DEPTH_COMPRESSED] = compressed_message(in_millimetres(depth, near, far))
+        if POINTS in wanted:
+            made[POINTS] = cloud_message(depth, view.camera, near, far, color)
+        return made
+
+
+def _color_messages(color: Pixels, raw: str, compressed: str, wanted: Collection[str]) -> _Made:
+    made: _Made = {}
+    if raw in wanted:
+        made[raw] = color_message(color)
+    if compressed in wanted:
+        made[compressed] = compressed_message(color)
+    return made

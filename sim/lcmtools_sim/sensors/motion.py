@@ -1,0 +1,287 @@
+"""Sensors of the robot's own motion: wheels, odometry, frames, inertial unit and ground truth."""
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import cast
+
+from lcmtools.messages.payload_template import PayloadTemplate
+from lcmtools.messages.registry import Message
+from lcmtools.types.geometry_msgs import TransformStamped
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.sensor_msgs import Imu, JointState
+from lcmtools.types.tf2_msgs import TFMessage
+from lcmtools_sim.geometry import (
+    Frame,
+    Quaternion,
+    Vector,
+    add,
+    axes,
+    components,
+    cross,
+    from_euler,
+    multiply,
+    scaled,
+    upwards,
+)
+from lcmtools_sim.sensors.sensor import (
+    RobotState,
+    SensorContext,
+    SensorMount,
+    Settings,
+    Sides,
+    deviation,
+)
+
+_DIAGONAL = (0.001, 0.001, 0.001, 0.001, 0.001, 0.03)  # as Clearpath's husky_control has it
+COVARIANCE = tuple(_DIAGONAL[i // 6] if i % 7 == 0 else 0.0 for i in range(36))
+"""Row-major 6x6 for pose and twist: x, y, z [m^2], then about x, y, z [rad^2]."""
+
+
+def _planar_pose(state: RobotState) -> tuple[float, ...]:
+    """The pose by odometry as the seven numbers of a message: position and quaternion."""
+    x, y, yaw = state.odometry_pose
+    return x, y, 0.0, 0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)
+
+
+@dataclass(frozen=True, slots=True)
+class WheelStatesSettings(Settings):
+    """Standard deviations of white noise on each side: angle [rad] and speed [rad/s]."""
+
+    angle_noise: float = deviation()
+    speed_noise: float = deviation()
+
+
+class WheelStatesSensor:
+    """sensor_msgs/JointState with two joints: left at index 0, right at index 1."""
+
+    outputs: Mapping[str, type[Message]] = {"": JointState}
+
+    def __init__(self, mount: SensorMount, context: SensorContext) -> None:
+        self._settings = cast("WheelStatesSettings", mount.settings or WheelStatesSettings())
+        self._random = context.random(mount)
+        message = JointState()
+        message.header.frame_id = context.frame("base_link")
+        message.name = ["left", "right"]
+        message.position = message.velocity = message.effort = [0.0, 0.0]
+        template = PayloadTemplate(message, "header.stamp", "position", "velocity", "effort")
+        self._fill = template.fill
+
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
+        """The message of one step."""
+        del wanted
+        angles = self._disturbed(state.wheel_angles, self._settings.angle_noise)
+        speeds = self._disturbed(state.wheel_speeds, self._settings.speed_noise)
+        return {"": self._fill(state.stamp, angles, speeds, state.efforts)}
+
+    def _disturbed(self, values: Sides, noise: float) -> Sides:
+        return Sides(*self._random.normal(values, noise).tolist()) if noise else values
+
+
+@dataclass(frozen=True, slots=True)
+class OdometrySettings(Settings):
+    """The errors of odometry.
+
+    Attributes:
+        travel_noise: Standard deviation of each side's measured distance after 1 m [m]; it grows
+            with the root of the distance (K. Chong, L. Kleeman, Accurate Odometry and Error
+            Modelling for a Mobile Robot, ICRA 1997). The pose drifts by it, and odom in /tf.
+        speed_noise: Standard deviation of the twist's forward speed [m/s].
+        turning_noise: Standard deviation of the twist's turn rate [rad/s].
+    """
+
+    travel_noise: float = deviation()
+    speed_noise: float = deviation()
+    turning_noise: float = deviation()
+
+
+class OdometrySensor:
+    """nav_msgs/Odometry: the pose of base_link in odom, the twist in base_link (REP-105).
+
+    It drifts from the truth when the wheels slip.
+    """
+
+    outputs: Mapping[str, type[Message]] = {"": Odometry}
+
+    def __init__(self, mount: SensorMount, context: SensorContext) -> None:
+        settings = cast("OdometrySettings", mount.settings or OdometrySettings())
+        self._noise = settings.speed_noise, settings.turning_noise
+        self._random = context.random(mount)
+        message = Odometry()
+        message.header.frame_id = context.frame("odom")
+        message.child_frame_id = context.frame("base_link")
+        message.pose.covariance = message.twist.covariance = COVARIANCE
+        numbers = "pose.pose", "twist.twist.linear.x", "twist.twist.angular.z"
+        self._fill = PayloadTemplate(message, "header.stamp", *numbers).fill
+
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
+        """The message of one step."""
+        del wanted
+        forward, turn_rate = state.odometry_speed
+        if any(self._noise):
+            forward, turn_rate = self._random.normal((forward, turn_rate), self._noise).tolist()
+        return {"": self._fill(state.stamp, _planar_pose(state), (forward,), (turn_rate,))}
+
+
+class TransformsSensor:
+    """tf2_msgs/TFMessage with odom to base_link, and base_link to each sensor (REP-105).
+
+    Mount it last: it publishes the frames of the sensors that were mounted before.
+    """
+
+    outputs: Mapping[str, type[Message]] = {"": TFMessage}
+
+    def __init__(self, mount: SensorMount, context: SensorContext) -> None:
+        del mount  # it measures the whole robot
+        self._context = context
+        self._template: PayloadTemplate | None = None
+
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
+        """The transforms of one step."""
+        del wanted
+        template = self._template = self._template or self._prepare()
+        stamps = [state.stamp] * (1 + len(self._context.frames))
+        return {"": template.fill(_planar_pose(state), *stamps)}
+
+    def _prepare(self) -> PayloadTemplate:
+        context, message = self._context, TFMessage()
+        base = context.frame("base_link")
+        message.transforms = [
+            _transform(context.frame("odom"), base, Frame()),
+            *(_transform(base, name, frame) for name, frame in context.frames.items()),
+        ]
+        stamps = (f"transforms[{index}].header.stamp" for index in range(len(message.transforms)))
+        return PayloadTemplate(message, "transforms[0].transform", *stamps)
+
+
+def _transform(parent: str, child: str, frame: Frame) -> TransformStamped:
+    message = TransformStamped()
+    message.header.frame_id, message.child_frame_id = parent, child
+    place, turn = message.transform.translation, message.transform.rotation
+    place.x, place.y, place.z = frame.position
+    turn.x, turn.y, turn.z, turn.w = frame.rotation
+    return message
+
+
+@dataclass(frozen=True, slots=True)
+class ImuSettings(Settings):
+    """Standard deviations of white noise on each axis.
+
+    Attributes:
+        turning_noise: Of the angular velocity [rad/s].
+        acceleration_noise: [m/s^2]
+    """
+
+    turning_noise: float = deviation()
+    acceleration_noise: float = deviation()
+
+
+class ImuSensor:
+    """sensor_msgs/Imu by REP-145: at rest it measures +g along the axis that points up.
+
+    The orientation is the true one in the world; the other covariances are those of the noise,
+    and all zero (unknown) without noise.
+    """
+
+    outputs: Mapping[str, type[Message]] = {"": Imu}
+
+    def __init__(self, mount: SensorMount, context: SensorContext) -> None:
+        self._lever = mount.pose.position
+        self._rotation = mount.pose.rotation
+        self._axes = axes(mount.pose.rotation)
+        self._gravity = context.gravity
+        self._settings = settings = cast("ImuSettings", mount.settings or ImuSettings())
+        self._random = context.random(mount)
+        message = Imu()
+        message.header.frame_id = context.add_frame(mount, "imu_link", mount.pose.rotation)
+        message.angular_velocity_covariance = _covariance(settings.turning_noise)
+        message.linear_acceleration_covariance = _covariance(settings.acceleration_noise)
+        measured = "orientation", "angular_velocity", "linear_acceleration"
+        self._fill = PayloadTemplate(message, "header.stamp", *measured).fill
+
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
+        """The measurement of one step."""
+        del wanted
+        rotation = multiply(state.rotation, self._rotation)
+        angular_velocity = components(state.angular_velocity, self._axes)
+        acceleration = components(self._proper_acceleration(state), self._axes)
+        angular_velocity = self._disturbed(angular_velocity, self._settings.turning_noise)
+        acceleration = self._disturbed(acceleration, self._settings.acceleration_noise)
+        return {"": self._fill(state.stamp, rotation, angular_velocity, acceleration)}
+
+    def _proper_acceleration(self, state: RobotState) -> Vector:
+        """The proper acceleration of the sensor, in base_link [m/s^2].
+
+        That of base_link, of the lever that turns (Euler and centripetal), and minus gravity.
+        """
+        lever = self._lever
+        of_lever = add(
+            cross(state.angular_acceleration, lever),
+            cross(state.angular_velocity, cross(state.angular_velocity, lever)),
+        )
+        reaction = scaled(upwards(state.rotation), self._gravity)
+        return add(add(state.acceleration, of_lever), reaction)
+
+    def _disturbed(self, vector: Vector, noise: float) -> Vector:
+        if not noise:
+            return vector
+        x, y, z = self._random.normal(vector, noise).tolist()
+        return x, y, z
+
+
+def _covariance(noise: float) -> tuple[float, ...]:
+    """Row-major 3x3, with the variance of the noise on its diagonal."""
+    return tuple(noise**2 if i % 4 == 0 else 0.0 for i in range(9))
+
+
+@dataclass(frozen=True, slots=True)
+class GroundTruthSettings(Settings):
+    """Standard deviations of white noise, as of a motion capture system.
+
+    Attributes:
+        position_noise: Of x, y and z [m].
+        heading_noise: Of the yaw angle [rad].
+    """
+
+    position_noise: float = deviation()
+    heading_noise: float = deviation()
+
+
+class GroundTruthSensor:
+    """nav_msgs/Odometry: the true pose of base_link in world, the twist in base_link.
+
+    The covariance is that of the noise.
+    """
+
+    outputs: Mapping[str, type[Message]] = {"": Odometry}
+
+    def __init__(self, mount: SensorMount, context: SensorContext) -> None:
+        self._settings = settings = cast(
+            "GroundTruthSettings", mount.settings or GroundTruthSettings()
+        )
+        self._random = context.random(mount)
+        place, turn = settings.position_noise**2, settings.heading_noise**2
+        message = Odometry()
+        message.header.frame_id = "world"
+        message.child_frame_id = context.frame("base_link")
+        message.pose.covariance = [0.0] * 36
+        message.pose.covariance[::7] = place, place, place, 0.0, 0.0, turn
+        pose = "pose.pose.position", "pose.pose.orientation"
+        twist = "twist.twist.linear", "twist.twist.angular"
+        self._fill = PayloadTemplate(message, "header.stamp", *pose, *twist).fill
+
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
+        """The message of one step."""
+        del wanted
+        place, turn = self._disturbed(state.position, state.rotation)
+        return {"": self._fill(state.stamp, place, turn, state.velocity, state.angular_velocity)}
+
+    def _disturbed(self, position: Vector, rotation: Quaternion) -> tuple[Vector, Quaternion]:
+        """A pose with noise: moved, and turned about the vertical."""
+        settings = self._settings
+        if not (settings.position_noise or settings.heading_noise):
+            return position, rotation
+        x, y, z, yaw = self._random.normal(size=4).tolist()
+        error = scaled((x, y, z), settings.position_noise)
+        turn = from_euler(0.0, 0.0, yaw * settings.heading_noise)
+        return add(position, error), multiply(turn, rotation)

@@ -1,0 +1,148 @@
+"""Rendering: depth and the number of the visible solid, pixel by pixel.
+
+Geometry only; colours, noise and encoding are elsewhere. Inverse depth (see surfaces.py) is drawn
+solid by solid, each within its bounds, in strips that stay in the processor's cache; the forms are
+float64, the pixels float32.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from lcmtools_sim.geometry import Quaternion, Vector
+from lcmtools_sim.vision.camera import Camera, PixelBounds, pixel_bounds
+from lcmtools_sim.vision.solids import Floats, Solids, matrix
+from lcmtools_sim.vision.surfaces import Floats32, Surfaces, evaluate, ground, hollow_exit, surfaces
+
+GROUND = -1
+SKY = -2
+_REACH = 1e-6  # relative; solids at the greatest depth are still seen
+_STRIP = 1 << 16  # [pixels]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rendering:
+    """The view of a camera from one place.
+
+    Attributes:
+        camera: Its intrinsics.
+        solids: All solids, in the camera's optical frame.
+        bounds: Of the solids in view.
+        turn: Rotation matrix of the optical frame in the world.
+        depth: (height, width) float32 along the optical axis [m]; inf for the sky.
+        solid: (height, width) int16, the number of the visible solid, GROUND or SKY.
+    """
+
+    camera: Camera
+    solids: Solids
+    bounds: Sequence[PixelBounds]
+    turn: Floats
+    depth: Floats32
+    solid: npt.NDArray[np.int16]
+
+
+# Rays that miss a round side make NaN, and so does a body that the engine has lost.
+@np.errstate(invalid="ignore", divide="ignore", over="ignore")
+def render(
+    solids: Solids,
+    camera: Camera,
+    position: Vector,
+    rotation: Quaternion,
+    far: float = np.inf,
+) -> Rendering:
+    """Render solids and the ground.
+
+    Args:
+        solids: In the world; those around the eye are not seen.
+        camera: Its intrinsics.
+        position: Of the optical frame in the world [m].
+        rotation: Of the optical frame in the world (see ``camera.optical``).
+        far: Greatest depth that is seen [m].
+    """
+    local, turn = solids.seen_from(position, rotation), matrix(rotation)
+    picture = _DepthBuffer(camera, (1 - _REACH) / far)
+    form = ground(position[2], turn[2])
+    if solids.ground is not None and form is not None:
+        picture.fill(form)
+    in_view = pixel_bounds(local, camera, far * (1 + _REACH))
+    for bounds in in_view:
+        seen = surfaces(local, bounds.number)
+        if seen is not None:
+            picture.draw(bounds, seen)
+    return Rendering(camera, local, in_view, turn, picture.depth(), picture.solid)
+
+
+class _DepthBuffer:
+    """Inverse depth and number of the nearest surface so far."""
+
+    def __init__(self, camera: Camera, least: float) -> None:
+        shape = camera.height, camera.width
+        self._x, self._y = camera.slopes()
+        self._least = np.float32(least)
+        self._inverse_depth = np.full(shape, self._least)
+        self.solid = np.full(shape, SKY, np.int16)
+        self._buffers = [np.empty(max(_STRIP, camera.width), np.float32) for _ in range(4)]
+
+    def fill(self, form: Floats) -> None:
+        """Draw the ground into the empty picture."""
+        inverse_depth = evaluate(form, self._x, self._y, self._inverse_depth)
+        np.maximum(inverse_depth, self._least, out=inverse_depth)
+        self.solid[inverse_depth > self._least] = GROUND
+
+    def draw(self, bounds: PixelBounds, seen: Surfaces) -> None:
+        """Draw a solid in front of what is behind it."""
+        for rows, columns in _strips(bounds):
+            upper, lower = self._interval(seen, self._x[columns], self._y[rows])
+            behind = self._inverse_depth[rows, columns]
+            np.maximum(lower, behind, out=lower)
+            visible = upper > lower  # False where NaN
+            np.copyto(behind, upper, where=visible)
+            np.copyto(self.solid[rows, columns], np.int16(bounds.number), where=visible)
+
+    def depth(self) -> Floats32:
+        """The depth [m]; it takes the buffer's place."""
+        inverse_depth = self._inverse_depth
+        inverse_depth[self.solid == SKY] = 0
+        return np.divide(np.float32(1), inverse_depth, out=inverse_depth)
+
+    def _interval(self, seen: Surfaces, x: Floats, y: Floats) -> tuple[Floats32, Floats32]:
+        """The inverse depth of entering and leaving a solid; for a miss entering is less or NaN."""
+        upper, lower, spare, other = (
+            buffer[: len(y) * len(x)].reshape(len(y), len(x)) for buffer in self._buffers
+        )
+        upper.fill(np.inf)
+        lower.fill(0)
+        for form in seen.front:
+            np.minimum(upper, evaluate(form, x, y, spare), out=upper)
+        for form in seen.back:
+            np.maximum(lower, evaluate(form, x, y, spare), out=lower)
+        if len(seen.side):
+            root = _root(seen.side, x, y, (spare, other))
+            middle = evaluate(seen.side[0], x, y, other)
+            np.minimum(upper, middle + root, out=upper)
+            np.maximum(lower, np.subtract(middle, root, out=middle), out=lower)
+        if len(seen.hollow):
+            leaving = hollow_exit(*(evaluate(form, x, y) for form in seen.hollow))
+            np.maximum(lower, leaving, out=lower)
+        return upper, lower
+
+
+def _root(side: Floats, x: Floats, y: Floats, out: tuple[Floats32, Floats32]) -> Floats32:
+    """Half the difference of entering and leaving a round side, NaN beside it."""
+    root, spare = out
+    evaluate(side[1], x, y, root)
+    np.multiply(root, evaluate(side[2], x, y, spare), out=root)
+    for form in side[3:]:
+        third = evaluate(form, x, y, spare)
+        np.subtract(root, np.multiply(third, third, out=third), out=root)
+    return np.sqrt(root, out=root)
+
+
+def _strips(bounds: PixelBounds) -> Iterator[tuple[slice, slice]]:
+    """Rows and columns within the bounds, some rows at a time."""
+    columns = slice(bounds.left, bounds.right)
+    height = max(1, _STRIP // (bounds.right - bounds.left))
+    for top in range(bounds.top, bounds.bottom, height):
+        yield slice(top, min(top + height, bounds.bottom)), columns
