@@ -22,25 +22,27 @@ NODE_COMMANDS = {
     "kill": Entry("lcmtools.cli.node.kill:command", "Ask nodes to shut down."),
     "cleanup": Entry("lcmtools.cli.node.cleanup:command", "Forget nodes that were killed."),
 }
+_MSG = "lcmtools.cli.msg"
 MSG_COMMANDS = {
-    "list": Entry("lcmtools.cli.msg.list:command", "List the message types."),
-    "show": Entry("lcmtools.cli.msg.show:command", "Show the fields of a message type."),
-    "proto": Entry("lcmtools.cli.msg.proto:command", "Print a message to fill in, for pub."),
-    "find-field": Entry("lcmtools.cli.msg.find_field:command", "Find types by a field's name."),
-    "package": Entry("lcmtools.cli.msg.package:command", "List the message types of a package."),
-    "packages": Entry("lcmtools.cli.msg.packages:command", "List the packages."),
-    "fingerprint": Entry("lcmtools.cli.msg.fingerprint:command", "Print a type's fingerprint."),
-    "build": Entry("lcmtools.cli.msg.build:command", "Check and compile your own .lcm files."),
-    "generate": Entry("lcmtools.cli.msg.generate:command", "Write C, C++, Java or Python code."),
-    "info": Entry("lcmtools.cli.msg.show:command", "show, as ROS.", is_alias=True),
-    "md5": Entry("lcmtools.cli.msg.fingerprint:command", "fingerprint, as ROS.", is_alias=True),
+    "list": Entry(f"{_MSG}.list:command", "List the message types."),
+    "show": Entry(f"{_MSG}.show:command", "Show the fields of a message type."),
+    "proto": Entry(f"{_MSG}.proto:command", "Print a message to fill in, for pub."),
+    "find-field": Entry(f"{_MSG}.find_field:command", "Find types by a field's name."),
+    "package": Entry(f"{_MSG}.list:package_command", "List the message types of a package."),
+    "packages": Entry(f"{_MSG}.list:packages_command", "List the packages."),
+    "fingerprint": Entry(f"{_MSG}.fingerprint:command", "Print a type's fingerprint."),
+    "build": Entry(f"{_MSG}.build:command", "Check and compile your own .lcm files."),
+    "generate": Entry(f"{_MSG}.generate:command", "Write C, C++, Java or Python code."),
+    "info": Entry(f"{_MSG}.show:command", "show, as ROS.", is_alias=True),
+    "md5": Entry(f"{_MSG}.fingerprint:command", "fingerprint, as ROS.", is_alias=True),
 }
+_PKG = "lcmtools.cli.pkg"
 PKG_COMMANDS = {
-    "create": Entry("lcmtools.cli.pkg.create:command", "Make a package: a node, a test and more."),
-    "list": Entry("lcmtools.cli.pkg.list:command", "List the packages and their folders."),
-    "find": Entry("lcmtools.cli.pkg.find:command", "Print a package's folder."),
-    "build": Entry("lcmtools.cli.pkg.build:command", "Check and compile packages' messages."),
-    "prefix": Entry("lcmtools.cli.pkg.find:command", "find, as ROS 2 names it.", is_alias=True),
+    "create": Entry(f"{_PKG}.create:command", "Make a package: a node, a test and more."),
+    "list": Entry(f"{_PKG}.list:command", "List the packages and their folders."),
+    "find": Entry(f"{_PKG}.list:find_command", "Print a package's folder."),
+    "build": Entry(f"{_PKG}.build:command", "Check and compile packages' messages."),
+    "prefix": Entry(f"{_PKG}.list:find_command", "find, as ROS 2 names it.", is_alias=True),
 }
 SRV_COMMANDS = {
     "list": Entry("lcmtools.cli.srv.list:command", "List the service types."),

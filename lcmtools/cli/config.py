@@ -6,8 +6,8 @@ import click
 
 from lcmtools.bus.url import choose_url
 from lcmtools.cli.options import COLOR, CONTEXT, bus_choice, bus_options, json_option
-from lcmtools.cli.output import document, lines
-from lcmtools.settings import SETTINGS, Said, UserFile, read_user_file, said
+from lcmtools.cli.output import columns, show
+from lcmtools.settings import SETTINGS, read_user_file, said
 
 
 @click.command("config", context_settings=CONTEXT)
@@ -30,18 +30,11 @@ def command(*, as_json: bool) -> None:
     color = click.get_current_context().meta.get(COLOR)
     flags = {"lcm_url": choice.url, "domain": choice.domain, "color": color}
     values = {name: said(name, flags.get(name), os.environ, file) for name in SETTINGS}
-    bus = Said(str(url), source)
-    if as_json:
-        document(_record(file, bus, values))
-    else:
-        lines(_table(file, bus, values))
-
-
-def _record(file: UserFile, bus: Said, values: dict[str, Said]) -> dict[str, object]:
-    return {
+    file_exists = file.path is not None and file.path.exists()
+    record = {
         "file": str(file.path) if file.path else None,
-        "file_exists": _exists(file),
-        "bus": {"value": bus.value, "source": bus.source},
+        "file_exists": file_exists,
+        "bus": {"value": str(url), "source": source},
         "settings": [
             {
                 "name": name,
@@ -53,17 +46,8 @@ def _record(file: UserFile, bus: Said, values: dict[str, Said]) -> dict[str, obj
             for name, value in values.items()
         ],
     }
-
-
-def _table(file: UserFile, bus: Said, values: dict[str, Said]) -> list[str]:
-    """One line a setting: name, value, what says so; then the bus that follows, and the file."""
     rows = [(name, value.value or "-", value.source) for name, value in values.items()]
-    rows.append(("bus", bus.value, bus.source))
-    widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
-    table = [f"{name:<{widths[0]}}  {value:<{widths[1]}}  {by}" for name, value, by in rows]
-    state = "" if _exists(file) else " (there is none)"
-    return [*table, f"file: {file.path or 'no home, no file'}{state}"]
-
-
-def _exists(file: UserFile) -> bool:
-    return file.path is not None and file.path.exists()
+    table = columns([*rows, ("bus", str(url), source)])
+    state = "" if file_exists else " (there is none)"
+    place = f"file: {file.path or 'no home, no file'}{state}"
+    show(record, [*table, place], as_json=as_json)

@@ -4,7 +4,7 @@ import contextlib
 import json
 import os
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from lcmtools.color import BOLD_RED, paint, stream_wants_color
 from lcmtools.errors import LcmtoolsError
@@ -26,12 +26,7 @@ def data(text: str) -> None:
 
 
 def lines(rows: Iterable[str], decorate: Callable[[str], str] = str) -> None:
-    """Print lines of data together; control characters, as a name may have them, escaped.
-
-    Args:
-        rows: The lines.
-        decorate: Gives a line its colour, after the escaping.
-    """
+    """Print lines of data together, control characters escaped; ``decorate`` then colours them."""
     _write("".join(f"{decorate(row.translate(_ESCAPES))}\n" for row in rows))
 
 
@@ -40,13 +35,21 @@ def document(value: object) -> None:
     data(json.dumps(value, ensure_ascii=False, indent=2).translate(_ESCAPES_IN_JSON))
 
 
-def talk(text: str, speaker: str = "") -> None:
-    """Say something to the person, not to the pipe.
+def show(value: object, rows: Iterable[str], *, as_json: bool) -> None:
+    """Print a value as a JSON document, or as lines."""
+    document(value) if as_json else lines(rows)
 
-    Args:
-        text: What to say.
-        speaker: The command that complains, put before it, in colour where that is wanted.
-    """
+
+def columns(rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    """Yield the lines of a table, its columns aligned and two blanks apart."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = (f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True))
+        yield "  ".join(cells).rstrip()
+
+
+def talk(text: str, speaker: str = "") -> None:
+    """Print a message for the person to standard error, behind the name of its speaker."""
     said = "\n".join(row.translate(_ESCAPES) for row in text.split("\n"))
     if speaker:
         name = f"{speaker.translate(_ESCAPES)}:"
@@ -71,7 +74,7 @@ def _write(text: str) -> None:
     """Write to standard output at once.
 
     Raises:
-        BrokenPipeError: Whoever reads has had enough.
+        BrokenPipeError: The reader has closed the pipe.
         LcmtoolsError: It cannot be written, as on a full disk.
     """
     try:

@@ -21,7 +21,7 @@ from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.graph.builder import GraphBuilder
-from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PERIOD,
@@ -198,7 +198,11 @@ class BusMonitor:
         ask_again = start + _AGAIN if self.url.is_multicast and self.url.ttl else math.inf
         with contextlib.suppress(EOFError):  # a log that has ended is complete
             # where this process itself was held up, what has come meanwhile still counts
-            while not _complete(time.monotonic(), start, changed) or self._hears_talk(0.0):
+            while (
+                not _complete(time.monotonic(), start, changed)
+                or self._hears_talk(0.0)
+                or self._awaits_known_node(start)
+            ):
                 if time.monotonic() - start > _FOREIGN:
                     break
                 if time.monotonic() >= ask_again:
@@ -241,6 +245,12 @@ class BusMonitor:
 
     def _hears_talk(self, timeout: float) -> bool:
         return any(packet.channel in TALK_CHANNELS for packet in self.receive(timeout))
+
+    def _awaits_known_node(self, start: float) -> bool:
+        """True while a node of this computer that left a record and runs may answer late."""
+        if time.monotonic() - start > _AT_MOST:
+            return False
+        return any(node.stale is Staleness.HANGS for node in self.graph().nodes)
 
     def _await_foreign(self, deadline: float) -> None:
         """Listen on where there are programs that cannot be asked; to the end where one is heard.

@@ -23,6 +23,7 @@ def tree(command: click.Command, path: tuple[str, ...] = ()) -> Iterator[tuple[s
 
 
 COMMANDS = list(tree(root))
+Captured = pytest.CaptureFixture[str]
 GROUPS = [path for path in COMMANDS if any(other[:-1] == path for other in COMMANDS if other)]
 
 
@@ -39,46 +40,34 @@ def test_the_tree_has_the_commands_of_rostopic_and_rosnode() -> None:
     assert {("srv", "list"), ("srv", "show"), ("wtf",), ("run",)} <= set(COMMANDS)
 
 
-@pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
-def test_help_has_two_examples_that_begin_as_one_types_them(
-    path: tuple[str, ...], capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main([*path, "--help"]) == 0
-    text, error = capsys.readouterr()
-    assert error == ""
-    assert text.startswith(" ".join(("Usage: lcmtools", *path)))
-    _, _, examples = text.partition("Examples:\n")
-    lines = [line.strip() for line in examples.split("\n\n")[0].splitlines()]
-    assert len(lines) >= 2
-    assert all(line.startswith("lcmtools ") for line in lines)
-
-    assert main([*path, "-h"]) == 0
-    assert capsys.readouterr().out == text
-
-
-@pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
-def test_examples_name_commands_that_exist(
-    path: tuple[str, ...], capsys: pytest.CaptureFixture[str]
-) -> None:
-    main([*path, "--help"])
-    _, _, examples = capsys.readouterr().out.partition("Examples:\n")
-    for line in examples.split("\n\n")[0].splitlines():
-        words = tuple(line.split()[1:3])
-        assert (words if words[:1] in GROUPS else words[:1]) in COMMANDS, line
+def test_help_has_two_examples_that_begin_as_one_types_them(capsys: Captured) -> None:
+    for path in COMMANDS:
+        assert main([*path, "--help"]) == 0, path
+        text, error = capsys.readouterr()
+        assert error == ""
+        assert text.startswith(" ".join(("Usage: lcmtools", *path)))
+        _, _, examples = text.partition("Examples:\n")
+        lines = [line.strip() for line in examples.split("\n\n")[0].splitlines()]
+        assert len(lines) >= 2, path
+        for line in lines:
+            tool, *words = line.split()[:3]
+            assert tool == "lcmtools", line
+            assert tuple(words if tuple(words[:1]) in GROUPS else words[:1]) in COMMANDS, line
+        assert main([*path, "-h"]) == 0, path
+        assert capsys.readouterr().out == text
 
 
-@pytest.mark.parametrize("group", GROUPS, ids=" ".join)
-def test_help_of_a_group_has_a_line_for_each_command(
-    group: tuple[str, ...], capsys: pytest.CaptureFixture[str]
-) -> None:
-    main([*group, "--help"])
-    _, _, table = capsys.readouterr().out.partition("Commands:\n")
-    listed = {line.split()[0] for line in table.split("\n\n")[0].splitlines()}
-    below = {path[-1] for path in COMMANDS if path and path[:-1] == group}
-    is_msg = group in (("msg",), ("interface",))
-    aliases = {"md5", "info"} if is_msg else set() if group else {"topic", "doctor", "interface"}
-    aliases |= {"prefix"} if group == ("pkg",) else set()
-    assert listed == below - aliases
+def test_help_of_a_group_has_a_line_for_each_command(capsys: Captured) -> None:
+    for group in GROUPS:
+        main([*group, "--help"])
+        _, _, table = capsys.readouterr().out.partition("Commands:\n")
+        listed = {line.split()[0] for line in table.split("\n\n")[0].splitlines()}
+        below = {path[-1] for path in COMMANDS if path and path[:-1] == group}
+        is_msg = group in (("msg",), ("interface",))
+        aliases = {"md5", "info"} if is_msg else set()
+        aliases |= {"prefix"} if group == ("pkg",) else set()
+        aliases |= set() if group else {"topic", "doctor", "interface"}
+        assert listed == below - aliases, group
 
 
 @pytest.mark.parametrize(
@@ -91,7 +80,7 @@ def test_topic_verbs_are_the_same_commands_with_and_without_topic(verb: str) -> 
     assert topic.get_command(context, verb) is root.get_command(context, verb)
 
 
-def test_version_names_lcmtools_lcm_and_python(capsys: pytest.CaptureFixture[str]) -> None:
+def test_version_names_lcmtools_lcm_and_python(capsys: Captured) -> None:
     assert main(["--version"]) == 0
     python = ".".join(map(str, sys.version_info[:3]))
     lcm = importlib.metadata.version("lcm")
@@ -99,7 +88,7 @@ def test_version_names_lcmtools_lcm_and_python(capsys: pytest.CaptureFixture[str
 
 
 def test_without_a_command_the_help_goes_to_standard_error_with_exit_code_2(
-    capsys: pytest.CaptureFixture[str],
+    capsys: Captured,
 ) -> None:
     assert main([]) == 2
     out, error = capsys.readouterr()

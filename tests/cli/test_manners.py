@@ -32,92 +32,90 @@ OPTIONS = [
     if isinstance(option, click.Option)
 ]
 VALUED = [(path, option) for path, option in OPTIONS if not option.is_flag]
+Captured = pytest.CaptureFixture[str]
 
 
 def named(path: Path) -> str:
     return " ".join(("lcmtools", *path))
 
 
-@pytest.mark.parametrize("path", TREE, ids=named)
-def test_unknown_option_is_one_line_and_exit_code_2(
-    path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    code = main([*path, "--verbse-bogus"])
-    out, error = capsys.readouterr()
-    assert (code, out, error.count("\n")) == (2, "", 1)
-    assert error.startswith(f"{named(path)}: ")
+def misspelt() -> Iterator[tuple[Path, str, str]]:
+    """Commands with an option, and the option without its last letter, which is no other one."""
+    for path, option in OPTIONS:
+        command = TREE[path]
+        takes_others = command.context_settings.get("ignore_unknown_options")
+        known = {name for other in command.params for name in other.opts}
+        for name in option.opts:
+            is_long = name.startswith("--") and len(name) > 5
+            if is_long and name[:-1] not in known and not (option.hidden or takes_others):
+                yield path, name, name[:-1]
 
 
-@pytest.mark.parametrize("path", GROUPS, ids=named)
-def test_misspelt_command_is_answered_with_the_one_that_was_meant(
-    path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    command = TREE[path]
-    assert isinstance(command, click.Group)
-    for name in command.list_commands(click.Context(command)):
-        if len(name) > 3:
-            wrong = f"{name[1]}{name[0]}{name[2:]}"
-            assert main([*path, wrong]) == 2
-            error = capsys.readouterr().err
-            assert error.startswith(f"{named(path)}: no such command '{wrong}'; did you mean '")
+def test_unknown_option_is_one_line_and_exit_code_2(capsys: Captured) -> None:
+    for path in TREE:
+        assert main([*path, "--verbse-bogus"]) == 2, path
+        out, error = capsys.readouterr()
+        assert (out, error.count("\n")) == ("", 1), path
+        assert error.startswith(f"{named(path)}: "), path
 
 
-@pytest.mark.parametrize(
-    ("path", "option"), OPTIONS, ids=lambda part: named(part) if isinstance(part, tuple) else None
-)
-def test_misspelt_option_is_answered_with_the_one_that_was_meant(
-    path: Path, option: click.Option, capsys: pytest.CaptureFixture[str]
-) -> None:
-    long = [name for name in option.opts if name.startswith("--") and len(name) > 5]
-    command = TREE[path]
-    if not long or option.hidden or command.context_settings.get("ignore_unknown_options"):
-        return
-    wrong = long[0][:-1]  # click takes no beginning of an option for the option
-    if any(wrong in other.opts for other in command.params):
-        return
-    assert main([*path, wrong]) == 2
-    error = capsys.readouterr().err
-    assert wrong in error
-    assert long[0] in error
+def test_misspelt_command_is_answered_with_the_one_that_was_meant(capsys: Captured) -> None:
+    for path in GROUPS:
+        command = TREE[path]
+        assert isinstance(command, click.Group)
+        for name in command.list_commands(click.Context(command)):
+            if len(name) > 3:
+                wrong = f"{name[1]}{name[0]}{name[2:]}"
+                assert main([*path, wrong]) == 2
+                error = capsys.readouterr().err
+                start = f"{named(path)}: no such command '{wrong}'; did you mean '"
+                assert error.startswith(start), path
 
 
-@pytest.mark.parametrize("path", TREE, ids=named)
-def test_colour_and_debug_can_be_said_after_every_command(path: Path) -> None:
-    names = {name for parameter in TREE[path].params for name in parameter.opts}
-    assert {"--color", "--no-color", "--debug"} <= names
+def test_misspelt_option_is_answered_with_the_one_that_was_meant(capsys: Captured) -> None:
+    cases = list(misspelt())
+    assert len(cases) > 250
+    assert len({path for path, _, _ in cases}) > len(LEAVES) * 0.9
+    for path, right, wrong in cases:
+        assert main([*path, wrong]) == 2, (path, wrong)
+        error = capsys.readouterr().err
+        assert wrong in error, (path, wrong)
+        assert right in error.replace(wrong, "", 1), (path, wrong, error)
 
 
-@pytest.mark.parametrize("path", TREE, ids=named)
+def test_colour_and_debug_can_be_said_after_every_command() -> None:
+    for path, command in TREE.items():
+        names = {name for parameter in command.params for name in parameter.opts}
+        assert {"--color", "--no-color", "--debug"} <= names, path
+
+
 def test_help_is_plain_ascii_and_bears_a_terminal_of_40_columns(
-    path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    capsys: Captured, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "40")
     monkeypatch.setenv("FORCE_COLOR", "1")
-    assert main([*path, "--help"]) == 0
-    text = capsys.readouterr().out
-    assert text.isascii()
-    assert text.isprintable() or set(filter(str.isspace, text)) == {"\n", " "}
-    summary = text.split("\n\n")[1]
-    assert max(map(len, summary.splitlines())) <= 50  # click wraps no narrower
+    for path in TREE:
+        assert main([*path, "--help"]) == 0
+        text = capsys.readouterr().out
+        assert text.isascii(), path
+        assert text.isprintable() or set(filter(str.isspace, text)) == {"\n", " "}, path
+        summary = text.split("\n\n")[1]
+        assert max(map(len, summary.splitlines())) <= 50, path  # click wraps no narrower
 
 
-@pytest.mark.parametrize("path", TREE, ids=named)
-def test_help_command_says_the_same_as_help_option(
-    path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main([*path, "--help"]) == 0
-    text = capsys.readouterr().out
-    assert main(["help", *path]) == 0
-    assert capsys.readouterr().out == text
+def test_help_command_says_the_same_as_help_option(capsys: Captured) -> None:
+    for path in TREE:
+        assert main([*path, "--help"]) == 0
+        text = capsys.readouterr().out
+        assert main(["help", *path]) == 0
+        assert capsys.readouterr().out == text, path
 
 
-@pytest.mark.parametrize("path", LEAVES, ids=named)
-def test_help_needs_no_settings_that_can_be_read(
-    path: Path, capsys: pytest.CaptureFixture[str], broken_settings: None
-) -> None:
+def test_help_needs_no_settings_that_can_be_read(capsys: Captured, broken_settings: None) -> None:
     del broken_settings
-    assert main([*path, "--help"]) == 0
-    assert capsys.readouterr().err == ""
+    for path in LEAVES:
+        assert main([*path, "--help"]) == 0, path
+        assert capsys.readouterr().err == "", path
 
 
 @pytest.fixture
@@ -131,30 +129,23 @@ def broken_settings(tmp_path: object, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
 
 
-@pytest.mark.parametrize(
-    ("path", "option"), VALUED, ids=lambda part: named(part) if isinstance(part, tuple) else None
-)
-def test_value_of_an_option_may_begin_with_a_minus(path: Path, option: click.Option) -> None:
+def test_value_of_an_option_may_begin_with_a_minus() -> None:
     """Whether it makes sense is another question: it is not taken for an option."""
-    command = TREE[path]
-    parser = command.make_parser(click.Context(command, info_name=named(path)))
-    values, _, _ = parser.parse_args([option.opts[0], "-1"])
-    assert values[option.name] in ("-1", ["-1"])
+    for path, option in VALUED:
+        command = TREE[path]
+        parser = command.make_parser(click.Context(command, **command.context_settings))
+        values, _, _ = parser.parse_args([option.opts[0], "-1"])
+        assert values[option.name] in ("-1", ["-1"]), path
 
 
-@pytest.mark.parametrize(
-    ("path", "option"),
-    [row for row in VALUED if row[1].name in ("timeout", "wait", "duration", "period")],
-    ids=lambda part: named(part) if isinstance(part, tuple) else None,
-)
-def test_time_spans_are_said_in_milliseconds_seconds_and_minutes(
-    path: Path, option: click.Option
-) -> None:
-    context = click.Context(TREE[path])
-    read = [option.type_cast_value(context, text) for text in ("500ms", "2s", "1m", "3")]
-    assert read == [0.5, 2.0, 60.0, 3.0]
-    if option.name == "timeout":
-        assert option.envvar == "LCMTOOLS_TIMEOUT"
+def test_time_spans_are_said_in_milliseconds_seconds_and_minutes() -> None:
+    spans = [row for row in VALUED if row[1].name in ("timeout", "wait", "duration", "period")]
+    assert len(spans) > 20
+    for path, option in spans:
+        context = click.Context(TREE[path])
+        read = [option.type_cast_value(context, text) for text in ("500ms", "2s", "1m", "3")]
+        assert read == [0.5, 2.0, 60.0, 3.0], path
+        assert option.name != "timeout" or option.envvar == "LCMTOOLS_TIMEOUT", path
 
 
 def test_a_duration_says_what_it_may_be() -> None:
@@ -162,7 +153,7 @@ def test_a_duration_says_what_it_may_be() -> None:
         duration("soon")
 
 
-def test_root_help_names_exit_codes_and_environment(capsys: pytest.CaptureFixture[str]) -> None:
+def test_root_help_names_exit_codes_and_environment(capsys: Captured) -> None:
     main(["--help"])
     text = capsys.readouterr().out
     for code in (
@@ -189,9 +180,7 @@ def test_debug_after_the_command_shows_the_traceback(monkeypatch: pytest.MonkeyP
         main(["msg", "list", "--debug"])
 
 
-def test_failure_of_a_command_with_json_is_told_in_json(
-    capsys: pytest.CaptureFixture[str], bus_url: str
-) -> None:
+def test_failure_of_a_command_with_json_is_told_in_json(capsys: Captured, bus_url: str) -> None:
     import json
 
     assert main(["info", "--json", "/nothing", "--lcm-url", bus_url]) == 1
@@ -203,6 +192,6 @@ def test_failure_of_a_command_with_json_is_told_in_json(
     }
 
 
-def test_wrong_usage_is_told_in_words_even_with_json(capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_usage_is_told_in_words_even_with_json(capsys: Captured) -> None:
     assert main(["list", "--json", "--wait", "soon"]) == 2
     assert capsys.readouterr().err.startswith("lcmtools list: invalid value for '--wait'")

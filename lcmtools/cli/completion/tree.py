@@ -149,7 +149,8 @@ def _from_click(path: Sequence[str]) -> Command | None:
         command = command.get_command(context, word)
     if command is None:
         return None
-    parameters = command.get_params(context)
+    # click keeps a command's help option as the first context has it
+    parameters = command.get_params(click.Context(command, **command.context_settings))
     said = command.context_settings
     takes_others = said.get("ignore_unknown_options", command.ignore_unknown_options)
     is_mixed = said.get("allow_interspersed_args", command.allow_interspersed_args)

@@ -1,13 +1,17 @@
-"""``lcmtools msg build``."""
+"""``lcmtools msg build``; and folders of .lcm files compiled, for ``pkg build`` too."""
 
+from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 
 import click
 
-from lcmtools.cli.msg.building import build_folders
+from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.output import complain, show
 from lcmtools.errors import LcmtoolsError, UsageError
-from lcmtools.packages.user_types import user_types
+from lcmtools.messages.type_source import shown
+from lcmtools.packages.user_types import compile_folders, user_types
 
 
 @click.command("build", context_settings=CONTEXT)
@@ -32,3 +36,24 @@ def command(folder: str | None, *, as_json: bool) -> int:
             "there are no folders with .lcm files", "name one, or set LCMTOOLS_TYPE_PATH"
         )
     return build_folders(chosen, as_json=as_json)
+
+
+def build_folders(folders: Sequence[Path], *, as_json: bool) -> int:
+    """Compile the types of folders, print them and the problems; return the exit code."""
+    source = compile_folders(folders)
+    made = {n: f for n, f in sorted(source.files.items()) if _is_in(f, folders)}
+    problems = [one for one in source.problems if _is_in(one.file, folders)]
+    types = [
+        {"type": name, "fingerprint": f"{source.fingerprints[name]:#018x}", "file": file}
+        for name, file in made.items()
+    ]
+    record = {"types": types, "problems": [asdict(problem) for problem in problems]}
+    show(record, (f"{name}  {shown(file)}" for name, file in made.items()), as_json=as_json)
+    command = click.get_current_context().meta.get(COMMAND, "lcmtools")
+    for problem in problems:
+        complain(str(command), problem.error())
+    return 1 if problems else 0
+
+
+def _is_in(file: str, folders: Sequence[Path]) -> bool:
+    return any(Path(file).is_relative_to(folder) for folder in folders)

@@ -3,10 +3,10 @@
 import click
 
 from lcmtools.cli.options import CONTEXT, json_option
-from lcmtools.cli.output import document, lines
+from lcmtools.cli.output import show
 from lcmtools.errors import LcmtoolsError
 from lcmtools.messages.definition import declaration
-from lcmtools.messages.fields import Field, visible_fields
+from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.registry import message_class, type_names
 from lcmtools.names import did_you_mean
 
@@ -22,16 +22,10 @@ def command(name: str, *, as_json: bool) -> None:
       lcmtools msg find-field covariance
       lcmtools msg find-field header --json
     """  # noqa: D301 - \b is click's mark
-    known = [(type_, field) for type_ in type_names() for field in _fields(type_)]
+    known = [(t, field) for t in type_names() for field in visible_fields(message_class(t))]
     found = [(type_, declaration(field)) for type_, field in known if field.name == name]
     if not found:
         hint = did_you_mean(name, sorted({field.name for _, field in known}))
         raise LcmtoolsError(f"no message type has a field '{name}'", hint)
-    if as_json:
-        document([{"type": type_, "field": text} for type_, text in found])
-    else:
-        lines(f"{type_}: {text}" for type_, text in found)
-
-
-def _fields(name: str) -> tuple[Field, ...]:
-    return visible_fields(message_class(name))
+    record = [{"type": type_, "field": text} for type_, text in found]
+    show(record, (f"{type_}: {text}" for type_, text in found), as_json=as_json)

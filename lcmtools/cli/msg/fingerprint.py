@@ -4,7 +4,7 @@ import click
 
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, json_option
-from lcmtools.cli.output import document, lines
+from lcmtools.cli.output import show
 from lcmtools.messages.registry import fingerprint, message_class, type_name, type_names
 
 
@@ -23,14 +23,8 @@ def command(type_: str, *, as_json: bool) -> None:
       lcmtools msg md5 Twist
     """  # noqa: D301 - \b is click's mark
     named = [name for name in type_names() if name.rpartition("/")[2] == type_]
-    found = {name: _digits(name) for name in named or [type_name(message_class(type_))]}
-    if as_json:
-        document([{"type": name, "fingerprint": digits} for name, digits in found.items()])
-    elif named:
-        lines(f"[{name}]: {digits}" for name, digits in found.items())
-    else:
-        lines(found.values())
-
-
-def _digits(name: str) -> str:
-    return f"{fingerprint(message_class(name)):016x}"
+    kinds = map(message_class, named or [type_])
+    found = {type_name(kind): f"{fingerprint(kind):016x}" for kind in kinds}
+    record = [{"type": name, "fingerprint": digits} for name, digits in found.items()]
+    rows = (f"[{name}]: {digits}" if named else digits for name, digits in found.items())
+    show(record, rows, as_json=as_json)

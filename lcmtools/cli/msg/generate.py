@@ -6,7 +6,7 @@ import click
 
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, json_option
-from lcmtools.cli.output import document, lines, talk
+from lcmtools.cli.output import show, talk
 from lcmtools.packages.languages import LANGUAGES, generate
 from lcmtools.packages.user_types import sources_of
 
@@ -27,10 +27,7 @@ def command(*, lang: str, folder: str, types: tuple[str, ...], as_json: bool) ->
       lcmtools msg generate --lang cpp generated geometry_msgs/Twist std_msgs/String
       lcmtools msg generate --lang c generated air_lab0
     """  # noqa: D301 - \b is click's mark
-    files = sources_of(types)
-    written = generate(files, lang, Path(folder).expanduser())
-    if as_json:
-        document([str(path) for path in written])
-    else:
-        lines(map(str, written))
+    written = list(map(str, generate(sources_of(types), lang, Path(folder).expanduser())))
+    show(written, written, as_json=as_json)
+    if not as_json:
         talk(f"{len(written)} file{'s'[: len(written) != 1]} in {folder}")

@@ -1,10 +1,17 @@
-"""``lcmtools msg list``."""
+"""``lcmtools msg list``, ``msg package`` and ``msg packages``."""
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, json_option
-from lcmtools.cli.output import document, lines, talk
-from lcmtools.messages.registry import problems, type_names
+from lcmtools.cli.output import show, talk
+from lcmtools.errors import UnknownType
+from lcmtools.messages.registry import packages, problems, type_names
+from lcmtools.names import did_you_mean
+
+_single_line_option = click.option(
+    "-s", "--single-line", is_flag=True, help="All in one line, with blanks between."
+)
 
 
 @click.command("list", context_settings=CONTEXT)
@@ -19,7 +26,38 @@ def command(*, as_json: bool) -> None:
     """  # noqa: D301 - \b is click's mark
     for problem in problems():
         talk(str(problem.error()), "lcmtools msg list")
-    if as_json:
-        document(type_names())
-    else:
-        lines(type_names())
+    show(type_names(), type_names(), as_json=as_json)
+
+
+@click.command("package", context_settings=CONTEXT)
+@click.argument("package", shell_complete=complete("messages:packages"))
+@_single_line_option
+@json_option
+def package_command(package: str, *, single_line: bool, as_json: bool) -> None:
+    """List the message types of a package.
+
+    \b
+    Examples:
+      lcmtools msg package geometry_msgs
+      lcmtools msg package std_msgs --json
+    """  # noqa: D301 - \b is click's mark
+    found = [name for name in type_names() if name.startswith(f"{package}/")]
+    if not found:
+        hint = did_you_mean(package, packages()) or "see: lcmtools msg packages"
+        raise UnknownType(f"unknown package '{package}'", hint)
+    show(found, [" ".join(found)] if single_line else found, as_json=as_json)
+
+
+@click.command("packages", context_settings=CONTEXT)
+@_single_line_option
+@json_option
+def packages_command(*, single_line: bool, as_json: bool) -> None:
+    """List the packages that have message types.
+
+    \b
+    Examples:
+      lcmtools msg packages
+      lcmtools msg packages --json
+    """  # noqa: D301 - \b is click's mark
+    found = packages()
+    show(found, [" ".join(found)] if single_line else found, as_json=as_json)

@@ -1,16 +1,23 @@
 """``lcmtools msg show``."""
 
 import sys
+from pathlib import Path
 
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.msg.source import source_text
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import data, document
-from lcmtools.errors import UsageError
+from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.messages.definition import definition
-from lcmtools.messages.registry import fingerprint, message_class, type_name
+from lcmtools.messages.registry import (
+    Message,
+    default_registry,
+    fingerprint,
+    message_class,
+    type_name,
+)
+from lcmtools.packages.type_files import shipped_folder
 
 _EXAMPLE = "for example lcmtools msg show geometry_msgs/Twist"
 
@@ -33,19 +40,26 @@ def command(type_: str, *, raw: bool, as_json: bool) -> None:
     """  # noqa: D301 - \b is click's mark
     type_ = _piped() if type_ == "-" else type_
     kind = message_class(type_)
-    show = source_text if raw else definition
+    name, text = type_name(kind), (source_text if raw else definition)(kind)
     if as_json:
-        document(
-            {
-                "type": type_name(kind),
-                "fingerprint": f"{fingerprint(kind):#018x}",
-                "definition": show(kind),
-            }
-        )
-        return
-    if "/" not in type_ and "." not in type_:
-        data(f"[{type_name(kind)}]:")
-    data(show(kind))
+        number = f"{fingerprint(kind):#018x}"
+        document({"type": name, "fingerprint": number, "definition": text})
+    else:
+        data(text if "/" in type_ or "." in type_ else f"[{name}]:\n{text}")
+
+
+def source_text(kind: type[Message]) -> str:
+    """Return the .lcm file of a message type, as its author wrote it.
+
+    Raises:
+        LcmtoolsError: The file cannot be read.
+    """
+    name = type_name(kind)
+    file = default_registry().files().get(name) or f"{shipped_folder() / name}.lcm"
+    try:
+        return Path(file).read_text("utf-8").strip()
+    except (OSError, UnicodeDecodeError) as error:
+        raise LcmtoolsError(f"cannot read {file}, where {name} is from: {error}") from error
 
 
 def _piped() -> str:

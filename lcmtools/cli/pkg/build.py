@@ -1,13 +1,16 @@
 """``lcmtools pkg build``."""
 
+from pathlib import Path
+
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.msg.building import build_folders
+from lcmtools.cli.msg.build import build_folders
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import talk
-from lcmtools.cli.pkg.found import unknown, workspace_packages
+from lcmtools.cli.pkg.list import unknown_package
 from lcmtools.errors import LcmtoolsError
+from lcmtools.packages.workspace import workspace
 
 
 @click.command("build", context_settings=CONTEXT)
@@ -24,10 +27,10 @@ def command(name: str | None, *, as_json: bool) -> int:
       lcmtools pkg build
       lcmtools pkg build air_lab0
     """  # noqa: D301 - \b is click's mark
-    found = workspace_packages()
+    found = workspace(Path.cwd()).packages
     chosen = [one for one in found if name in (None, one.name)]
     if not chosen and name:
-        raise unknown(name, [one.name for one in found])
+        raise unknown_package(name, (one.name for one in found))
     if not chosen:
         raise LcmtoolsError("there is no package here", "lcmtools pkg create NAME makes one")
     code = build_folders([one.folder for one in chosen], as_json=as_json)

@@ -6,7 +6,7 @@ import click
 
 from lcmtools.cli.completion.completer import complete, complete_words
 from lcmtools.cli.options import CONTEXT, json_option
-from lcmtools.cli.output import document, lines, talk
+from lcmtools.cli.output import show, talk
 from lcmtools.errors import UsageError
 from lcmtools.messages.registry import packages
 from lcmtools.packages.create import NewPackage, check, create
@@ -84,17 +84,13 @@ def command(  # noqa: PLR0913 - one parameter an option
         name, node or f"{name}_node", message, tuple(dict.fromkeys(wanted)), license_.strip()
     )
     check(new, packages())
-    _check_license(new.license)
+    if not all(one.isalnum() or one in "-.+ ()" for one in new.license):
+        what = f"--license: '{new.license}' is no licence's short name"
+        raise UsageError(what, "for example MIT")
     place = Path(folder).expanduser() / name
     written = create(new, place, replace=force)
-    if as_json:
-        document({"folder": str(place), "files": [str(path) for path in written]})
-        return
-    lines(str(place / path) for path in written)
-    where = "" if folder == "." else f"cd {folder}; "
-    talk(f"next: {where}lcmtools run {name} {new.node}")
-
-
-def _check_license(name: str) -> None:
-    if name and not all(one.isalnum() or one in "-.+ ()" for one in name):
-        raise UsageError(f"--license: '{name}' is no licence's short name", "for example MIT")
+    record = {"folder": str(place), "files": [str(path) for path in written]}
+    show(record, (str(place / path) for path in written), as_json=as_json)
+    if not as_json:
+        where = "" if folder == "." else f"cd {folder}; "
+        talk(f"next: {where}lcmtools run {name} {new.node}")

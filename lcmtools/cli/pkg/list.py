@@ -1,13 +1,17 @@
-"""``lcmtools pkg list``."""
+"""``lcmtools pkg list`` and ``pkg find``."""
 
+from collections.abc import Iterable
+from importlib.util import find_spec
 from pathlib import Path
 
 import click
 
+from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, json_option
-from lcmtools.cli.output import document, lines, talk
-from lcmtools.cli.pkg.found import folders
-from lcmtools.packages.nodes import runnables
+from lcmtools.cli.output import columns, show, talk
+from lcmtools.errors import UsageError
+from lcmtools.names import did_you_mean
+from lcmtools.packages.nodes import OWN, installed_packages, runnables
 from lcmtools.packages.workspace import workspace
 
 
@@ -23,22 +27,60 @@ def command(*, as_json: bool) -> None:
       lcmtools pkg list
       lcmtools pkg list --json
     """  # noqa: D301 - \b is click's mark
-    found = folders()
+    found = _folders()
     for problem in workspace(Path.cwd()).problems:
         talk(str(problem), "lcmtools pkg list")
-    if as_json:
-        known = runnables(Path.cwd())
-        document(
-            [
-                {
-                    "name": name,
-                    "folder": str(folder),
-                    "is_installed": is_installed,
-                    "nodes": [node.name for node in known if node.package == name],
-                }
-                for name, (folder, is_installed) in found.items()
-            ]
-        )
-        return
-    width = max((len(name) for name in found), default=0)
-    lines(f"{name:{width}}  {folder}" for name, (folder, _) in found.items())
+    known = runnables(Path.cwd()) if as_json else []
+    record = [
+        {
+            "name": name,
+            "folder": str(folder),
+            "is_installed": is_installed,
+            "nodes": [node.name for node in known if node.package == name],
+        }
+        for name, (folder, is_installed) in found.items()
+    ]
+    rows = [(name, str(folder)) for name, (folder, _) in found.items()]
+    show(record, columns(rows), as_json=as_json)
+
+
+@click.command("find", context_settings=CONTEXT)
+@click.argument("name", shell_complete=complete("programs:packages"))
+@json_option
+def find_command(name: str, *, as_json: bool) -> None:
+    """Print the folder of a package.
+
+    \b
+    Examples:
+      lcmtools pkg find air_lab0
+      lcmtools pkg prefix air_lab0 --json
+    """  # noqa: D301 - \b is click's mark
+    found = _folders()
+    if name not in found:
+        raise unknown_package(name, found)
+    folder, is_installed = found[name]
+    record = {"name": name, "folder": str(folder), "is_installed": is_installed}
+    show(record, [str(folder)], as_json=as_json)
+
+
+def unknown_package(name: str, known: Iterable[str]) -> UsageError:
+    """Return the error of a package that does not exist."""
+    problems = workspace(Path.cwd()).problems
+    hint = did_you_mean(name, list(known)) or (str(problems[0]) if problems else "")
+    return UsageError(f"there is no package '{name}'", hint or "lcmtools pkg list shows them")
+
+
+def _folders() -> dict[str, tuple[Path, bool]]:
+    """Every package's folder, and True if it is installed; the workspace's before installed."""
+    found = {one: (place, True) for one in installed_packages() if (place := _installed(one))}
+    found |= {one.name: (one.folder, False) for one in workspace(Path.cwd()).packages}
+    return dict(sorted(found.items()))
+
+
+def _installed(name: str) -> Path | None:
+    try:
+        spec = find_spec(name)
+    except (ImportError, ValueError):
+        return None
+    places = (spec and spec.submodule_search_locations) or ()
+    return next(iter(map(Path, places)), None) if name != OWN else Path(__file__).parents[2]

@@ -3,7 +3,7 @@
 import click
 
 from lcmtools.cli.options import CONTEXT, json_option
-from lcmtools.cli.output import document, lines
+from lcmtools.cli.output import show
 from lcmtools.messages.registry import service_names
 
 
@@ -17,7 +17,4 @@ def command(*, as_json: bool) -> None:
       lcmtools srv list
       lcmtools srv list --json
     """  # noqa: D301 - \b is click's mark
-    if as_json:
-        document(service_names())
-    else:
-        lines(service_names())
+    show(service_names(), service_names(), as_json=as_json)

@@ -3,9 +3,9 @@
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.msg.source import source_text
+from lcmtools.cli.msg.show import source_text
 from lcmtools.cli.options import CONTEXT, json_option
-from lcmtools.cli.output import document, lines
+from lcmtools.cli.output import show
 from lcmtools.messages.definition import definition
 from lcmtools.messages.registry import service_class, service_name
 
@@ -25,10 +25,9 @@ def command(type_: str, *, raw: bool, as_json: bool) -> None:
       lcmtools srv show Trigger --json
     """  # noqa: D301 - \b is click's mark
     pair, name = service_class(type_), service_name(type_)
-    show = source_text if raw else definition
-    request, response = show(pair.Request), show(pair.Response)
-    if as_json:
-        document({"type": name, "request": request, "response": response})
-        return
+    text = source_text if raw else definition
+    request, response = text(pair.Request), text(pair.Response)
     heading = [] if "/" in type_ or "." in type_ else [f"[{name}]:"]
-    lines([*heading, *request.splitlines(), "---", *response.splitlines()])
+    record = {"type": name, "request": request, "response": response}
+    rows = [*heading, *request.splitlines(), "---", *response.splitlines()]
+    show(record, rows, as_json=as_json)
