@@ -1,22 +1,20 @@
-"""The rows of the table: what is known of each channel, as plain values.
+"""The channels of a bus as rows of a table: plain values. Must not know how a row is shown."""
 
-Must not know how a row is shown, nor where packets come from.
-"""
-
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from lcmtools.cli.describe import listed_node
-from lcmtools.graph.model import Graph, Role, Topic, Traffic
+from lcmtools.bus.url import BusUrl
+from lcmtools.graph.model import Graph, Node, Role, Topic
 from lcmtools.messages.registry import candidates
 from lcmtools.names import Pattern, is_hidden
 from lcmtools.observe.activity import SILENT_AFTER, Activity, Flow, all_topics
-from lcmtools.observe.senders import SenderNames
-from lcmtools.wire.packet import Sender
-from lcmtools.wire.sequence import Sequence as Numbers
+from lcmtools.observe.losses import Losses, losses, total
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.programs import programs
+from lcmtools.observe.senders import SenderNames, process_name
+from lcmtools.observe.settled import settled
 
 _GONE = 10_000_000_000  # [ns] behind a channel's latest message: a sender that sends no more
-_SHARED = 1  # more beginnings of a sender's numbers: several programs send from its port
 _NOTHING = Flow(0, 0, 0)
 
 
@@ -26,21 +24,21 @@ class Row:
 
     Attributes:
         channel: Its name.
-        types: Its type: as nodes announce it, else all that the fingerprints may mean, the
-            likeliest first; empty for unknown.
-        is_announced: Whether nodes have announced ``types``.
+        types: Its type as nodes announce it, else all types with its fingerprints, the likeliest
+            first; empty for unknown.
+        is_announced: True if nodes have announced ``types``.
         fingerprints: Those that were seen.
-        messages: How many messages came.
+        messages: The number of messages.
         bytes: Bytes of their payloads.
-        rate: Messages a second of late [Hz]; None where that is not known.
-        jitter: The longest interval less the shortest [s]; None where that is not known.
-        bandwidth: Bytes a second of late; None where that is not known.
-        lost: How many messages of the channel's senders did not come, whatever the channel; None
-            where the bus numbers none.
+        rate: Recent message rate [Hz]; None if unknown.
+        jitter: The longest recent interval less the shortest [s]; None if unknown.
+        bandwidth: Recent bytes per second; None if unknown.
+        lost: Messages of the channel's senders that did not arrive, whatever their channel; None if
+            the bus does not tell.
         loss: Their share of all that these senders have sent, 0 to 1; None as ``lost``.
-        senders: Who publishes: nodes, else processes, else addresses.
-        listeners: The nodes that subscribe; programs that are no nodes do not show.
-        age: How long ago the last message came [s]; None before the first.
+        senders: The publishers: nodes, else processes, else addresses.
+        listeners: The nodes that subscribe; for other programs that is unknown.
+        age: Time since the last message [s]; None before the first.
     """
 
     channel: str
@@ -60,18 +58,18 @@ class Row:
 
     @property
     def is_silent(self) -> bool:
-        """Whether nothing has come for three seconds, or ever."""
+        """True if nothing has come for three seconds, or ever."""
         return self.age is None or self.age * 1e9 > SILENT_AFTER
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
-    """Which channels have a row.
+class ChannelSelection:
+    """The channels that have a row.
 
     Attributes:
         topics: Names, namespaces and patterns; none for all.
-        hidden: Whether hidden names are meant too.
-        namespace: Where relative names and patterns stand.
+        hidden: True for hidden names too.
+        namespace: The namespace of relative names and patterns.
     """
 
     topics: tuple[str, ...] = ()
@@ -79,57 +77,22 @@ class Wanted:
     namespace: str = "/"
 
     def has(self, name: str) -> bool:
-        """Whether a channel is meant."""
-        wanted = self.topics or ("",)
-        patterns = (Pattern(text, self.namespace, hidden=self.hidden) for text in wanted)
+        """Return whether a channel is selected."""
+        patterns = (Pattern(t, self.namespace, hidden=self.hidden) for t in self.topics or ("",))
         return any(pattern.covers(name) for pattern in patterns)
 
 
-Losses = Mapping[Sender, tuple[int, int]]
-"""Of each sender how many messages came, and how many did not."""
-
-
-def losses(numbers: Mapping[Sender, Numbers], since: Losses | None = None) -> Losses:
-    """What was lost of each sender, where its numbers tell that.
-
-    Args:
-        numbers: The numbers of each sender's messages.
-        since: What was counted before counting began anew.
-    """
-    before = since or {}
-    found = {}
-    for sender, sequence in numbers.items():
-        if sequence.restarts <= _SHARED:
-            came, lost = before.get(sender, (0, 0))
-            found[sender] = (max(0, sequence.messages - came), max(0, sequence.lost - lost))
-    return found
-
-
 class Rows:
-    """Makes the rows of a bus.
+    """Makes the rows of a bus."""
 
-    Args:
-        wanted: Which channels have one.
-        names: What senders are called.
-    """
-
-    def __init__(self, wanted: Wanted, names: SenderNames) -> None:
-        self._wanted = wanted
+    def __init__(self, selection: ChannelSelection, names: SenderNames) -> None:
+        self._selection = selection
         self._names = names
-        self._is_wanted: dict[str, bool] = {}
+        self._is_selected: dict[str, bool] = {}
         self._candidates: dict[int, list[str]] = {}
 
-    def make(
-        self, graph: Graph, activity: Activity, lost: Losses | None, now: int
-    ) -> tuple[Row, ...]:
-        """The rows, by the channels' names.
-
-        Args:
-            graph: What is known of the bus.
-            activity: What goes on on its channels.
-            lost: What was lost of each sender; None where the bus does not tell.
-            now: The time, nanoseconds since 1970.
-        """
+    def make(self, graph: Graph, activity: Activity, lost: Losses, now: int) -> tuple[Row, ...]:
+        """Return the rows, sorted by channel, at a time in nanoseconds since 1970."""
         topics = [topic for topic in all_topics(graph) if self._has(topic.name)]
         self._names.learn(seen.sender for topic in topics for seen in topic.foreign)
         return tuple(
@@ -137,19 +100,19 @@ class Rows:
         )
 
     def published(self, graph: Graph) -> list[str]:
-        """The channels with a row that nodes publish on: some do only where somebody listens."""
+        """Return the channels with a row that nodes publish on: some do only for a subscriber."""
         topics = {end.topic for node in graph.nodes for end in node.having(Role.PUBLISHER)}
         return sorted(filter(self._has, topics))
 
     def _has(self, name: str) -> bool:
-        if name not in self._is_wanted:
-            self._is_wanted[name] = self._wanted.has(name)
-        return self._is_wanted[name]
+        if name not in self._is_selected:
+            self._is_selected[name] = self._selection.has(name)
+        return self._is_selected[name]
 
-    def _row(self, topic: Topic, flow: Flow | None, losses: Losses | None, now: int) -> Row:
+    def _row(self, topic: Topic, flow: Flow | None, lost: Losses, now: int) -> Row:
         flow = flow or _NOTHING
         fingerprints = topic.fingerprints
-        lost, loss = _loss(topic.traffic, losses)
+        loss = total((seen.sender for seen in topic.traffic), lost)
         return Row(
             topic.name,
             topic.types or self._types(topic.name, fingerprints),
@@ -160,15 +123,15 @@ class Rows:
             flow.rate,
             flow.jitter,
             flow.bandwidth,
-            lost,
-            loss,
+            loss.lost if loss else None,
+            loss.share if loss else None,
             self._senders(topic),
             self._listeners(topic),
             max(0.0, (now - flow.last_time) / 1e9) if flow.messages else None,
         )
 
     def _types(self, channel: str, fingerprints: Sequence[int]) -> tuple[str, ...]:
-        """What the messages may be; the type that a channel "name#package.Type" names first."""
+        """The types that messages may have; that of a channel "name#package.Type" first."""
         names = dict.fromkeys(name for number in fingerprints for name in self._named(number))
         said = channel.rpartition("#")[2].replace(".", "/") if "#" in channel else ""
         return tuple(sorted(names, key=lambda name: name != said))
@@ -179,7 +142,7 @@ class Rows:
         return self._candidates[fingerprint]
 
     def _senders(self, topic: Topic) -> tuple[str, ...]:
-        nodes = [listed_node(node) for node, _ in topic.publishers if self._shows(node.name)]
+        nodes = [_listed(node) for node, _ in topic.publishers if self._shows(node.name)]
         latest = max((seen.last_time for seen in topic.traffic), default=0)
         others = [
             self._names.name(seen.sender)
@@ -189,35 +152,55 @@ class Rows:
         return tuple(dict.fromkeys([*nodes, *others]))
 
     def _listeners(self, topic: Topic) -> tuple[str, ...]:
-        found = [listed_node(node) for node, _ in topic.subscribers if self._shows(node.name)]
+        found = [_listed(node) for node, _ in topic.subscribers if self._shows(node.name)]
         return tuple(dict.fromkeys(found))
 
     def _shows(self, node: str) -> bool:
-        """Whether a node is named: not the commands that look, which are hidden."""
-        return self._wanted.hidden or not is_hidden(node)
+        """Return whether a node is named: commands that look on are hidden."""
+        return self._selection.hidden or not is_hidden(node)
 
 
-def _loss(traffic: Sequence[Traffic], losses: Losses | None) -> tuple[int | None, float | None]:
-    """What was lost of the senders of a channel, and their share."""
-    known = [
-        losses[seen.sender]
-        for seen in traffic
-        if losses is not None and seen.sender is not None and seen.sender in losses
+def survey(
+    monitor: BusMonitor, selection: ChannelSelection, wait: float
+) -> tuple[Graph, tuple[Row, ...]]:
+    """Return the graph and the rows of a bus after ``wait`` seconds; of a log, of all of it.
+
+    Raises:
+        BusError: A log cannot be read.
+    """
+    rows = Rows(selection, SenderNames())
+    is_log = monitor.url.provider == "file"
+    if not is_log:
+        monitor.listen_to(rows.published(monitor.settle(foreign=False)))
+    activity = Activity()
+    graph = settled(monitor, wait, activity)
+    lost = losses(monitor.numbered)
+    return graph, rows.make(graph, activity, lost, activity.last_time if is_log else graph.time)
+
+
+def _listed(node: Node) -> str:
+    return f"{node.name} (stale: {node.stale})" if node.stale else node.name
+
+
+def plain_listeners(graph: Graph, url: BusUrl) -> list[str]:
+    """The programs of this computer that receive from the bus and are not nodes."""
+    if not url.is_multicast:
+        return []
+    return [
+        process_name(program.process)
+        for program in programs(graph, url)
+        if program.listens and program.process
     ]
-    if not known:
-        return None, None
-    came, lost = (sum(numbers) for numbers in zip(*known, strict=True))
-    return lost, lost / (came + lost) if came + lost else 0.0
 
 
 def matching(rows: Sequence[Row], text: str) -> list[Row]:
-    """The rows that have a text in channel, type, sender or listener, in whatever case."""
+    """The rows that have a text in channel, type, sender or listener, ignoring case."""
     wanted = text.casefold()
     return [row for row in rows if any(wanted in part.casefold() for part in _texts(row))]
 
 
 def in_order(rows: Sequence[Row], key: Callable[[Row], object], *, descending: bool) -> list[Row]:
-    """The rows sorted by a column; those that have nothing in it last, equal ones by channel."""
+    """The rows sorted by a key; those without one last, equal ones by channel."""
     by_name = sorted(rows, key=lambda row: row.channel)
     known = [row for row in by_name if key(row) is not None]
     known.sort(key=key, reverse=descending)  # type: ignore[arg-type] # of one column, of one type

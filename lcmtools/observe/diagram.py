@@ -8,9 +8,9 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from lcmtools.cli.describe import seen_types
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
-from lcmtools.graph.model import Graph, Node, Role, Topic, Traffic
+from lcmtools.graph.model import Graph, Node, Role, Traffic
+from lcmtools.messages.registry import candidates
 from lcmtools.observe.programs import Program, is_here
 
 _FLOWS = {
@@ -135,14 +135,18 @@ def _channels(graph: Graph, uses: Sequence[_Use], rates: Mapping[str, float]) ->
     found = []
     for number, name in enumerate(topics, 1):
         traffic = seen.get(name, [])
-        known = types.get((name, False)) or tuple(
-            seen_types(Topic(name, (), (), tuple(traffic), ()))
-        )
+        known = types.get((name, False)) or _seen_types(traffic)
         messages = max(sent[name], sum(one.messages for one in traffic))
         found.append(Channel(f"t{number}", name, known, messages=messages, rate=rates.get(name)))
     for number, name in enumerate(services, 1):
         found.append(Channel(f"s{number}", name, types.get((name, True), ()), is_service=True))
     return found
+
+
+def _seen_types(traffic: Iterable[Traffic]) -> tuple[str, ...]:
+    """The likeliest type of each fingerprint."""
+    numbers = dict.fromkeys(number for seen in traffic for number in seen.fingerprints)
+    return tuple(dict.fromkeys(name for n in numbers for name in candidates(n)[:1]))
 
 
 def _announced_types(graph: Graph) -> dict[_Name, tuple[str, ...]]:

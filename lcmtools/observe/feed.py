@@ -1,7 +1,4 @@
-"""What the live view is fed with: a thread that reads the bus and makes rows of it.
-
-Must not know the screen: that takes the latest snapshot when it wants to draw.
-"""
+"""Threads that read a bus for a live view, which takes their latest snapshot when it draws."""
 
 import threading
 import time
@@ -9,17 +6,18 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
-from lcmtools.cli.spy.once import plain_listeners
+from lcmtools.bus.tap import Tap
 from lcmtools.errors import BusError, LcmtoolsError
 from lcmtools.graph.model import Graph
 from lcmtools.observe.activity import Activity
-from lcmtools.observe.channels import Losses, Row, Rows, Wanted, losses
+from lcmtools.observe.channels import ChannelSelection, Row, Rows, plain_listeners
+from lcmtools.observe.losses import Losses, losses
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.senders import SenderNames
 from lcmtools.wire.packet import Packet
 
 PERIOD = 0.4
-"""[s] between two snapshots."""
+"""Time between two snapshots [s]."""
 _WINDOW = 2.0  # [s] that rates are about
 _SOON = 0.1  # [s] between the first few, and at most that the bus is waited for
 _FIRST = 10  # snapshots; while the screen is being made, this process itself may miss messages
@@ -33,9 +31,9 @@ class Snapshot:
 
     Attributes:
         rows: What is known of each channel, by its name.
-        plain_listeners: The programs that listen as no nodes, to nobody knows what.
-        trouble: Why nothing comes; "" where all is well.
-        is_over: Nothing will come any more.
+        plain_listeners: The programs that listen and are not nodes; their channels are unknown.
+        trouble: The reason why nothing comes; "" if all is well.
+        is_over: True if nothing will come any more.
     """
 
     rows: tuple[Row, ...] = ()
@@ -45,38 +43,31 @@ class Snapshot:
 
     @property
     def rate(self) -> float:
-        """Messages a second on all channels [Hz]."""
+        """Message rate of all channels [Hz]."""
         return sum(row.rate or 0.0 for row in self.rows)
 
     @property
     def bandwidth(self) -> float:
-        """Bytes a second on all channels."""
+        """Bytes per second of all channels."""
         return sum(row.bandwidth or 0.0 for row in self.rows)
 
     def row(self, channel: str) -> Row:
-        """A channel's row; an empty one where nothing is known of it."""
+        """A channel's row; an empty one if nothing is known of it."""
         return next((row for row in self.rows if row.channel == channel), Row(channel))
 
 
 class Feed:
-    """Reads a bus on a thread of its own.
+    """Reads a bus on a thread of its own; nobody else may use the monitor meanwhile."""
 
-    Args:
-        watch: The bus; nobody else may use it from ``start`` to ``stop``.
-        wanted: Which channels have a row.
-    """
-
-    def __init__(self, monitor: BusMonitor, wanted: Wanted) -> None:
-        self.url = monitor.url
+    def __init__(self, monitor: BusMonitor, selection: ChannelSelection) -> None:
         self.latest = Snapshot()
         """The latest snapshot; another object each time."""
-        self.follow: Callable[[Packet], None] | None = None
-        """Is given every packet, on the feed's thread."""
         self._monitor = monitor
+        self._takers: tuple[Callable[[Packet], None], ...] = ()
         self._activity = Activity(_WINDOW)
-        self._rows = Rows(wanted, SenderNames())
+        self._rows = Rows(selection, SenderNames())
         self._before: Losses = {}
-        self._heard: list[str] = []
+        self._subscribed: list[str] = []
         self._listeners: tuple[str, ...] = ()
         self._next_look = 0.0
         self._count = 0
@@ -94,8 +85,35 @@ class Feed:
         self._thread.join(2.0)
 
     def clear(self) -> None:
-        """Count everything anew."""
+        """Count from zero again."""
         self._clears.set()
+
+    def follow(self, channel: str, take: Callable[[Packet], None]) -> Callable[[], None]:
+        """Give a channel's whole messages to ``take``, on another thread; return what ends that.
+
+        The feed does with the heads of large messages: on a multicast bus a second tap takes the
+        channel whole.
+        """
+        if not self._monitor.url.is_multicast:
+            self._takers = (*self._takers, take)
+            return lambda: setattr(self, "_takers", tuple(t for t in self._takers if t is not take))
+        ends = threading.Event()
+
+        def run() -> None:
+            while not ends.is_set():
+                # the table says what is wrong with the network
+                with (
+                    suppress(BusError, OSError),
+                    Tap(self._monitor.url, always_whole=(channel,)) as tap,
+                ):
+                    while not ends.is_set():
+                        for packet in tap.receive(_SOON):
+                            if packet.channel == channel:
+                                take(packet)
+                ends.wait(_AGAIN)
+
+        threading.Thread(target=run, name="spy follower", daemon=True).start()
+        return ends.set
 
     def _run(self) -> None:
         try:
@@ -104,7 +122,7 @@ class Feed:
             self.latest = replace(self._snapshot(), trouble="the log has ended", is_over=True)
         except LcmtoolsError as error:
             self.latest = replace(self.latest, trouble=str(error), is_over=True)
-        except Exception as error:  # noqa: BLE001 - told on the screen, not in a thread's last words
+        except Exception as error:  # noqa: BLE001 - shown on the screen, not in a thread's last words
             what = f"a fault of lcmtools ({type(error).__name__}: {error})"
             self.latest = replace(self.latest, trouble=what, is_over=True)
 
@@ -114,62 +132,53 @@ class Feed:
         Raises:
             EOFError: The bus is a log, and it has ended.
         """
-        if self.url.provider != "file":
+        if self._monitor.url.provider != "file":
             with suppress(BusError, OSError):  # a network that fails now may come back
                 self._monitor.settle(foreign=False)
         next_snapshot = 0.0
         while not self._ends.is_set():
-            trouble = self._hear()
+            trouble = self._receive()
             now = time.monotonic()
             if now >= next_snapshot or trouble:
                 self.latest = replace(self._snapshot(), trouble=trouble)
                 self._count += 1
                 if self._count == _FIRST:
-                    self._before = self._losses() or {}
+                    self._before = losses(self._monitor.numbered)
                 next_snapshot = now + (PERIOD if self._count > _FIRST else _SOON)
 
-    def _hear(self) -> str:
-        """Take what has come into account; what is wrong with the network, if anything."""
+    def _receive(self) -> str:
+        """Take what has come into account, and return what is wrong with the network, if any."""
         try:
             packets = self._monitor.receive(_SOON)
         except (BusError, OSError) as error:
             self._ends.wait(_AGAIN)
             return getattr(error, "strerror", None) or str(error)
         if self._clears.is_set():
-            self._clear()
-        follow = self.follow
+            self._clears.clear()
+            self._activity.clear()
+            self._before = losses(self._monitor.numbered)
         for packet in packets:
             self._activity.hear(packet)
-            if follow is not None:
-                follow(packet)
+            for take in self._takers:
+                take(packet)
         return self._monitor.trouble
-
-    def _clear(self) -> None:
-        self._clears.clear()
-        self._activity.clear()
-        self._before = self._losses() or {}
-
-    def _losses(self, since: Losses | None = None) -> Losses | None:
-        """What was lost of each sender; None where the bus does not tell."""
-        tap = self._monitor.tap
-        return losses(tap.numbered, since) if tap else None
 
     def _snapshot(self) -> Snapshot:
         graph = self._monitor.graph()
-        lost = self._losses(self._before) if self._count >= _FIRST else None
-        found = self._rows.make(graph, self._activity, lost, graph.time)
-        self._listen_to(self._rows.published(graph))
-        return Snapshot(found, self._look(graph))
+        lost = losses(self._monitor.numbered, self._before) if self._count >= _FIRST else {}
+        rows = self._rows.make(graph, self._activity, lost, graph.time)
+        self._subscribe(self._rows.published(graph))
+        return Snapshot(rows, self._find_listeners(graph))
 
-    def _listen_to(self, channels: list[str]) -> None:
-        """Say what is listened to."""
-        if channels != self._heard and self.url.provider != "file":
-            self._heard = channels
+    def _subscribe(self, channels: list[str]) -> None:
+        """Announce the channels as subscribed."""
+        if channels != self._subscribed and self._monitor.url.provider != "file":
+            self._subscribed = channels
             self._monitor.listen_to(channels)
 
-    def _look(self, graph: Graph) -> tuple[str, ...]:
+    def _find_listeners(self, graph: Graph) -> tuple[str, ...]:
         now = time.monotonic()
         if now >= self._next_look:
             self._next_look = now + _SELDOM
-            self._listeners = tuple(plain_listeners(graph, self.url))
+            self._listeners = tuple(plain_listeners(graph, self._monitor.url))
         return self._listeners

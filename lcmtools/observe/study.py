@@ -1,47 +1,50 @@
-"""One channel looked at closely: its latest message, decoded, and what its numbers have been.
+"""A close look at one channel: its latest message, decoded, and the history of its numbers.
 
-Messages are taken in on one thread and looked at from another. What comes faster than a person or
-this computer can follow is passed over: only so many messages a second are decoded.
+Messages come on one thread and are looked at from another. Only so many messages a second are
+decoded as a person and this computer can follow.
 """
 
+import math
 import threading
 from collections import deque
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
-from lcmtools.cli.spy.numbers import Line, lines_of
-from lcmtools.cli.spy.sparkline import Sample
-from lcmtools.errors import DecodeError, LcmtoolsError
-from lcmtools.messages.codec import decode
-from lcmtools.messages.registry import Message, candidates, message_class
+from lcmtools.errors import LcmtoolsError
+from lcmtools.messages.registry import Message, candidates, type_name
+from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.field_lines import FieldLine, field_lines
 from lcmtools.wire.packet import Packet
+
+Sample = tuple[int, float]
+"""A time [ns] and a number."""
 
 KEPT = 2400
 """Samples of each number."""
 _MOST_PATHS = 300  # whose samples are kept
-_SMALL, _LARGE = 1 / 55, 1 / 4  # [s] on average between two messages that are decoded
+_SMALL, _LARGE = 1_000_000_000 // 55, 250_000_000  # [ns] on average between decoded messages
 _LARGE_BYTES = 200_000
 _HEAD_BYTES = 256
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class ChannelState:
     """What is known of a channel's messages.
 
     Attributes:
-        lines: The latest message; empty before the first, and where it cannot be decoded.
-        type: What it was decoded as; "" where it was not.
-        others: What it may be too, by its fingerprint.
+        lines: The latest message; empty before the first, and if it cannot be decoded.
+        type: The type that it was decoded as; "" if it was not.
+        others: Other types with its fingerprint.
         fingerprint: Of the latest message; None for none.
-        problem: Why it cannot be decoded; "" where it was.
+        problem: The reason why it cannot be decoded; "" if it was.
         head: The beginning of its payload.
         size: Bytes of the payload.
-        messages: How many have come since the channel is looked at.
+        messages: The number of messages since the look began.
         decoded: How many of them were decoded.
-        time: When the latest came, nanoseconds since 1970.
+        time: Arrival of the latest [ns since 1970].
     """
 
-    lines: tuple[Line, ...] = ()
+    lines: tuple[FieldLine, ...] = ()
     type: str = ""
     others: tuple[str, ...] = ()
     fingerprint: int | None = None
@@ -54,105 +57,139 @@ class Look:
 
 
 class Study:
-    """One channel looked at closely.
-
-    Args:
-        channel: Its name.
-        types: What nodes say that its messages are.
-    """
+    """A close look at one channel, whose nodes announce ``types``."""
 
     def __init__(self, channel: str, types: Sequence[str] = ()) -> None:
         self.channel = channel
-        self.types = tuple(types)
+        self._types = tuple(types)
+        self._decoder = Decoder(lambda _: self._types)
         self._lock = threading.Lock()
         self._toggled: set[str] = set()
         self._samples: dict[str, deque[Sample]] = {}
         self._message: Message | None = None
-        self._packet: Packet | None = None
-        self._type, self._problem = "", ""
+        self._state = ChannelState()
         self._messages = self._decoded = self._next = 0
 
-    def hear(self, packet: Packet) -> None:
-        """Take a packet into account; those of other channels are none of its business."""
+    def take(self, packet: Packet) -> None:
+        """Take a packet into account; those of other channels are ignored."""
         if packet.channel != self.channel:
             return
         with self._lock:
             self._messages += 1
             if packet.whole_bytes is None and packet.time >= self._next:
                 pause = _LARGE if packet.size > _LARGE_BYTES else _SMALL
-                pause_ns = round(pause * 1e9)
-                self._next = max(self._next, packet.time - pause_ns) + pause_ns
-                self._take(packet)
+                self._next = max(self._next, packet.time - pause) + pause
+                self._decode(packet)
+
+    def announced(self, types: Sequence[str]) -> None:
+        """Take the types that nodes announce now."""
+        if tuple(types) != self._types:
+            self._types = tuple(types)
+            self._decoder = Decoder(lambda _: self._types)
 
     def toggle(self, path: str) -> None:
-        """Open a part of the message that is closed, or close it."""
+        """Open a closed part of the message, or close an open one."""
         with self._lock:
             self._toggled ^= {path}
 
     def clear(self) -> None:
-        """Forget what the numbers have been."""
+        """Forget the history of the numbers."""
         with self._lock:
             self._samples.clear()
             self._messages = self._decoded = 0
 
     def samples(self, path: str) -> list[Sample]:
-        """What a number has been: times [ns] and values."""
+        """The history of a number."""
         with self._lock:
             return list(self._samples.get(path, ()))
 
-    def look(self) -> Look:
+    def state(self) -> ChannelState:
         """What is known now."""
         with self._lock:
-            packet = self._packet
-            if packet is None:
-                return Look(messages=self._messages)
-            names = [] if packet.fingerprint is None else candidates(packet.fingerprint)
-            return Look(
-                tuple(lines_of(self._message, self._toggled)) if self._message else (),
-                self._type,
-                tuple(name for name in names if name != self._type),
-                packet.fingerprint,
-                self._problem,
-                packet.payload[:_HEAD_BYTES],
-                packet.size,
-                self._messages,
-                self._decoded,
-                packet.time,
-            )
+            lines = tuple(field_lines(self._message, self._toggled)) if self._message else ()
+            counts = self._messages, self._decoded
+            return replace(self._state, lines=lines, messages=counts[0], decoded=counts[1])
 
-    def _take(self, packet: Packet) -> None:
-        self._packet = packet
-        self._message, self._type, self._problem = None, "", ""
+    def _decode(self, packet: Packet) -> None:
+        self._message, name, problem = None, "", ""
         try:
-            self._type, self._message = decoded(packet, self.types)
+            self._message = self._decoder.decode(packet)
+            name = type_name(type(self._message))
         except LcmtoolsError as error:
-            self._problem = str(error)
+            problem = str(error)
+        names = [] if packet.fingerprint is None else candidates(packet.fingerprint)
+        self._state = ChannelState(
+            (),
+            name,
+            tuple(other for other in names if other != name),
+            packet.fingerprint,
+            problem,
+            packet.payload[:_HEAD_BYTES],
+            packet.size,
+            time=packet.time,
+        )
+        if self._message is None:
             return
         self._decoded += 1
-        for line in lines_of(self._message, self._toggled):
+        for line in field_lines(self._message, self._toggled):
             if line.number is not None:
                 self._keep(line.path, (packet.time, line.number))
 
     def _keep(self, path: str, sample: Sample) -> None:
-        samples = self._samples.get(path)
-        if samples is None:
-            if len(self._samples) >= _MOST_PATHS:
-                return
-            samples = self._samples[path] = deque(maxlen=KEPT)
-        samples.append(sample)
+        if path in self._samples or len(self._samples) < _MOST_PATHS:
+            self._samples.setdefault(path, deque(maxlen=KEPT)).append(sample)
 
 
-def decoded(packet: Packet, announced: Sequence[str] = ()) -> tuple[str, Message]:
-    """What a packet says, and its type: the one announced, else the likeliest.
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """A number over time.
 
-    Raises:
-        DecodeError: It cannot be decoded, with why.
-        LcmtoolsError: The type's .lcm file is wrong.
+    Attributes:
+        bars: Its mean in each stretch of time, the newest last, scaled to 0 .. 1; a stretch without
+            samples has the one before. None from before the first sample.
+        low: The smallest number.
+        high: The largest.
     """
-    if packet.fingerprint is None:
-        raise DecodeError(f"{packet.size} bytes are too few for an LCM message")
-    names = candidates(packet.fingerprint)
-    if not names:
-        raise DecodeError(f"unknown type, fingerprint {packet.fingerprint:#018x}")
-    name = next((name for name in announced if name in names), names[0])
-    return name, decode(message_class(name, packet.fingerprint), packet.payload)
+
+    bars: tuple[float, ...] = ()
+    low: float = 0.0
+    high: float = 0.0
+
+
+def curve(samples: Iterable[Sample], now: int, count: int, bin_ns: int) -> Curve:
+    """Return the curve of a number.
+
+    Bars stand for fixed stretches of time, so that the curve moves on and does not flicker.
+
+    Args:
+        samples: In the order of their times; what is not finite is left out.
+        now: The time of the last bar [ns].
+        count: The greatest number of bars.
+        bin_ns: The time that a bar stands for [ns].
+    """
+    first = now // bin_ns - count + 1
+    bins: dict[int, list[float]] = {}
+    before: float | None = None
+    for time, value in samples:
+        place = time // bin_ns - first
+        if not math.isfinite(value) or time > now:
+            continue
+        if place < 0:
+            before = value
+        else:
+            bins.setdefault(place, []).append(value)
+    known = [value for values in bins.values() for value in values]
+    known += [] if before is None else [before]
+    if not known:
+        return Curve()
+    bars = []
+    for place in range(count):
+        if values := bins.get(place):
+            mean = math.fsum(value / len(values) for value in values)
+            before = max(min(values), min(mean, max(values)))  # a constant stays one when rounded
+        if before is not None:
+            bars.append(before)
+    low, high = min(bars), max(bars)
+    scale = high / 2 - low / 2  # halves, as the difference may be infinite
+    scaled = tuple((bar / 2 - low / 2) / scale if scale else 0.0 for bar in bars)
+    return Curve(scaled, min(known), max(known))

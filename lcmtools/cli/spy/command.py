@@ -18,12 +18,11 @@ from lcmtools.cli.options import (
     open_monitor,
 )
 from lcmtools.cli.output import document, lines, talk
-from lcmtools.cli.spy.columns import COLUMNS
-from lcmtools.cli.spy.once import look, notes, record, table
-from lcmtools.cli.spy.view import View
+from lcmtools.cli.spy.columns import COLUMNS, View
+from lcmtools.cli.spy.table import record, table
 from lcmtools.color import stream_wants_color
 from lcmtools.errors import MissingExtra, UsageError
-from lcmtools.observe.channels import Wanted
+from lcmtools.observe.channels import ChannelSelection, plain_listeners, survey
 
 _WAIT = 1.2  # [s] a little more than one period at 1 Hz
 
@@ -68,10 +67,10 @@ def command(  # noqa: PLR0913 - one parameter an option
     chosen channel's messages, decoded, their numbers as curves; F1 shows the keys. --once prints
     the table; it and --json need no textual.
 
-    Jitter is the longest interval of late less the shortest. Loss is that of a channel's senders,
+    Jitter is the longest recent interval less the shortest. Loss is that of a channel's senders,
     whose messages LCM numbers whatever the channel; what this computer is too busy to take counts
     too. A type with "+2" may be two others, which have the same fingerprint. Nodes that publish
-    only what is heard begin to.
+    only for subscribers begin to.
 
     \b
     Examples:
@@ -80,39 +79,37 @@ def command(  # noqa: PLR0913 - one parameter an option
       lcmtools spy --once /husky0 --sort bandwidth
       lcmtools spy --once --wait 3s --json
     """  # noqa: D301 - \b is click's mark
-    once = once or as_json
-    if wait is not None and not once:
-        raise UsageError("--wait goes with --once", "leave it out for the live view")
-    wanted = Wanted(tuple(map(in_names, topics)), show_all, looking_names().namespace)
+    selection = ChannelSelection(tuple(map(in_names, topics)), show_all, looking_names().namespace)
     view = View(column, reverse, text)
-    if not once:
-        return _live(wanted, view)
+    if not (once or as_json):
+        if wait is not None:
+            raise UsageError("--wait goes with --once", "leave it out for the live view")
+        return _live(selection, view)
     with open_monitor("spy") as monitor:
-        graph, found = look(monitor, wanted, _WAIT if wait is None else wait)
+        graph, found = survey(monitor, selection, _WAIT if wait is None else wait)
         url = monitor.url
     rows = view.rows(found)
     if as_json:
         document([record(row) for row in rows])
         return 0
     if rows:
-        lines(table(rows, _room()))
+        lines(table(rows, shutil.get_terminal_size().columns if sys.stdout.isatty() else None))
     else:
         where = f" in {', '.join(topics)}" if topics else ""
         talk(f"no topics{where}{f' with {text!r}' if text else ''} on {url}")
-    for note in notes(rows, graph, url):
-        talk(f"lcmtools spy: {note}")
+    if any(row.lost for row in rows):
+        talk(
+            "lcmtools spy: loss is of a channel's senders: LCM numbers a sender's messages, not"
+            " channels'"
+        )
+    if programs := plain_listeners(graph, url):
+        who = ", ".join(programs)
+        talk(f"lcmtools spy: {who}: listens too, but is not a node; its channels are unknown")
     return 0
 
 
-def _room() -> int | None:
-    """Characters of a line of the terminal; None where the table goes elsewhere."""
-    if not sys.stdout.isatty():
-        return None
-    return shutil.get_terminal_size().columns
-
-
-def _live(wanted: Wanted, view: View) -> int:
-    """Show the live view until the person has had enough.
+def _live(selection: ChannelSelection, view: View) -> int:
+    """Show the live view until it is left; return the exit code.
 
     Raises:
         UsageError: There is no terminal.
@@ -135,4 +132,4 @@ def _live(wanted: Wanted, view: View) -> int:
     for name in ("COLUMNS", "LINES"):  # textual would take them for the terminal's size for good
         os.environ.pop(name, None)
     with open_monitor("spy") as monitor:
-        return show(monitor, wanted, view)
+        return show(monitor, selection, view)

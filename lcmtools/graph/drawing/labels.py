@@ -86,6 +86,8 @@ def printable(text: str) -> str:
 
     A channel's name may be any bytes: what is not UTF-8 comes as surrogates.
     """
+    if text.isprintable():  # as nearly all are
+        return text
     return "".join(c if _is_plain(c) else _escaped(c) for c in text)
 
 

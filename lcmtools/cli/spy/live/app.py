@@ -7,26 +7,28 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import ClassVar, Protocol
 
-from textual.app import App
+from rich.text import Text
+from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
+from textual.containers import VerticalScroll
+from textual.events import Event, InputEvent
+from textual.screen import ModalScreen
+from textual.widgets import Static
 
 from lcmtools.cli.ending import BY_SIGNAL, INTERRUPTED
-from lcmtools.cli.spy.live.curve import CurveScreen
+from lcmtools.cli.spy.columns import COLUMNS, View
 from lcmtools.cli.spy.live.detail import Detail
 from lcmtools.cli.spy.live.overview import Overview
-from lcmtools.cli.spy.live.sorting import HelpScreen
-from lcmtools.cli.spy.view import View
-from lcmtools.observe.channels import Wanted
+from lcmtools.cli.spy.live.rows import Page
+from lcmtools.observe.channels import ChannelSelection
 from lcmtools.observe.feed import Feed, Snapshot
-from lcmtools.observe.follower import Follower
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.study import Study
-
-_PERIOD = 0.2  # [s] between two looks at what is new
+from lcmtools.wire.packet import Packet
 
 
 class Source(Protocol):
-    """Where what is shown comes from."""
+    """The source of what is shown: a ``Feed``."""
 
     @property
     def latest(self) -> Snapshot:
@@ -34,60 +36,98 @@ class Source(Protocol):
         ...
 
     def clear(self) -> None:
-        """Count everything anew."""
+        """Count from zero again."""
+        ...
+
+    def follow(self, channel: str, take: Callable[[Packet], None]) -> Callable[[], None]:
+        """Give a channel's messages to ``take``; return what ends that."""
         ...
 
 
-Follow = Callable[[Study], Callable[[], None]]
-"""Has a study hear its channel's messages; gives what ends that."""
+_HELP = f"""\
+Enter         the channel's message, decoded; there: a number's
+              curve, or an array's elements
+F3 /          search a channel; F3 again: the next one
+F4 \\          only rows with this text anywhere; Esc: all
+F6 < >        sort by: choose; the previous column, the next
+{" ".join(column.letter for column in COLUMNS.values())}
+              sort by this column, as F6 lists them
+I             sort the other way round
+Space c       pause; count from zero
+F1 h ?        this help
+F10 q Ctrl-C  quit; Ctrl-Z: back to the shell, until fg
+
+Hz bandwidth  of the last two seconds
+jitter        the longest recent interval less the shortest
+loss          of the channel's senders: LCM numbers a sender's
+              messages, not a channel's; what this computer
+              is too busy to take counts too
+type +2       it may be two others with the same fingerprint
+dim           silent for three seconds, or ever"""
+
+
+class HelpScreen(ModalScreen[None], Page[None]):
+    """The keys, and the meaning of the columns."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape,q,enter,f1,h,question_mark", "back", "Back", show=False),
+    ]
+
+    def compose(self) -> ComposeResult:
+        """The text."""
+        text = VerticalScroll(Static(Text(_HELP)))
+        text.border_title = "keys and columns"
+        yield text
 
 
 class SpyApp(App[int]):
-    """The live view.
-
-    Args:
-        bus: The bus's URL.
-        source: What is known of the bus.
-        follow: What has a channel looked at closely.
-        view: How the table is looked at.
-    """
+    """The live view of the bus ``bus``; its result is the exit code."""
 
     ENABLE_COMMAND_PALETTE = False
     CSS = """
-    Overview, Detail, CurveScreen {
-        background: ansi_default; color: ansi_default; overflow: hidden;
-    }
-    Lines { height: 1fr; }
+    Screen { background: ansi_default; color: ansi_default; overflow: hidden; }
+    #title { height: auto; text-wrap: nowrap; text-overflow: ellipsis; }
+    RowTable { height: 1fr; overflow-x: hidden; scrollbar-gutter: stable;
+        scrollbar-size-vertical: 1; color: ansi_default;
+        background: ansi_default; background-tint: ansi_default 0%; }
+    RowTable > .datatable--header, RowTable:focus > .datatable--header,
+    RowTable > .datatable--header-hover { background: ansi_green; color: ansi_black; }
+    RowTable > .datatable--cursor, RowTable:focus > .datatable--cursor {
+        background: ansi_cyan; color: ansi_black; }
+    RowTable > .datatable--hover { background: ansi_default; }
+    #prompt { height: 1; }
+    SortScreen, HelpScreen { align: center middle; background: transparent; }
+    SortScreen OptionList, HelpScreen VerticalScroll {
+        width: 24; max-width: 100%; height: auto; max-height: 100%; border: round ansi_cyan; }
+    HelpScreen VerticalScroll { width: 74; }
+    CurveScreen Horizontal { height: 1fr; align-horizontal: right; }
+    #curve { height: 1fr; }
+    #curve > .sparkline--max-color, #curve > .sparkline--min-color { color: ansi_cyan; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("f10", "leave", show=False, priority=True),
-        Binding("ctrl+q", "leave", show=False, priority=True),
-        Binding("ctrl+c", "interrupt", show=False, priority=True),
-        Binding("ctrl+z", "suspend", show=False, priority=True),
-        Binding("f1,h,question_mark", "explain", show=False),
+        Binding("f10", "leave", "Quit", priority=True),
+        Binding("ctrl+q", "leave", "Quit", show=False, priority=True),
+        Binding("ctrl+c", "interrupt", "Quit", show=False, priority=True),
+        Binding("ctrl+z", "suspend", "To the shell", show=False, priority=True),
     ]
 
-    def __init__(self, bus: str, source: Source, follow: Follow, view: View) -> None:
+    def __init__(self, bus: str, source: Source, view: View) -> None:
         super().__init__(ansi_color=True)
-        self.overview = Overview(bus, view, self.look_closely)
         self._source = source
-        self._follow = follow
-        self._shown: Snapshot | None = None
+        self.overview = Overview(bus, view, lambda: source.latest, self._look)
 
     def on_mount(self) -> None:
-        """Show the table, and look for what is new from now on."""
+        """Show the table; end on signals."""
         self.push_screen(self.overview)
-        self.set_interval(_PERIOD, self._tick)
         loop = asyncio.get_running_loop()
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             with suppress(ValueError, RuntimeError, NotImplementedError):  # not the main thread
                 loop.add_signal_handler(number, self.exit, BY_SIGNAL + number)
 
-    def look_closely(self, channel: str) -> None:
-        """Show a channel closely."""
-        row = self._source.latest.row(channel)
-        study = Study(row.channel, row.types if row.is_announced else ())
-        self.push_screen(Detail(study, row, self._follow(study)))
+    async def on_event(self, event: Event) -> None:
+        """Drop the keys that come while the screens are taken down."""
+        if self.screen_stack or not isinstance(event, InputEvent):
+            await super().on_event(event)
 
     def action_explain(self) -> None:
         """Show the keys."""
@@ -95,7 +135,7 @@ class SpyApp(App[int]):
             self.push_screen(HelpScreen())
 
     def action_clear(self) -> None:
-        """Count everything anew."""
+        """Count from zero again."""
         self._source.clear()
 
     def action_leave(self) -> None:
@@ -111,40 +151,22 @@ class SpyApp(App[int]):
         if os.getpgrp() != os.getsid(0):
             self.action_suspend_process()
 
-    def _tick(self) -> None:
-        snapshot = self._source.latest
-        screen = self.screen_stack[-1] if self.screen_stack else None  # none at the end
-        is_new = snapshot is not self._shown
-        self._shown = snapshot
-        if is_new and not isinstance(screen, Detail):
-            self.overview.take(snapshot)
-        if isinstance(screen, Detail):
-            screen.take(snapshot.row(screen.study.channel))
-        elif isinstance(screen, CurveScreen):
-            screen.take()
+    def _look(self, channel: str) -> None:
+        row = self._source.latest.row(channel)
+        study = Study(channel, row.types if row.is_announced else ())
+        self.push_screen(
+            Detail(
+                study,
+                lambda: self._source.latest.row(channel),
+                lambda study: self._source.follow(study.channel, study.take),
+            )
+        )
 
 
-def show(monitor: BusMonitor, wanted: Wanted, view: View) -> int:
-    """Show the live view until the person has had enough; the exit code.
-
-    Args:
-        monitor: The bus.
-        wanted: Which channels have a row.
-        view: How the table is looked at first.
-    """
-    feed = Feed(monitor, wanted)
-
-    def follow(study: Study) -> Callable[[], None]:
-        if feed.url.is_multicast:
-            return Follower(feed.url, study.channel, study.hear).stop
-        feed.follow = study.hear
-
-        def stop() -> None:
-            feed.follow = None
-
-        return stop
-
-    app = SpyApp(str(monitor.url), feed, follow, view)
+def show(monitor: BusMonitor, selection: ChannelSelection, view: View) -> int:
+    """Show the live view until it is left; return the exit code."""
+    feed = Feed(monitor, selection)
+    app = SpyApp(str(monitor.url), feed, view)
     feed.start()
     try:
         code = app.run()

@@ -1,75 +1,92 @@
-"""One channel on the screen: its latest message, decoded, with a curve beside each number."""
+"""One channel on the screen: its latest message, decoded; and a number over time."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import ClassVar
 
+from rich.text import Text
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
+from textual.containers import Horizontal
+from textual.widgets import DataTable, Footer, Label, Sparkline, Static
 
-from lcmtools.cli.spy.closeup import Closeup
-from lcmtools.cli.spy.live.bars import Bar, keys_line
-from lcmtools.cli.spy.live.curve import CurveScreen
-from lcmtools.cli.spy.live.lines import BOLD, CURVE, DIM, NAME, PLAIN, WARN, Lines, Part
-from lcmtools.cli.spy.live.page import Page
-from lcmtools.observe.channels import Row
-from lcmtools.observe.study import Study
-
-_KEYS = (
-    *(("Esc", "Back"), ("Enter", "Curve, or open"), ("Space", "Pause"), ("c", "Clear")),
-    *(("F1", "Help"), ("F10", "Quit")),
+from lcmtools.cli.spy.details import (
+    BARS,
+    DetailLine,
+    detail_lines,
+    flow_text,
+    number_text,
+    properties,
 )
-_STYLES = {"": PLAIN, "name": NAME, "curve": CURVE, "dim": DIM, "bold": BOLD, "warn": WARN}
+from lcmtools.cli.spy.live.overview import PERIOD
+from lcmtools.cli.spy.live.rows import Cell, Cells, CurveCell, Page, RowTable
+from lcmtools.graph.drawing.labels import printable
+from lcmtools.observe.channels import Row
+from lcmtools.observe.study import Study, curve
+
+_BESIDE = 54  # characters of a number and its range, beside its curve
+_SPANS = (2, 5, 10, 20, 40, 120, 600)  # [s]
+_USUAL = 3
 
 
-class Detail(Page[str | None]):
+class Detail(Page[None]):
     """One channel.
 
     Args:
-        study: What is known of its messages.
-        row: What the table knows of it.
-        unfollow: Ends that the study hears them.
+        study: Its messages.
+        row: Gives its row in the table.
+        follow: Makes the study take messages; returns what ends that.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape,q,left", "back", show=False),
-        Binding("space", "pause", show=False),
-        Binding("c", "clear", show=False),
+        Binding("escape,q,left", "back", "Back"),
+        Binding("space", "pause", "Pause"),
+        Binding("c", "clear", "Clear"),
+        Binding("f1,h,question_mark", "app.explain", "Help"),
     ]
 
-    def __init__(self, study: Study, row: Row, unfollow: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        study: Study,
+        row: Callable[[], Row],
+        follow: Callable[[Study], Callable[[], None]],
+    ) -> None:
         super().__init__()
         self.study = study
         self.is_paused = False
-        self._row = row
-        self._unfollow = unfollow
-        self._closeup = Closeup(row, study.look())
-        self._title, self._lines = Bar("title"), Lines("message")
+        self._row, self._read_row, self._follow = row(), row, follow
+        self._unfollow: Callable[[], None] = lambda: None
+        self._state = study.state()
+        self._lines: dict[str, DetailLine] = {}
+        self.top, self.table = Static(id="title"), RowTable("message")
 
     def compose(self) -> ComposeResult:
         """The parts of the screen, from above."""
-        yield self._title
-        yield self._lines
-        yield Bar("keys", keys_line(_KEYS))
+        self.table.show_header = False
+        yield self.top
+        yield self.table
+        yield Footer()
 
     def on_mount(self) -> None:
-        """Show what is known already."""
-        self._lines.focus()
+        """Begin to look at the messages."""
+        self._unfollow = self._follow(self.study)
+        self.table.focus()
         self._draw()
+        self.set_interval(PERIOD, self.update)
 
     def on_unmount(self) -> None:
-        """Listen no more."""
+        """Look no more."""
         self._unfollow()
 
     def on_resize(self) -> None:
         """Make it fit."""
         self.call_after_refresh(self._draw)
 
-    def take(self, row: Row) -> None:
-        """Show what is known now."""
+    def update(self) -> None:
+        """Show what is known now, unless paused."""
         if not self.is_paused:
-            self._row = row
-            self.study.types = row.types if row.is_announced else ()
-            self._closeup = Closeup(row, self.study.look())
+            self._row = self._read_row()
+            self.study.announced(self._row.types if self._row.is_announced else ())
+            self._state = self.study.state()
             self._draw()
 
     def action_pause(self) -> None:
@@ -78,34 +95,115 @@ class Detail(Page[str | None]):
         self._draw()
 
     def action_clear(self) -> None:
-        """Forget what the numbers have been."""
+        """Forget the history of the numbers."""
         self.study.clear()
 
-    def on_lines_chosen(self, event: Lines.Chosen) -> None:
+    def on_data_table_row_selected(self, event: DataTable.RowSelected) -> None:
         """Show the curve of a number; open or close anything else."""
-        event.stop()
-        line = self._closeup.line(event.key)
-        if line is not None and line.number is not None:
-            self.open(CurveScreen(self.study, line.path))
-        elif line is not None and line.opens:
-            self.study.toggle(line.path)
-            self._closeup = Closeup(self._row, self.study.look())
+        line = self._lines.get(event.row_key.value or "")
+        if line is None or not self.is_active:
+            return
+        if line.is_number:
+            self.app.push_screen(CurveScreen(self.study, line.key))
+        else:
+            self.study.toggle(line.key)
+            self._state = self.study.state()
             self._draw()
 
     def _draw(self) -> None:
-        if not self.size.width:
+        width = self.table.size.width - 1  # beside the scroll bar
+        if width < 1:
             return
-        title = [_parts(line) for line in self._closeup.head(self.size.width)]
-        if self.is_paused:
-            title[0] = [*title[0], ("  PAUSED", WARN)]
-        self._title.show(*title)
+        row, state = self._row, self._state
+        text = Text.assemble((printable(row.channel), "bold"), f"  {flow_text(row)}", no_wrap=True)
+        text.append("  PAUSED" if self.is_paused else "", "bold yellow")
+        for label, said in properties(row, state):
+            text.append(f"\n{label:<12}", "dim").append(said)
+        if state.problem:
+            text.append(f"\n{printable(state.problem)}", "bold yellow")
+        self.top.update(text)
+        lines = detail_lines(state, self.study.samples)
+        self._lines = {line.key: line for line in lines}
+        name = min(2 + max((len(line.name) for line in lines), default=0), width // 2)
+        bars = min(BARS, width - name - _BESIDE)
+
+        def cells(key: str) -> Cells:
+            line = self._lines[key]
+            label = Cell(key, line.name, "cyan")
+            if not line.is_number:
+                return label, Cell(key, line.value)
+            return label, CurveCell(line.value, line.bars, bars, line.span)
+
+        self.table.show([("", name), ("", width - name)], list(self._lines), cells)
+
+
+class CurveScreen(Page[None]):
+    """A number over time, as large as the screen."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape,q,enter,left", "back", "Back"),
+        Binding("plus,equals_sign", "span(1)", "Longer"),
+        Binding("minus", "span(-1)", "Shorter"),
+        Binding("space", "pause", "Pause"),
+    ]
+
+    def __init__(self, study: Study, path: str) -> None:
+        super().__init__()
+        self.is_paused = False
+        self._study = study
+        self._path = path
+        self._span = _USUAL
+        self.top, self._bars = Static(id="title"), Sparkline(id="curve")
+        self._high, self._low = Label(id="high"), Label(id="low")
+
+    def compose(self) -> ComposeResult:
+        """The parts of the screen, from above."""
+        yield self.top
+        yield self._high
+        yield Horizontal(self._bars)
+        yield self._low
+        yield Footer()
+
+    def on_mount(self) -> None:
+        """Draw what is known, from now on."""
+        self.draw()
+        self.set_interval(PERIOD, self.update)
+
+    def update(self) -> None:
+        """Draw what is known now, unless paused."""
+        if not self.is_paused:
+            self.draw()
+
+    def action_span(self, step: int) -> None:
+        """Show more time, or less."""
+        self._span = max(0, min(len(_SPANS) - 1, self._span + step))
+        self.draw()
+
+    def action_pause(self) -> None:
+        """Stop the display, or let it go on."""
+        self.is_paused = not self.is_paused
+        self.draw()
+
+    def draw(self) -> None:
+        """Draw the curve."""
+        samples = self._study.samples(self._path)
         width = self.size.width
-
-        def draw(number: int) -> Sequence[Part]:
-            return _parts(self._closeup.body(number, width, self.study.samples))
-
-        self._lines.show(self._closeup.keys, draw, ())
-
-
-def _parts(pieces: Sequence[tuple[str, str]]) -> list[Part]:
-    return [(text, _STYLES[style]) for text, style in pieces]
+        if not samples or not width:
+            return
+        (now, value), span = samples[-1], _SPANS[self._span]
+        recent = [sample for sample in samples if sample[0] >= now - span * 1_000_000_000]
+        found = curve(recent, now, width, span * 1_000_000_000 // width)
+        low, high = number_text(found.low), number_text(found.high)
+        self.top.update(
+            Text.assemble(
+                (f"{self._study.channel}  {self._path}", "bold"),
+                (f"  {number_text(value)}", "cyan"),
+                f"  {len(recent)} values, {low} to {high}",
+                ("  PAUSED" if self.is_paused else "", "bold yellow"),
+                no_wrap=True,
+            )
+        )
+        self._high.update(high)
+        self._bars.styles.width = max(1, len(found.bars))
+        self._bars.data = found.bars
+        self._low.update(f"{low}{f'-{span} s .. now':>{max(0, width - len(low))}}")

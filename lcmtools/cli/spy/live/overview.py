@@ -1,104 +1,79 @@
 """The table of channels on the screen, and its keys."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from typing import ClassVar
 
-from rich.style import Style
+from rich.text import Text
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.widgets import Input
+from textual.screen import ModalScreen
+from textual.widgets import DataTable, Footer, Input, OptionList, Static
+from textual.widgets.option_list import Option
 
-from lcmtools.cli.spy.columns import (
-    COLUMNS,
-    Column,
-    Layout,
-    bandwidth_text,
-    layout,
-    natural_widths,
-    printable,
-    rate_text,
-)
-from lcmtools.cli.spy.live.bars import Bar, keys_line
-from lcmtools.cli.spy.live.lines import (
-    BAD,
-    BOLD,
-    DIM,
-    GOOD,
-    HEADER,
-    PLAIN,
-    SORTED,
-    WARN,
-    Lines,
-    Part,
-)
-from lcmtools.cli.spy.live.page import Page
-from lcmtools.cli.spy.live.prompt import Prompt
-from lcmtools.cli.spy.live.sorting import SortScreen
-from lcmtools.cli.spy.view import View
+from lcmtools.cli.spy.columns import COLUMNS, Column, View, bandwidth_text, heading, rate_text
+from lcmtools.cli.spy.live.rows import Cell, Cells, Page, RowTable
+from lcmtools.cli.spy.table import Layout, layout, natural_widths
+from lcmtools.graph.drawing.labels import printable
 from lcmtools.observe.channels import Row
 from lcmtools.observe.feed import Snapshot
 
-_KEYS = (
-    *(("F1", "Help"), ("F3", "Search"), ("F4", "Filter"), ("F6", "Sort"), ("Enter", "Details")),
-    *(("Space", "Pause"), ("F10", "Quit")),
-)
+PERIOD = 0.2
+"""Time between two looks at what is new [s]."""
 _MUCH_LOSS = 0.01  # of what is sent
 _SEARCH, _FILTER = "Search", "Filter"
 
 
 class Overview(Page[None]):
-    """The table.
-
-    Args:
-        bus: The bus's URL.
-        view: How the table is looked at.
-        look_closely: Shows a channel closely, given its name.
-    """
+    """The table of channels."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("f3,slash", "search", show=False),
-        Binding("f4,backslash", "filter", show=False),
-        Binding("escape", "unfilter", show=False),
-        Binding("f6", "choose_column", show=False),
-        Binding("greater_than_sign,full_stop", "next_column(1)", show=False),
-        Binding("less_than_sign,comma", "next_column(-1)", show=False),
-        Binding("I", "invert", show=False),
-        Binding("space", "pause", show=False),
-        Binding("c", "app.clear", show=False),
-        Binding("q", "app.leave", show=False),
-        *(Binding(c.letter, f"sort('{c.name}')", show=False) for c in COLUMNS.values()),
+        Binding("f1,h,question_mark", "app.explain", "Help"),
+        Binding("f3,slash", "search", "Search"),
+        Binding("f4,backslash", "filter", "Filter"),
+        Binding("escape", "leave_prompt", "All rows", show=False),
+        Binding("f6", "choose_column", "Sort"),
+        Binding("greater_than_sign,full_stop", "next_column(1)", "Sort by next", show=False),
+        Binding("less_than_sign,comma", "next_column(-1)", "Sort by previous", show=False),
+        Binding("I", "invert", "Invert the order", show=False),
+        *(
+            Binding(c.letter, f"sort('{c.name}')", f"Sort by {c.name}", show=False)
+            for c in COLUMNS.values()
+        ),
+        Binding("space", "pause", "Pause"),
+        Binding("c", "app.clear", "Count from zero", show=False),
+        Binding("q", "app.leave", "Quit", show=False),
     ]
 
-    def __init__(self, bus: str, view: View, look_closely: Callable[[str], None]) -> None:
+    def __init__(
+        self, bus: str, view: View, latest: Callable[[], Snapshot], look: Callable[[str], None]
+    ) -> None:
         super().__init__()
         self.view = view
         self.is_paused = False
         self._bus = bus
-        self._look_closely = look_closely
+        self._latest = latest
+        self._look = look
         self._snapshot = Snapshot()
-        self._rows: Sequence[Row] = ()
+        self._rows: list[Row] = []
         self._layout = Layout((), (), "")
         self._widest: dict[str, int] = {}
-        self._before = ""
-        self._top, self.lines, self._prompt = Bar("title"), Lines("table"), Prompt("prompt")
+        self._purpose = ""
+        self.top, self.table = Static(id="title"), RowTable("table")
+        self.prompt = Input(id="prompt", compact=True)
 
     def compose(self) -> ComposeResult:
         """The parts of the screen, from above."""
-        yield self._top
-        yield self.lines
-        yield self._prompt
-        yield Bar("keys", keys_line(_KEYS))
+        yield self.top
+        yield self.table
+        yield self.prompt
+        yield Footer()
 
     def on_mount(self) -> None:
-        """Begin with an empty table."""
-        self.lines.focus()
+        """Begin to look at what is new."""
+        self.prompt.display = False
+        self.table.focus()
         self._draw()
-
-    def take(self, snapshot: Snapshot) -> None:
-        """Show what is known now, unless somebody wants to read in peace."""
-        if not self.is_paused or snapshot.is_over:
-            self._snapshot = snapshot
-            self._draw()
+        self.set_interval(PERIOD, self.update)
 
     def on_resize(self) -> None:
         """Make the columns fit."""
@@ -108,26 +83,35 @@ class Overview(Page[None]):
         """Show what has changed meanwhile."""
         self._draw()
 
+    def update(self) -> None:
+        """Show what is new, if this screen is seen and not paused."""
+        latest = self._latest()
+        is_seen = self.is_active or self.app.screen.is_modal
+        if latest is not self._snapshot and is_seen and (not self.is_paused or latest.is_over):
+            self._snapshot = latest
+            self._draw()
+
     def action_sort(self, column: str) -> None:
         """Sort by a column; by the same again, the other way round."""
-        self._look(self.view.sorted_by(column))
+        self._show(self.view.sorted_by(column))
 
     def action_next_column(self, step: int) -> None:
         """Sort by the next column."""
-        self._look(self.view.moved(step))
+        self._show(self.view.moved(step))
 
     def action_invert(self) -> None:
         """Sort the other way round."""
-        self._look(self.view.sorted_by(self.view.column))
+        self._show(self.view.sorted_by(self.view.column))
 
     def action_choose_column(self) -> None:
-        """Let somebody choose the column to sort by."""
+        """Choose the column to sort by."""
 
         def chosen(column: str | None) -> None:
             if column is not None and column != self.view.column:
                 self.action_sort(column)
 
-        self.open(SortScreen(self.view.column), chosen)
+        if self.is_active:
+            self.app.push_screen(SortScreen(self.view.column), chosen)
 
     def action_pause(self) -> None:
         """Stop the display, or let it go on."""
@@ -135,126 +119,146 @@ class Overview(Page[None]):
         self._draw()
 
     def action_search(self) -> None:
-        """Let somebody type what to look for."""
-        self._prompt.ask(_SEARCH, "")
+        """Type a text to look for; while it is typed, go to the next row."""
+        if self.prompt.display and self._purpose == _SEARCH:
+            self._find(self.prompt.value, 1)
+        else:
+            self._ask(_SEARCH, "")
 
     def action_filter(self) -> None:
-        """Let somebody type what rows must have."""
-        self._before = self.view.text
-        self._prompt.ask(_FILTER, self.view.text)
+        """Type a text that rows must have."""
+        self._ask(_FILTER, self.view.text)
 
-    def action_unfilter(self) -> None:
-        """Show all rows again."""
-        self._look(self.view.filtered(""))
+    def action_leave_prompt(self) -> None:
+        """Leave the prompt, or show all rows again; a filter that is given up is none."""
+        if not self.prompt.display or self._purpose == _FILTER:
+            self._show(self.view.filtered(""))
+        self.on_input_submitted()
 
     def on_input_changed(self, event: Input.Changed) -> None:
-        """Search or filter while somebody types."""
-        purpose = self._prompt.purpose
-        if purpose == _FILTER:
-            self._look(self.view.filtered(event.value))
-        elif purpose == _SEARCH:
+        """Search or filter while it is typed."""
+        if not self.prompt.display:
+            return
+        if self._purpose == _FILTER:
+            self._show(self.view.filtered(event.value))
+        else:
             self._find(event.value, 0)
 
-    def on_prompt_again(self) -> None:
-        """Go to the next row that is searched."""
-        self._find(self._prompt.value, 1)
+    def on_input_submitted(self) -> None:
+        """Go back to the table."""
+        self.prompt.display = False
+        self.table.focus()
 
-    def on_prompt_left(self, event: Prompt.Left) -> None:
-        """Go back to the table; a filter that was given up is none."""
-        self.lines.focus()
-        if event.purpose == _FILTER and event.cancelled:
-            self._look(self.view.filtered(""))
-        self._draw()
-
-    def on_lines_chosen(self, event: Lines.Chosen) -> None:
+    def on_data_table_row_selected(self, event: DataTable.RowSelected) -> None:
         """Look closely at a channel."""
-        event.stop()
-        if self.is_in_front:
-            self._look_closely(event.key)
+        if self.is_active and event.row_key.value is not None:
+            self._look(event.row_key.value)
 
-    def on_lines_heading_clicked(self, event: Lines.HeadingClicked) -> None:
+    def on_data_table_header_selected(self, event: DataTable.HeaderSelected) -> None:
         """Sort by the column that was clicked on."""
-        end = 0
-        for column, width in zip(self._layout.columns, self._layout.widths, strict=True):
-            end += width + len(self._layout.gap)
-            if event.x < end:
-                self.action_sort(column.name)
-                return
+        self.action_sort(self._layout.columns[event.column_index].name)
 
-    def _look(self, view: View) -> None:
+    def _ask(self, purpose: str, text: str) -> None:
+        self._purpose = purpose
+        self.prompt.placeholder = f"{purpose}: type, Enter to keep, Esc to leave"
+        self.prompt.display = True
+        self.prompt.value = text
+        self.prompt.focus()
+
+    def _show(self, view: View) -> None:
         self.view = view
         self._draw()
 
     def _find(self, text: str, step: int) -> None:
-        """Put the cursor on the next row whose channel has a text in it."""
+        """Put the cursor on the next row with a text in its channel."""
         names = [row.channel for row in self._rows]
-        key = self.lines.cursor_key
+        key = self.table.cursor_key
         start = names.index(key) + step if key in names else 0
         for name in [*names[start:], *names[:start]]:
             if text and text.casefold() in name.casefold():
-                self.lines.go_to(name)
+                self.table.go_to(name)
                 return
 
     def _draw(self) -> None:
-        if not self.size.width:
+        width = self.table.size.width - 1  # beside the scroll bar
+        if width < 1:
             return
         self._rows = self.view.rows(self._snapshot.rows, steady=True)
-        columns = list(COLUMNS.values())
-        for name, width in natural_widths(self._rows, columns).items():
-            self._widest[name] = max(width, self._widest.get(name, 0))  # it does not jump about
-        self._layout = layout(columns, self._widest, self.size.width)
-        self._top.show(self._title(), self._remarks())
-        heading = list(self._heading())
-        text, style = heading[-1]
-        heading[-1] = text.rstrip(), style
-        self.lines.show([row.channel for row in self._rows], self._line, heading)
+        for name, widest in natural_widths(self._rows, COLUMNS.values()).items():
+            self._widest[name] = max(widest, self._widest.get(name, 0))  # it does not jump about
+        self._layout = layout(list(COLUMNS.values()), self._widest, width)
+        self.top.update(Text("\n").join(filter(None, (self._title(), self._remarks()))))
+        rows = {row.channel: row for row in self._rows}
 
-    def _line(self, number: int) -> Sequence[Part]:
-        row = self._rows[number]
-        cells = self._layout.row(row)
-        parts: list[Part] = []
-        for column, cell in zip(self._layout.columns, cells, strict=True):
-            parts += [(cell, cell_style(row, column)), (self._layout.gap, PLAIN)]
-        return parts[:-1]
+        def cells(key: str) -> Cells:
+            row = rows[key]
+            pairs = zip(self._layout.columns, self._layout.row(row), strict=True)
+            return tuple(Cell(key, text, cell_style(row, column)) for column, text in pairs)
 
-    def _heading(self) -> Iterator[Part]:
-        cells = self._layout.header()
-        for column, cell in zip(self._layout.columns, cells, strict=True):
-            if column.name != self.view.column:
-                yield cell + self._layout.gap, HEADER
-                continue
+        self.table.show(self._headings(), list(rows), cells)
+
+    def _headings(self) -> list[tuple[str, int]]:
+        found = []
+        gap = len(self._layout.gap)
+        for column, width, text in zip(
+            self._layout.columns, self._layout.widths, self._layout.header(), strict=True
+        ):
             arrow = "▼" if column.is_number != self.view.inverted else "▲"
-            text = cell.rstrip() + arrow
-            yield f"{text:<{len(cell) + len(self._layout.gap)}}", SORTED
+            is_sorted = column.name == self.view.column
+            found.append((text.rstrip() + arrow if is_sorted else text, width + gap))
+        return found
 
-    def _title(self) -> list[Part]:
+    def _title(self) -> Text:
         shown, all_rows = len(self._rows), len(self._snapshot.rows)
         count = f"{shown} of {all_rows}" if self.view.text else str(all_rows)
-        parts = [
-            ("lcmtools spy", BOLD),
-            (f"  {self._bus}  {count} channel{'s' if all_rows != 1 else ''}", PLAIN),
-            (f"  {rate_text(self._snapshot.rate)} msg/s", GOOD),
-            (f"  {bandwidth_text(self._snapshot.bandwidth)}", GOOD),
-        ]
+        text = Text.assemble(
+            ("lcmtools spy", "bold"),
+            f"  {self._bus}  {count} channel{'s' if all_rows != 1 else ''}",
+            (f"  {rate_text(self._snapshot.rate)} msg/s", "green"),
+            (f"  {bandwidth_text(self._snapshot.bandwidth)}", "green"),
+            no_wrap=True,
+        )
         if self.view.text:
-            parts.append((f"  filter: {printable(self.view.text)}", WARN))
+            text.append(f"  filter: {printable(self.view.text)}", "bold yellow")
         if self.is_paused:
-            parts.append(("  PAUSED", WARN))
-        return parts
+            text.append("  PAUSED", "bold yellow")
+        return text
 
-    def _remarks(self) -> list[Part]:
-        """What is wrong, or who listens to nobody knows what."""
+    def _remarks(self) -> Text | None:
+        """What is wrong, or the programs whose channels are unknown."""
         if self._snapshot.trouble:
-            return [(self._snapshot.trouble, BAD)]
+            return Text(self._snapshot.trouble, "bold red")
         programs = self._snapshot.plain_listeners
         verb = "listens" if len(programs) == 1 else "listen"
-        return [(f"{', '.join(programs)} {verb} as no node", DIM)] if programs else []
+        return Text(f"{', '.join(programs)} {verb} as no node", "dim") if programs else None
 
 
-def cell_style(row: Row, column: Column) -> Style:
-    """How a cell is coloured: loss, unknown types and silence."""
+def cell_style(row: Row, column: Column) -> str:
+    """The style of a cell: loss, silence and unknown types stand out."""
     if column.name == "loss" and row.lost:
-        return BAD if (row.loss or 0.0) >= _MUCH_LOSS else WARN
+        return "bold red" if (row.loss or 0.0) >= _MUCH_LOSS else "bold yellow"
     if row.is_silent:
-        return DIM
-    return WARN if column.name == "type" and not row.types else PLAIN
+        return "dim"
+    return "bold yellow" if column.name == "type" and not row.types else ""
+
+
+class SortScreen(ModalScreen[str | None], Page[str | None]):
+    """The columns to sort by, in front of the table; returns the one chosen."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape,q,f6", "back", "Back", show=False)]
+
+    def __init__(self, column: str) -> None:
+        super().__init__()
+        self._column = column
+
+    def compose(self) -> ComposeResult:
+        """The columns, with the cursor on the present one."""
+        options = [Option(f"{c.letter}  {heading(c)}", id=c.name) for c in COLUMNS.values()]
+        columns = OptionList(*options)
+        columns.border_title = "sort by"
+        columns.highlighted = list(COLUMNS).index(self._column)
+        yield columns
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """Return what was chosen."""
+        self.dismiss(event.option_id)

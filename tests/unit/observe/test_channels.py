@@ -1,12 +1,12 @@
-"""The rows of the table: types, senders, listeners and loss, as far as they are known."""
+"""Rows of channels: types, senders, listeners and loss, as far as they are known."""
 
 from lcmtools.bus.processes import Process, UdpSocket
-from lcmtools.cli.spy.view import View
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
 from lcmtools.messages.codec import encode
 from lcmtools.observe.activity import Activity
-from lcmtools.observe.channels import Row, Rows, Wanted, losses, matching
+from lcmtools.observe.channels import ChannelSelection, Row, Rows
+from lcmtools.observe.losses import losses
 from lcmtools.observe.senders import SenderNames, SocketTable
 from lcmtools.types.geometry_msgs import Vector3
 from lcmtools.wire.packet import Packet, Sender
@@ -33,7 +33,7 @@ def packet(channel: str, sender: Sender | None, seqno: int = 0, payload: bytes =
 def make(
     packets: list[Packet],
     nodes: tuple[Node, ...] = (),
-    wanted: Wanted = Wanted(),  # noqa: B008 - frozen
+    selection: ChannelSelection = ChannelSelection(),  # noqa: B008 - frozen
     *,
     with_numbers: bool = True,
 ) -> dict[str, Row]:
@@ -47,8 +47,8 @@ def make(
             numbers.setdefault(one.sender, Sequence()).add(one.seqno)
     now = NOW + 2 * S
     graph = Graph(nodes, builder.snapshot(now).traffic, now)
-    lost = losses(numbers) if with_numbers else None
-    rows = Rows(wanted, names()).make(graph, activity, lost, now)
+    lost = losses(numbers) if with_numbers else {}
+    rows = Rows(selection, names()).make(graph, activity, lost, now)
     return {row.channel: row for row in rows}
 
 
@@ -108,36 +108,25 @@ def test_loss_is_not_known_where_the_bus_numbers_nothing() -> None:
     assert make([packet("A", PROGRAM)], with_numbers=False)["A"].loss is None
 
 
-def test_a_port_that_several_programs_share_tells_no_loss() -> None:
-    shared = [packet("A", PROGRAM, number) for number in (0, 5, 0, 5, 0, 5)]
-    assert make(shared)["A"].lost is None
-
-
-def test_losses_count_from_where_they_were_cleared() -> None:
-    numbers = {FAR: Sequence()}
-    for number in (0, 2, 3):
-        numbers[FAR].add(number)
-    before = losses(numbers)
-    for number in (4, 6, 7):
-        numbers[FAR].add(number)
-    assert losses(numbers, before) == {FAR: (3, 1)}
-
-
 def test_hidden_channels_and_looking_commands_are_left_out_unless_they_are_wanted() -> None:
     ends = (Endpoint("/a", Role.SUBSCRIBER),)
     nodes = (node("/n", Endpoint("/a", Role.PUBLISHER)), node("/_tool", *ends))
     packets = [packet("/_secret", PROGRAM)]
     assert list(make(packets, nodes)) == ["/a"]
     assert make(packets, nodes)["/a"].listeners == ()
-    everything = make(packets, nodes, Wanted(hidden=True))
+    everything = make(packets, nodes, ChannelSelection(hidden=True))
     assert list(everything) == ["/_secret", "/a"]
     assert everything["/a"].listeners == ("/_tool",)
 
 
 def test_only_the_wanted_channels_have_rows() -> None:
     packets = [packet(channel, PROGRAM) for channel in ("/a/x", "/ab", "/c/x", "POSE")]
-    assert list(make(packets, wanted=Wanted(("/a",)))) == ["/a/x"]
-    assert list(make(packets, wanted=Wanted(("*/x", "POSE")))) == ["/a/x", "/c/x", "POSE"]
+    assert list(make(packets, selection=ChannelSelection(("/a",)))) == ["/a/x"]
+    assert list(make(packets, selection=ChannelSelection(("*/x", "POSE")))) == [
+        "/a/x",
+        "/c/x",
+        "POSE",
+    ]
 
 
 def test_a_stale_node_is_marked() -> None:
@@ -149,52 +138,3 @@ def test_a_sender_that_others_have_long_replaced_is_not_named() -> None:
     old = packet("A", FAR)
     new = old._replace(sender=Sender("10.9.8.8", 1), time=old.time + 20 * S)
     assert make([old, new])["A"].senders == ("10.9.8.8:1",)
-
-
-ROWS = (
-    Row("/c", types=("std_msgs/String",), rate=1.0, messages=3, senders=("/talker",)),
-    Row("/b", types=(), rate=50.0, messages=2, listeners=("/ears",)),
-    Row("/a", rate=None, messages=1),
-    Row("/d", types=("std_msgs/Bool",), rate=50.4, messages=0),
-)
-
-
-def shown(view: View, *, steady: bool = False) -> list[str]:
-    return [row.channel for row in view.rows(ROWS, steady=steady)]
-
-
-def test_numbers_are_sorted_from_the_largest_and_what_has_none_is_last_either_way() -> None:
-    assert shown(View("rate")) == ["/d", "/b", "/c", "/a"]
-    assert shown(View("rate", inverted=True)) == ["/c", "/b", "/d", "/a"]
-    assert shown(View("messages")) == ["/c", "/b", "/a", "/d"]
-
-
-def test_texts_are_sorted_from_a() -> None:
-    assert shown(View()) == ["/a", "/b", "/c", "/d"]
-    assert shown(View("type")) == ["/d", "/c", "/a", "/b"]
-    assert shown(View("channel", inverted=True)) == ["/d", "/c", "/b", "/a"]
-
-
-def test_what_hardly_differs_keeps_its_place_on_the_screen() -> None:
-    assert shown(View("rate"), steady=True) == ["/b", "/d", "/c", "/a"]
-
-
-def test_a_filter_looks_at_channel_type_sender_and_listener_in_whatever_case() -> None:
-    found = {
-        text: [r.channel for r in matching(ROWS, text)] for text in ("STD", "talk", "ear", "/b")
-    }
-    assert found == {"STD": ["/c", "/d"], "talk": ["/c"], "ear": ["/b"], "/b": ["/b", "/d"]}
-    assert shown(View(text="nothing has this")) == []
-
-
-def test_the_same_column_again_turns_the_order_round_and_another_begins_as_usual() -> None:
-    view = View().sorted_by("rate")
-    assert (view.column, view.inverted) == ("rate", False)
-    assert view.sorted_by("rate").inverted
-    assert not view.sorted_by("rate").sorted_by("loss").inverted
-
-
-def test_next_and_previous_columns_go_round() -> None:
-    assert View().moved(1).column == "type"
-    assert View().moved(-1).column == "listeners"
-    assert View("listeners").moved(1).column == "channel"

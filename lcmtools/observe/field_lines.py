@@ -1,6 +1,6 @@
-"""A message as lines: its fields, indented, each number with the path that its history goes by.
+"""A message as lines: its fields, indented, each number with the path of its history.
 
-Must not know how a line is shown, nor what came before.
+Must not know how a line is shown.
 """
 
 from collections.abc import Collection, Iterator, Sequence
@@ -14,28 +14,29 @@ from lcmtools.messages.registry import Message
 from lcmtools.messages.text import quoted
 
 MOST_LINES = 3000
-"""Of a message; what comes behind is not shown."""
+"""Lines of a message; the rest is not shown."""
 MOST_ELEMENTS = 100
-"""Of an array that is opened."""
+"""Elements of an open array; the rest is not shown."""
 
-_OPEN_NUMBERS, _OPEN_OTHERS = 6, 3  # so long an array is open without having been opened
-_SHOWN = 8  # elements of one that is closed
+_OPEN_NUMBERS, _OPEN_OTHERS = 6, 3  # arrays up to this length are open at first
+_SHOWN = 8  # elements of a closed array
 _SHOWN_BYTES = 16
 _LONGEST_TEXT = 200
+_DOTS = "…"
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class FieldLine:
     """A line of a message.
 
     Attributes:
-        path: Where it is in the message: "pose.position.x", "ranges[3]".
-        label: What stands before the value, the last part of the path.
-        depth: How far it is indented.
-        text: The value, or what there is to say of an array.
-        number: The value as a number; None for what is none.
-        opens: Whether there are lines below that can be shown or hidden.
-        is_open: Whether they are shown.
+        path: Its place in the message: "pose.position.x", "ranges[3]".
+        label: The last part of the path.
+        depth: Levels of indentation.
+        text: The value, or a summary of an array.
+        number: The value as a number; None for anything else.
+        opens: True if there are lines below it that can be shown or hidden.
+        is_open: True if they are shown.
     """
 
     path: str
@@ -47,12 +48,12 @@ class Line:
     is_open: bool = False
 
 
-def lines_of(message: Message, toggled: Collection[str] = ()) -> list[Line]:
-    """The lines of a message.
+def field_lines(message: Message, toggled: Collection[str] = ()) -> list[FieldLine]:
+    """Return the lines of a message.
 
     Args:
-        message: It.
-        toggled: The paths of parts that are opened where they are closed by themselves, or closed.
+        message: The message.
+        toggled: Paths of parts that are opened instead of closed, or closed instead of open.
     """
     return list(islice(_Lines(toggled).of_message(message, "", 0), MOST_LINES))
 
@@ -61,7 +62,7 @@ class _Lines:
     def __init__(self, toggled: Collection[str]) -> None:
         self._toggled = toggled
 
-    def of_message(self, message: Message, path: str, depth: int) -> Iterator[Line]:
+    def of_message(self, message: Message, path: str, depth: int) -> Iterator[FieldLine]:
         for field in visible_fields(type(message)):
             where = f"{path}.{field.name}" if path else field.name
             value = getattr(message, field.name)
@@ -72,24 +73,24 @@ class _Lines:
 
     def _of_one(
         self, value: object, field: Field, name: tuple[str, str], depth: int
-    ) -> Iterator[Line]:
+    ) -> Iterator[FieldLine]:
         path, label = name
         if field.message_class is None:
             number = float(cast("float", value)) if field.type != "string" else None
-            yield Line(path, label, depth, _scalar_text(value), number)
+            yield FieldLine(path, label, depth, _scalar_text(value), number)
         elif is_time(field.message_class):
             seconds, nanoseconds = (getattr(value, part) for part in field.message_class.__slots__)
             total = join_stamp(seconds, nanoseconds)
-            yield Line(path, label, depth, f"{seconds}.{nanoseconds:09d}", total / 1e9)
+            yield FieldLine(path, label, depth, f"{seconds}.{nanoseconds:09d}", total / 1e9)
         else:
             is_open = path not in self._toggled
-            yield Line(path, label, depth, "", opens=True, is_open=is_open)
+            yield FieldLine(path, label, depth, opens=True, is_open=is_open)
             if is_open:
                 yield from self.of_message(cast("Message", value), path, depth + 1)
 
     def _of_array(
         self, value: object, field: Field, name: tuple[str, str], depth: int, level: int
-    ) -> Iterator[Line]:
+    ) -> Iterator[FieldLine]:
         path, label = name
         elements = cast("Sequence[object]", value)
         is_inner = level < len(field.dimensions)
@@ -99,8 +100,8 @@ class _Lines:
         is_open = bool(elements) and (is_short is not (path in self._toggled))
         text = f"{field.type}[{len(elements)}]"
         if not is_open and not is_inner and elements:
-            text += f" {_some(elements, field)}"
-        yield Line(path, label, depth, text, opens=bool(elements), is_open=is_open)
+            text += f" {_summary(elements, field)}"
+        yield FieldLine(path, label, depth, text, opens=bool(elements), is_open=is_open)
         if not is_open:
             return
         for index, element in enumerate(elements[:MOST_ELEMENTS]):
@@ -110,27 +111,25 @@ class _Lines:
             else:
                 yield from self._of_one(element, field, inner, depth + 1)
         if len(elements) > MOST_ELEMENTS:
-            yield Line(f"{path}[]", DOTS, depth + 1, f"{len(elements) - MOST_ELEMENTS} more")
+            more = f"{len(elements) - MOST_ELEMENTS} more"
+            yield FieldLine(f"{path}[]", _DOTS, depth + 1, more)
 
 
-DOTS = "…"
-
-
-def _some(elements: Sequence[object], field: Field) -> str:
-    """The first few elements of an array that is closed."""
+def _summary(elements: Sequence[object], field: Field) -> str:
+    """The first few elements of a closed array."""
     if field.message_class is not None:
         return ""
     if isinstance(elements, bytes):
         shown = elements[:_SHOWN_BYTES].hex(" ")
-        return f"{shown} {DOTS}" if len(elements) > _SHOWN_BYTES else shown
+        return f"{shown} {_DOTS}" if len(elements) > _SHOWN_BYTES else shown
     shown = ", ".join(_short_text(element) for element in elements[:_SHOWN])
-    return f"{shown}, {DOTS}" if len(elements) > _SHOWN else shown
+    return f"{shown}, {_DOTS}" if len(elements) > _SHOWN else shown
 
 
 def _scalar_text(value: object) -> str:
     if isinstance(value, str):
         long = len(value) > _LONGEST_TEXT
-        return quoted(value[:_LONGEST_TEXT]) + (f" {DOTS} {len(value)} characters" if long else "")
+        return quoted(value[:_LONGEST_TEXT]) + (f" {_DOTS} {len(value)} characters" if long else "")
     if isinstance(value, bool):
         return str(value).lower()
     return repr(value)

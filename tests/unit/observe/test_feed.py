@@ -1,4 +1,4 @@
-"""The thread that reads the bus: packets become rows, an end and a failing network are told."""
+"""The thread that reads the bus: packets become rows; an end and a failing network are shown."""
 
 import time
 from collections.abc import Callable
@@ -6,10 +6,7 @@ from collections.abc import Callable
 import pytest
 
 from lcmtools.bus.url import BusUrl
-from lcmtools.cli.spy.columns import COLUMNS
-from lcmtools.cli.spy.live.lines import BAD, DIM, PLAIN, WARN
-from lcmtools.cli.spy.live.overview import cell_style
-from lcmtools.observe.channels import Row, Wanted
+from lcmtools.observe.channels import ChannelSelection, Row
 from lcmtools.observe.feed import Feed, Snapshot
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
@@ -32,7 +29,7 @@ class Bus:
         return self._behaviour()
 
     def send(self, channel: str, payload: bytes) -> None:
-        """Nobody hears it."""
+        """Nobody receives it."""
 
     def close(self) -> None:
         """Nothing is open."""
@@ -53,7 +50,7 @@ def snapshot_of(wait_until: Callable[..., None]) -> Callable[..., Snapshot]:
         url: BusUrl = MEMORY,
     ) -> Snapshot:
         watch = BusMonitor(url, "spy", {}, Bus(behaviour))
-        feed = Feed(watch, Wanted())
+        feed = Feed(watch, ChannelSelection())
         feed.start()
         try:
             meanwhile(feed)
@@ -119,39 +116,25 @@ def test_a_fault_is_told_and_kills_nothing(snapshot_of: Callable[..., Snapshot])
     assert found.trouble == "a fault of lcmtools (ZeroDivisionError: by zero)"
 
 
-def test_clear_counts_anew_and_whoever_follows_hears_every_packet(
+def test_clear_counts_from_zero_and_a_follower_gets_every_packet(
     snapshot_of: Callable[..., Snapshot], wait_until: Callable[..., None]
 ) -> None:
-    heard: list[Packet] = []
+    taken: list[Packet] = []
     sent = iter([packets()] * 5)
+    followed: list[Feed] = []
 
     def behaviour() -> list[Packet]:
-        return next(sent, []) if heard_from else []
-
-    heard_from: list[Feed] = []
+        return next(sent, []) if followed else []
 
     def meanwhile(feed: Feed) -> None:
-        feed.follow = heard.append
+        stop = feed.follow("A", taken.append)
         first = feed.latest
         wait_until(lambda: feed.latest is not first)  # what comes before that is nobody's
-        heard_from.append(feed)
-        wait_until(lambda: len(heard) == 5)
+        followed.append(feed)
+        wait_until(lambda: len(taken) == 5)
+        stop()
         feed.clear()
 
     found = snapshot_of(behaviour, lambda one: one.rows and one.row("A").messages == 0, meanwhile)
-    assert len(heard) == 5
+    assert len(taken) == 5
     assert found.row("A").rate is None
-
-
-def test_loss_silence_and_unknown_types_are_seen_at_a_glance() -> None:
-    def style(column: str, row: Row) -> object:
-        return cell_style(row, COLUMNS[column])
-
-    known = ("std_msgs/String",)
-    assert style("loss", Row("A", known, lost=5, loss=0.05, age=0.0)) is BAD
-    assert style("loss", Row("A", known, lost=5, loss=0.001, age=0.0)) is WARN
-    assert style("loss", Row("A", known, lost=0, loss=0.0, age=0.0)) is PLAIN
-    assert style("rate", Row("A", known, age=3.5)) is DIM
-    assert style("rate", Row("A", known, age=2.5)) is PLAIN
-    assert style("type", Row("A", messages=1, age=0.0)) is WARN
-    assert style("channel", Row("A")) is DIM

@@ -1,0 +1,142 @@
+"""A table of rows that are refreshed several times a second, and the screens' common part."""
+
+from collections.abc import Callable, Sequence
+from typing import ClassVar, NamedTuple
+
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+from textual.await_complete import AwaitComplete
+from textual.binding import Binding, BindingType
+from textual.color import Color
+from textual.renderables.sparkline import Sparkline
+from textual.screen import Screen, ScreenResultType
+from textual.widgets import DataTable
+
+CURVE = Color.parse("ansi_cyan").rich_color
+
+
+class Cell(NamedTuple):
+    """A text in a style, and the key of its row."""
+
+    key: str
+    text: str
+    style: str = ""
+
+    def __rich__(self) -> Text:
+        """The text."""
+        return Text(self.text, self.style, no_wrap=True, overflow="ellipsis")
+
+
+class CurveCell(NamedTuple):
+    """A number, the bars of its curve, the newest at the right, and its range."""
+
+    value: str
+    bars: Sequence[float]
+    width: int
+    span: str
+
+    def __rich__(self) -> Table:
+        """The three beside each other."""
+        grid = Table.grid(padding=(0, 2))
+        grid.add_column(width=24, justify="right", no_wrap=True)
+        bars = self.bars[-self.width :] if self.width > 0 else ()
+        if not bars:
+            grid.add_row(self.value)
+            return grid
+        grid.add_column(width=self.width)
+        grid.add_column(no_wrap=True)
+        curve = Sparkline([*bars], width=len(bars), min_color=CURVE, max_color=CURVE)
+        shown = Padding(curve, (0, 0, 0, self.width - len(bars)))
+        grid.add_row(self.value, shown, Text(self.span, "dim"))
+        return grid
+
+
+Cells = tuple[Cell | CurveCell, ...]
+
+
+class RowTable(DataTable[Cell | CurveCell]):
+    """A table whose cursor stays on its row; on the first row it stays on top."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("enter", "select_cursor", "Open"),
+        Binding("k", "cursor_up", "Cursor up", show=False),
+        Binding("home", "scroll_top", "First row", show=False),
+        Binding("end", "scroll_bottom", "Last row", show=False),
+        Binding("ctrl+b", "page_up", "Page up", show=False),
+        Binding("ctrl+f", "page_down", "Page down", show=False),
+    ]
+
+    def __init__(self, name: str) -> None:
+        super().__init__(id=name, cursor_type="row", cell_padding=0)
+        self._headings: Sequence[tuple[str, int]] = ()
+        self._keys: list[str] = []
+        self._cells: Callable[[str], Cells] = lambda _: ()
+        self._shown: dict[str, Cells] = {}
+
+    @property
+    def cursor_key(self) -> str | None:
+        """The key of the row that the cursor is on; None in an empty table."""
+        return self._keys[self.cursor_row] if self.cursor_row < len(self._keys) else None
+
+    def go_to(self, key: str) -> None:
+        """Put the cursor on a row."""
+        if key in self._shown:
+            self.move_cursor(row=self._keys.index(key))
+
+    def show(
+        self,
+        headings: Sequence[tuple[str, int]],
+        keys: list[str],
+        cells: Callable[[str], Cells],
+    ) -> None:
+        """Show rows in the order of their keys.
+
+        Args:
+            headings: The headings of the columns, and their widths.
+            keys: The keys of the rows.
+            cells: Gives the cells of a row, when it is seen.
+        """
+        cursor = self.cursor_key if self.cursor_row else None
+        if headings != self._headings or self._shown.keys() - set(keys):
+            self.clear(columns=True)
+            self._headings, self._shown, self._keys = headings, {}, []
+            for number, (label, width) in enumerate(headings):
+                self.add_column(Text(label), key=f"{number}", width=width)
+        for key in keys:
+            if key not in self._shown:
+                self._shown[key] = cells(key)
+                self.add_row(*self._shown[key], key=key)
+        if keys != self._keys:
+            places = {key: place for place, key in enumerate(keys)}
+            self.sort("0", key=lambda cell: places[cell.key])
+        self._keys, self._cells = keys, cells
+        if cursor is not None and cursor != self.cursor_key:
+            self.go_to(cursor)
+        self._update_seen()
+
+    def watch_scroll_y(self, old_value: float, new_value: float) -> None:
+        """Bring rows up to date that come into view."""
+        super().watch_scroll_y(old_value, new_value)
+        self._update_seen()
+
+    def _update_seen(self) -> None:
+        top = int(self.scroll_y)
+        for key in self._keys[top : top + self.size.height]:
+            before, self._shown[key] = self._shown[key], self._cells(key)
+            for number, (old, new) in enumerate(zip(before, self._shown[key], strict=True)):
+                if old != new:
+                    self.update_cell(key, f"{number}", new)
+
+
+class Page(Screen[ScreenResultType]):
+    """A screen that is left once, however fast somebody types."""
+
+    def dismiss(self, result: ScreenResultType | None = None) -> AwaitComplete:
+        """Leave this screen if it is in front."""
+        in_front = self.app.screen_stack[-1:] == [self]
+        return super().dismiss(result) if in_front else AwaitComplete()
+
+    def action_back(self) -> None:
+        """Leave this screen."""
+        self.dismiss()

@@ -1,0 +1,158 @@
+"""The table of channels as lines of text, cut to the width of a terminal; and as JSON."""
+
+import unicodedata
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from lcmtools.cli.spy.columns import COLUMNS, Column, Cut, heading
+from lcmtools.graph.drawing.labels import printable
+from lcmtools.observe.channels import Row
+
+_DOTS = "…"
+_GAPS = (2, 1)  # characters between two columns: usually, and where there is little room
+_LATEST = ("age",)  # columns that say nothing in a table that does not go on
+
+
+def table(rows: Sequence[Row], room: int | None) -> list[str]:
+    """Return the lines of the table, ``room`` characters wide; None for any width."""
+    columns = [column for name, column in COLUMNS.items() if name not in _LATEST]
+    found = layout(columns, natural_widths(rows, columns), room)
+    cells = [found.header(), *map(found.row, rows)]
+    return [found.gap.join(line).rstrip() for line in cells]
+
+
+def record(row: Row) -> dict[str, object]:
+    """A row for JSON."""
+    return {
+        "channel": row.channel,
+        "types": list(row.types),
+        "announced": row.is_announced,
+        "fingerprints": [f"{value:#018x}" for value in row.fingerprints],
+        "messages": row.messages,
+        "bytes": row.bytes,
+        "rate": row.rate,
+        "jitter": row.jitter,
+        "bandwidth": row.bandwidth,
+        "senders": list(row.senders),
+        "senders_lost": row.lost,
+        "senders_loss": row.loss,
+        "listeners": list(row.listeners),
+        "age": row.age,
+    }
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """The columns that there is room for, their widths, and the gap between them."""
+
+    columns: tuple[Column, ...]
+    widths: tuple[int, ...]
+    gap: str
+
+    def header(self) -> list[str]:
+        """The cells above the rows, each as wide as its column."""
+        return self._fitted(map(heading, self.columns))
+
+    def row(self, row: Row) -> list[str]:
+        """The cells of a row, each as wide as its column."""
+        return self._fitted(printable(column.text(row)) for column in self.columns)
+
+    def _fitted(self, cells: Iterable[str]) -> list[str]:
+        pairs = zip(self.columns, self.widths, cells, strict=True)
+        return [fit(cell, width, column) for column, width, cell in pairs]
+
+
+def natural_widths(rows: Iterable[Row], columns: Iterable[Column]) -> dict[str, int]:
+    """The widths of the columns that cut nothing, by their names."""
+    shown = list(rows)
+    return {
+        column.name: max(
+            width_of(heading(column)), *(width_of(printable(column.text(row))) for row in shown), 0
+        )
+        for column in columns
+    }
+
+
+def layout(columns: Sequence[Column], widths: Mapping[str, int], room: int | None) -> Layout:
+    """Return the columns that fit into ``room`` characters, None for any number, and their widths.
+
+    Texts are cut first, the longest most; then columns are left out. ``widths`` cut nothing.
+    """
+    gap = _gap([widths[column.name] for column in columns], room)
+    kept = list(columns)
+    while room is not None and _least(kept, widths, gap) > room:
+        leaving = [column for column in kept if column.leaves]
+        if not leaving:
+            break
+        kept.remove(min(leaving, key=lambda column: column.leaves))
+    fitted = [widths[column.name] for column in kept]
+    if room is not None:
+        _shrink(kept, fitted, room - gap * (len(kept) - 1))
+    return Layout(tuple(kept), tuple(fitted), " " * gap)
+
+
+def _gap(widths: Sequence[int], room: int | None) -> int:
+    wide, narrow = _GAPS
+    return wide if room is None or sum(widths) + wide * (len(widths) - 1) <= room else narrow
+
+
+def _least(columns: Sequence[Column], widths: Mapping[str, int], gap: int) -> int:
+    """The room that columns need when everything is cut."""
+    least = (min(widths[c.name], c.least or widths[c.name]) for c in columns)
+    return sum(least) + gap * (len(columns) - 1)
+
+
+def _shrink(columns: Sequence[Column], widths: list[int], room: int) -> None:
+    """Cut texts until they fit: senders and listeners, the wider first; then types, then names."""
+    for names in (("senders", "listeners"), ("type",), ("channel",)):
+        places = [i for i, column in enumerate(columns) if column.name in names]
+        while sum(widths) > room:
+            can = [i for i in places if widths[i] > columns[i].least]
+            if not can:
+                break
+            widths[max(can, key=widths.__getitem__)] -= 1
+
+
+def fit(text: str, width: int, column: Column) -> str:
+    """A text in exactly so many characters."""
+    text = cut(text, width, column.cut or "end")
+    padding = " " * (width - width_of(text))
+    return padding + text if column.is_number else text + padding
+
+
+def cut(text: str, width: int, where: Cut) -> str:
+    """A text cut to so many characters, with dots where something is missing."""
+    if width_of(text) <= width:
+        return text
+    if width < 1:
+        return ""
+    if where == "start":
+        last = f"{_DOTS}/{text.rpartition('/')[2]}"  # of a type, the package goes first
+        return last if "/" in text and width_of(last) <= width else _DOTS + _end(text, width - 1)
+    if where == "middle":
+        end = _end(text, (width - 1) * 2 // 3)
+        return _start(text, width - 1 - width_of(end)) + _DOTS + end
+    return _start(text, width - 1) + _DOTS
+
+
+def _start(text: str, width: int) -> str:
+    while width_of(text) > width:
+        text = text[: min(len(text) - 1, max(width, 0))]
+    return text
+
+
+def _end(text: str, width: int) -> str:
+    return _start(text[::-1], width)[::-1]
+
+
+def width_of(text: str) -> int:
+    """The number of a terminal's places that a text takes."""
+    if text.isascii():
+        return len(text)
+    return sum(_width(character) for character in text)
+
+
+def _width(character: str) -> int:
+    if unicodedata.combining(character):
+        return 0
+    return 2 if unicodedata.east_asian_width(character) in "WF" else 1
