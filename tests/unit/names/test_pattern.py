@@ -5,7 +5,7 @@ import pytest
 from lcmtools.graph.drawing.selection import is_meant
 from lcmtools.graph.model import Graph, Traffic
 from lcmtools.names import Pattern, has_wildcard, is_hidden
-from lcmtools.observe.channels import Wanted
+from lcmtools.observe.channels import ChannelSelection
 from lcmtools.observe.selection import TopicPattern
 
 CASES = [
@@ -40,7 +40,7 @@ def test_a_pattern_means_the_same_in_every_command(
     pattern: str, name: str, *, matches: bool
 ) -> None:
     assert Pattern(pattern).matches(name) == matches
-    assert Wanted((pattern,)).has(name) == matches  # spy
+    assert ChannelSelection((pattern,)).has(name) == matches  # spy
     assert is_meant(name, pattern, is_topic=True) == (matches or is_hidden(name))  # graph
     echo = TopicPattern(pattern)
     echo.learn(Graph(traffic=(Traffic(name, None, (), 1, 8, 1, 1),)))
