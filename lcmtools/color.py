@@ -17,7 +17,7 @@ BOLD_RED = "1;31"
 
 
 def is_wanted(environment: Mapping[str, str], usual: str = "auto", *, is_terminal: bool) -> bool:
-    """Whether to colour what goes to a stream.
+    """Return whether to colour what goes to a stream.
 
     LCMTOOLS_COLOR counts first (``--color`` sets it), then NO_COLOR (https://no-color.org), then
     FORCE_COLOR and CLICOLOR_FORCE, then what is usual; else a terminal gets colour, unless it is
@@ -43,10 +43,10 @@ def is_wanted(environment: Mapping[str, str], usual: str = "auto", *, is_termina
 
 
 def stream_wants_color(stream: TextIO, environment: Mapping[str, str]) -> bool:
-    """Whether to colour what goes to this stream, by the environment and the user's settings."""
+    """True if to colour what goes to this stream, by the environment and the user's settings."""
     try:
         usual = read_user_file(environment).values.get("color", "auto")
-    except LcmtoolsError:  # whoever needs the settings says so
+    except LcmtoolsError:  # the code that needs the settings reports it
         usual = "auto"
     return is_wanted(environment, usual, is_terminal=_is_terminal(stream))
 

@@ -41,7 +41,7 @@ class LcmtoolsError(Exception):
 
 
 class UsageError(LcmtoolsError):
-    """What was typed is wrong."""
+    """A mistake in the arguments."""
 
     exit_code = 2
 

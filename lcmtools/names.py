@@ -173,7 +173,7 @@ def check_length(channel: str, name: str = "") -> str:
 
 
 def is_hidden(name: str) -> bool:
-    """Whether lists leave this name out: a part starts with "_", or it is LCM's own machinery."""
+    """True if lists leave this name out: a part starts with "_", or it is LCM's own machinery."""
     return name.startswith(_LCM_INTERNAL) or any(part.startswith("_") for part in name.split("/"))
 
 

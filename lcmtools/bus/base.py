@@ -1,4 +1,4 @@
-"""What a node needs of a bus, and one for tests that needs no network."""
+"""The interface of a bus for nodes, and a bus for tests that needs no network."""
 
 import time
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What the Linux kernel says of a received datagram, and marks on sockets that others can see.
+"""The Linux kernel's data on received datagrams, and marks on sockets that others can see.
 
 Elsewhere than on Linux the present serves as the receive time, and sockets stay unmarked.
 """

@@ -13,8 +13,8 @@ What the binding does not forgive, and is therefore kept here:
   the newest.
 - On tcpq, two threads that publish or subscribe at once mix up their bytes: a lock keeps them
   apart.
-- A tcpq connection that breaks is closed by whoever notices first, and its subscriptions are gone:
-  the receiving thread makes a new instance, and subscribes anew.
+- A tcpq connection that breaks is closed by the first thread that notices, and its subscriptions
+  are gone: the receiving thread makes a new instance, and subscribes again.
 - ``handle`` turns Ctrl-C into OSError: the thread waits in ``select`` instead.
 """
 
@@ -43,7 +43,7 @@ Instance = lcm.LCM
 """For the types of those who must not import the package."""
 QUEUE_CAPACITY = 10_000
 """Messages that liblcm may hold while Python does not get to run."""
-_BATCH = 100  # messages handled before whoever wants to subscribe gets a turn
+_BATCH = 100  # messages handled before a request to subscribe is served
 _LOOK_PERIOD = 0.5  # [s] between looks whether a connection broke while something was sent
 _REQUEST_TIMEOUT = 15.0  # [s]; above liblcm's own ten seconds
 
@@ -231,7 +231,7 @@ class LcmBus:
         longest = _LOOK_PERIOD if is_watched else self._backoff.left(time.monotonic())
         try:
             return True, select.select(sources, [], [], longest)[0]
-        except OSError:  # a connection that broke was closed by whoever tried to publish
+        except OSError:  # a connection that broke was closed by the publishing thread
             return False, []
 
     def _lose(self) -> None:

@@ -1,4 +1,4 @@
-"""Who listens to a bus on this computer, as far as the socket table shows it.
+"""The sockets of this computer that receive from a bus, by the socket table.
 
 Linux only (/proc). Which channels a program listens to does not show, and programs of other users
 and computers do not show at all.
@@ -34,7 +34,7 @@ def listening_processes(sockets: frozenset[int]) -> frozenset[Process]:
 
 
 class PlainListeners:
-    """Whether programs that never announce what they hear can be listening to a bus.
+    """True if programs that never announce what they hear can be listening to a bus.
 
     Args:
         url: The bus.
@@ -58,13 +58,13 @@ class PlainListeners:
         self._holders: dict[int, Process] = {}
 
     def possible(self, *, at_once: bool = False) -> bool:
-        """Whether there can be any, as of a second ago.
+        """Return whether there can be any, as of a second ago.
 
-        Always, where datagrams leave this computer or nobody can know who listens; never within
+        Always, where datagrams leave this computer or listeners cannot be known; never within
         one process.
 
         Args:
-            at_once: As of now. Where sockets cannot be told apart, whoever is seen the first time
+            at_once: As of now. Where sockets cannot be told apart, a socket seen for the first time
                 counts too, though it may turn out to be a node that has not announced itself yet.
         """
         if self._url.provider == "memq":

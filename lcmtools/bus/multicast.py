@@ -125,7 +125,7 @@ def check_loopback(url: BusUrl, sender: socket.socket, receiver: socket.socket) 
 
 
 def _heard(receiver: socket.socket, datagram: bytes, port: int, timeout: float) -> bool:
-    """Whether our own datagram arrives; others' traffic meanwhile is passed over."""
+    """Return whether our own datagram arrives; other traffic is ignored."""
     deadline = time.monotonic() + timeout
     while (left := deadline - time.monotonic()) > 0:
         if not select.select([receiver], [], [], left)[0]:
@@ -137,7 +137,7 @@ def _heard(receiver: socket.socket, datagram: bytes, port: int, timeout: float) 
 
 
 def _explain(url: BusUrl, error: OSError) -> BusError:
-    """What an operating system error means for the user of a bus."""
+    """The meaning of an operating system error for the user of a bus."""
     where = f"{url.host}:{url.port}"
     if error.errno in (errno.ENETUNREACH, errno.ENODEV, errno.EADDRNOTAVAIL, errno.EHOSTUNREACH):
         return BusError(f"no multicast route to {where}", f"type: {_LOOPBACK_ROUTE}")

@@ -70,7 +70,7 @@ class PacedSender:
             self._changed.notify_all()
 
     def has_waiting(self, channel: str) -> bool:
-        """Whether a message of this channel waits or is on its way, that none may overtake."""
+        """True if a message of this channel waits or is on its way, that none may overtake."""
         if not self._waiting:
             return False
         with self._changed:
@@ -100,7 +100,7 @@ class PacedSender:
 
     def _send_now(self, channel: str, payload: bytes) -> None:
         self._seqno += 1
-        # a message that cannot leave is lost, as any datagram may be; the next one is tried anew
+        # a message that cannot leave is lost, as any datagram may be; the next one is tried again
         with contextlib.suppress(OSError):
             if fits_datagram(channel, payload):
                 self._transmit(short_message(self._seqno, channel, payload))

@@ -1,4 +1,4 @@
-"""What would make liblcm hang, crash or print, found out before it is asked.
+"""Checks before liblcm is called for what would make it hang, crash or print.
 
 Belongs here: a look at the outside that a URL needs to work. Must not import lcm.
 """
@@ -77,7 +77,7 @@ def _check_server(url: BusUrl) -> None:
 
 
 def _jar() -> str:
-    """Where LCM's Java library lies, which has a server in it."""
+    """The path of LCM's Java library, which has a server in it."""
     jar = Path(sysconfig.get_path("purelib")) / "share/java/lcm.jar"
     return str(jar) if jar.exists() else "lcm.jar"
 

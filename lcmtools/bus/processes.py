@@ -1,4 +1,4 @@
-"""Which process is behind a UDP port: the socket table and the processes of this computer.
+"""The process behind a UDP port: the socket table and the processes of this computer.
 
 Linux only (/proc). Elsewhere, and for other users' processes, the answer is "not known", never a
 guess. See proc(5).
@@ -65,7 +65,7 @@ class Process:
 
 @dataclass(frozen=True, slots=True)
 class Usage:
-    """What a process takes of this computer.
+    """A process's use of this computer.
 
     Attributes:
         uid: The user it belongs to.
@@ -91,7 +91,7 @@ def udp_sockets() -> list[UdpSocket]:
 
 @dataclass(frozen=True, slots=True)
 class Senders:
-    """Who may have sent from a local UDP port.
+    """The possible senders from a local UDP port.
 
     Attributes:
         candidates: The processes that can be told, by their numbers.
@@ -108,7 +108,7 @@ class Senders:
 
 
 def senders_from(port: int, rows: Iterable[UdpSocket], holders: Mapping[int, Process]) -> Senders:
-    """Who may have sent from a port.
+    """Return the possible senders from a port.
 
     On the bus's own port, which listeners share, Java sends too. It binds that to any address, and
     liblcm, which does not send from there, to the group's.
@@ -125,7 +125,7 @@ def senders_from(port: int, rows: Iterable[UdpSocket], holders: Mapping[int, Pro
 
 
 def senders_of_port(port: int) -> Senders:
-    """Who may have sent from a local UDP port."""
+    """The possible senders from a local UDP port."""
     rows = [row for row in udp_sockets() if row.port == port]
     return senders_from(port, rows, owners(row.inode for row in rows))
 
@@ -142,7 +142,7 @@ def owners(inodes: Iterable[int]) -> dict[int, Process]:
 
 
 def process_of(pid: int) -> Process | None:
-    """What runs under this pid; None when nothing does (any more: a zombie has ended)."""
+    """The process with this pid; None when there is none (a zombie has ended)."""
     try:
         command = (_PROC / str(pid) / "cmdline").read_bytes().replace(b"\0", b" ").strip()
         status = (_PROC / str(pid) / "stat").read_text()
@@ -155,7 +155,7 @@ def process_of(pid: int) -> Process | None:
 
 
 def usage_of(pid: int) -> Usage | None:
-    """What a process of this computer takes; None where the system does not tell."""
+    """Return a process's use of this computer; None where it is unknown."""
     folder = _PROC / str(pid)
     try:
         fields = (folder / "stat").read_text().rpartition(")")[2].split()
@@ -174,7 +174,7 @@ def usage_of(pid: int) -> Usage | None:
 
 
 def is_local(address: str) -> bool:
-    """Whether an IPv4 address is one of this computer's."""
+    """Return whether an IPv4 address is one of this computer's."""
     if address == "0.0.0.0" or address.startswith("127."):  # noqa: S104 - a comparison
         return True
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
@@ -228,7 +228,7 @@ def _listening_elsewhere(
 
 
 def uses_lcm(pid: int) -> bool:
-    """Whether the process has liblcm or its Python binding loaded, or is linked with it."""
+    """Return whether the process has liblcm or its Python binding loaded, or is linked with it."""
     try:
         maps = (_PROC / str(pid) / "maps").read_bytes()
     except OSError:
@@ -237,7 +237,7 @@ def uses_lcm(pid: int) -> bool:
 
 
 def _contains(file: Path, text: bytes) -> bool:
-    """Whether a file has these bytes in it, looking without reading it all into memory."""
+    """Return whether a file has these bytes in it, looking without reading it all into memory."""
     with (
         contextlib.suppress(OSError, ValueError),
         file.open("rb") as opened,
@@ -248,7 +248,7 @@ def _contains(file: Path, text: bytes) -> bool:
 
 
 def _is_joined(group: str) -> bool:
-    """Whether any socket of this computer has joined the multicast group."""
+    """Return whether any socket of this computer has joined the multicast group."""
     packed = struct.unpack("=I", socket.inet_aton(group))[0]
     try:
         return f"{packed:08X}" in (_PROC / "net" / "igmp").read_text()
@@ -277,7 +277,7 @@ def _pids() -> list[int]:
 
 
 def _open_files(pid: int) -> list[str]:
-    """What the process's file descriptors point to; empty for other users' processes."""
+    """The targets of a process's file descriptors; empty for other users' processes."""
     targets: list[str] = []
     with contextlib.suppress(OSError):
         for descriptor in (_PROC / str(pid) / "fd").iterdir():

@@ -1,4 +1,4 @@
-"""When a connection that is lost is tried again.
+"""The times at which a lost connection is tried again.
 
 Belongs here: plain time. Must know neither sockets nor threads.
 """
@@ -16,7 +16,7 @@ class ReconnectBackoff:
 
     @property
     def is_on(self) -> bool:
-        """Whether the connection is lost."""
+        """True if the connection is lost."""
         return self._due is not None
 
     def begin(self, now: float) -> None:

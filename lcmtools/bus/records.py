@@ -1,7 +1,7 @@
 """Records of the nodes that run on this computer, so that one that was killed is not forgotten.
 
 A node that ends says goodbye on the bus; one that is killed cannot. Each node leaves a small file
-while it lives, and whoever looks at the graph later finds those whose node does not answer any
+while it lives, and a later look at the graph finds those whose node does not answer any
 more. The files belong to one user and hold what the announcement says.
 """
 
@@ -82,7 +82,7 @@ class NodeRecords:
         return next((one for one in others if one.stale is Staleness.HANGS), None)
 
     def topics(self, identifiers: Container[str], role: Role) -> set[str]:
-        """What nodes of these ids published, or subscribed to, by their records."""
+        """The topics that nodes of these ids published, or subscribed to, by their records."""
         found: set[str] = set()
         for record in self._records():
             topics = record.get("publishes" if role is Role.PUBLISHER else "subscribes")
@@ -125,7 +125,7 @@ def _own_network() -> int:
 
 
 def _base_folders(environment: Mapping[str, str]) -> list[Path]:
-    """Where records are written (first) and looked for: the user's runtime folder, or /tmp."""
+    """The folders of records: the user's runtime folder, else /tmp; the first is written to."""
     shared = Path(f"/tmp/lcmtools-{os.getuid()}")  # noqa: S108 - private, and checked to be
     runtime = environment.get("XDG_RUNTIME_DIR")
     if runtime and Path(runtime).is_dir():
@@ -134,7 +134,7 @@ def _base_folders(environment: Mapping[str, str]) -> list[Path]:
 
 
 def _is_private(folder: Path) -> bool:
-    """Whether the folder exists and nobody else can have put anything there."""
+    """Return whether the folder exists and other users cannot write into it."""
     try:
         status = folder.lstat()
         base = folder.parent.parent.lstat()

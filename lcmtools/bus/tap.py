@@ -111,12 +111,12 @@ class Tap:
 
     @property
     def sequences(self) -> Mapping[Sender, Sequence]:
-        """What each sender's numbers tell of loss."""
+        """Each sender's sequence of numbers, which shows its losses."""
         return self._reader.sequences
 
     @property
     def ttls(self) -> Mapping[Sender, int]:
-        """How many routers each sender's datagrams may pass: 0 for none but this computer's."""
+        """Each sender's time to live: the routers that its datagrams may pass, 0 for none."""
         return self._reader.ttls
 
     def drops(self) -> int | None:
@@ -175,7 +175,7 @@ class Tap:
         return packets
 
     def _is_streaming(self) -> bool:
-        """Whether messages come so often that the turns follow each other at once.
+        """Return whether messages come so often that the turns follow each other at once.
 
         Whole messages are not waited for: they would fill the kernel's buffer meanwhile.
         """

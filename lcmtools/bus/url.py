@@ -31,7 +31,7 @@ _MAX_TTL = 255
 
 @dataclass(frozen=True, slots=True)
 class BusUrl:
-    """Where a bus is.
+    """The place of a bus.
 
     Attributes:
         provider: "udpm", "mpudpm", "tcpq", "memq" or "file".
@@ -49,7 +49,7 @@ class BusUrl:
 
     @property
     def is_multicast(self) -> bool:
-        """Whether this bus is a UDP multicast group that the tap can observe."""
+        """True if this bus is a UDP multicast group that the tap can observe."""
         return self.provider == "udpm"
 
     @property

@@ -1,4 +1,4 @@
-"""What is known of the bus: nodes and endpoints as announced, channels and senders as observed.
+"""The graph of a bus: announced nodes and endpoints, observed channels and senders.
 
 Plain data and its merging. No socket, no clock: packets and times come in as arguments.
 """

@@ -114,7 +114,7 @@ class GraphBuilder:
             self.forget(node.id)
             self._left.add(node.id)
         if node.id in self._left:
-            return  # an announcement that the goodbye has overtaken brings nobody back
+            return  # an announcement that the goodbye has overtaken revives no node
         lag = packet.time - node.sent if node.sent else None
         known = self._nodes.get(node.id)
         if lag is not None and known is not None and known.lag is not None:

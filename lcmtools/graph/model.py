@@ -14,7 +14,7 @@ _SELF_TEST = "LCM_SELF_TEST"
 
 
 class Role(IntEnum):
-    """What a node does with a topic or service (the constants of lcmtools_msgs/Endpoint)."""
+    """A node's role for a topic or service (the constants of lcmtools_msgs/Endpoint)."""
 
     PUBLISHER = 0
     SUBSCRIBER = 1
@@ -23,7 +23,7 @@ class Role(IntEnum):
 
 
 class Staleness(str, Enum):
-    """Why a node counts as stale; empty, and so false, for one that is alive."""
+    """The reason why a node is stale; empty, and so false, for one that is alive."""
 
     NOT = ""
     SILENT = "announces itself no more"
@@ -132,7 +132,7 @@ class Node:
         return frozenset(own | {self.sender})
 
     def time_there(self, now: int) -> int:
-        """What its computer's clock shows when this one's shows ``now`` [ns since 1970].
+        """The time of the node's computer at this computer's time ``now`` [ns since 1970].
 
         Its counters' times are by that clock. Where it is not known, both show the same.
         """
@@ -140,13 +140,13 @@ class Node:
 
     @property
     def is_hidden(self) -> bool:
-        """Whether lists leave it out."""
+        """True if lists leave it out."""
         return is_hidden(self.name)
 
 
 @dataclass(frozen=True, slots=True)
 class Traffic:
-    """What one sender was seen to publish on one channel.
+    """One sender's observed messages on one channel.
 
     Attributes:
         channel: The channel.
@@ -231,7 +231,7 @@ class Graph:
         return sorted(announced | {seen.channel for seen in self.traffic})
 
     def topic(self, name: str) -> Topic:
-        """What is known of one topic; empty when nothing is."""
+        """The known facts of one topic; empty when there are none."""
         traffic = tuple(seen for seen in self.traffic if seen.channel == name)
         publishers = tuple(self._having(name, Role.PUBLISHER))
         known: set[Sender | None] = {s for node in self.nodes for s in node.senders()}
@@ -246,7 +246,7 @@ class Graph:
         )
 
     def foreign(self) -> list[Traffic]:
-        """What was seen that no announced node has sent; see ``Topic.foreign``.
+        """The observed messages that no announced node has sent; see ``Topic.foreign``.
 
         Without what LCM's programs, and all commands of lcmtools, send to themselves at first.
         """

@@ -1,4 +1,4 @@
-"""How nodes announce themselves: the hidden channels and the messages on them.
+"""The protocol of announcements: its hidden channels and the messages on them.
 
 Every node publishes a lcmtools_msgs/Announcement on NODE_CHANNEL once a second, at once on a
 change and at once when a lcmtools_msgs/Probe on PROBE_CHANNEL asks for it; and one that says
@@ -20,7 +20,7 @@ NODE_CHANNEL = "/_lcmtools/node"
 PROBE_CHANNEL = "/_lcmtools/probe"
 SHUTDOWN_CHANNEL = "/_lcmtools/shutdown"
 TALK_CHANNELS = frozenset({NODE_CHANNEL, PROBE_CHANNEL, SHUTDOWN_CHANNEL})
-"""What is said on them is about nodes, and no topic."""
+"""The hidden channels of the protocol, which are not topics."""
 PERIOD = 1.0
 """Seconds between two announcements of a node at rest."""
 ANSWER_SPREAD = 0.01
@@ -38,7 +38,7 @@ _REVISION_BYTES = 8
 
 @dataclass(frozen=True, slots=True)
 class Announcement:
-    """What a node says about itself.
+    """A node's announcement of itself.
 
     Attributes:
         node: The node.
@@ -84,7 +84,7 @@ class Shutdown:
 
 
 class Head(NamedTuple):
-    """What is read of an announcement without decoding it; empty where there is none.
+    """The head of an announcement, read without decoding it; empty where there is none.
 
     Attributes:
         identity: Equal in all announcements of a node but its goodbye, and no other node's.
@@ -169,7 +169,7 @@ def decode_announcement(payload: bytes) -> Announcement | None:
 
 
 def head_of(payload: bytes) -> Head:
-    """What tells one node's announcements from another's, found without decoding."""
+    """The identity of an announcement's node, found without decoding."""
     if not payload.startswith(_FINGERPRINT):
         return Head(b"", b"")
     end = _NAME_OFFSET

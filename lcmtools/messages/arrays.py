@@ -45,7 +45,7 @@ class Array:
 
 
 def length(old: int, *arrays: tuple[object, int]) -> int:
-    """What a length field must hold: the length of the first array that tells it.
+    """The value of a length field: the length of the first array that depends on it.
 
     Args:
         old: What it holds, which stays where no array tells (an inner size without any row).

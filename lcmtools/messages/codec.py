@@ -78,7 +78,7 @@ def _payload(message: Message, cls: type[Message]) -> bytes:
 
 
 def describe_payload(data: bytes) -> str:
-    """What a payload is, for who expected something else: its type, as far as it is known."""
+    """A description of an unexpected payload: its type, as far as it is known."""
     if len(data) < _FINGERPRINT_BYTES:
         return f"{len(data)} bytes, which is no LCM message"
     fingerprint = int.from_bytes(data[:_FINGERPRINT_BYTES], "big")

@@ -35,7 +35,7 @@ def conformed(message: object, cls: type[Message]) -> Message:
 
 
 def has_wire_type(message: object, cls: type[Message]) -> bool:
-    """Whether an object can go where a ``cls`` is wanted: the same fields in the same order.
+    """Return whether an object can go where a ``cls`` is wanted: the same fields in the same order.
 
     A geometry_msgs/Point may stand for a Vector3, as with lcm-gen's own encoders.
     """

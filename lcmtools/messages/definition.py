@@ -1,4 +1,4 @@
-"""What a type is made of, as ``rosmsg show`` prints it.
+"""The definition of a type, as ``rosmsg show`` prints it.
 
 Belongs here: how a type's fields and constants are written. Must not know values.
 """

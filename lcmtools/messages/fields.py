@@ -1,4 +1,4 @@
-"""What a message is made of: the one reader of the tables in lcm-gen's classes.
+"""The fields of a message: the one reader of the tables in lcm-gen's classes.
 
 Belongs here: names, types and array sizes of fields. Must not know values, bytes or text.
 """
@@ -27,7 +27,7 @@ TIME_FIELDS = (("sec", "nsec"), ("sec", "nanosec"))
 """The fields of times and durations, as ROS 1 and ROS 2 have them."""
 
 _TIME_NAMES = {"sec": 0, "secs": 0, "nsec": 1, "nsecs": 1, "nanosec": 1}
-"""What ROS 1 and ROS 2 call the two fields of a time, and where they stand."""
+"""The names of a time's two fields in ROS 1 and ROS 2, and their places."""
 
 MessageClass: TypeAlias = type[Message]  # within Field, ``type`` is a field
 
@@ -53,7 +53,7 @@ class Field:
 
     @property
     def is_bytes(self) -> bool:
-        """Whether it is an array of uint8, whose innermost dimension is a ``bytes``."""
+        """True if it is an array of uint8, whose innermost dimension is a ``bytes``."""
         return self.type == "uint8" and bool(self.dimensions)
 
 
@@ -73,7 +73,7 @@ def visible_fields(cls: type[Message]) -> tuple[Field, ...]:
 
 @cache
 def is_time(cls: type[Message]) -> bool:
-    """Whether the type is a time or a duration: seconds and nanoseconds, by either name."""
+    """Return whether the type is a time or a duration: seconds and nanoseconds, by either name."""
     return tuple(cls.__slots__) in TIME_FIELDS
 
 

@@ -7,7 +7,7 @@ from lcmtools.messages.registry import Message, type_name
 
 
 def stamp(message: Message) -> int | None:
-    """When a message was stamped, nanoseconds since 1970; None when it has no ``header``."""
+    """A message's stamp [ns since 1970]; None when it has no ``header``."""
     header = getattr(message, "header", None)
     if header is None or type_name(header) != "std_msgs/Header":
         return None

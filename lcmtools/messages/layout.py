@@ -51,7 +51,7 @@ _STRING_BYTES = 4  # of an empty string's length, which counts its NUL
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """How messages of one type are written and read.
+    """The encoder and the decoder of one type.
 
     Attributes:
         fingerprint: The first 8 bytes of a payload.
@@ -80,7 +80,7 @@ def layout(cls: type[Message]) -> Layout:
 
 @cache
 def smallest(cls: type[Message]) -> int:
-    """How many bytes a message takes at least: all arrays of variable size empty."""
+    """The smallest size of a message [byte], with all arrays of variable size empty."""
     return sum(_smallest(part) for part in fields(cls))
 
 

@@ -1,10 +1,10 @@
-"""What the classes are that lcm-gen makes: of messages, and of a service's two."""
+"""The classes that lcm-gen makes: of messages, and of a service's pair."""
 
 from typing import ClassVar, Protocol
 
 
 class Message(Protocol):
-    """What every class made by lcm-gen offers.
+    """The interface of every class made by lcm-gen.
 
     The tables have one entry a field, in wire order: its name, its LCM type (nested types as
     ``module.Name``) and its array sizes (numbers, or names of length fields), None for no array.

@@ -19,7 +19,7 @@ from lcmtools.messages.registry import Message, type_name
 
 M = TypeVar("M", bound=Message)
 Place: TypeAlias = "tuple[str | int, ...]"
-"""Where a time is in a message: field names and array indices from the outside in."""
+"""The place of a time in a message: field names and array indices from the outside in."""
 
 _WORDS = ("now", "auto")
 _NANOSECONDS = re.compile(r"[-+]?[0-9]{1,19}")
@@ -31,7 +31,7 @@ class MessageTemplate(Generic[M]):
 
     Attributes:
         message: The message.
-        times: Those of its times that are set anew whenever it is sent.
+        times: Its times that are set whenever it is sent.
     """
 
     message: M
@@ -141,7 +141,7 @@ def _elements(
 
 @cache
 def _holds_time(cls: type[Message]) -> bool:
-    """Whether there is a time in messages of this type; the others need no look at their values."""
+    """True if there is a time in messages of this type; the others need no look at their values."""
     return is_time(cls) or any(
         field.message_class is not None and _holds_time(field.message_class)
         for field in visible_fields(cls)

@@ -36,7 +36,7 @@ class Misfit(ValueError):  # noqa: N818 - named for what happened, as in errors.
 
 
 def given(value: object) -> str:
-    """How an error line calls a value that was given, in a few words."""
+    """A short description of a given value for an error line."""
     if value is None:
         return "nothing"
     if isinstance(value, (list, tuple)):

@@ -53,7 +53,7 @@ class Path:
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """What a path leads to in messages of one type.
+    """The target of a path in messages of one type.
 
     Attributes:
         type: A primitive ("float64") or a message type ("geometry_msgs/Point").
@@ -71,7 +71,7 @@ class Target:
 
     @property
     def depth(self) -> int:
-        """How many lists are around each element; 0 for a single value."""
+        """The number of lists around each element; 0 for a single value."""
         return self.mapped + len(self.dimensions)
 
 
@@ -110,7 +110,7 @@ def parse_path(text: str) -> Path:
 
 
 def target(cls: type[Message], path: Path) -> Target:
-    """What a path leads to in all messages of a type, known without one.
+    """The target of a path in all messages of a type, known without a message.
 
     Raises:
         ValueMismatch: The type has no such field, or the path goes on where nothing is; it names
@@ -143,7 +143,7 @@ def root_target(cls: type[Message]) -> Target:
 
 
 def field_target(owner: Target, name: str, where: str) -> Target:
-    """What a field of a message is; ``where`` is how an error calls the owner's place.
+    """The target of a field; ``where`` names the owner's place in errors.
 
     Raises:
         ValueMismatch: There is no such field.
@@ -159,7 +159,7 @@ def field_target(owner: Target, name: str, where: str) -> Target:
 
 
 def element_target(owner: Target, step: int | Slice, where: str) -> Target:
-    """What an element or a slice of an array is.
+    """The target of an element or a slice of an array.
 
     Raises:
         ValueMismatch: It is no array, or one of fixed size without such an element.

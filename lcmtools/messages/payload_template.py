@@ -98,7 +98,7 @@ def _leaves(message: Message, path: str, start: int) -> Iterator[_Leaf]:
 
 
 def _elements(value: object, part: Field, path: str) -> Iterator[tuple[str, object]]:
-    """What a field holds one by one, if it is an array of what has no fixed size."""
+    """The elements of a field, if it is an array of elements without a fixed size."""
     if part.type in FORMATS:
         yield path, value
     else:
@@ -122,7 +122,7 @@ def _leaf(message: Message, part: Field, value: object, path: str, start: int) -
 
 
 def _hole(leaves: Iterable[_Leaf], path: str, name: str) -> tuple[int, str]:
-    """Where a hole starts in the payload, and how all its numbers are packed."""
+    """The start of a hole in the payload, and the packing of its numbers."""
     inside = [leaf for leaf in leaves if _is_in(leaf.path, path)]
     if not inside:
         raise ValueMismatch(f"{name} has no field {path}")

@@ -17,10 +17,10 @@ from lcmtools.messages.scalars import STRAY_BYTES, from_python, from_text
 from lcmtools.messages.shape import Element, as_bytes, as_sequence, each, shaped
 
 Plain: TypeAlias = "bool | int | float | str | list[Plain] | dict[str, Plain]"
-"""What a message is turned into."""
+"""A message as plain values."""
 
 Value: TypeAlias = "bool | int | float | str | bytes | Sequence[Value] | Mapping[str, Value] | None"
-"""What a message is filled from. Text is read as the field's type asks."""
+"""Values to fill a message from. Text is read by the field's type."""
 
 _PLAIN = frozenset((bool, int, float, str))
 
@@ -105,7 +105,7 @@ def plain_scalar(value: object) -> Plain:
 
 
 def _zeros(size: int | str) -> list[Plain]:
-    """What an empty array of bytes is on the wire: zeros, if its size is fixed."""
+    """An empty array of bytes on the wire: zeros, if its size is fixed."""
     return [0] * size if isinstance(size, int) else []
 
 
@@ -159,7 +159,7 @@ def _fill_in_order(message: Message, values: Sequence[Value]) -> None:
 
 
 def _is_array_value(field: Field, values: Sequence[Value]) -> bool:
-    """Whether a list for a message with one field, an array, is the array itself.
+    """Return whether a list for a message with one field, an array, is the array itself.
 
     It is, unless it holds nothing but one list where the array's elements cannot be lists.
     """
@@ -251,7 +251,7 @@ def _unknown_field(cls: type[Message], key: str, value: Value) -> Misfit:
 
 
 def _colon_hint(cls: type[Message], text: Value, value: Value = None) -> str:
-    """What to do about "x:1", which YAML takes for one word; "" if it is none of that."""
+    """A hint at "x:1", which YAML takes for one word; "" for other values."""
     names = "|".join(re.escape(field.name) for field in visible_fields(cls))
     match = re.match(rf"({names}):([^\s,}}\]]+)", text) if names and isinstance(text, str) else None
     if not match or not (value is None or isinstance(value, str)):

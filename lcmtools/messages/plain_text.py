@@ -26,7 +26,7 @@ MORE = More("...")
 
 @dataclass(frozen=True, slots=True)
 class Writer:
-    """How plain values are written.
+    """The format of plain values.
 
     Attributes:
         width: Characters of a number, as ``rostopic echo -w`` has them; None for as many as it
@@ -92,7 +92,7 @@ FREE = Writer()
 
 
 def _is_block(values: list[Plain]) -> bool:
-    """Whether an array has something in it that does not go in a line of numbers."""
+    """Return whether an array has something in it that does not go in a line of numbers."""
     return not _are_numbers(values) and any(
         isinstance(value, dict)
         or (isinstance(value, str) and not isinstance(value, More))

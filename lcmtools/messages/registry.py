@@ -130,7 +130,7 @@ class Registry:
         }
 
     def problems(self) -> Sequence[Problem]:
-        """What is wrong with .lcm files of the user's own."""
+        """The problems of the user's own .lcm files."""
         far = self._supply.far() if self._supply else None
         return far.problems if far else ()
 
@@ -191,7 +191,7 @@ class Registry:
 
 
 def _problem(name: str, sources: Sequence[TypeSource]) -> Problem | None:
-    """Why the type of this name is not there, or not the one that counts."""
+    """The reason why the type of this name is missing, or not the one that counts."""
     for source in sources:
         if name in source.fingerprints:
             return None
@@ -241,7 +241,7 @@ def type_names() -> list[str]:
 
 
 def problems() -> Sequence[Problem]:
-    """What is wrong with .lcm files of the user's own: types of theirs may be missing."""
+    """The problems of the user's own .lcm files, whose types may be missing."""
     return default_registry().problems()
 
 

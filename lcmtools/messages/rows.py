@@ -25,10 +25,10 @@ FORMATS = {
     "float32": "f",
     "float64": "d",
 }
-"""What ``struct`` calls each primitive type of fixed size."""
+"""The ``struct`` codes of the primitive types of fixed size."""
 
 BOOLEANS: dict[object, bool] = {False: False, True: True}
-"""What may be written as a boolean; ``struct`` alone takes any object for true."""
+"""The values accepted as booleans; ``struct`` alone takes any object for true."""
 
 MOST_WEIGHTLESS = 65_536
 """Elements without bytes (empty messages, empty rows) that one payload may claim to hold. Without
@@ -93,7 +93,7 @@ class Row(Protocol):
     """The elements of an array of one dimension."""
 
     def smallest(self) -> int:
-        """How many bytes an element takes at least."""
+        """The smallest size of an element [byte]."""
 
     def write(self, values: object, count: int, parts: list[bytes]) -> None:
         """Append the bytes of all elements, of which there must be so many."""

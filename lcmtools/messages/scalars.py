@@ -32,7 +32,7 @@ _BOOLEANS = dict.fromkeys(("true", "yes", "on", "1"), True) | dict.fromkeys(
     ("false", "no", "off", "0"), False
 )
 STRAY_BYTES = "surrogateescape"
-"""How bytes that are not UTF-8 stand in text: byte 0xE9 is the half character U+DCE9."""
+"""The error handler for bytes that are not UTF-8: byte 0xE9 becomes the surrogate U+DCE9."""
 _LONGEST_NUMBER = 400
 """Characters. No longer text is a number that anyone means; Python refuses far longer ones."""
 

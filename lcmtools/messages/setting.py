@@ -156,7 +156,7 @@ _EXPECTED = {
 
 
 def _guessed(text: str) -> Scalar:
-    """What a text is where nobody says what it should be."""
+    """The value of a text without a declared kind."""
     if text.lower() in ("true", "false"):
         return text.lower() == "true"
     try:
@@ -166,7 +166,7 @@ def _guessed(text: str) -> Scalar:
 
 
 def _unquoted(text: str) -> str | None:
-    """What is between the quotes of a text that is one quoted scalar of YAML; else None."""
+    """The content of a text that is one quoted scalar of YAML; else None."""
     if len(text) < 2 or text[0] not in _QUOTES or text[-1] != text[0]:  # noqa: PLR2004 - two quotes
         return None
     try:

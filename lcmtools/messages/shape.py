@@ -81,7 +81,7 @@ def lengths(message: Message) -> dict[str, int]:
 
 
 def plural(field: Field) -> str:
-    """What several elements of a field are called in an error."""
+    """The name of several elements of a field in an error."""
     if field.message_class:
         return "messages"
     return {"bool": "booleans", "string": "strings"}.get(field.type, "numbers")

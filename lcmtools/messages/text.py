@@ -85,7 +85,7 @@ def _message_text(message: Message, indent: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _Form:
-    """How messages of one class are written: a text with gaps, and what goes there.
+    """The format of one class's messages: a text with gaps, and the values for them.
 
     Attributes:
         template: The text; %r where a number goes, %s where a text does.
@@ -120,7 +120,7 @@ def _form(cls: type[Message], indent: str) -> _Form:
 
 
 def _getter(paths: Sequence[str]) -> Callable[[Message], Iterable[object]]:
-    """What takes the values at some paths out of a message."""
+    """A function that takes the values at some paths out of a message."""
     if len(paths) > 1:
         return attrgetter(*paths)  # gives a tuple only where there are several
     return lambda message: [attrgetter(path)(message) for path in paths]
@@ -147,7 +147,7 @@ def _add_fields(
 
 
 def _text_of(field: Field, indent: str) -> Callable[[object], str] | None:
-    """What makes the text of a field's value; None for a number."""
+    """A function that writes a field's value; None for a number."""
     if field.dimensions and not field.message_class and field.type != "string":
         return lambda value: repr(plain_value(value, field))
     if field.dimensions:

@@ -1,4 +1,4 @@
-"""How a type's name is written, and which of the known names one means.
+"""The spellings of a type's name, and the known name that one means.
 
 Belongs here: names as text: spellings, near misses, what comes first of several. Must not know
 where types come from.
@@ -25,7 +25,7 @@ PREFERRED = (
     "geometry_msgs/TwistWithCovariance",
     "geometry_msgs/TwistWithCovarianceStamped",
 )
-"""What a payload is taken for when several types have its fingerprint: the type that robots send
+"""The type that a payload is taken for when several have its fingerprint: the one robots send
 most. Types that are not listed follow in alphabetical order."""
 
 STUDENTS = ("air_lab0/",)
@@ -71,5 +71,5 @@ def near_miss(name: str, known: Iterable[str]) -> str:
 
 
 def preference(name: str) -> tuple[int, str]:
-    """What to sort names by, so that the likeliest comes first."""
+    """A sorting key by which the likeliest name comes first."""
     return (PREFERRED.index(name) if name in PREFERRED else len(PREFERRED), name)

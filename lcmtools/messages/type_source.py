@@ -13,7 +13,7 @@ from lcmtools.errors import InvalidFile
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Why a file, or one type in it, cannot be used.
+    """A problem that makes a file, or one type in it, unusable.
 
     Attributes:
         file: Its path, in full.
@@ -35,7 +35,7 @@ class Problem:
         return InvalidFile(f"{shown(self.file)}{line}: {self.what}", self.hint)
 
     def concerns(self, name: str) -> bool:
-        """Whether it may be the reason why the type ``package/Name`` is not there."""
+        """Return whether it may be the reason why the type ``package/Name`` is not there."""
         if self.type:
             return name in (self.type, self.type.rpartition("/")[2])
         package, _, short = name.rpartition("/")

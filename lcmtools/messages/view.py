@@ -21,7 +21,7 @@ _TIME_TYPES = {"std_msgs/Time", "builtin_interfaces/Time"}  # a Duration is rela
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """What is shown otherwise than it is.
+    """A view that changes what is shown of values.
 
     Attributes:
         hides_arrays: All arrays are only named: ``<array type: float64, length: 5>``.
@@ -39,11 +39,11 @@ class View:
     is_table: bool = False
 
     def __bool__(self) -> bool:
-        """Whether anything is shown otherwise."""
+        """Return whether anything is shown otherwise."""
         return self != NOTHING
 
     def omits(self, field: Field) -> bool:
-        """Whether a field is left out."""
+        """Return whether a field is left out."""
         return self.is_table and (
             (self.hides_arrays and bool(field.dimensions))
             or (self.hides_strings and field.type == "string")

@@ -73,7 +73,7 @@ def drafts_from_lines(
 
 
 def parse_values(texts: Sequence[str]) -> Value:
-    """What the arguments of a command say, each parsed on its own: a value for ``fill``.
+    """The arguments of a command, each parsed on its own, as a value for ``fill``.
 
     Raises:
         ValueMismatch: The YAML is bad.
@@ -104,7 +104,7 @@ def _only_value(text: str) -> Value:
 
 
 def _arguments_hint(cls: type[Message], texts: Sequence[str], value: Value) -> str:
-    """What to do about words and fields that the shell has taken apart."""
+    """A hint at words and fields that the shell has split."""
     if len(texts) < 2 or not isinstance(value, list):  # noqa: PLR2004 - what can be taken apart
         return ""
     names = {field.name for field in visible_fields(cls)}
@@ -117,7 +117,7 @@ def _arguments_hint(cls: type[Message], texts: Sequence[str], value: Value) -> s
 
 
 def _names_a_field(part: Value, names: set[str]) -> bool:
-    """Whether an argument is "x: 1", or was meant to be: "x:1"."""
+    """Return whether an argument is "x: 1", or was meant to be: "x:1"."""
     if isinstance(part, dict):
         return bool(part) and names.issuperset(part)
     return isinstance(part, str) and part.partition(":")[0] in names

@@ -121,7 +121,7 @@ class Announcer:
 
     def _send_all(self, nonce: int = 0, target: str = "") -> None:
         if not target:
-            self._is_behind = False  # before looking: a change from now on is behind anew
+            self._is_behind = False  # before looking: a change from now on sets it again
         for node in self._describe():
             if target in ("", node.name):
                 self._send(Announcement(node, answers=nonce))

@@ -1,4 +1,4 @@
-"""What the spinning thread runs for a node: subscriptions, services and timers that are ready.
+"""The callbacks that the spinning thread runs: of subscriptions, services and timers.
 
 Whatever user code raises ends here, in the node's log. What a node is called and what it announces
 is not known here.
@@ -55,13 +55,13 @@ class Callbacks:
         return ran + self._run_timers() if self.timers else ran
 
     def time(self) -> int:
-        """The timers' time [ns]: simulated, or else of a clock that nobody sets back."""
+        """The timers' time [ns]: simulated, or else of a monotonic clock."""
         if isinstance(self.clock, ManualClock):
             return self.clock.now()
         return time.monotonic_ns()
 
     def busy(self) -> int:
-        """How long the node was in its callbacks so far [ns]; any thread may ask."""
+        """The time spent in callbacks so far [ns]; callable from any thread."""
         stopwatches = [self._timed]
         stopwatches += [subscription.stopwatch for subscription in tuple(self.subscriptions)]
         stopwatches += [service.stopwatch for service in tuple(self.services)]
@@ -77,7 +77,7 @@ class Callbacks:
 
     def _run_news(self) -> int:
         """Run what has come. A program that spins without waiting asks for it all the time."""
-        self._has_news = False  # before looking: what comes from now on notes itself anew
+        self._has_news = False  # before looking: what comes from now on sets it again
         try:
             return self._run_subscriptions() + self._run_services()
         except BaseException:  # Ctrl-C in a callback: others may wait still
@@ -128,7 +128,7 @@ class Callbacks:
         return ran
 
     def _is_running(self) -> bool:
-        """Whether callbacks may be called; one of them may have ended the node or the program."""
+        """True if callbacks may be called; one of them may have ended the node or the program."""
         return self._go_on() and not self._cleared
 
     def _guard(self, what: str, call: Callable[[], object]) -> None:

@@ -1,4 +1,4 @@
-"""What all nodes of a process share: the bus, the announcer, the arguments, the way to end.
+"""The context that a process's nodes share: bus, announcer, arguments, shutdown.
 
 Which of a process's contexts is the one that ``init`` made is process.py's business, and so are
 signals.
@@ -26,10 +26,10 @@ from lcmtools.settings import usual_namespace
 
 
 class Participant(Protocol):
-    """What the context needs of a node; see lcmtools.node.node."""
+    """A node as its context sees it; see lcmtools.node.node."""
 
     def describe(self) -> Node:
-        """What is announced."""
+        """The announced description."""
         ...
 
     def get_logger(self) -> Logger:
@@ -49,7 +49,7 @@ class Context:
         arguments: What the command line said.
         environment: The process's environment variables.
         records: Where nodes leave their records; None for none.
-        url: The bus; None for one that nobody else is on.
+        url: The bus; None for a private one.
     """
 
     def __init__(
@@ -67,9 +67,9 @@ class Context:
         self.wakeup = Wakeup()
         self.declared_parameters: set[str] = set()
         self.notices: list[str] = []
-        """What the next node should log: something on the command line has no effect, or harms."""
+        """Warnings about the command line for the next node to log."""
         self.on_asked_to_end: Callable[[], None] = self.stop
-        """What another program's request to end does."""
+        """The action on another program's request to shut down."""
         self.host = socket.gethostname()
         self._records = records
         self._recorded: dict[str, frozenset[tuple[str, Role]]] = {}
@@ -79,17 +79,17 @@ class Context:
         self._closed = False
         self._is_asked = False
         self.is_told = False
-        """Whether the program has been told to end: what it does from then on is its ending."""
+        """True if the program has been told to end: what it does from then on is its ending."""
         self._following = Following(bus, url)
         self.announcer = Announcer(bus, self._describe)
         bus.subscribe(SHUTDOWN_CHANNEL, self._asked_to_end)
 
     def ok(self) -> bool:
-        """Whether nodes should go on."""
+        """Return whether nodes should go on."""
         return not self._stopping
 
     def is_closed(self) -> bool:
-        """Whether the bus has been left."""
+        """Return whether the bus has been left."""
         return self._closed
 
     def stop(self) -> None:
@@ -120,7 +120,7 @@ class Context:
                 self._records.remove(node.id)
 
     def is_first(self) -> bool:
-        """Whether no node has been made yet: ``__name:=`` names the first one."""
+        """Return whether no node has been made yet: ``__name:=`` names the first one."""
         return not self._participants
 
     def graph(self) -> Graph:
@@ -140,7 +140,7 @@ class Context:
         )
 
     def has_plain_listeners(self, *, at_once: bool = False) -> bool:
-        """Whether there can be programs that listen and never announce it: to any topic."""
+        """Return whether there can be programs that listen and never announce it: to any topic."""
         return bool(self._plain_listeners and self._plain_listeners.possible(at_once=at_once))
 
     def _pids_here(self) -> frozenset[int]:
@@ -183,7 +183,7 @@ class Context:
     def _asked_to_end(self, payload: bytes, _time: int) -> None:
         """End this program if one of its nodes is meant; on the receiving thread.
 
-        Answered before it ends, so that whoever asks can tell a program that hangs.
+        Answered before it ends, so that the requester can tell a program that hangs.
         """
         request = decode_shutdown(payload)
         if request is None:

@@ -38,7 +38,7 @@ class Following:
 
     Args:
         bus: The connection.
-        url: Where it leads; None for a bus that nobody else is on.
+        url: Where it leads; None for a private bus.
     """
 
     def __init__(self, bus: Bus, url: BusUrl | None) -> None:

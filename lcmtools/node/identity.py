@@ -1,4 +1,4 @@
-"""What a node is on the bus, whatever it does there: its name, its process, this run of it."""
+"""The identity of a node on the bus: its name, its process, its start."""
 
 import os
 import sys

@@ -16,7 +16,7 @@ from lcmtools.types.rosgraph_msgs import Log
 
 
 class Severity(IntEnum):
-    """How grave a line is; the constants of rosgraph_msgs/Log."""
+    """The severity of a line; the constants of rosgraph_msgs/Log."""
 
     DEBUG = 1
     INFO = 2

@@ -252,7 +252,7 @@ class Node(Placed, Parametric):
         self.__callbacks.clear()
 
     def describe(self) -> model.Node:
-        """What is announced of this node."""
+        """The announced description of this node."""
         endpoints = (
             *(publisher.endpoint() for publisher in tuple(self.__publishers)),
             *(subscription.endpoint() for subscription in tuple(self.__callbacks.subscriptions)),
@@ -265,7 +265,7 @@ class Node(Placed, Parametric):
 
     @property
     def callbacks(self) -> Callbacks:
-        """What the spin functions run."""
+        """The callbacks that the spin functions run."""
         return self.__callbacks
 
     def __wake(self) -> None:

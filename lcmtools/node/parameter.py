@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 from lcmtools.messages.setting import Setting
 
 ParameterValue = Setting
-"""What a parameter may be: a boolean, a number, a text, a list of these, or nothing."""
+"""A parameter's value: a boolean, a number, a text, a list of these, or None."""
 
 ValueT = TypeVar("ValueT", bound=ParameterValue)
 
@@ -29,7 +29,7 @@ class Parameter(Generic[ValueT]):
 
 @dataclass(frozen=True, slots=True)
 class ParameterDescriptor:
-    """What is said of a parameter besides its value.
+    """The description of a parameter.
 
     Attributes:
         kind: Its type, fixed by its default: see lcmtools.messages.setting.kind_of.
@@ -48,7 +48,7 @@ class ParameterDescriptor:
 
 @dataclass(frozen=True, slots=True)
 class SetParametersResult:
-    """Whether parameters were, or may be, set.
+    """The result of setting parameters, or a callback's verdict on it.
 
     Attributes:
         successful: They were; a callback says: they may be.

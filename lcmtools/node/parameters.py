@@ -71,7 +71,7 @@ class Parameters:
         return value
 
     def __contains__(self, name: str) -> bool:
-        """Whether a parameter of this name is declared."""
+        """Return whether a parameter of this name is declared."""
         return name in self._declared
 
     def get(self, name: str) -> Parameter[ParameterValue]:
@@ -83,7 +83,7 @@ class Parameters:
         return Parameter(name, self._find(name).value)
 
     def descriptor(self, name: str) -> ParameterDescriptor:
-        """What was said of a parameter.
+        """The description of a parameter.
 
         Raises:
             UsageError: It was not declared.
@@ -104,7 +104,7 @@ class Parameters:
         except LcmtoolsError as error:
             return SetParametersResult(successful=False, reason=str(error))
         changed = {p.name: replace(self._declared[p.name], value=p.value) for p in checked}
-        self._declared = {**self._declared, **changed}  # at once, for whoever reads meanwhile
+        self._declared = {**self._declared, **changed}  # in one step, for other threads that read
         return SetParametersResult()
 
     def answer(

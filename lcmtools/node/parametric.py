@@ -19,7 +19,7 @@ from lcmtools.types import lcmtools_msgs as msgs
 
 
 class Parametric:
-    """What has parameters.
+    """A mixin for objects with parameters.
 
     Args:
         name: Its full name, for messages.
@@ -65,7 +65,7 @@ class Parametric:
         return Parameter(name, cast("ValueT", value))  # declare gives the default's own type
 
     def has_parameter(self, name: str) -> bool:
-        """Whether a parameter is declared."""
+        """Return whether a parameter is declared."""
         return name in self.__parameters
 
     def get_parameter(self, name: str) -> Parameter[ParameterValue]:
@@ -77,7 +77,7 @@ class Parametric:
         return self.__parameters.get(name)
 
     def describe_parameter(self, name: str) -> ParameterDescriptor:
-        """What was said of a parameter when it was declared.
+        """The description given when a parameter was declared.
 
         Raises:
             UsageError: It was not declared.
@@ -115,5 +115,5 @@ class Parametric:
     def answer_parameters(
         self, request: msgs.Parameters_Request, response: msgs.Parameters_Response
     ) -> msgs.Parameters_Response:
-        """What the hidden service of a node answers."""
+        """Answer a request to the node's hidden parameter service."""
         return self.__parameters.answer(request, response)

@@ -9,7 +9,7 @@ from lcmtools.node.context import Context
 
 
 class Placed:
-    """What has a name in a process's context.
+    """A mixin for objects with a name in a process's context.
 
     Args:
         name: Its own name; ``__name:=`` on the command line wins, for the first of a process.
@@ -38,7 +38,7 @@ class Placed:
 
     @property
     def context(self) -> Context:
-        """What this node shares with the others of its process."""
+        """The context that this node shares with the others of its process."""
         return self.__context
 
     def resolve_name(self, name: str) -> str:
@@ -58,12 +58,12 @@ class Placed:
         return self.__context.subscribed_topics()
 
     def has_plain_listeners(self, *, at_once: bool = False) -> bool:
-        """Whether programs that are no nodes can be listening, to any topic.
+        """Return whether programs that are no nodes can be listening, to any topic.
 
         On a bus that leaves this computer there can always be one.
 
         Args:
-            at_once: Look now, and count whoever might be one, instead of waiting a second or two
+            at_once: Look now, and count every possible one, instead of waiting a second or two
                 to be sure.
         """
         return self.__context.has_plain_listeners(at_once=at_once)

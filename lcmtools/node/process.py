@@ -107,7 +107,7 @@ def shutdown() -> None:
 
 
 def ok() -> bool:
-    """Whether the program should go on: False after Ctrl-C, SIGTERM and ``shutdown``."""
+    """Return whether the program should go on: False after Ctrl-C, SIGTERM and ``shutdown``."""
     context = _process.context
     if context is None:
         return False

@@ -44,10 +44,10 @@ class Publisher(Generic[MessageT]):
         self._last_time = 0
 
     def publish(self, message: MessageT) -> None:
-        """Encode and send one message. Length fields are set here; nobody else needs to.
+        """Encode and send one message. Length fields are set here.
 
         A message that the network does not take is lost, as any on LCM may be; the node's log says
-        so, and the next one is tried anew.
+        so, and the next one is tried again.
 
         Raises:
             ValueMismatch: The message is of another type, or a field's value does not fit.
@@ -72,7 +72,7 @@ class Publisher(Generic[MessageT]):
         self._last_time = time.time_ns()
 
     def subscriber_count(self) -> int:
-        """How many nodes with an announced subscription can hear this publisher.
+        """The number of nodes with an announced subscription that matches this publisher.
 
         Plain LCM programs never announce theirs and are not counted.
         """
@@ -87,7 +87,7 @@ class Publisher(Generic[MessageT]):
         )
 
     def endpoint(self) -> Endpoint:
-        """What is announced."""
+        """The announced description."""
         return Endpoint(
             topic=self.topic,
             role=Role.PUBLISHER,

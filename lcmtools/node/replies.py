@@ -7,7 +7,7 @@ from collections import OrderedDict
 from dataclasses import dataclass
 
 _MOST_REQUESTS = 10_000
-"""Requests that are known to be answered; a repeated one of before would be answered anew."""
+"""Requests that are known to be answered; a repeated one of before would be executed again."""
 _MOST_BYTES = 64 << 20
 """Of replies that can be repeated; where they are more, the oldest are forgotten."""
 _BYTES_A_SECOND = 20e6
@@ -39,7 +39,7 @@ class Replies:
         self._bytes = 0
 
     def __contains__(self, key: Key) -> bool:
-        """Whether a request has been answered."""
+        """Return whether a request has been answered."""
         return key in self._replies
 
     def add(self, key: Key, payload: bytes) -> None:

@@ -112,7 +112,7 @@ class Service(Generic[RequestT, ResponseT]):
         return failure
 
     def endpoint(self) -> Endpoint:
-        """What is announced."""
+        """The announced description."""
         return replace(
             _endpoint(self.name, Role.SERVICE, self.service_type, self._calls),
             calls=self.stopwatch.calls,
@@ -211,7 +211,7 @@ class Client(Generic[RequestT, ResponseT]):
                 self._changed.notify_all()
 
     def endpoint(self) -> Endpoint:
-        """What is announced."""
+        """The announced description."""
         return _endpoint(self.name, Role.CLIENT, self.service_type, self._sequence)
 
     def _envelope(self, request: RequestT) -> ServiceRequest:

@@ -1,4 +1,4 @@
-"""How long callbacks take."""
+"""Measuring the time that callbacks take."""
 
 import time
 
@@ -12,7 +12,7 @@ class Stopwatch:
 
     def __init__(self) -> None:
         self.calls = 0
-        """How many have begun."""
+        """The number of calls that have begun."""
         self._busy = 0
         self._longest = 0
         self._began: list[int] = []
@@ -35,7 +35,7 @@ class Stopwatch:
         return busy + self._running()
 
     def longest(self) -> int:
-        """What the longest call took, or has taken so far [ns]."""
+        """The time of the longest call, including one that is running [ns]."""
         return max(self._longest, self._running())
 
     def _running(self) -> int:

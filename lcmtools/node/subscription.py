@@ -82,7 +82,7 @@ class Subscription:
             self._queue.clear()
 
     def waiting(self) -> int:
-        """How many messages wait."""
+        """The number of messages that wait."""
         return len(self._queue)
 
     def decode(self, payload: bytes) -> Message:
@@ -97,14 +97,14 @@ class Subscription:
         return decode(kind, payload)
 
     def is_warning_due(self, now: float) -> bool:
-        """Whether to complain of a message at ``now`` [s]: seldom, whatever comes."""
+        """Return whether to complain of a message at ``now`` [s]: seldom, whatever comes."""
         if now < self._next_warning:
             return False
         self._next_warning = now + _WARNING_PERIOD
         return True
 
     def endpoint(self) -> Endpoint:
-        """What is announced."""
+        """The announced description."""
         return Endpoint(
             topic=self.topic,
             role=Role.SUBSCRIBER,

@@ -43,7 +43,7 @@ class Timer:
         self._next = self._clock() + self.period
 
     def is_due(self, now: int) -> bool:
-        """Whether it is time to call."""
+        """Return whether it is time to call."""
         if now < self._next - self.period:  # simulated time was set back
             self._next = now + self.period
         return not self._cancelled and now >= self._next

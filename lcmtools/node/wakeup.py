@@ -35,7 +35,7 @@ class Wakeup:
         with contextlib.suppress(OSError, ValueError):  # another thread closes it just now
             if select.select([self._read], [], [], timeout)[0]:
                 self._read.read(_MUCH)
-                # cleared after reading: whoever sets it in between has its work ready already,
+                # cleared after reading: a thread that sets it in between has its work ready,
                 # and the waiting thread looks for work only after this
                 self._is_set = False
 
@@ -46,7 +46,7 @@ class Wakeup:
 
 
 def _ends() -> tuple[FileIO, FileIO]:
-    """What is read and what is written; files, because a closed one never means another."""
+    """The ends to read and to write; as files, since a closed one is never another's."""
     if hasattr(os, "eventfd"):
         both = FileIO(os.eventfd(0, os.EFD_CLOEXEC | os.EFD_NONBLOCK), "r+")
         return both, both

@@ -1,4 +1,4 @@
-"""What has been made of .lcm files is kept, by the files' content, in the user's cache folder.
+"""The cache of compiled .lcm files in the user's cache folder, keyed by their content.
 
 Belongs here: the folder, and that two processes can make the same thing at once. Must not know how
 it is made, see ``build``. What only making needs is imported then: most commands find what is kept.
@@ -20,7 +20,7 @@ from lcmtools.packages.index import read_index
 from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.packages.type_files import LcmFile
 
-_FORM = "2"  # of what is kept; another number makes everything anew
+_FORM = "2"  # of what is kept; another number invalidates the cache
 _PREFIX = "lcmtools_types_"
 _KEPT_DAYS = 30.0
 _ONE_AT_A_TIME = Lock()
@@ -49,7 +49,7 @@ def cached_types(
 
 
 def digest(files: Sequence[LcmFile]) -> str:
-    """What stands for the files' content, the lcm-gen and the lcmtools that read them."""
+    """A digest of the files' content and of the lcm-gen and the lcmtools that read them."""
     program = Path(find_lcm_gen()).stat()
     known = f"{_FORM} {__version__} {program.st_size} {program.st_mtime_ns}"
     total = hashlib.sha256(known.encode())
@@ -69,7 +69,7 @@ def _importable(prefix: str, folder: Path) -> TypeSource:
 
 
 def _is_whole(prefix: str, folder: Path) -> bool:
-    """Whether it is there, and nobody has damaged it."""
+    """Return whether it is there, and undamaged."""
     try:
         read_index(prefix, folder)
     except (OSError, ValueError, LookupError, TypeError, AttributeError):

@@ -42,12 +42,12 @@ _USUAL_TOPICS = {
     "sensor_msgs": ("LaserScan", "scan"),
     "std_msgs": ("String", "chatter"),
 }
-"""What a new node listens to, by the package that it depends on."""
+"""The topic that a new node subscribes to, by the package that it depends on."""
 
 
 @dataclass(frozen=True, slots=True)
 class NewPackage:
-    """What a package is to be.
+    """The description of a package to be made.
 
     Attributes:
         name: As Python imports it.
@@ -162,7 +162,7 @@ def _template(name: str) -> str:
 
 
 def _words(new: NewPackage) -> dict[str, str]:
-    """What stands for the names in the templates."""
+    """The values of the names in the templates."""
     heard = next((one for one in new.dependencies if one in _USUAL_TOPICS), "std_msgs")
     kind, topic = _USUAL_TOPICS[heard]
     own_import = f'{new.message} = lcmtools.message_class("{new.name}/{new.message}")\n'

@@ -1,4 +1,4 @@
-"""What lcm-gen makes of one file, looked at without importing it.
+"""The output of lcm-gen for one file, read without importing it.
 
 Belongs here: moving the modules of a run into one tree, and reading the table of a module's nested
 types. Must not know caches or fingerprints.
@@ -37,7 +37,7 @@ _LCM_NAMES = {
     "uint8": "byte",
     "uint8_t": "byte",
 }
-"""What people write who come from C, Python or ROS, and what LCM has for it."""
+"""Type names of C, Python and ROS, and LCM's names for them."""
 
 
 _COMMENT = re.compile(rb"//[^\n]*|/\*.*?\*/", re.DOTALL)
@@ -113,7 +113,7 @@ def type_name(parts: tuple[str, ...]) -> str:
 
 
 def unknown_type(one: Generated, missing: str, known: set[str]) -> Problem:
-    """What to say of a type with a field whose type there is not."""
+    """The problem of a type with a field of an unknown type."""
     short = missing.rpartition("/")[2]
     line = _line_of(one.file, missing.replace("/", "."), short)
     near = _LCM_NAMES.get(short) or _like(missing, one, known)

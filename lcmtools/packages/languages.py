@@ -24,7 +24,7 @@ LANGUAGES = tuple(_OPTIONS)
 def generate(files: Iterable[Path], language: str, folder: Path) -> list[Path]:
     """Write the code of some .lcm files into a folder; return the files, sorted.
 
-    What is in the folder stays; files of the same names are written anew.
+    What is in the folder stays; files of the same names are overwritten.
 
     Raises:
         InvalidFile: lcm-gen refuses a file; then nothing is written.

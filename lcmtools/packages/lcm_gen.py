@@ -73,7 +73,7 @@ def run_lcm_gen(file: Path, options: Sequence[str]) -> Problem | None:
 
 
 def _problem(file: Path, output: str) -> Problem:
-    """What lcm-gen says: a sentence, the place as ``FILE : LINE``, and the line itself."""
+    """The form of lcm-gen's errors: a sentence, ``FILE : LINE``, and the line itself."""
     said = [line.strip() for line in output.splitlines() if line.strip()]
     for before, line in pairwise(said):
         if place := re.fullmatch(rf"{re.escape(str(file))} : (\d+)", line):

@@ -170,7 +170,7 @@ def find_node(words: Sequence[str], known: Sequence[Runnable]) -> tuple[Runnable
 
 
 def _unknown(first: str, rest: Sequence[str], known: Iterable[Runnable]) -> UsageError:
-    """What to say where neither a package nor a node has the name."""
+    """The error for a name that neither a package nor a node has."""
     names = {node.name for node in known}
     packages = {node.package for node in known}
     hint = did_you_mean(first, names | packages) or "lcmtools run --list shows them"

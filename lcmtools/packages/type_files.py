@@ -37,7 +37,7 @@ class LcmFile:
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """What was found in some folders.
+    """The files found in some folders.
 
     Attributes:
         files: In the order in which they count: of two that have the same type, the first.
@@ -70,7 +70,7 @@ def installed_folders() -> list[Path]:
 
 
 def shipped_folder() -> Path:
-    """Where the .lcm files of the types are that lcmtools brings."""
+    """The folder of the .lcm files of the shipped types."""
     package = Path(__file__).parents[1]
     installed = package / "lcm_files"
     return installed if installed.is_dir() else package.parent / "lcm_types"

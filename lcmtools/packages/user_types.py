@@ -157,7 +157,7 @@ def sources_of(words: Sequence[str]) -> list[Path]:
 
 
 def package_messages(module: str, file: str) -> Callable[[str], type[Message]]:
-    """What makes ``from air_lab0.msg import Stat`` work: the ``__getattr__`` of air_lab0/msg.
+    """Return the ``__getattr__`` of air_lab0/msg, for ``from air_lab0.msg import Stat``.
 
     Args:
         module: The module's ``__name__``: "air_lab0.msg".

@@ -16,7 +16,7 @@ from pathlib import Path
 from lcmtools.errors import InvalidFile
 
 MARK = "[tool.lcmtools]"
-"""What makes a folder's pyproject.toml that of a package."""
+"""The table that makes a pyproject.toml that of a package."""
 LONGEST_FILE = 1_000_000
 """Bytes of a pyproject.toml or .lcm file; whatever is longer is something else."""
 
@@ -44,7 +44,7 @@ class Package:
 
 @dataclass(frozen=True, slots=True)
 class Workspace:
-    """What there is around a folder.
+    """The workspace around a folder.
 
     Attributes:
         packages: Sorted by name; of two with the same name, the nearer one.
@@ -129,7 +129,7 @@ def _workspace(start: Path) -> list[Path]:
 
 
 def _is_meant(level: Path, start: Path, found: list[Path]) -> bool:
-    """Whether the packages in a folder concern somebody at ``start``, which is it or below it.
+    """True if the packages in a folder concern somebody at ``start``, which is it or below it.
 
     In a folder that everybody can write, such as /tmp, only if that is in it or in one of them.
     """
@@ -138,7 +138,7 @@ def _is_meant(level: Path, start: Path, found: list[Path]) -> bool:
 
 
 def _is_alone(folder: Path) -> bool:
-    """Whether the folder above holds too much to be looked into."""
+    """Return whether the folder above holds too much to be looked into."""
     return folder not in _children(folder.parent)
 
 

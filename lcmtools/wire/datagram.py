@@ -107,7 +107,7 @@ def fragments(seqno: int, channel: str, payload: bytes) -> Iterator[bytes]:
 
 
 def fits_datagram(channel: str, payload: bytes) -> bool:
-    """Whether a message goes out as a short message."""
+    """Return whether a message goes out as a short message."""
     return len(_channel_bytes(channel)) + len(payload) <= SHORT_MESSAGE_MAX
 
 

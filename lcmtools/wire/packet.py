@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 
 class Sender(NamedTuple):
-    """Where a datagram came from: one LCM instance sends from one UDP port of its own.
+    """The source of a datagram: an LCM instance sends from a UDP port of its own.
 
     Attributes:
         address: IPv4 address ("127.0.0.1").

@@ -19,7 +19,7 @@ HEAD_BYTES = 1024
 """So much is kept of a large message's payload where its head is enough."""
 
 TALK = "/_lcmtools/"
-"""What the channels on which nodes speak of themselves begin with; they are read whole."""
+"""The prefix of the channels of announcements and probes; they are read whole."""
 
 _MOST_SENDERS = 1000  # that are remembered
 
@@ -38,15 +38,15 @@ class Reader:
         self._reassembler = Reassembler()
         self._wanted: dict[tuple[Sender, int], None] = {}
         self.needs_all = whole
-        """Whether it has use for fragments that are not the first of their message."""
+        """True if it has use for fragments that are not the first of their message."""
         self.largest_wanted = 0
         """Bytes of the largest message so far that is wanted whole where heads do otherwise."""
         self.malformed: dict[Sender, str] = {}
         """The last reason for each sender whose datagrams could not be read."""
         self.sequences: dict[Sender, Sequence] = {}
-        """What each sender's numbers tell of loss."""
+        """Each sender's sequence of numbers, which shows its losses."""
         self.ttls: dict[Sender, int] = {}
-        """How many routers each sender's datagrams may pass: 0 for none but this computer's."""
+        """Each sender's time to live: the routers that its datagrams may pass, 0 for none."""
 
     def read(self, data: bytes, sender: Sender, time: int, ttl: int | None = None) -> Packet | None:
         """The message that this datagram completes, or whose head it is, if it does.
@@ -90,7 +90,7 @@ class Reader:
         return Packet(whole.channel, whole.payload, time, sender, seqno)
 
     def _is_wanted(self, fragment: Fragment, sender: Sender) -> bool:
-        """Whether this is of a message that is wanted whole however large it is."""
+        """Return whether this is of a message that is wanted whole however large it is."""
         key = (sender, fragment.seqno)
         if fragment.channel is None or not fragment.channel.startswith(self._always_whole):
             return fragment.channel is None and key in self._wanted
@@ -107,7 +107,7 @@ class Reader:
             self.ttls[sender] = ttl
 
     def _sequence(self, sender: Sender) -> Sequence:
-        """What a sender's numbers tell; of the thousands too many nothing is kept."""
+        """A sender's sequence; beyond a thousand senders none is kept."""
         known = self.sequences.get(sender)
         if known is None:
             known = Sequence()
@@ -117,7 +117,7 @@ class Reader:
 
 
 def _is_later_fragment(data: bytes) -> bool:
-    """Whether a filter in the kernel would have dropped it, which also knows no more than this."""
+    """True if a filter in the kernel would have dropped it, which also knows no more than this."""
     return (
         data[:4] == MAGIC_FRAGMENT and len(data) >= FRAGMENT_HEADER_BYTES and data[16:18] != b"\0\0"
     )

@@ -17,7 +17,7 @@ _PART_COST = 256  # bytes that keeping a part takes beside its own, so that empt
 
 @dataclass(slots=True)
 class _Incomplete:
-    """What has arrived of one message."""
+    """The fragments of one message that have arrived."""
 
     message_size: int
     count: int

@@ -1,13 +1,13 @@
 """Loss as the senders' own numbers show it.
 
 Sans-I/O. Each LCM instance numbers its messages, so a gap is a message that did not come. One that
-comes late closes its gap again, and numbers that begin anew are another run of the program. One of
+comes late closes its gap again, and numbers that restart are another run of the program. One of
 which only parts have come is lost as well, once a later one has begun.
 """
 
 _MODULUS = 1 << 32
 _MOST_LATE = 1000
-"""A number so far behind the newest is late; one further off begins anew."""
+"""A number so far behind the newest is late; one further off is a restart."""
 _MOST_RESTARTS = 1
 """The restarts of one program on one port; several that share it begin again and again."""
 _MOST_LOST = 1 << 20
@@ -21,9 +21,9 @@ class Sequence:
 
     def __init__(self) -> None:
         self.messages = 0
-        """How many came."""
+        """The number of messages that came."""
         self.restarts = 0
-        """How often the numbers began anew; often where several programs share the port."""
+        """The number of restarts of the numbers; many where several programs share the port."""
         self._lost = 0
         self._newest = -1
         self._missing: set[int] = set()
@@ -35,7 +35,7 @@ class Sequence:
 
     @property
     def lost(self) -> int:
-        """How many between the first and the newest did not come."""
+        """The number of messages between the first and the newest that did not come."""
         return self._lost - (self._newest in self._missing)  # of that one more parts may come
 
     def begin(self, seqno: int) -> None:

@@ -13,7 +13,7 @@ QUIET = frozenset({"/clock", "/rosout", "/rosout_agg", "/statistics", "/paramete
 
 
 class Flow(Enum):
-    """What a member does with a channel or, where channels are not drawn, with another member."""
+    """A relation of a member to a channel or, where channels are not drawn, to a member."""
 
     PUBLISHES = "publishes"
     SUBSCRIBES = "subscribes"
@@ -134,7 +134,7 @@ class Edge:
 
 @dataclass(frozen=True, slots=True)
 class Diagram:
-    """What is drawn.
+    """The content of a picture.
 
     Attributes:
         members: Nodes and programs.

@@ -19,7 +19,7 @@ def title(member: Member) -> str:
 
 
 def notes(member: Member) -> list[str]:
-    """What there is to say of a member besides its name, in a few words each."""
+    """Short notes on a member besides its name."""
     said = []
     if not member.is_node:
         said.append("no node" if member.pid is None else f"no node, pid {member.pid}")

@@ -12,7 +12,7 @@ from lcmtools.names import Pattern, has_wildcard
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """What is to be drawn.
+    """The selection of a picture's content.
 
     Attributes:
         parts: Namespaces, names or patterns of what is drawn with its direct neighbours; () for
@@ -37,7 +37,7 @@ class Selection:
 
 @dataclass(frozen=True, slots=True)
 class LeftOut:
-    """What was not drawn: numbers of leaf topics, tools and hidden names, names of quiet topics."""
+    """The content left out: numbers of leaf topics, tools, hidden names; names of quiet topics."""
 
     leaf_topics: int = 0
     quiet: tuple[str, ...] = ()
@@ -119,7 +119,7 @@ def _pattern(word: str) -> Pattern:
 
 
 def _named(diagram: Diagram, wanted: Selection) -> Diagram:
-    """What is selected by name and kind."""
+    """The members selected by name and kind."""
     members = [m for m in diagram.members if not _is_any(m, wanted.excluded)]
     channels = [
         channel

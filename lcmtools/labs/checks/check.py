@@ -28,7 +28,7 @@ _ALWAYS_FAST = ("mover", "reader", "evaluator")  # what is measured does not dep
 
 
 def choose(lab: Lab, programs: Mapping[str, str]) -> list[tuple[Role, list[str], bool]]:
-    """What is to be checked: the role, the command line, whether it is our own.
+    """The subject of a check: the role, the command line, and whether it is our own.
 
     Args:
         lab: The lab.

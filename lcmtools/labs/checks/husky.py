@@ -82,7 +82,7 @@ class _Robot:
         ]
 
     def stands(self) -> bool:
-        """Whether it does."""
+        """Return whether it does."""
         return bool(self._samples) and max(map(abs, self._samples[-1][1:])) < _SLOW
 
     def _take(self, odometry: Odometry) -> None:

@@ -37,7 +37,7 @@ STOP = "k"
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """What a robot is told.
+    """A command to a robot.
 
     Attributes:
         forward: [m/s]
@@ -48,7 +48,7 @@ class Command:
     turn_rate: float
 
     def is_like(self, other: "Command") -> bool:
-        """Whether both mean the same, but for rounding."""
+        """Return whether both mean the same, but for rounding."""
         pairs = ((self.forward, other.forward), (self.turn_rate, other.turn_rate))
         return all(math.isclose(a, b, rel_tol=TOLERANCE, abs_tol=1e-6) for a, b in pairs)
 
@@ -58,7 +58,7 @@ class Command:
 
 
 def after(key: str, speeds: Command) -> Command:
-    """What the key of a direction commands.
+    """The command of a direction's key.
 
     Args:
         key: One of DIRECTIONS, or STOP.

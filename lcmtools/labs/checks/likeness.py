@@ -1,4 +1,4 @@
-"""How well the colours of a picture tell the depths that it is meant to show. Pure numbers.
+"""The agreement of a picture's colours with the depths that it shows. Pure numbers.
 
 Nothing is said about which colour means what: grey, inverted grey and any colour map are as good.
 What counts is that pixels of the same depth look the same. The measure is the correlation ratio

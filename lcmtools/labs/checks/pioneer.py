@@ -15,7 +15,7 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import Image
 
 PICTURE = "{picture}"
-"""Where a viewer's command line has it, the name of the file to save comes in its place."""
+"""The placeholder in a viewer's command line for the name of the file to save."""
 _VELOCITY, _DEPTH = "/RosAria/cmd_vel", "/camera/depth/image_raw"
 _FIRST, _NEXT = 10.0, 2.0  # [s] until a key's command comes
 _PICTURE = 30.0  # [s] until a picture is whole: a program may take seconds for a PNG
@@ -33,7 +33,7 @@ class _Keyboard:
         stage.listen(Twist, _VELOCITY, self._take)
 
     def is_answered(self, key: str) -> bool:
-        """Whether pressing a key, again and again, brings a command that moves the robot."""
+        """Return whether pressing a key, again and again, brings a command that moves the robot."""
         for _ in range(round(_FIRST / _AGAIN)):
             self.program.press(key)
             if self._stage.wait(self._moves, _AGAIN) or self.program.code is not None:
@@ -47,11 +47,11 @@ class _Keyboard:
         return self.comes(wanted)
 
     def comes(self, wanted: Command) -> bool:
-        """Whether a command comes in time."""
+        """Return whether a command comes in time."""
         return self._stage.wait(lambda: self.last is not None and self.last.is_like(wanted), _NEXT)
 
     def settled(self, key: str) -> Command | None:
-        """What a key commands, once no older command is on its way any more."""
+        """The command of a key, once no older command is under way."""
         self.last = None
         self.program.press(key)
         self._stage.wait(lambda: self.last is not None, _NEXT)
@@ -59,7 +59,7 @@ class _Keyboard:
         return self.last
 
     def told(self) -> str:
-        """What the robot was told last, in words."""
+        """The last command to the robot, in words."""
         return str(self.last) if self.last else "nothing comes"
 
     def _moves(self) -> bool:
@@ -149,7 +149,7 @@ def check_viewer(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
     stage.listen(Image, _DEPTH, truths.append)
     file = stage.folder / "picture.png"
     program = stage.start(viewer_command(command, str(file)))
-    seen: list[Picture] = []  # a viewer may write anew with each message: a look later is another
+    seen: list[Picture] = []  # a viewer may rewrite the file with each message
 
     def has_come() -> bool:
         seen.extend(filter(None, [_read(file)]))

@@ -15,7 +15,7 @@ _LAST = 1.0  # [s] whose mean is the value reached
 
 @dataclass(frozen=True, slots=True)
 class Response:
-    """What came of a step.
+    """The response to a step.
 
     Attributes:
         reached: Mean of the last second, in the value's unit.
@@ -42,7 +42,7 @@ def analyse(samples: Sequence[tuple[float, float]], target: float) -> Response:
 
 
 def is_within(value: float, target: float) -> bool:
-    """Whether a value is within the band around the target."""
+    """Return whether a value is within the band around the target."""
     return abs(value - target) <= BAND * abs(target)
 
 

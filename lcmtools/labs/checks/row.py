@@ -1,4 +1,4 @@
-"""What a check finds out, one row a question."""
+"""The rows of a check's result, one a question."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Where a lab's check plays: a bus of its own with a simulator on it, and whoever watches.
+"""The test bench of a lab's check: a bus of its own, a simulator, and an observer.
 
 Nothing of it is left when it is over, however it ends: processes are in groups that their guard
 knows, and files in a folder that goes away.
@@ -26,7 +26,7 @@ from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.sim_msgs import SetPose
 
 _START = 30.0
-"""How long a simulator may take until it runs [s]."""
+"""Time that a simulator has to start [s]."""
 _GROUP = "239.255.76.67"
 _TURN = 0.05
 _OTHER_BUSES = ("LCMTOOLS_DOMAIN", "LCMTOOLS_NAMESPACE")
@@ -146,7 +146,7 @@ class Stage:
         self.time = clock.clock.sec + clock.clock.nsec / 1e9
 
     def _environment(self) -> dict[str, str]:
-        """What programs get: this bus, this Python first, and lines as they are printed."""
+        """The environment of programs: this bus, this Python first, unbuffered output."""
         here = {name: text for name, text in os.environ.items() if name not in _OTHER_BUSES}
         path = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))
         ours = {"LCM_DEFAULT_URL": self.url, "PATH": path, "PYTHONUNBUFFERED": "1"}
@@ -154,7 +154,7 @@ class Stage:
 
 
 def _no_start(simulator: CheckedProgram) -> LcmtoolsError:
-    """What is told of a simulator that does not start."""
+    """The error of a simulator that does not start."""
     says = simulator.last_words() or f"it said nothing for {_START:g} s"
     what = f"the simulator did not start: {says}"
     is_missing = simulator.code == MissingExtra.exit_code
@@ -162,7 +162,7 @@ def _no_start(simulator: CheckedProgram) -> LcmtoolsError:
 
 
 def _free_port() -> int:
-    """A UDP port that nobody has."""
+    """A free UDP port."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("", 0))
         return int(probe.getsockname()[1])

@@ -32,9 +32,9 @@ from lcmtools.labs.nodes.driving.motion import KEY_HELP, Motion
 from lcmtools.types.geometry_msgs import Twist
 
 SPEED_LIMIT = 1.2
-"""What a Pioneer 3-DX can do [m/s]."""
+"""Largest speed of a Pioneer 3-DX [m/s]."""
 TURN_LIMIT = 5.2
-"""What a Pioneer 3-DX can do [rad/s]."""
+"""Largest turn rate of a Pioneer 3-DX [rad/s]."""
 
 
 class PioneerManualController(Driver):
@@ -70,7 +70,7 @@ class PioneerManualController(Driver):
         self._publisher.publish(twist)
 
     def status(self) -> str:
-        """What is commanded, and what the keys command."""
+        """The present command, and the commands of the keys."""
         return str(self._motion)
 
 

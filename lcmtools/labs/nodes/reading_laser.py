@@ -62,7 +62,7 @@ def _nearest(scan: LaserScan) -> str:
 
 
 def _angle(scan: LaserScan, beam: int) -> float:
-    """Where a beam points [rad], positive to the left."""
+    """The direction of a beam [rad], positive to the left."""
     return scan.angle_min + beam * scan.angle_increment
 
 
@@ -71,7 +71,7 @@ def _metres(scan: LaserScan, beam: int) -> str:
 
 
 def _is_valid(scan: LaserScan, beam: int) -> bool:
-    """Whether a range was measured: outside its limits it was not (REP-117)."""
+    """Return whether a range was measured: outside its limits it was not (REP-117)."""
     return scan.range_min <= scan.ranges[beam] <= scan.range_max
 
 

@@ -96,7 +96,7 @@ class Teleop(Driver):
             self._stamped.publish(stamped)
 
     def status(self) -> str:
-        """What is commanded, and what the keys command."""
+        """The present command, and the commands of the keys."""
         return str(self._motion)
 
     def _let_go(self) -> None:

@@ -20,10 +20,10 @@ ENDING_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 
 
 class Stoppable(Protocol):
-    """What a signal stops; a node's context."""
+    """An object that a signal stops: a node's context."""
 
     def ok(self) -> bool:
-        """Whether nothing has stopped it yet."""
+        """Return whether nothing has stopped it yet."""
         ...
 
     def stop(self) -> None:
@@ -126,7 +126,7 @@ class Terminal:
         return is_resumed
 
     def _suspend(self) -> None:
-        """Give the terminal back, and stop as if nobody had caught the signal."""
+        """Give the terminal back, and stop as if the signal had not been caught."""
         self._on_suspend()
         self._restore()
         handler = signal.signal(signal.SIGTSTP, signal.SIG_DFL)
@@ -157,7 +157,7 @@ def _never_halt_output(descriptor: int) -> None:
 
 
 def is_terminal(stream: TextIO) -> bool:
-    """Whether a stream is an open terminal."""
+    """Return whether a stream is an open terminal."""
     try:
         return stream.isatty()
     except (OSError, ValueError):  # closed

@@ -12,14 +12,14 @@ TRACK = 1.0702
 MAX_SPEED = 1.0
 """Speed of a side at full effort [m/s]."""
 MAX_STEP = 0.1
-"""Longest time that one observation counts for [s]: after a gap nobody knows what the robot did."""
+"""Longest time that one observation counts for [s]: the motion during a gap is unknown."""
 STANDING_SPEED = 0.01
 """A robot whose sides are both slower than this stands [m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Velocity:
-    """How the robot's body moves.
+    """The motion of the robot's body.
 
     Attributes:
         forward: Along its x axis [m/s].
@@ -34,7 +34,7 @@ class Velocity:
         return f"linear.x {self.forward} m/s, angular.z {self.turn_rate} rad/s"
 
     def is_finite(self) -> bool:
-        """Whether both are numbers that one can calculate with."""
+        """Return whether both are numbers that one can calculate with."""
         return math.isfinite(self.forward) and math.isfinite(self.turn_rate)
 
     def side_speeds(self) -> tuple[float, float]:
@@ -136,7 +136,7 @@ class VelocityControl:
         )
 
     def _step(self, time: int) -> float:
-        """Seconds since the last call, at most MAX_STEP; starts anew when time was set back."""
+        """Seconds since the last call, at most MAX_STEP; restarts when time was set back."""
         step = 0.0 if self._last_time is None else (time - self._last_time) / 1e9
         self._last_time = time
         if step < 0:

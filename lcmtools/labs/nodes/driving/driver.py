@@ -18,7 +18,7 @@ from lcmtools.labs.nodes.terminal import ended_by_signals, is_terminal
 PERIOD = 0.1
 """Seconds between two commands while the robot moves."""
 STOPS = 3
-"""How many zero commands stop a robot: any one of them may be lost."""
+"""Number of zero commands that stop a robot: any one of them may be lost."""
 _STOP_GAP = 0.01
 _KEY_TIME = 0.02
 """Longest wait for a key [s], after which timers have their turn."""
@@ -32,7 +32,7 @@ class Driver(Node, ABC):
     """
 
     key_help = ""
-    """What its keys mean, for a person at a terminal."""
+    """The meaning of its keys, for a person at a terminal."""
 
     def __init__(self, name: str) -> None:
         super().__init__(name)
@@ -42,7 +42,7 @@ class Driver(Node, ABC):
 
     @abstractmethod
     def velocity(self) -> tuple[float, float]:
-        """What is commanded now: forward speed [m/s] and turn rate [rad/s]."""
+        """The present command: forward speed [m/s] and turn rate [rad/s]."""
 
     @abstractmethod
     def take_key(self, key: str) -> None:
@@ -127,7 +127,7 @@ def _follow(keyboard: Keyboard, driver: Driver) -> None:
 
 
 def _greet(driver: Driver) -> None:
-    """Show what the keys mean to whoever can press them."""
+    """Show what the keys mean to a person at the keyboard."""
     if is_terminal(sys.stdin):
         with contextlib.suppress(OSError):
             sys.stderr.write(f"{driver.key_help}\n\n")

@@ -1,4 +1,4 @@
-"""Whether a key is still held down, as far as a terminal tells. Pure: time is an argument.
+"""True if a key is still held down, as far as a terminal tells. Pure: time is an argument.
 
 A terminal says only that a key came. A key that is held comes again: the second time after a
 quarter to two thirds of a second, as the system is set, and then many times a second.
@@ -24,5 +24,5 @@ class Hold:
         self._key = key
 
     def is_over(self, now: int) -> bool:
-        """Whether it must have been let go before ``now`` [ns]."""
+        """Return whether it must have been let go before ``now`` [ns]."""
         return now >= self._until

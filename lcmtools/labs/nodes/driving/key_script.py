@@ -63,7 +63,7 @@ class KeyScript:
         return keys
 
     def is_over(self, now: float) -> bool:
-        """Whether all keys have been given and all waits are over."""
+        """Return whether all keys have been given and all waits are over."""
         return self._is_ended and not self._steps and not self._is_waiting(now)
 
     def _is_waiting(self, now: float) -> bool:

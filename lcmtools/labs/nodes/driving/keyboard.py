@@ -1,4 +1,4 @@
-"""Where keys come from: a terminal, or a script on standard input.
+"""The sources of keys: a terminal, or a script on standard input.
 
 What they mean is not known here.
 """
@@ -103,7 +103,7 @@ def _is_readable(seconds: float) -> bool:
 
 
 def _read() -> bytes:
-    """What has come; nothing at the end, and where the terminal is gone."""
+    """The input that has come; empty at the end, and where the terminal is gone."""
     # not sys.stdin.read(): what waits in its buffer is hidden from select
     try:
         return os.read(sys.stdin.fileno(), _AT_ONCE)

@@ -1,4 +1,4 @@
-"""What the keys of a teleoperated robot mean, as plain values.
+"""The meaning of a teleoperated robot's keys, as plain values.
 
 The table is that of teleop_twist_keyboard for robots that cannot move sideways, and of the Pioneer
 lab: a key sets the direction of driving, or changes how fast. Capitals mean the same.
@@ -35,7 +35,7 @@ arrows drive too; any other key stops; Ctrl-C stops and ends"""
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """How a robot is being driven.
+    """The present motion of a driven robot.
 
     Attributes:
         speed: Forward speed that the keys command [m/s].

@@ -31,7 +31,7 @@ _DIGITS = 2  # of the smallest step: sums of steps are kept exact
 
 @dataclass(frozen=True, slots=True)
 class Sliders:
-    """Where the two sliders stand.
+    """The positions of the two sliders.
 
     Attributes:
         forward: Forward speed [m/s].

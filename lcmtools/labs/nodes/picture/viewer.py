@@ -71,7 +71,7 @@ class Viewer:
         self._last_time = time.monotonic()
 
     def run(self, node: Node, topic: str) -> None:
-        """Show pictures until one is enough, nobody looks, or the program ends.
+        """Show pictures until one is enough, the display is closed, or the program ends.
 
         Raises:
             NothingReceived: None came within the time given.

@@ -13,7 +13,7 @@ _USUAL_SIZE = (640, 480)
 
 
 class _Window(Protocol):
-    """What is used of tkinter.Tk."""
+    """The part of tkinter.Tk that is used."""
 
     def title(self, text: str) -> None: ...
     def geometry(self, size: str) -> None: ...
@@ -27,7 +27,7 @@ class _Window(Protocol):
 
 
 class _Label(Protocol):
-    """What is used of tkinter.Label."""
+    """The part of tkinter.Label that is used."""
 
     def configure(self, **options: object) -> None: ...
     def pack(self, **options: object) -> None: ...
