@@ -45,17 +45,17 @@ PKG_COMMANDS = {
     "prefix": Entry(f"{_PKG}.list:find_command", "find, as ROS 2 names it.", is_alias=True),
 }
 SRV_COMMANDS = {
-    "list": Entry("lcmtools.cli.srv.list:command", "List the service types."),
-    "show": Entry("lcmtools.cli.srv.show:command", "Show the fields of a service type."),
+    "list": Entry("lcmtools.cli.srv:list_types", "List the service types."),
+    "show": Entry("lcmtools.cli.srv:show_type", "Show the fields of a service type."),
 }
 _SERVICE = "lcmtools.cli.service"
 SERVICE_COMMANDS = {
-    "list": Entry(f"{_SERVICE}.list:command", "List the services that nodes offer."),
+    "list": Entry(f"{_SERVICE}.list:list_services", "List the services that nodes offer."),
     "info": Entry(f"{_SERVICE}.info:command", "Show a service's node, type and arguments."),
     "call": Entry(f"{_SERVICE}.call:command", "Call a service and print its response."),
-    "type": Entry(f"{_SERVICE}.type:command", "Print a service's type."),
-    "find": Entry(f"{_SERVICE}.find:command", "List the services of a type."),
-    "args": Entry(f"{_SERVICE}.args:command", "Print a service's arguments."),
+    "type": Entry(f"{_SERVICE}.type:type_", "Print a service's type."),
+    "find": Entry(f"{_SERVICE}.list:find", "List the services of a type."),
+    "args": Entry(f"{_SERVICE}.type:args", "Print a service's arguments."),
 }
 _PARAM = "lcmtools.cli.param"
 PARAM_COMMANDS = {
@@ -73,13 +73,13 @@ _SIM = "lcmtools.cli.sim"
 SIM_COMMANDS = {
     "pause": Entry(f"{_SIM}.time:pause", "Let simulated time stand still."),
     "resume": Entry(f"{_SIM}.time:resume", "Let simulated time go on."),
-    "step": Entry(f"{_SIM}.step:command", "Let a paused simulator do some steps."),
+    "step": Entry(f"{_SIM}.time:step", "Let a paused simulator do some steps."),
     "reset": Entry(f"{_SIM}.time:reset", "Start again at time 0."),
-    "set-rate": Entry(f"{_SIM}.set_rate:command", "Let simulated time pass faster or slower."),
-    "state": Entry(f"{_SIM}.state:command", "Show where a robot truly is."),
-    "set-pose": Entry(f"{_SIM}.set_pose:command", "Put a robot elsewhere."),
-    "spawn": Entry(f"{_SIM}.spawn:command", "Put up one more robot."),
-    "delete": Entry(f"{_SIM}.delete:command", "Take a robot away."),
+    "set-rate": Entry(f"{_SIM}.time:set_rate", "Let simulated time pass faster or slower."),
+    "state": Entry(f"{_SIM}.robots:state", "Show where a robot truly is."),
+    "set-pose": Entry(f"{_SIM}.robots:set_pose", "Put a robot elsewhere."),
+    "spawn": Entry(f"{_SIM}.robots:spawn", "Put up one more robot."),
+    "delete": Entry(f"{_SIM}.robots:delete", "Take a robot away."),
     "snapshot": Entry(f"{_SIM}.snapshot:command", "Write a picture of the world into a file."),
 }
 _LAB = "lcmtools.labs.commands"

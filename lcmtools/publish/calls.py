@@ -7,13 +7,7 @@ import time
 from collections.abc import Iterator, Sequence
 
 from lcmtools.bus.url import BusUrl
-from lcmtools.errors import (
-    LcmtoolsError,
-    NothingReceived,
-    ServiceTimeout,
-    UnknownType,
-    UsageError,
-)
+from lcmtools.errors import LcmtoolsError, NothingReceived, ServiceTimeout, UnknownType, UsageError
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.registry import Message, ServiceType, service_class, service_name
 from lcmtools.node.service import Client
@@ -27,10 +21,11 @@ from lcmtools.observe.services import (
 from lcmtools.publish.incoming import Notify, Template
 from lcmtools.publish.own_node import own_node
 from lcmtools.publish.schedule import due_times
+from lcmtools.publish.subscriber_wait import wait_until
 
 _TYPE = re.compile(r"[A-Za-z]\w*[/.](srv[/.])?[A-Za-z]\w*", re.ASCII)
 _USUAL_RATE = 1.0  # [Hz] of a service that is called so many times
-_PATIENCE = 2.0  # [s] before the person reads what is waited for
+_POLL = 0.05  # [s]
 _MOST_SHOWN = 8
 
 
@@ -58,22 +53,23 @@ def wait_for_service(monitor: BusMonitor, service: str, longest: float, notify: 
     Raises:
         NothingReceived: None does within ``longest`` seconds.
     """
-    name, start, has_told = full_service_name(service), time.monotonic(), False
-    while not any(s.name == name and s.is_alive for s in offered_services(monitor.graph())):
-        waited = time.monotonic() - start
-        if waited >= longest:
-            raise NothingReceived(
-                f"no node offers {name} within {longest:g} s", near_service(monitor.graph(), name)
-            )
-        if waited >= _PATIENCE and not has_told:
-            has_told = True
-            known = [one.name for one in offered_services(monitor.graph(), show_all=False)]
-            there = f"there is {', '.join(known[:_MOST_SHOWN])}" if known else "no node offers any"
-            notify(f"waiting for the service {name}; {there}")
-        try:
-            monitor.receive(min(0.2, longest - waited))
-        except EOFError:
-            raise LcmtoolsError(f"no node offers {name}: the log has ended") from None
+    name = full_service_name(service)
+
+    def tell() -> None:
+        known = [one.name for one in offered_services(monitor.graph(), show_all=False)]
+        there = f"there is {', '.join(known[:_MOST_SHOWN])}" if known else "no node offers any"
+        notify(f"waiting for the service {name}; {there}")
+
+    def is_offered() -> bool:
+        return any(s.name == name and s.is_alive for s in offered_services(monitor.graph()))
+
+    try:
+        found = wait_until(is_offered, longest, tell, lambda _: monitor.receive(_POLL))
+    except EOFError:
+        raise LcmtoolsError(f"no node offers {name}: the log has ended") from None
+    if not found:
+        hint = near_service(monitor.graph(), name)
+        raise NothingReceived(f"no node offers {name} within {longest:g} s", hint)
 
 
 def call_all(

@@ -1,17 +1,22 @@
-"""The parameters of other nodes, several at once: read and changed over the bus."""
+"""The parameters of other nodes: which ones are meant, and reading and changing them.
 
-from collections.abc import Mapping, Sequence
+A parameter is named as in rosparam, ``/husky0/driver/gain``, or as in ros2, by two words:
+``/husky0/driver gain``.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TypeAlias
 
 from lcmtools.bus.url import BusUrl
-from lcmtools.errors import LcmtoolsError, ServiceError
+from lcmtools.errors import LcmtoolsError, ServiceError, UsageError
 from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.names import MAX_CHANNEL_BYTES, did_you_mean
 from lcmtools.node.parameters import service_name
 from lcmtools.node.remote import RemoteParameter, RemoteParameters
 from lcmtools.node.service import request_channel
+from lcmtools.observe.find import find_node
 from lcmtools.publish.own_node import own_node
 
 Parameters: TypeAlias = Mapping[str, RemoteParameter]
@@ -117,8 +122,77 @@ def pick(parameters: Parameters, name: str, node: str, place: str = "") -> Remot
     return parameters[name]
 
 
+@dataclass(frozen=True, slots=True)
+class Target:
+    """The nodes and the parameter that words mean.
+
+    Attributes:
+        nodes: One node; or all of a namespace.
+        parameter: A parameter of the only node; None for all parameters.
+        is_namespace: A namespace is meant, though there may be only one node in it.
+    """
+
+    nodes: tuple[Node, ...]
+    parameter: str | None = None
+    is_namespace: bool = False
+
+    @property
+    def node(self) -> Node:
+        """The only node.
+
+        Raises:
+            UsageError: It is a namespace.
+        """
+        if self.is_namespace:
+            names = ", ".join(node.name for node in self.nodes)
+            raise UsageError("a node is needed here, not a namespace", f"write one of {names}")
+        return self.nodes[0]
+
+
+def find_target(graph: Graph, words: Sequence[str]) -> Target:
+    """Return what one word or two mean: a node, a parameter, or a namespace with nodes.
+
+    Raises:
+        UsageError: A name is empty.
+        LcmtoolsError: There is no such node, or it has no parameters.
+    """
+    if len(words) > 1:
+        node = require_parameters(find_node(graph, words[0]))
+        return Target((node,), words[1].removeprefix(f"{node.name}/") or None)
+    word = words[0]
+    if not word:
+        raise UsageError("the name is empty", "lcmtools param list shows the parameters")
+    for name, rest in _splits(word.rstrip("/")):
+        if any(not node.tool for node in graph.named(name)):
+            return Target((require_parameters(find_node(graph, name)),), rest or None)
+    known = nodes_with_parameters(graph)
+    prefix = f"/{word.strip('/')}/" if word.strip("/") else "/"
+    inside = [node for node in known if not node.stale and node.name.startswith(prefix)]
+    if inside:
+        return Target(tuple(inside), is_namespace=True)
+    raise _unknown(word, [node.name for node in known])
+
+
 def _why_not(node: Node) -> str:
     spare = MAX_CHANNEL_BYTES - len(request_channel(service_name("")))
     if len(node.name) > spare:
         return f"its name has {len(node.name)} characters, and with more than {spare} it has none"
     return "it offers no service for that"
+
+
+def _splits(word: str) -> Iterator[tuple[str, str]]:
+    """A name cut into a node's and a parameter's, at each slash, the longest node first."""
+    end = len(word)
+    while end > 0:
+        yield word[:end], word[end + 1 :]
+        end = word.rfind("/", 0, end)
+
+
+def _unknown(word: str, nodes: Sequence[str]) -> LcmtoolsError:
+    base = word.rstrip("/").rpartition("/")[0]
+    for candidate in filter(None, (word, base)):
+        full = candidate if candidate.startswith("/") else f"/{candidate}"
+        if hint := did_you_mean(full, nodes):
+            return LcmtoolsError(f"there is no node for {word}", hint)
+    hint = "lcmtools param list shows the parameters" if nodes else "no node with parameters runs"
+    return LcmtoolsError(f"there is no node for {word}", hint)

@@ -6,6 +6,7 @@ Belongs here: when what is sent. Must not know where messages come from.
 import itertools
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from lcmtools.errors import BusError, UsageError
@@ -29,43 +30,31 @@ class BrokenOff(UsageError):  # noqa: N818 - named for what happened, as in erro
     exit_code = 1
 
 
+@dataclass(slots=True)
 class Sender:
     """Sends messages with a publisher.
 
-    Args:
+    Attributes:
         node: The publisher's node, whose clock gives the stamps.
         publisher: The publisher.
         latch: Send the last message again to late subscribers.
         endures: Wait for a network that fails after the first message.
         notify: Gets what the person should read.
         on_sent: Called for every message.
-
-    Attributes:
         count: Messages that have been sent.
     """
 
-    def __init__(
-        self,
-        node: Node,
-        publisher: Publisher[Message],
-        *,
-        latch: bool,
-        endures: bool,
-        notify: Notify,
-        on_sent: OnSent,
-    ) -> None:
-        self.count = 0
-        self._node = node
-        self._publisher = publisher
-        self._latch = latch
-        self._endures = endures
-        self._notify = notify
-        self._on_sent = on_sent
-        self._is_cut_off = False
-        self._spins = bool(node.get_parameter("use_sim_time").value)
-        self._last: Template | None = None
-        self._served: frozenset[str] = frozenset()
-        self._next_look = 0.0
+    node: Node
+    publisher: Publisher[Message]
+    latch: bool
+    endures: bool
+    notify: Notify
+    on_sent: OnSent
+    count: int = 0
+    _is_cut_off: bool = False
+    _last: Template | None = None
+    _served: frozenset[str] = frozenset()
+    _next_look: float = 0.0
 
     def send_all(self, incoming: Incoming, schedule: Schedule) -> None:
         """Send messages until there are no more, or enough of them.
@@ -88,6 +77,10 @@ class Sender:
                 break
         self._pause(schedule.stay)
 
+    @property
+    def _spins(self) -> bool:
+        return bool(self.node.get_parameter("use_sim_time").value)
+
     def _unbroken(self, templates: Iterator[Template | None]) -> Iterator[Template | None]:
         """The messages; an error after some of them says how many have been sent."""
         try:
@@ -104,9 +97,9 @@ class Sender:
         if not self._is_sent(template):
             return
         self.count += 1
-        if self._latch:
-            self._served = self._publisher.subscriber_ids()
-        self._on_sent(self.count, template.message, False)  # noqa: FBT003 - the first time
+        if self.latch:
+            self._served = self.publisher.subscriber_ids()
+        self.on_sent(self.count, template.message, False)  # noqa: FBT003 - the first time
 
     def _pause(self, seconds: float) -> None:
         """Let time pass, and serve late subscribers meanwhile."""
@@ -116,37 +109,37 @@ class Sender:
             left = end - time.monotonic()
             if left <= 0:
                 return
-            step = min(left, _POLL) if self._latch else left
+            step = min(left, _POLL) if self.latch else left
             if self._spins:
-                spin_once(self._node, step)
+                spin_once(self.node, step)
             else:
                 time.sleep(step)
 
     def _attend(self) -> None:
         """Send the last message again if there is a new subscriber."""
         if self._spins:
-            spin_once(self._node)
-        if not self._latch or self._last is None or time.monotonic() < self._next_look:
+            spin_once(self.node)
+        if not self.latch or self._last is None or time.monotonic() < self._next_look:
             return
         self._next_look = time.monotonic() + _POLL
-        present = self._publisher.subscriber_ids()
+        present = self.publisher.subscriber_ids()
         if present - self._served and self._is_sent(self._last):
-            self._on_sent(self.count, self._last.message, True)  # noqa: FBT003 - again
+            self.on_sent(self.count, self._last.message, True)  # noqa: FBT003 - again
         self._served = present
 
     def _is_sent(self, template: Template) -> bool:
         """Send a message; return False where the network is gone, which is said once."""
-        payload = template.payload(self._node.get_clock().now())
+        payload = template.payload(self.node.get_clock().now())
         try:
-            self._publisher.publish_payload(payload)
+            self.publisher.publish_payload(payload)
         except BusError as error:
-            if not self._endures or not self.count:
+            if not self.endures or not self.count:
                 raise
             if not self._is_cut_off:
-                self._notify(f"{error.what}; waiting for the network")
+                self.notify(f"{error.what}; waiting for the network")
             self._is_cut_off = True
             return False
         if self._is_cut_off:
-            self._notify("messages leave again")
+            self.notify("messages leave again")
         self._is_cut_off = False
         return True

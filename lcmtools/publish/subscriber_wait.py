@@ -124,7 +124,7 @@ def wait_until(
     condition: Callable[[], object],
     timeout: float | None,
     tell: Callable[[], None] | None = None,
-    pause: Callable[[float], None] = time.sleep,
+    pause: Callable[[float], object] = time.sleep,
 ) -> bool:
     """Return whether a condition comes true within so many seconds (None: any time).
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from lcmtools import Node
-from lcmtools.publish import calls
+from lcmtools.publish import subscriber_wait
 from lcmtools.types.std_srvs import Empty, SetBool, Trigger
 
 Cli = Callable[..., Any]
@@ -230,7 +230,7 @@ def test_a_server_that_is_killed_in_the_middle_is_named(cli: Cli, start_python: 
 def test_wait_says_what_it_waits_for_and_calls_when_the_service_is_there(
     cli: Cli, start_node: Start, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(calls, "_PATIENCE", 0.1)
+    monkeypatch.setattr(subscriber_wait, "_PATIENCE", 0.1)
     node = start_node(lambda: Node("late")).node
     made: list[object] = []
 

@@ -7,8 +7,7 @@ from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.param.common import look, record, timeout_option
 from lcmtools.node.remote import RemoteParameter
-from lcmtools.publish.parameter_target import find_target
-from lcmtools.publish.parameters import pick
+from lcmtools.publish.parameters import find_target, pick
 
 
 @click.command("describe", context_settings=CONTEXT)

@@ -19,7 +19,7 @@ from lcmtools.cli.param.common import (
 )
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node
-from lcmtools.publish.parameter_target import find_target
+from lcmtools.publish.parameters import find_target
 
 _MOST_WORDS = 2
 

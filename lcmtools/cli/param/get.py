@@ -14,8 +14,7 @@ from lcmtools.cli.param.common import (
     timeout_option,
     tree,
 )
-from lcmtools.publish.parameter_target import find_target
-from lcmtools.publish.parameters import pick
+from lcmtools.publish.parameters import find_target, pick
 
 
 @click.command("get", context_settings=CONTEXT)

@@ -6,7 +6,7 @@ from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, all_option, in_names, json_option, looking_options
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.cli.param.common import complain_of, living_nodes, look, record, timeout_option
-from lcmtools.publish.parameter_target import find_target
+from lcmtools.publish.parameters import find_target
 
 
 @click.command("list", context_settings=CONTEXT)

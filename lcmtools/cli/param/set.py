@@ -12,8 +12,7 @@ from lcmtools.cli.words import CommandWithWords
 from lcmtools.errors import UsageError
 from lcmtools.messages.setting import ANY, text_of
 from lcmtools.messages.yaml_input import parse_values
-from lcmtools.publish.parameter_target import Target, find_target
-from lcmtools.publish.parameters import ParameterClient
+from lcmtools.publish.parameters import ParameterClient, Target, find_target
 
 _EXAMPLE = "for example: lcmtools param set /husky0/simple_controller kp 0.5"
 

@@ -1,1 +1,1 @@
-"""The verbs of ``lcmtools service``, one file each."""
+"""The verbs of ``lcmtools service``, by what they do."""

@@ -1,11 +1,12 @@
-"""``lcmtools service type``."""
+"""``lcmtools service type`` and ``args``."""
 
 import click
 
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options, open_monitor
-from lcmtools.cli.output import document, lines
+from lcmtools.cli.output import data, document, lines
 from lcmtools.errors import LcmtoolsError
+from lcmtools.messages.fields import visible_fields
 from lcmtools.observe.services import find_service
 
 
@@ -13,7 +14,7 @@ from lcmtools.observe.services import find_service
 @click.argument("service", shell_complete=complete("bus:services"))
 @json_option
 @looking_options
-def command(service: str, *, as_json: bool) -> None:
+def type_(service: str, *, as_json: bool) -> None:
     """Print a service's type.
 
     \b
@@ -29,3 +30,21 @@ def command(service: str, *, as_json: bool) -> None:
         raise LcmtoolsError(f"the type of {found.name} is not known")
     else:
         lines([found.type_text])
+
+
+@click.command("args", context_settings=CONTEXT)
+@click.argument("service", shell_complete=complete("bus:services"))
+@json_option
+@looking_options
+def args(service: str, *, as_json: bool) -> None:
+    """Print the names of a service's arguments: the fields of its request.
+
+    \b
+    Examples:
+      lcmtools service args /switch
+      lcmtools service args /switch --json
+    """  # noqa: D301 - \b is click's mark
+    with open_monitor("service_args") as monitor:
+        found = find_service(monitor.settle(foreign=False), in_names(service))
+    names = [field.name for field in visible_fields(found.type_class().Request)]
+    document(names) if as_json else data(" ".join(names))

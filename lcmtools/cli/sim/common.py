@@ -1,8 +1,5 @@
 """Parts of the ``sim`` commands: their options, the call, and what is printed."""
 
-import math
-import re
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, TypeVar
 
 import click
@@ -10,16 +7,12 @@ import click
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CommandT, bus_options, duration, json_option, open_monitor
 from lcmtools.cli.output import data, document
-from lcmtools.errors import UsageError
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import Message
 from lcmtools.publish.simulator import call_simulator
-from lcmtools.types.geometry_msgs import Pose
 
 if TYPE_CHECKING:
     from lcmtools.node.service import ServiceType
-
-_NUMBER = re.compile(r"(?P<number>.+?)\s*(?P<unit>deg)?")
 
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
@@ -47,13 +40,16 @@ def json_sim_options(command: CommandT) -> CommandT:
 
 
 def call(
-    name: str | None,
     verb: str,
     service_type: "ServiceType[RequestT, ResponseT]",
-    request: RequestT,
+    name: str | None,
     timeout: float,
+    **fields: object,
 ) -> ResponseT:
-    """Call a service of the simulator that is meant; see ``call_simulator``."""
+    """Call a service of the simulator with these fields; see ``call_simulator``."""
+    request = service_type.Request()
+    for field, value in fields.items():
+        setattr(request, field, value)
     with open_monitor(f"sim_{verb}") as monitor:
         return call_simulator(monitor, name, verb, service_type, request, timeout=timeout)
 
@@ -64,31 +60,3 @@ def show(response: Message, *, as_json: bool) -> None:
         document(to_plain(response))
     else:
         data(response.message)  # type: ignore[attr-defined] # all responses of sim_msgs have it
-
-
-def read_pose(words: Sequence[str]) -> Pose:
-    """Return a pose on the ground from X, Y [m] and YAW ([rad], or "90deg"); the default is 0.
-
-    Raises:
-        UsageError: There are too many, or X without Y, or one is no number.
-    """
-    if len(words) > 3:  # noqa: PLR2004 - x, y, yaw
-        raise UsageError(f"too many values: {' '.join(words)}", "write X Y YAW")
-    if len(words) == 1:
-        raise UsageError(f"'{words[0]}' alone is no place", "write X Y YAW, for example 1 -2 90deg")
-    x, y, yaw = (*map(_number, words), *[0.0] * (3 - len(words)))
-    pose = Pose()
-    pose.position.x, pose.position.y = x, y
-    pose.orientation.z, pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
-    return pose
-
-
-def _number(word: str) -> float:
-    form = _NUMBER.fullmatch(word)
-    try:
-        value = float(form["number"]) if form else math.nan
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise UsageError(f"'{word}' is not a number", "write X Y YAW, for example 1 -2 90deg")
-    return math.radians(value) if form and form["unit"] else value

@@ -45,9 +45,9 @@ def command(  # noqa: PLR0913 - one parameter an option
     path = Path(file)
     if file != "-" and path.exists() and not force:
         raise UsageError(f"{file} is there already", "--force overwrites it")
-    request = Snapshot.Request()
-    request.robot, request.width, request.height = robot, width, height
-    picture = bytes(call(name, "snapshot", Snapshot, request, timeout).image.data)
+    size = {"width": width, "height": height}
+    response = call("snapshot", Snapshot, name, timeout, robot=robot, **size)
+    picture = bytes(response.image.data)
     if file == "-":
         with click.open_file("-", "wb") as stream:
             stream.write(picture)

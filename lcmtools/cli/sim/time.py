@@ -1,9 +1,13 @@
-"""``lcmtools sim pause``, ``resume`` and ``reset``."""
+"""``lcmtools sim pause``, ``resume``, ``reset``, ``step`` and ``set-rate``."""
+
+import math
 
 import click
 
-from lcmtools.cli.options import CONTEXT
+from lcmtools.cli.options import CONTEXT, whole_number
 from lcmtools.cli.sim.common import call, json_sim_options, show
+from lcmtools.errors import UsageError
+from lcmtools.types.sim_msgs import SetRate, Step
 from lcmtools.types.std_srvs import Trigger
 
 
@@ -13,7 +17,7 @@ def _trigger(verb: str, about: str, example: str) -> click.Command:
     @click.command(verb, context_settings=CONTEXT)
     @json_sim_options
     def command(*, name: str | None, timeout: float, as_json: bool) -> None:
-        show(call(name, verb, Trigger, Trigger.Request(), timeout), as_json=as_json)
+        show(call(verb, Trigger, name, timeout), as_json=as_json)
 
     examples = f"  lcmtools sim {verb}\n  lcmtools sim {verb} {example}"
     command.help = f"{about}\n\n\b\nExamples:\n{examples}\n"
@@ -23,3 +27,41 @@ def _trigger(verb: str, about: str, example: str) -> click.Command:
 pause = _trigger("pause", "Let simulated time stand still.", "--sim /morse")
 resume = _trigger("resume", "Let simulated time go on.", "--sim /morse")
 reset = _trigger("reset", "Start again: time 0, and every robot where it started.", "--timeout 10s")
+
+
+@click.command("step", context_settings=CONTEXT)
+@click.argument("steps", type=whole_number(1), default=1)
+@json_sim_options
+def step(steps: int, *, name: str | None, timeout: float, as_json: bool) -> None:
+    """Let a paused simulator do STEPS steps (else one), as fast as it can.
+
+    \b
+    Examples:
+      lcmtools sim step
+      lcmtools sim step 240 --timeout 20s
+    """  # noqa: D301 - \b is click's mark
+    show(call("step", Step, name, timeout, steps=steps), as_json=as_json)
+
+
+@click.command("set-rate", context_settings=CONTEXT)
+@click.argument("rate")
+@json_sim_options
+def set_rate(rate: str, *, name: str | None, timeout: float, as_json: bool) -> None:
+    """Let simulated time pass RATE times as fast as real time; 0: as fast as possible.
+
+    \b
+    Examples:
+      lcmtools sim set-rate 4
+      lcmtools sim set-rate 0
+    """  # noqa: D301 - \b is click's mark
+    show(call("set_rate", SetRate, name, timeout, rate=_read_rate(rate)), as_json=as_json)
+
+
+def _read_rate(text: str) -> float:
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = math.nan
+    if not 0 <= rate < math.inf:  # refuses NaN too
+        raise UsageError(f"the rate must be a number, 0 or more, not '{text}'", "1 is real time")
+    return rate

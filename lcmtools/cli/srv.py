@@ -1,4 +1,4 @@
-"""``lcmtools srv show``."""
+"""``lcmtools srv list`` and ``show``."""
 
 import click
 
@@ -7,14 +7,27 @@ from lcmtools.cli.msg.show import source_text
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import show
 from lcmtools.messages.definition import definition
-from lcmtools.messages.registry import service_class, service_name
+from lcmtools.messages.registry import service_class, service_name, service_names
+
+
+@click.command("list", context_settings=CONTEXT)
+@json_option
+def list_types(*, as_json: bool) -> None:
+    """List the service types that lcmtools knows.
+
+    \b
+    Examples:
+      lcmtools srv list
+      lcmtools srv list --json
+    """  # noqa: D301 - \b is click's mark
+    show(service_names(), service_names(), as_json=as_json)
 
 
 @click.command("show", context_settings=CONTEXT)
 @click.argument("type_", metavar="TYPE", shell_complete=complete("messages:service_types"))
 @click.option("-r", "--raw", is_flag=True, help="Show the .lcm files, with the comments.")
 @json_option
-def command(type_: str, *, raw: bool, as_json: bool) -> None:
+def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
     """Show the fields of a service type: the request's, a line of dashes, the response's.
 
     TYPE is std_srvs/Trigger, std_srvs/srv/Trigger, std_srvs.Trigger or Trigger.

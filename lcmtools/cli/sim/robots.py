@@ -1,0 +1,123 @@
+"""``lcmtools sim spawn``, ``delete``, ``set-pose`` and ``state``."""
+
+import math
+import re
+from collections.abc import Sequence
+
+import click
+
+from lcmtools.cli.completion.completer import complete, complete_words
+from lcmtools.cli.options import CONTEXT
+from lcmtools.cli.output import data
+from lcmtools.cli.sim.common import call, json_sim_options, show
+from lcmtools.cli.words import CommandWithWords
+from lcmtools.errors import UsageError
+from lcmtools.messages.plain import to_plain
+from lcmtools.messages.plain_text import Writer
+from lcmtools.types.geometry_msgs import Pose
+from lcmtools.types.sim_msgs import Delete, GetState, SetPose, Spawn
+
+_NUMBER = re.compile(r"(?P<number>.+?)\s*(?P<unit>deg)?")
+_OUTCOME = ("success", "message")
+
+_robot = click.argument("robot", shell_complete=complete("bus:robots"))
+
+
+@click.command("spawn", cls=CommandWithWords, context_settings=CONTEXT)
+@click.argument("model", shell_complete=complete_words("dolly", "husky", "pioneer"))
+@click.argument("robot")
+@click.argument("words", metavar="[X Y [YAW]]", nargs=-1)
+@json_sim_options
+def spawn(
+    model: str,
+    robot: str,
+    words: tuple[str, ...],
+    name: str | None,
+    *,
+    timeout: float,
+    as_json: bool,
+) -> None:
+    """Put up one more robot of a MODEL (husky, pioneer, dolly) with the namespace ROBOT.
+
+    \b
+    Examples:
+      lcmtools sim spawn husky /husky1 0 3
+      lcmtools sim spawn dolly dolly -2 1 180deg
+    """  # noqa: D301 - \b is click's mark
+    pose = _read_pose(words)
+    show(call("spawn", Spawn, name, timeout, model=model, robot=robot, pose=pose), as_json=as_json)
+
+
+@click.command("delete", context_settings=CONTEXT)
+@_robot
+@json_sim_options
+def delete(robot: str, *, name: str | None, timeout: float, as_json: bool) -> None:
+    """Take a robot away.
+
+    \b
+    Examples:
+      lcmtools sim delete husky1
+      lcmtools sim delete /dolly
+    """  # noqa: D301 - \b is click's mark
+    show(call("delete", Delete, name, timeout, robot=robot), as_json=as_json)
+
+
+@click.command("set-pose", cls=CommandWithWords, context_settings=CONTEXT)
+@_robot
+@click.argument("words", metavar="X Y [YAW]", nargs=-1, required=True)
+@json_sim_options
+def set_pose(
+    robot: str, words: tuple[str, ...], name: str | None, *, timeout: float, as_json: bool
+) -> None:
+    """Put a robot elsewhere, at rest: X and Y in metres, YAW in radians or as 90deg.
+
+    \b
+    Examples:
+      lcmtools sim set-pose husky0 1 -2
+      lcmtools sim set-pose /husky0 0 0 90deg
+    """  # noqa: D301 - \b is click's mark
+    pose = _read_pose(words)
+    show(call("set_pose", SetPose, name, timeout, robot=robot, pose=pose), as_json=as_json)
+
+
+@click.command("state", context_settings=CONTEXT)
+@_robot
+@json_sim_options
+def state(robot: str, *, name: str | None, timeout: float, as_json: bool) -> None:
+    """Show where a robot truly is and how it moves.
+
+    \b
+    Examples:
+      lcmtools sim state husky0
+      lcmtools sim state /husky0 --json
+    """  # noqa: D301 - \b is click's mark
+    response = call("get_state", GetState, name, timeout, robot=robot)
+    if as_json:
+        show(response, as_json=True)
+    else:
+        parts = {name: value for name, value in to_plain(response).items() if name not in _OUTCOME}
+        data(Writer().block(parts))
+
+
+def _read_pose(words: Sequence[str]) -> Pose:
+    """Return a pose on the ground from X, Y [m] and YAW ([rad], or "90deg"); the default is 0."""
+    if len(words) > 3:  # noqa: PLR2004 - x, y, yaw
+        raise UsageError(f"too many values: {' '.join(words)}", "write X Y YAW")
+    if len(words) == 1:
+        raise UsageError(f"'{words[0]}' alone is no place", "write X Y YAW, for example 1 -2 90deg")
+    x, y, yaw = (*map(_number, words), *[0.0] * (3 - len(words)))
+    pose = Pose()
+    pose.position.x, pose.position.y = x, y
+    pose.orientation.z, pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+    return pose
+
+
+def _number(word: str) -> float:
+    form = _NUMBER.fullmatch(word)
+    try:
+        value = float(form["number"]) if form else math.nan
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise UsageError(f"'{word}' is not a number", "write X Y YAW, for example 1 -2 90deg")
+    return math.radians(value) if form and form["unit"] else value

@@ -1,1 +1,0 @@
-"""The verbs of ``lcmtools srv``, one file each."""
