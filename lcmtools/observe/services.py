@@ -13,13 +13,7 @@ from lcmtools.settings import usual_namespace
 
 @dataclass(frozen=True, slots=True)
 class OfferedService:
-    """A service that nodes announce.
-
-    Attributes:
-        name: Its full name.
-        servers: The nodes that answer it; more than one is a fault.
-        clients: The nodes that call it.
-    """
+    """A service that nodes announce; more than one server is a fault."""
 
     name: str
     servers: tuple[tuple[Node, Endpoint], ...]

@@ -97,12 +97,9 @@ def call_all(
 def requests_in_time(
     requests: Sequence[Template], rate: float | None, times: int | None
 ) -> Iterator[Template]:
-    """Yield requests when they are due; a slow service gets no burst later.
+    """Yield requests when they are due, over and over; each once without ``rate`` and ``times``.
 
-    Args:
-        requests: The requests.
-        rate: [Hz], over and over; None for each request once.
-        times: How many in all, over and over; 1 Hz or ``rate``.
+    The usual rate is 1 Hz. A slow service gets no burst later.
     """
     if rate is None and times is None:
         yield from requests

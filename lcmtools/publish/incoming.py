@@ -5,6 +5,7 @@ the messages.
 """
 
 import errno
+import io
 import itertools
 import math
 import os
@@ -25,7 +26,6 @@ from lcmtools.messages.yaml_input import draft_from_values, drafts_from_lines
 Template: TypeAlias = MessageTemplate[Message]
 Notify: TypeAlias = Callable[[str], None]
 
-_STDIN = "standard input"
 _BLOCK_BYTES = 1 << 16
 _POLL = 0.02  # [s] between two turns of the caller while nothing comes
 _PATIENCE = 2.0  # [s] before the person reads that nothing comes
@@ -37,8 +37,8 @@ class Incoming:
 
     Attributes:
         templates: The messages; None where the next one has not come yet.
-        is_file: They are in a file, all of them read and checked.
-        is_one: There is one message, and it may be sent again and again.
+        is_file: True if they are in a file, all of them read and checked.
+        is_one: True if there is one message, which may be sent again and again.
     """
 
     templates: Iterator[Template | None]
@@ -70,12 +70,11 @@ def read_incoming(
     """
     if file is not None and values:
         raise UsageError("values and -f exclude each other", "use one of them")
-    if file == "-" or tuple(values) == ("-",):
-        file = _STDIN
-    if file is not None:
-        return _Reader(kind, file, noun, notify).incoming()
+    if file is not None or tuple(values) == ("-",):
+        is_stdin = file is None or file == "-"
+        return _Reader(kind, None if is_stdin else file, noun, notify).incoming()
     if not values and visible_fields(kind) and _is_piped():
-        templates = _Reader(kind, _STDIN, noun, notify).templates()
+        templates = _Reader(kind, None, noun, notify).templates()
         for first in templates:
             if first is not None:
                 return Incoming(itertools.chain([first], templates))
@@ -91,18 +90,19 @@ def read_requests(
 
 
 class _Reader:
-    """Reads messages from a file or from standard input."""
+    """Reads messages from a file; None is standard input."""
 
-    def __init__(self, kind: type[Message], source: str, noun: str, notify: Notify) -> None:
+    def __init__(self, kind: type[Message], file: str | None, noun: str, notify: Notify) -> None:
         self._kind = kind
-        self._source = source
+        self._source = "standard input" if file is None else file
         self._noun = noun
         self._notify = notify
-        is_stdin = source == _STDIN
+        self._is_stdin = file is None
         try:
-            self._file = open(0 if is_stdin else source, "rb", buffering=0, closefd=not is_stdin)  # noqa: SIM115 - until all is read
+            descriptor = 0 if file is None else os.open(file, os.O_RDONLY)
+            self._file = io.FileIO(descriptor, closefd=file is not None)
         except (OSError, ValueError) as error:
-            is_closed = is_stdin and getattr(error, "errno", 0) == errno.EBADF
+            is_closed = self._is_stdin and getattr(error, "errno", 0) == errno.EBADF
             raise self._unreadable(error, "it is closed" if is_closed else "") from error
 
     def incoming(self) -> Incoming:
@@ -111,7 +111,8 @@ class _Reader:
         found = [template for template in self.templates() if template is not None]
         if not found:
             raise self._empty()
-        return Incoming(iter(found), True, len(found) == 1 and self._source != _STDIN)  # noqa: FBT003
+        is_one = len(found) == 1 and not self._is_stdin
+        return Incoming(iter(found), is_file=True, is_one=is_one)
 
     def templates(self) -> Iterator[Template | None]:
         """The messages; the person reads it when the first takes long."""

@@ -19,11 +19,7 @@ def own_node(
 ) -> Iterator[Node]:
     """A node on a connection of its own, beside the other nodes of this process.
 
-    Args:
-        tool: The command's name, announced as a part of the node's name.
-        url: The bus.
-        arguments: Name, namespace and remaps; the rest is not used.
-        simulated: Take the time from /clock.
+    Of ``arguments`` name, namespace and remaps count. Simulated time comes from /clock.
 
     Raises:
         InvalidName: A name breaks the naming rules.

@@ -27,15 +27,9 @@ _Path: TypeAlias = tuple[str, ...]
 
 @dataclass(frozen=True, slots=True)
 class Leaf:
-    """A value of a file.
+    """A value of a file, with the keys that lead to it, and the file and line for messages."""
 
-    Attributes:
-        path: The keys that lead to it.
-        value: Text, a list or nothing.
-        place: File and line, for messages.
-    """
-
-    path: tuple[str, ...]
+    path: _Path
     value: Value
     place: str
 
@@ -70,12 +64,7 @@ def read_leaves(text: str, source: str) -> list[Leaf]:
 
 
 def changes_of(leaves: Sequence[Leaf], known: Answers, node: str | None) -> Changes:
-    """Return the changes that a file's values mean.
-
-    Args:
-        leaves: The values.
-        known: The parameters of the nodes that may be meant.
-        node: The node of values that name none.
+    """Return the changes that a file's values mean; values that name no node are for ``node``.
 
     Raises:
         LcmtoolsError: There is no such node or parameter; with file and line.

@@ -30,12 +30,7 @@ _AT_ONCE = 16
 
 @dataclass(frozen=True, slots=True)
 class ParameterClient:
-    """Reads and changes the parameters of nodes.
-
-    Attributes:
-        url: The bus.
-        timeout: Longest wait for an answer [s].
-    """
+    """Reads and changes the parameters of nodes, waiting ``timeout`` seconds for each answer."""
 
     url: BusUrl
     timeout: float
@@ -56,11 +51,7 @@ class ParameterClient:
         return {n: a for n, a in answers.items() if not isinstance(a, ServiceError)}, errors
 
     def get(self, node: str) -> Parameters:
-        """Return the parameters of one node.
-
-        Raises:
-            ServiceError: It did not answer.
-        """
+        """Return the parameters of one node; raise ServiceError if it does not answer."""
         with own_node("param", self.url) as own:
             return RemoteParameters(own, node).get(self.timeout)
 
@@ -124,13 +115,7 @@ def pick(parameters: Parameters, name: str, node: str, place: str = "") -> Remot
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """The nodes and the parameter that words mean.
-
-    Attributes:
-        nodes: One node; or all of a namespace.
-        parameter: A parameter of the only node; None for all parameters.
-        is_namespace: A namespace is meant, though there may be only one node in it.
-    """
+    """One node, with a parameter or None for all; or the nodes of a namespace."""
 
     nodes: tuple[Node, ...]
     parameter: str | None = None

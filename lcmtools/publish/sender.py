@@ -32,15 +32,11 @@ class BrokenOff(UsageError):  # noqa: N818 - named for what happened, as in erro
 
 @dataclass(slots=True)
 class Sender:
-    """Sends messages with a publisher.
+    """Sends messages with a publisher of a node, whose clock gives the stamps.
 
     Attributes:
-        node: The publisher's node, whose clock gives the stamps.
-        publisher: The publisher.
         latch: Send the last message again to late subscribers.
         endures: Wait for a network that fails after the first message.
-        notify: Gets what the person should read.
-        on_sent: Called for every message.
         count: Messages that have been sent.
     """
 

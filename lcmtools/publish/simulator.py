@@ -31,15 +31,7 @@ def call_simulator(
     *,
     timeout: float,
 ) -> ResponseT:
-    """Call a service of the simulator.
-
-    Args:
-        monitor: The bus.
-        name: The name of its node; None where only one can be meant.
-        verb: The last part of the service's name.
-        service_type: The service's type.
-        request: The request.
-        timeout: Longest wait [s].
+    """Call ``<node>/<verb>`` of the simulator ``name``, or of the only one.
 
     Raises:
         LcmtoolsError: There is no simulator, or it could not do it, with the reason.

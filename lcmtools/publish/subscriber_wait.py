@@ -25,14 +25,7 @@ _POLL = 0.01  # [s]
 
 
 class SubscriberWait:
-    """The wait for a publisher's subscribers.
-
-    Args:
-        node: The publisher's node.
-        publisher: The publisher.
-        url: The bus.
-        notify: Gets what the person should read.
-    """
+    """The wait for the subscribers of a node's publisher."""
 
     def __init__(
         self, node: Node, publisher: Publisher[Message], url: BusUrl, notify: Notify
@@ -44,11 +37,7 @@ class SubscriberWait:
         publisher.subscriber_ids()  # probes the nodes: they answer while other things are done
 
     def wait(self, subscribers: int | None, timeout: float | None) -> None:
-        """Wait for so many subscribers; for None, up to a second for one.
-
-        Args:
-            subscribers: How many; None for one, and not for long.
-            timeout: Longest wait for so many [s]; None for as long as it takes.
+        """Wait for so many subscribers, for ``timeout`` seconds; for None, up to a second for one.
 
         Raises:
             NothingReceived: They do not come within the time.
@@ -78,12 +67,12 @@ class SubscriberWait:
         Raises:
             NothingReceived: It does not come within the time.
         """
-
-        def tell() -> None:
-            self._notify("waiting for /clock")
-
-        clock = self._node.get_clock()
-        if not wait_until(clock.now, timeout, tell, lambda pause: spin_once(self._node, pause)):
+        if not wait_until(
+            self._node.get_clock().now,
+            timeout,
+            lambda: self._notify("waiting for /clock"),
+            lambda pause: spin_once(self._node, pause),
+        ):
             raise NothingReceived(
                 f"nothing came on /clock within {timeout:g} s", "is the simulator running?"
             )

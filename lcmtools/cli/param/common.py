@@ -25,12 +25,7 @@ timeout_option = click.option(
 
 
 def look(timeout: float) -> tuple[Graph, ParameterClient]:
-    """Return the nodes on the bus, and what reads their parameters.
-
-    Raises:
-        UsageError: The URL or the domain is wrong.
-        BusError: The bus cannot be reached, with what to type.
-    """
+    """Return the nodes on the bus, and what reads their parameters."""
     with open_monitor("param") as monitor:
         return monitor.settle(foreign=False), ParameterClient(monitor.url, timeout)
 

@@ -26,14 +26,10 @@ from lcmtools.publish.schedule import Schedule
 @click.option("-r", "--rate", type=rate_option, help="Publish so many times a second until Ctrl-C.")
 @click.option("-1", "--once", is_flag=True, help="Publish once, or the first of several, and end.")
 @click.option(
-    "-t", "--times", metavar="N", type=whole_number(1), help="Publish N times and end; 1 Hz or -r."
+    "-t", "--times", metavar="N", type=whole_number(1), help="Publish N times; 1 Hz or -r."
 )
-@click.option(
-    "-l", "--latch", is_flag=True, help="Stay, and send the last message to each new subscriber."
-)
-@click.option(
-    "-f", "--file", type=click.Path(), help="Read messages from a file ('-': standard input)."
-)
+@click.option("-l", "--latch", is_flag=True, help="Stay; send the last to each new subscriber.")
+@click.option("-f", "--file", type=click.Path(), help="Read a file ('-': standard input).")
 @click.option(
     "-w",
     "--wait-subscribers",
@@ -50,16 +46,9 @@ from lcmtools.publish.schedule import Schedule
     type=duration,
     help="Give up (exit code 4) when they take longer.",
 )
-@click.option(
-    "--keep-alive", type=duration, help="Stay so long after the last message, latching it."
-)
+@click.option("--keep-alive", type=duration, help="Stay so long after the last, latching it.")
 @click.option("-v", "--verbose", is_flag=True, help="Print every message to standard error.")
-@click.option(
-    "-s",
-    "--substitute-keywords",
-    is_flag=True,
-    help="As rostopic: stamp each message. It is always done.",
-)
+@click.option("-s", "--substitute-keywords", is_flag=True, help="As rostopic; always done.")
 @click.option(
     "--use-rostime", "--use-sim-time", "simulated", is_flag=True, help="Take stamps from /clock."
 )
