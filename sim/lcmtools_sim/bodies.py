@@ -31,12 +31,7 @@ _RECESS = 0.0002
 
 
 class BodyFactory:
-    """Makes bodies in one world of the engine; each method returns the new body's number.
-
-    Args:
-        bullet: The engine.
-        client: Its connection.
-    """
+    """Makes bodies in one world of the engine; each method returns the new body's number."""
 
     def __init__(self, bullet: ModuleType, client: int) -> None:
         self._bullet = bullet

@@ -27,12 +27,7 @@ _UPDATE_PERIOD = 0.1
 
 
 class Bridge:
-    """Passes commands from the bus to the robots, and samples from the simulation to the bus.
-
-    Args:
-        node: The simulator's node.
-        simulation: The simulation.
-    """
+    """Passes commands from the bus to the robots, and samples from the simulation to the bus."""
 
     def __init__(self, node: Node, simulation: Simulation) -> None:
         self._node = node

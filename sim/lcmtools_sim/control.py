@@ -38,14 +38,7 @@ OutcomeT = TypeVar("OutcomeT", bound=Outcome)
 
 
 class Control:
-    """Offers the services on the simulator's node.
-
-    Args:
-        node: The simulator's node.
-        simulation: The simulation.
-        loop: The loop that runs it.
-        on_change: Called when robots have been added or removed.
-    """
+    """Offers the services; ``on_change`` is called when robots have been added or removed."""
 
     def __init__(
         self, node: Node, simulation: Simulation, loop: Loop, on_change: Callable[[], None]

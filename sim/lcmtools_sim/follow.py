@@ -34,15 +34,8 @@ class LeaderClock(Pacer):
     """Lets steps run up to the leader's /clock.
 
     If the leader started before this process, the simulation begins at the leader's time; if its
-    clock goes back (a reset, or a new leader), it starts again there.
-
-    Args:
-        node: The simulator's node.
-        simulation: The follower.
-        on_restart: Called when it has started again, with other robots.
-
-    Attributes:
-        period: Unused: the leader sets the pace.
+    clock goes back (a reset, or a new leader), it starts again there, and ``on_restart`` is called:
+    its robots are other objects then.
     """
 
     def __init__(self, node: Node, simulation: Simulation, on_restart: Callable[[], None]) -> None:

@@ -30,15 +30,8 @@ class SimulationContext(Protocol):
 class Loop:
     """Runs a simulation: by the wall clock, or step by step while it is paused.
 
-    Args:
-        simulation: The simulation.
-        context: The source of commands and sink of messages.
-        pacer: Tells when a step may run.
-        go_on: Returns False to end.
-        last_step: Ends after this step; None for never.
-
-    Attributes:
-        paused: It waits for ``step``.
+    It ends when ``go_on`` returns False, and after ``last_step``, if that is given. A loop that is
+    ``paused`` waits for ``step``.
     """
 
     def __init__(
@@ -59,7 +52,7 @@ class Loop:
         self._fell_behind = False
 
     def run(self) -> None:
-        """Run until ``go_on`` returns False, the last step is done or the window is closed."""
+        """Run until it should end, or the window is closed."""
         while True:
             self._context.receive(_PAUSED_WAIT if self.paused else 0.0)
             if not self._may_go_on():

@@ -27,13 +27,7 @@ class _Robot:
 
 
 class MeshDisplay:
-    """The meshes of all robots.
-
-    Args:
-        bullet: The engine.
-        client: Its connection.
-        make: Makes a body that looks like a mesh, and returns its number.
-    """
+    """The meshes of all robots; ``make`` returns the number of a new body that looks like one."""
 
     def __init__(self, bullet: ModuleType, client: int, make: Callable[[Mesh], int]) -> None:
         self._bullet = bullet
@@ -45,14 +39,7 @@ class MeshDisplay:
     def add(
         self, robot: int, meshes: Sequence[Mesh], centre_of_mass: float, angles: WheelAngles
     ) -> None:
-        """Show a robot's meshes from now on.
-
-        Args:
-            robot: Its body.
-            meshes: Its looks.
-            centre_of_mass: Its height above the robot's base_footprint [m].
-            angles: As above.
-        """
+        """Show a robot's meshes from now on; the height is above its base_footprint [m]."""
         self._robots[robot] = _Robot(meshes, (0.0, 0.0, -centre_of_mass), angles)
         self.show(robot)
 

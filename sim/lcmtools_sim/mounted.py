@@ -39,12 +39,6 @@ class Sample(NamedTuple):
 class MountedSensor:
     """A sensor of a robot, and the topics of its messages.
 
-    Args:
-        robot: The sensor's robot.
-        mount: Its topic, rate and so on.
-        sensor: Makes the measurements.
-        bulky: Outputs that are sent seldom without a known subscriber.
-
     Attributes:
         robot: As given.
         rate: [Hz]

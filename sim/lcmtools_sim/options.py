@@ -34,23 +34,7 @@ robot publishes /clock, and the others go by it.
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """The options.
-
-    Attributes:
-        world: Name or file.
-        rate: Simulated seconds in a second; 0 for as many as possible.
-        seed: Replaces the world file's; None keeps it.
-        robots: A number of robots like the world's first; None keeps the world's own.
-        added: More robots: models and poses.
-        only: The names of the robots that this process simulates; none means all.
-        follow: Follow the /clock of another process.
-        gui: Show it in a window.
-        paused: Wait for a service call before the first step.
-        duration: Simulated seconds to run; None for no end.
-        list_worlds: Only list the worlds.
-        print_world: Only print the file of this world.
-        check: Only check this world file.
-    """
+    """The options; see the parser's help. ``added`` are the robots of --robot."""
 
     world: str
     rate: float

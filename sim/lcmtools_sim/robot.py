@@ -34,13 +34,7 @@ _UPRIGHT = 0.5  # cosine of the tilt; further over, no wheel reaches the ground
 
 
 class Robot:
-    """A body that is driven by the last command.
-
-    Args:
-        world: Its body is added there.
-        scene: Step, gravity and ground.
-        placement: Its model, namespace, start and timeout.
-    """
+    """A body that is driven by the last command; made, it stands in the world."""
 
     def __init__(self, world: World, scene: Scene, placement: RobotPlacement) -> None:
         self.model = placement.model
@@ -65,7 +59,7 @@ class Robot:
         """Refuse a start inside another body: the engine would throw the robot out.
 
         Raises:
-            InvalidFile: Naming the other one, and the robot's line ``where`` of the world file.
+            InvalidFile: With the other one's name; ``where`` is the robot's place in its file.
         """
         depth, other = self._world.overlap(self._body)
         if depth > START_OVERLAP:

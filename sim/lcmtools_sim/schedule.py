@@ -122,12 +122,8 @@ class Pacer:
     def wait(self, go_on: Callable[[], bool], meanwhile: Callable[[], None]) -> float:
         """Wait until the next step may run, or until ``go_on`` returns False.
 
-        Args:
-            go_on: Returns True to continue waiting.
-            meanwhile: Called now and then while the next step is far away.
-
-        Returns:
-            The debt that was dropped [s], mostly 0.
+        ``meanwhile`` is called now and then while the next step is far away. Returns the debt that
+        was dropped [s], mostly 0.
         """
         if not self.period:
             return 0.0

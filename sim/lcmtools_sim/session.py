@@ -19,10 +19,7 @@ from lcmtools_sim.world import check_installed
 def simulate(scene: Scene, options: Options, arguments: Sequence[str]) -> None:
     """Simulate a scene on the bus until a request to end, or for the given duration.
 
-    Args:
-        scene: The scene.
-        options: Rate, duration and window.
-        arguments: The whole command line, for the node's name, remaps and the bus.
+    ``arguments`` is the whole command line, for the node's name, remaps and the bus.
 
     Raises:
         MissingExtra: A package of the extra is not installed.

@@ -4,6 +4,7 @@ It knows no bus and no wall clock: bridge.py connects it to the bus, loop.py to 
 """
 
 from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
 
 from lcmtools.clock import NANOSECONDS, split_stamp
 from lcmtools.errors import InvalidFile
@@ -26,12 +27,8 @@ _TICK = None  # due when only the clock is
 _CLOCK = PayloadTemplate(Clock(), "clock")
 
 
-class Simulation:
+class Simulation(AbstractContextManager["Simulation"]):
     """A running scene. A context manager: it owns the engine's world.
-
-    Args:
-        scene: Its content.
-        window: Show it (see World).
 
     Attributes:
         scene: As given.
@@ -52,10 +49,6 @@ class Simulation:
         except InvalidFile:
             self._world.close()
             raise
-
-    def __enter__(self) -> "Simulation":
-        """Use it in a with statement."""
-        return self
 
     def __exit__(self, *_: object) -> None:
         """Close the engine's world."""
@@ -119,8 +112,7 @@ class Simulation:
     def reset(self, steps: int = 0) -> None:
         """Start again, to the bit as a new process with this scene does.
 
-        Args:
-            steps: As if this number of steps had been done with everything standing still.
+        The number of steps begins at ``steps``.
         """
         self._world.reset(self.scene)
         self._begin(steps)
@@ -177,22 +169,13 @@ class Simulation:
 
 
 def check_starts(scene: Scene) -> None:
-    """Return if every robot can start, tried in a simulation that ends at once.
-
-    Raises:
-        InvalidFile: One stands inside another body; with its file and line.
-        MissingExtra: pybullet is not installed.
-    """
+    """Return if every robot can start, tried in a simulation that ends at once; raise as that."""
     with Simulation(scene):
         pass
 
 
 def misplaced_objects(scene: Scene) -> list[str]:
-    """Warnings of movable objects that start inside another body, one line each.
-
-    Raises:
-        MissingExtra: pybullet is not installed.
-    """
+    """Warnings of movable objects that start inside another body, one line each."""
     if not any(thing.mass for thing in scene.objects):
         return []
     with World(scene) as world:

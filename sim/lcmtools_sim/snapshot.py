@@ -27,12 +27,7 @@ def snapshot(
 ) -> bytes:
     """A PNG file of the whole world from above, x to the right, y up; or from behind a robot.
 
-    Args:
-        parts: All shapes, in the world.
-        ground: Its colour.
-        width: [pixels]
-        height: [pixels]
-        robot: The robot's base_link in the world.
+    ``parts`` are all shapes and ``robot`` is the robot's base_link, in the world.
     """
     camera = Camera(width, height, _FIELD_OF_VIEW)
     if robot is None:

@@ -6,7 +6,7 @@ friction, the tyres (tyres.py) pull it.
 """
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from importlib.util import find_spec
 from types import ModuleType
 from typing import NamedTuple, cast
@@ -41,14 +41,11 @@ class Motion(NamedTuple):
     angular_velocity: Vector
 
 
-class World:
+class World(AbstractContextManager["World"]):
     """One Bullet world, built from a scene's ground and objects; robots are added to it.
 
-    A context manager: it owns its connection to the engine.
-
-    Args:
-        scene: Step, gravity, ground and objects.
-        window: Show it; needs a display (see native.py: without one, Bullet ends the process).
+    A context manager: it owns its connection to the engine. A ``window`` needs a display (see
+    native.py: without one, Bullet ends the process).
 
     Raises:
         MissingExtra: pybullet is not installed.
@@ -63,10 +60,6 @@ class World:
             self._window = window
             self._make = BodyFactory(self._bullet, self._client)
             self._build(scene)
-
-    def __enter__(self) -> "World":
-        """Use it in a with statement."""
-        return self
 
     def __exit__(self, *_: object) -> None:
         """Disconnect from the engine."""

@@ -1,4 +1,4 @@
-"""What the physics tests share: worlds in the engine, without a bus and without a wall clock."""
+"""Fixtures of the physics tests: worlds in the engine, without a bus and without a wall clock."""
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack

@@ -1,4 +1,4 @@
-"""What a bumper tells: who is touched, where and how hard; nothing while there is nothing."""
+"""A bumper's contacts: the body, the place and the force; none without a contact."""
 
 import math
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What an inertial sensor feels: gravity, the motors, and the circle. m/s^2, rad/s, metres."""
+"""An inertial sensor measures gravity, the motors, and the circle. m/s^2, rad/s, metres."""
 
 import math
 from collections.abc import Callable

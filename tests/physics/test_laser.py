@@ -1,4 +1,4 @@
-"""What a laser measures: known distances to walls and things. Metres and radians."""
+"""A laser measures known distances to walls and things. Metres and radians."""
 
 import math
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What a running simulation publishes: topics, rates, frames, stamps and values."""
+"""The messages of a running simulation: topics, rates, frames, stamps and values."""
 
 import math
 from collections import Counter

@@ -1,4 +1,4 @@
-"""Who starts inside something else is told before anything runs: ``run sim --check``. Metres."""
+"""Bodies that start inside another one are reported by ``run sim --check``. Metres."""
 
 import sys
 from pathlib import Path

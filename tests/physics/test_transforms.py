@@ -1,4 +1,4 @@
-"""Where /tf says that frames are, and that odometry and the sensors' own headers agree."""
+"""The frames in /tf agree with odometry and the sensors' own headers."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -69,7 +69,7 @@ def simulate(start: Start, lcmtools_path: str, tmp_path: Path) -> Start:
 
 @pytest.fixture
 def published(lcmtools: Run) -> Callable[[], dict[str, int]]:
-    """How many messages the simulator has published on each topic."""
+    """The number of messages that the simulator has published on each topic."""
 
     def count() -> dict[str, int]:
         (described,) = json.loads(lcmtools("node", "info", "/yard", "--json").stdout)
@@ -156,7 +156,7 @@ def test_who_listens_when_steps_are_asked_for_hears_each_of_them(
 
 
 def _stands_still(published: Callable[[], dict[str, int]]) -> bool:
-    """Whether the pictures stay as many while the clock goes on."""
+    """Return whether no picture is published while the clock goes on."""
     first = published()
     deadline = time.monotonic() + 40
     while (second := published())["/clock"] < first["/clock"] + 50:

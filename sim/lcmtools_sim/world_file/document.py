@@ -133,7 +133,7 @@ class Item:
 
 
 def load(text: str, source: str, name: str) -> Item:
-    """Return the root of a YAML document; ``name`` is what errors call it.
+    """Return the root of a YAML document; errors name it ``name``.
 
     Raises:
         InvalidFile: The text is no YAML, or holds no or several documents.

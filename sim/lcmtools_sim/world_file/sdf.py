@@ -43,12 +43,9 @@ class SdfContents:
 
 
 def read_sdf(text: str, source: str, pose: Pose | None = None) -> SdfContents:
-    """Read an SDF file's text; ``source`` is its name, for messages and for files beside it.
+    """Read an SDF file's text, at a pose of its origin in the world.
 
-    Args:
-        text: The file's.
-        source: Its path.
-        pose: Of its origin in the world.
+    ``source`` is its path, for messages and for files beside it.
 
     Raises:
         InvalidFile: Anything is wrong with it, with file, line and reason.
@@ -104,11 +101,7 @@ class _Model:
 
 
 class _Reader:
-    """Reads a file and its includes.
-
-    Args:
-        opened: The files that are being read, the outermost first.
-    """
+    """Reads a file and its includes; ``opened`` are the files being read, the outermost first."""
 
     def __init__(self, opened: list[Path]) -> None:
         self.links: list[SdfLink] = []

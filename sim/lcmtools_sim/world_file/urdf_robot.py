@@ -175,11 +175,7 @@ def _body(
 ) -> Body:
     """The body of all links together.
 
-    Args:
-        urdf: The robot.
-        contacts: (x, y) of its wheels' contacts with the ground, about ``middle`` [m].
-        middle: Of the wheels, on the ground, in base_link.
-        radius: Of the wheels [m].
+    ``middle`` is that of the wheels, on the ground, in base_link; ``contacts`` are about it [m].
     """
     inertials = [link.inertial for link in urdf.links.values() if link.inertial]
     mass, centre = centre_of_mass(inertials)
@@ -219,11 +215,7 @@ def _lowest(part: Part) -> float:
 
 
 def _lifted(urdf: Urdf, name: str, part: Part) -> Part:
-    """A part in base_footprint, lifted off the ground.
-
-    Raises:
-        InvalidFile: It reaches far below the wheels.
-    """
+    """A part in base_footprint, lifted off the ground; refused if it reaches far below it."""
     lowest = _lowest(part)
     if lowest < -_DEEPEST:
         raise urdf.links[name].element.error(

@@ -1,4 +1,4 @@
-"""What the simulator says of itself to the bus, and how it takes commands from it."""
+"""The simulator's messages to the bus, and the commands from it."""
 
 import math
 from collections.abc import Callable
@@ -32,7 +32,7 @@ class FakePublisher:
 
 @dataclass
 class FakeSubscription:
-    """What was subscribed to."""
+    """A subscription."""
 
     types: tuple[type[Message], ...]
     callback: Callable[[Message], None]
@@ -79,11 +79,11 @@ class FakeNode:
         self.warnings.append(text)
 
     def subscribed_topics(self) -> frozenset[str]:
-        """What the test says."""
+        """The test's value."""
         return self.heard
 
     def has_plain_listeners(self, *, at_once: bool = False) -> bool:
-        """What the test says."""
+        """The test's value."""
         return self.overheard or (at_once and self.overheard_of_late)
 
 
@@ -109,7 +109,7 @@ class FakeSimulation:
 
     @property
     def publishes_clock(self) -> bool:
-        """Whether it was told so."""
+        """The value that was set."""
         return self.interest("/clock") is not Subscribers.NONE
 
     def tick(self) -> Sample:

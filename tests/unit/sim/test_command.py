@@ -1,4 +1,4 @@
-"""What JointState and Twist ask of a Husky, and what is refused."""
+"""JointState and Twist as commands of a Husky, and those that are refused."""
 
 import math
 from collections.abc import Sequence

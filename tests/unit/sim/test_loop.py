@@ -18,7 +18,7 @@ class Steps:
         self.scene = Scene("counted")
 
     def is_open(self) -> bool:
-        """Whether its window is there."""
+        """The test's value."""
         return self.open
 
     def step(self) -> list[Sample]:
@@ -29,7 +29,7 @@ class Steps:
 
 
 class Log:
-    """Surroundings that write down what they are asked for."""
+    """A context that records its calls."""
 
     def __init__(self) -> None:
         self.lines: list[str] = []

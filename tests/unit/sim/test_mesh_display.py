@@ -1,4 +1,4 @@
-"""What is seen of a robot goes with it, and its wheels rotate as its motors do. Metres, radians."""
+"""The meshes of a robot follow it, and its wheels turn with its motors. Metres, radians."""
 
 import math
 from itertools import count
@@ -33,7 +33,7 @@ class Engine:
         return number
 
     def of(self, mesh: Mesh) -> tuple[Vector, Quaternion]:
-        """Where the last body of a look is."""
+        """The pose of the last body with a look."""
         return self.poses[self.looks[mesh.file]]
 
     def getBasePositionAndOrientation(self, body: int, _: int) -> tuple[Vector, Quaternion]:  # noqa: N802

@@ -1,4 +1,4 @@
-"""What is in the picture of a whole world."""
+"""The picture of a whole world."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What a world file is told about that is no mistake."""
+"""Notes on world files that are no errors."""
 
 from lcmtools_sim.world_file import read_scene
 
