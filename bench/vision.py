@@ -77,6 +77,13 @@ def engine() -> int:
     return client
 
 
+def frustum(camera: Camera, near: float) -> tuple[float, float, float, float]:
+    """The picture's edges at distance ``near`` [m], as OpenGL's glFrustum takes them (y up)."""
+    half_width = near * camera.width / 2 / camera.focal_length
+    half_height = near * camera.height / 2 / camera.focal_length
+    return -half_width, half_width, -half_height, half_height
+
+
 def engine_picture(client: int, camera: Camera, yaw: float) -> object:
     """The picture of the engine's renderer."""
     ahead = EYE[0] + math.cos(yaw), EYE[1] + math.sin(yaw), EYE[2]
@@ -84,7 +91,7 @@ def engine_picture(client: int, camera: Camera, yaw: float) -> object:
         camera.width,
         camera.height,
         pybullet.computeViewMatrix(EYE, ahead, (0, 0, 1)),
-        pybullet.computeProjectionMatrix(*camera.frustum(0.05), 0.05, 100.0),
+        pybullet.computeProjectionMatrix(*frustum(camera, 0.05), 0.05, 100.0),
         shadow=0,
         renderer=pybullet.ER_TINY_RENDERER,
         physicsClientId=client,

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from lcmtools.types.sensor_msgs import CameraInfo
 from lcmtools_sim.geometry import Quaternion, multiply
@@ -62,31 +61,6 @@ class Camera:
             (np.arange(self.width, dtype=np.float64) - column) / self.focal_length,
             (np.arange(self.height, dtype=np.float64) - row) / self.focal_length,
         )
-
-    def rays(self) -> Floats:
-        """Every pixel's ray in the optical frame, its z being 1: (height, width, 3)."""
-        x, y = self.slopes()
-        return np.stack(np.broadcast_arrays(x, y[:, None], 1.0), axis=-1)
-
-    def project(self, points: npt.ArrayLike) -> Floats:
-        """Columns and rows (..., 2) of points (..., 3) [m] of the optical frame.
-
-        NaN for a point that is not in front of the camera.
-        """
-        x, y, z = np.moveaxis(np.asarray(points, np.float64), -1, 0)
-        forward = np.where(z > 0, z, np.nan)
-        slopes = np.stack((x / forward, y / forward), axis=-1)
-        pixels: Floats = slopes * self.focal_length + np.array(self.centre)
-        return pixels
-
-    def frustum(self, near: float) -> tuple[float, float, float, float]:
-        """The picture's edges at distance ``near`` [m]: left, right, bottom, top.
-
-        As OpenGL's glFrustum takes it (y up): another renderer then has exactly the same pixels.
-        """
-        half_width = near * self.width / 2 / self.focal_length
-        half_height = near * self.height / 2 / self.focal_length
-        return -half_width, half_width, -half_height, half_height
 
     def info(self) -> CameraInfo:
         """The sensor_msgs/CameraInfo of every picture; its header is empty."""

@@ -80,13 +80,6 @@ def png_file(picture: Pixels | npt.NDArray[np.uint16]) -> bytes:
     return file.getvalue()
 
 
-def points(depth: Floats32, camera: Camera, near: float, far: float) -> Floats32:
-    """Each pixel's point: (height, width, 3) [m], NaN outside of ``near`` to ``far``."""
-    result = np.empty((*depth.shape, 3), np.float32)
-    _fill(result, in_metres(depth, near, far), camera)
-    return result
-
-
 def cloud_message(
     depth: Floats32, camera: Camera, near: float, far: float, color: Pixels | None = None
 ) -> PointCloud2:

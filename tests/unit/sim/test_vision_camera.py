@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from fixtures.plain_rays import project, rays_of
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -58,14 +59,10 @@ def test_the_optical_rotation_is_the_cameras_times_the_fixed_one(
 def test_every_ray_projects_to_its_own_pixel() -> None:
     rows, columns = np.mgrid[: KINECT.height, : KINECT.width]
 
-    pixels = KINECT.project(KINECT.rays() * 3.7)
+    pixels = project(KINECT, rays_of(KINECT) * 3.7)
 
     np.testing.assert_allclose(pixels[..., 0], columns, atol=1e-9)
     np.testing.assert_allclose(pixels[..., 1], rows, atol=1e-9)
-
-
-def test_a_point_behind_projects_nowhere() -> None:
-    assert np.isnan(KINECT.project([(0.1, 0.2, -1), (0.1, 0.2, 0)])).all()
 
 
 def test_camera_info_is_that_of_a_centred_pinhole() -> None:
@@ -96,13 +93,3 @@ def test_camera_info_says_at_which_pixel_a_point_is_seen(
     if 12 < u / w < 307 and 12 < v / w < 227:  # all of the ball in the picture
         assert columns.mean() == pytest.approx(u / w, abs=0.5)
         assert rows.mean() == pytest.approx(v / w, abs=0.5)
-
-
-@pytest.mark.parametrize(("width", "height"), [(640, 480), (161, 121), (1, 1)])
-def test_the_frustum_ends_at_the_outer_edges_of_the_outer_pixels(width: int, height: int) -> None:
-    camera = Camera(width, height, 1.0)
-    left, right, bottom, top = camera.frustum(0.1)
-
-    corners = camera.project([(left, -top, 0.1), (right, -bottom, 0.1)])
-
-    np.testing.assert_allclose(corners, [(-0.5, -0.5), (width - 0.5, height - 0.5)], atol=1e-9)

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from fixtures.plain_rays import project
 
 from lcmtools_sim.geometry import from_euler
 from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Sphere
@@ -58,7 +59,7 @@ def test_the_faces_of_a_box_differ_and_each_is_even() -> None:
 def test_a_ball_is_brightest_where_it_faces_the_sun() -> None:
     sight = sight_of(Part(Sphere(0.5), (3, 0, 0.3), color=RED))
     red = np.where(sight.solid == 0, color_image(sight)[:, :, 0], 0).astype(float)
-    toward = CAMERA.project((-0.5 * SUN[1], -0.5 * SUN[2], 3 + 0.5 * SUN[0]))
+    toward = project(CAMERA, (-0.5 * SUN[1], -0.5 * SUN[2], 3 + 0.5 * SUN[0]))
 
     row, column = np.unravel_index(red.argmax(), red.shape)
 

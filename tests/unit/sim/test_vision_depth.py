@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from fixtures.plain_rays import cast
+from fixtures.plain_rays import cast, project, rays_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -30,7 +30,7 @@ def truth(
     solids: Solids, camera: Camera, eye: Vector, rotation: Quaternion, far: float = np.inf
 ) -> Floats:
     """The depth by float64 rays, one a pixel."""
-    rays = camera.rays().reshape(-1, 3)
+    rays = rays_of(camera).reshape(-1, 3)
     distances = cast(solids, eye, rays @ matrix(rotation).T)
     depth = (distances / np.linalg.norm(rays, axis=1)).reshape(camera.height, camera.width)
     return np.where(depth <= far, depth, np.inf)
@@ -77,8 +77,8 @@ def test_the_floor_is_not_seen_from_below() -> None:
 
 def test_a_box_covers_the_pixels_between_its_projected_corners() -> None:
     box = Part(Cuboid((1, 0.8, 0.4)), (2.5, 0.3, 0.3))
-    left, right = CAMERA.project([(-0.7, 0, 2), (0.1, 0, 2)])[:, 0]
-    top, bottom = CAMERA.project([(0, -0.2, 2), (0, 0.2, 2)])[:, 1]
+    left, right = project(CAMERA, [(-0.7, 0, 2), (0.1, 0, 2)])[:, 0]
+    top, bottom = project(CAMERA, [(0, -0.2, 2), (0, 0.2, 2)])[:, 1]
 
     rows, columns = np.nonzero(np.isfinite(depth_of(box)))
 
