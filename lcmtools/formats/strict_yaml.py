@@ -34,28 +34,24 @@ class Node:
     Attributes:
         value: Text as written, bytes (``!!binary``), a list, or a mapping by keys.
         line: The line in which it begins, from 1.
-        column: The character of that line, from 1.
         key_line: The line of its key in a mapping; else its own.
         is_quoted: True for text that was quoted, a block, or tagged ``!!str``.
+        weight: Number of values in it, those that aliases repeat counted.
     """
 
-    __slots__ = ("column", "is_quoted", "key_line", "line", "value", "weight")
-
-    value: "str | bytes | list[Node] | dict[str, Node]"
+    __slots__ = ("is_quoted", "key_line", "line", "value", "weight")
 
     def __init__(
         self,
         value: "str | bytes | list[Node] | dict[str, Node]",
         line: int = 1,
-        column: int = 1,
         *,
         is_quoted: bool = False,
     ) -> None:
         self.value = value
         self.line = self.key_line = line
-        self.column = column
         self.is_quoted = is_quoted
-        self.weight = 1  # values in it, those that aliases repeat counted
+        self.weight = 1
 
     @property
     def is_nothing(self) -> bool:
@@ -65,8 +61,8 @@ class Node:
     def plain(self) -> Plain:
         """Return the value without places; None for nothing."""
         value = self.value
-        if self.is_nothing:
-            return None
+        if isinstance(value, str):
+            return value if self.is_quoted or value not in _NULLS else None
         if isinstance(value, list):
             return [node.plain() for node in value]
         if isinstance(value, dict):
@@ -116,6 +112,9 @@ class _Tree:
     """The nodes of one document while its events come in."""
 
     def __init__(self) -> None:
+        import yaml
+
+        self._yaml = yaml
         self.root: Node | None = None
         self._open: list[tuple[Node, str | None]] = []  # collections, each with its anchor
         self._keys: list[tuple[str, int] | None] = []  # of the open ones: the key that has come
@@ -128,8 +127,7 @@ class _Tree:
         Raises:
             BadYaml: It does not belong there.
         """
-        import yaml
-
+        yaml = self._yaml
         if isinstance(event, yaml.ScalarEvent):
             if self._wants_key():
                 self._set_key(event, event.value)
@@ -152,7 +150,7 @@ class _Tree:
             raise _bad(event, f"nested more than {DEEPEST} levels deep")
         if event.tag not in _COLLECTION_TAGS:
             raise _unknown_tag(event)
-        self._open.append((_placed(event, value), event.anchor))
+        self._open.append((Node(value, _line(event)), event.anchor))
         self._keys.append(None)
 
     def _take_alias(self, event: "yaml.AliasEvent") -> None:
@@ -165,7 +163,7 @@ class _Tree:
         if self._wants_key():
             self._set_key(event, known.plain())
             return
-        node = Node(known.value, known.line, known.column, is_quoted=known.is_quoted)
+        node = Node(known.value, known.line, is_quoted=known.is_quoted)
         node.weight = known.weight
         self._add(node, None)
 
@@ -181,7 +179,7 @@ class _Tree:
             raise _bad(event, f"'{key}' is given twice", "leave one of them out")
         if key == "<<":
             raise _bad(event, "'<<' does not take in other keys here", "write them out")
-        self._keys[-1] = (key, event.start_mark.line + 1 if event.start_mark else 1)
+        self._keys[-1] = (key, _line(event))
 
     def _add(self, node: Node, anchor: str | None) -> None:
         if anchor:
@@ -191,21 +189,22 @@ class _Tree:
             return
         collection = self._open[-1][0]
         collection.weight += node.weight
-        if isinstance(collection.value, list):
-            collection.value.append(node)
-        elif (key := self._keys[-1]) and isinstance(collection.value, dict):
-            collection.value[key[0]], node.key_line = node, key[1]
+        value, key = collection.value, self._keys[-1]
+        if isinstance(value, list):
+            value.append(node)
+        elif key and isinstance(value, dict):
+            value[key[0]], node.key_line = node, key[1]
             self._keys[-1] = None
 
 
 def _scalar(event: "yaml.ScalarEvent") -> Node:
     plain = event.implicit[0]
     if plain or event.tag in _TEXT_TAGS:
-        return _placed(event, event.value, is_quoted=not plain and event.tag is None)
+        return Node(event.value, _line(event), is_quoted=not plain and event.tag is None)
     if event.tag in ("!", f"{_TAG}str"):
-        return _placed(event, event.value, is_quoted=True)
+        return Node(event.value, _line(event), is_quoted=True)
     if event.tag == f"{_TAG}binary":
-        return _placed(event, _binary(event))
+        return Node(_binary(event), _line(event))
     raise _unknown_tag(event)
 
 
@@ -222,15 +221,9 @@ def _binary(event: "yaml.ScalarEvent") -> bytes:
     return data
 
 
-def _placed(
-    event: "yaml.NodeEvent",
-    value: "str | bytes | list[Node] | dict[str, Node]",
-    *,
-    is_quoted: bool = False,
-) -> Node:
+def _line(event: "yaml.NodeEvent") -> int:
     mark = event.start_mark
-    place = (mark.line + 1, mark.column + 1) if mark else (1, 1)
-    return Node(value, *place, is_quoted=is_quoted)
+    return mark.line + 1 if mark else 1
 
 
 def _bad(event: "yaml.Event", problem: str, hint: str = "") -> BadYaml:

@@ -14,14 +14,16 @@ _NO_COMMA = "did not find expected ','"
 _IN_BRACKETS = (_NO_COMMA, "did not find expected node content")
 
 
-class _Mark(Protocol):
+class Mark(Protocol):
     """A place in the text, as the YAML library has it; both count from 0."""
 
     @property
-    def line(self) -> int: ...
+    def line(self) -> int:
+        """The line."""
 
     @property
-    def column(self) -> int: ...
+    def column(self) -> int:
+        """The character in it."""
 
 
 class BadYaml(ValueError):  # noqa: N818 - named for what happened, as in errors.py
@@ -39,7 +41,7 @@ class BadYaml(ValueError):  # noqa: N818 - named for what happened, as in errors
         self.problem, self.line, self.column, self.hint = problem, line, column, hint
 
     @classmethod
-    def at(cls, mark: _Mark | None, problem: str, hint: str = "") -> "BadYaml":
+    def at(cls, mark: Mark | None, problem: str, hint: str = "") -> "BadYaml":
         """Return the error for a place of the YAML library."""
         line, column = (mark.line + 1, mark.column + 1) if mark else (0, 0)
         return cls(problem, line, column, hint)
@@ -76,7 +78,7 @@ def forbidden_character(text: str) -> BadYaml:
     return BadYaml(f"the character U+{ord(match[0]):04X} is not allowed", line, column)
 
 
-def _reworded(problem: str, mark: _Mark | None, text: str) -> BadYaml:
+def _reworded(problem: str, mark: Mark | None, text: str) -> BadYaml:
     lines = text.split("\n")
     line = lines[mark.line] if mark and mark.line < len(lines) else ""
     at = line[mark.column : mark.column + 1] if mark else ""
@@ -94,7 +96,7 @@ def _reworded(problem: str, mark: _Mark | None, text: str) -> BadYaml:
     return BadYaml.at(mark, problem, hint)
 
 
-def _nesting_hint(mark: _Mark | None) -> str:
+def _nesting_hint(mark: Mark | None) -> str:
     """Return the hint for "linear: x: 1", and for text as "note: this"."""
     if mark and mark.line:
         return "indent the keys of one entry alike"
