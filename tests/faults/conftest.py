@@ -6,6 +6,7 @@ pytest prints how many were planted, found and false.
 
 A fault is planted by real processes (``World``) and looked for by ``world.finds(rule, who...)``;
 what the finding says is done (``world.obey``), and ``world.is_silent()`` closes the test.
+Every look counts: there is no second one.
 """
 
 import json
@@ -31,8 +32,6 @@ from lcmtools.graph.model import Graph
 _PACKAGES = Path(sysconfig.get_path("purelib"))
 _HERE = Path(__file__).parent
 _SEVERITIES = ("note", "warning", "error")
-_LATE = 0.03
-"""Where anybody has waited so long for a processor [s], a system may look otherwise than it is."""
 _LOOP = """
 import math, sys, time, lcm
 from lcmtools.types.geometry_msgs import *
@@ -81,20 +80,13 @@ class Found:
 
     @property
     def variables(self) -> dict[str, str]:
-        """The variables (NAME=VALUE) that the remedies say to set."""
-        text = "\n".join(self.remedies)
-        pairs = re.findall(r"\b([A-Z_]{4,})=('[^']*'|\S+)", text)
-        return {name: value.strip("'") for name, value in pairs}
+        """The variables that the remedies set."""
+        return {one["variable"]: one["value"] for one in self.actions if "variable" in one}
 
     @property
     def commands(self) -> list[str]:
-        """The commands that the remedies name: in brackets, after a colon, or alone."""
-        found = []
-        for remedy in self.remedies:
-            known = r"(?:sudo|kill|lcmtools|export|ip|ss|end)\b"
-            found += re.findall(rf"\(({known}[^)]*)\)", remedy)
-            found += re.findall(rf"(?:^|: )({known}.*)$", remedy)
-        return [command.replace("sudo ", "") for command in found]
+        """The commands in the remedies, as root types them."""
+        return [word.replace("sudo ", "") for one in self.actions for word in one["commands"]]
 
 
 class World:
@@ -197,12 +189,16 @@ class World:
         return program
 
     def obey(self, found: Found) -> None:
-        """Do what the remedies say that can be typed: start nodes otherwise, run commands."""
-        start = r"start (/\S+) (?:with (\S+)(?: in place of (\S+))?|without (\S+))"
-        orders = {match.groups() for one in found.remedies for match in re.finditer(start, one)}
-        for name, argument, replaced, omitted in orders:
-            added = [argument] if argument else []
-            self.again(self.of_node(name), *added, without=replaced or omitted or "")
+        """Do what the remedies say: start nodes otherwise, run commands."""
+        orders = {}
+        for action in found.actions:
+            kind, without = action["kind"], action.get("argument", "")
+            added = f"__ns:={action['namespace']}" if kind == "namespace" else ""
+            added = f"{action['old']}:={action['new']}" if "old" in action else added
+            if added or kind == "drop-remap":
+                orders[action["node"], added, without] = None
+        for name, added, without in orders:
+            self.again(self.of_node(name), *filter(None, [added]), without=without)
         for command in found.commands:
             self.type(command)
 
@@ -305,10 +301,7 @@ class World:
         """Let wtf name this fault, with all of ``who`` in it, and nothing else."""
         self.planted += 1
         texts = [str(text) for text in who]
-        found = self._look_in_peace(
-            lambda found: [one.rule for one in found] == [rule] and not _missing(found, texts),
-            **options,
-        )
+        found = self.look(**options)
         self.alarms += sum(one.rule != rule for one in found)
         named = [one for one in found if one.rule == rule]
         missing = _missing(named, texts)
@@ -320,34 +313,9 @@ class World:
     def is_silent(self, **options: Any) -> None:
         """Let wtf find nothing at all."""
         self.looks += 1
-        found = self._look_in_peace(lambda found: not found, **options)
+        found = self.look(**options)
         self.alarms += len(found)
         assert found == [], _told(found)
-
-    def _look_in_peace(
-        self, is_right: Callable[[Sequence[Found]], bool], **options: Any
-    ) -> Sequence[Found]:
-        """What wtf finds; where it is not right and the system had no processor, once more.
-
-        A talker that a busy computer has kept waiting is late indeed, and wtf is right to say so.
-        """
-        found: Sequence[Found] = ()
-        for _ in range(4):
-            before = self._denied()
-            found = self.look(**options)
-            late = [end - before.get(thread, 0.0) for thread, end in self._denied().items()]
-            if is_right(found) or max(late, default=0.0) < _LATE:
-                break
-        return found
-
-    def _denied(self) -> dict[str, float]:
-        """How long each thread of the system has waited for a processor so far [s]."""
-        found = {}
-        for pid in (*self._programs, os.getpid()):
-            for file in Path(f"/proc/{pid}/task").glob("*/schedstat"):
-                with suppress(OSError):  # ended meanwhile
-                    found[str(file)] = int(file.read_text().split()[1]) / 1e9
-        return found
 
 
 def _missing(found: Sequence[Found], texts: Sequence[str]) -> list[str]:

@@ -2,33 +2,21 @@
 
 from typing import Any
 
-import pytest
-
 TWIST = "2e7c07d7cdf7e027"  # the fingerprint of geometry_msgs/Twist
 STEER = ("pub", "-r", "10")
 
 
-def test_talker_and_listener(world: Any) -> None:
+def test_talker_and_listener_and_commands_that_look_on(world: Any) -> None:
     world.node("talker")
     world.node("listener")
-    world.is_silent(wait="1s")
+    world.tool("echo", "/chatter")
+    world.tool("hz", "/chatter")
     world.is_silent(wait="2s")
 
 
-def test_talkers_in_namespaces(world: Any) -> None:
-    for space in ("/a", "/b"):
-        world.node("talker", f"__ns:={space}")
-        world.node("listener", f"__ns:={space}")
-    world.is_silent()
-
-
-def test_plain_python_programs(world: Any) -> None:
+def test_programs_of_the_lcm_package(world: Any) -> None:
     world.hears("A", "B")
     world.sends("bus.publish('A', Twist().encode()); bus.publish('B', b'no message of LCM')")
-    world.is_silent(wait="1s")
-
-
-def test_programs_of_the_lcm_package(world: Any) -> None:
     world.lcm("lcm-sink")
     world.lcm("lcm-logger", "-q", "a.log")
     world.lcm("lcm-source")
@@ -79,27 +67,6 @@ def test_the_pioneer_lab(world: Any) -> None:
     world.is_silent(wait="1s")
 
 
-def test_three_huskies(world: Any) -> None:
-    world.node("sim", "--world", "multi")
-    for number in range(3):
-        robot = f"/husky{number}"
-        world.node("simple_controller", f"__ns:={robot}", "controlled_velocity:=velocity_cmd")
-        world.tool(*STEER, f"{robot}/desired_velocity", "geometry_msgs/Twist", "{}")
-    world.is_silent(wait="1s")
-
-
-def test_an_empty_world(world: Any) -> None:
-    world.node("sim", "--world", "empty")
-    world.is_silent()
-
-
-@pytest.mark.parametrize("command", ["echo", "hz"])
-def test_a_command_that_looks_on(world: Any, command: str) -> None:
-    world.node("talker")
-    world.tool(command, "/chatter")
-    world.is_silent()
-
-
 def test_a_latched_message(world: Any) -> None:
     world.tool("pub", "/map", "std_msgs/String", "here").wait_for("latching")
     world.tool("echo", "/map")
@@ -111,10 +78,4 @@ def test_nodes_that_ended_as_they_should(world: Any) -> None:
     world.node("listener")
     world.end(talker)
     world.node("talker")
-    world.is_silent()
-
-
-def test_a_service_and_its_client(world: Any) -> None:
-    world.node("sim", "--world", "empty")
-    world.type("lcmtools sim state --json || true")
     world.is_silent()

@@ -1,14 +1,20 @@
-"""wtf, each rule provoked by real processes; and node cleanup, which mends one of them."""
+"""wtf on a bus and on saved evidence; and node cleanup, which mends one of its findings."""
 
 import json
-import os
 import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
+
+from lcmtools.doctor.evidence import Evidence, Listener, Oddity
+from lcmtools.doctor.saved import save
+from lcmtools.graph.model import Graph, Node
+from lcmtools.labs.nodes.simple_controller import SimpleController
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -43,84 +49,6 @@ def wtf(lcmtools: Run) -> Callable[[], tuple[int, str]]:
         return result.returncode, result.stdout
 
     return run
-
-
-def test_unconnected_subscriptions_are_listed_as_roswtf_does(
-    node: Callable[..., Any], wtf: Callable[[], tuple[int, str]]
-) -> None:
-    node("simple_controller")
-    code, text = wtf()
-    assert code == 1
-    assert text == (
-        "Found 1 warning(s).\n"
-        "Warnings are things that may be just fine, but are sometimes at fault\n"
-        "\n"
-        "WARNING The following node subscriptions are unconnected:\n"
-        " * /simple_controller:\n"
-        "   * /odometry\n"
-        "   * /desired_velocity\n"
-        "\n"
-        "Found 1 note(s).\n"
-        "Notes are seldom at fault\n"
-        "\n"
-        "NOTE The following node publications have no announced subscriber:\n"
-        " * /simple_controller:\n"
-        "   * /controlled_velocity\n"
-    )
-
-
-def test_subscription_is_connected_by_a_latching_pub(
-    node: Callable[..., Any],
-    start: Callable[..., Any],
-    wtf: Callable[[], tuple[int, str]],
-    lcmtools_path: str,
-) -> None:
-    node("listener")
-    pub = start(lcmtools_path, "pub", "/chatter", "std_msgs/String", "hi")
-    pub.wait_for("publishing and latching")
-    assert wtf() == (0, "No errors or warnings\n")
-
-
-def test_namespace_that_is_missing_is_proposed(
-    node: Callable[..., Any], wtf: Callable[[], tuple[int, str]]
-) -> None:
-    node("talker", "__ns:=/robot")
-    node("listener")
-    code, text = wtf()
-    assert code == 1
-    assert "\n * /listener:\n   * /chatter\n" in text
-    assert "   -> /robot/chatter is published: start /listener with __ns:=/robot\n" in text
-
-
-def test_types_that_do_not_match_are_an_error_with_both_ends(
-    node: Callable[..., Any],
-    start: Callable[..., Any],
-    wtf: Callable[[], tuple[int, str]],
-    lcmtools_path: str,
-) -> None:
-    node("listener")
-    pub = start(lcmtools_path, "pub", "/chatter", "std_msgs/Int32", "3", "__name:=wrong")
-    pub.wait_for("publishing and latching")
-    code, text = wtf()
-    assert code == 2
-    assert (
-        "ERROR The types on /chatter do not match:\n"
-        " * /wrong publishes std_msgs/Int32\n"
-        " * /listener expects std_msgs/String\n"
-        "   -> remap one of them to another topic, for example /chatter:=/chatter_2\n"
-    ) in text
-
-
-def test_two_nodes_of_one_name_are_an_error_with_their_processes(
-    node: Callable[..., Any], wtf: Callable[[], tuple[int, str]]
-) -> None:
-    first, second = node("talker"), node("talker")
-    code, text = wtf()
-    assert code == 2
-    assert "ERROR 2 nodes have the name /talker:\n" in text
-    assert f" * pid {first.pid} on " in text
-    assert f" * pid {second.pid} on " in text
-    assert "   -> end one of them, or start it with __name:=talker2\n" in text
 
 
 def test_killed_node_is_stale_until_it_is_cleaned_up(
@@ -182,77 +110,116 @@ def test_stopped_node_is_stale_until_it_goes_on(
     assert wtf()[0] == 0
 
 
-def test_killed_command_is_no_fault(
-    start: Callable[..., Any], wtf: Callable[[], tuple[int, str]], lcmtools_path: str
+CONTROLLER = (
+    "Found 1 warning(s).\n"
+    "Warnings are things that may be just fine, but are sometimes at fault\n"
+    "\n"
+    "WARNING The following node subscriptions are unconnected:\n"
+    " * /simple_controller:\n"
+    "   * /odometry\n"
+    "   * /desired_velocity\n"
+    "\n"
+    "Found 1 note(s).\n"
+    "Notes are seldom at fault\n"
+    "\n"
+    "NOTE The following node publications have no announced subscriber:\n"
+    " * /simple_controller:\n"
+    "   * /controlled_velocity\n"
+)
+
+
+def test_evidence_of_a_live_bus_is_judged_as_roswtf_lists_it_and_again_without_the_bus(
+    start_node: Callable[..., Any], cli: Callable[..., Any], tmp_path: Path
 ) -> None:
-    pub = start(lcmtools_path, "pub", "/a", "std_msgs/String", "x")
-    pub.wait_for("publishing and latching")
-    pub.send_signal(signal.SIGKILL)
-    pub.wait()
-    assert "do not answer" not in wtf()[1]
+    start_node(SimpleController)
+    options = ("--wait", "0.2s", "--ignore", "other-buses")
+    result = cli("wtf", "--save", str(tmp_path / "seen"), *options)
+    assert (result.code, result.out) == (1, CONTROLLER)
+    assert result.err == f"the evidence is in {tmp_path / 'seen'}\n"
+    no_bus = {"LCM_DEFAULT_URL": "udpm://no bus"}
+    again = cli("wtf", "--from", str(tmp_path / "seen"), *options, env=no_bus)
+    assert (again.code, again.out, again.err) == (1, CONTROLLER, "")
 
 
-def test_empty_bus_is_a_warning(wtf: Callable[[], tuple[int, str]], bus_url: str) -> None:
-    code, text = wtf()
-    assert code == 1
-    assert text.splitlines()[3:] == [
-        f"WARNING There are no nodes on {bus_url}, and nothing came in 0.2 s",
+@pytest.fixture
+def judge(cli: Callable[..., Any], tmp_path: Path) -> Callable[..., Any]:
+    """``judge(evidence, "--json")``: what wtf makes of saved evidence, without a bus."""
+
+    def run(evidence: Evidence, *options: str, command: str = "wtf") -> Any:
+        save(evidence, tmp_path / "evidence.json")
+        no_bus = {"LCM_DEFAULT_URL": "udpm://no bus"}
+        return cli(command, "--from", str(tmp_path / "evidence.json"), *options, env=no_bus)
+
+    return run
+
+
+EMPTY = Evidence("udpm://239.255.76.67:7667?ttl=0", listened=0.2)
+INFINITE = Oddity("not-finite", "/cmd", "driver.py (pid 7)", "linear.x is inf", 18)
+NODES = Graph((Node("/n", "n", "h", 1),))
+
+
+def test_an_empty_bus_is_a_warning_under_both_names(judge: Callable[..., Any]) -> None:
+    result = judge(EMPTY)
+    assert result.code == 1
+    assert result.out.splitlines()[3:] == [
+        "WARNING There are no nodes on udpm://239.255.76.67:7667?ttl=0, and nothing came in 0.2 s",
         "   -> start something, for example: lcmtools run talker",
         (
             "   -> if it runs already, it is on another bus: compare LCM_DEFAULT_URL and"
             " LCMTOOLS_DOMAIN in both shells"
         ),
     ]
+    assert judge(EMPTY, command="doctor") == result
 
 
-def test_json_has_rule_severity_items_and_remedies(node: Callable[..., Any], lcmtools: Run) -> None:
-    listener = node("listener")
-    result = lcmtools("wtf", "--json", "--wait", "0.2s", "--ignore", "other-buses")
-    assert result.returncode == 1
-    (finding,) = json.loads(result.stdout)
-    pid = finding["subjects"][0].pop("pid")
-    assert finding == {
-        "rule": "unconnected-subscriptions",
-        "severity": "warning",
-        "text": "The following node subscriptions are unconnected:",
-        "items": ["/listener:", "/chatter"],
-        "remedies": [],
-        "subjects": [
-            {"kind": "node", "name": "/listener", "address": finding["subjects"][0]["address"]},
-            {"kind": "topic", "name": "/chatter", "pid": None, "address": None},
-        ],
-        "values": {"kind": "unconnected-subscriptions"},
-        "facts": [{"kind": "node-topics", "node": "/listener", "topics": ["/chatter"]}],
-        "actions": [],
-    }
-    assert pid == listener.pid
+def test_json_has_each_finding_in_words_and_as_data(judge: Callable[..., Any]) -> None:
+    stopped = Listener("sink (pid 7)", 7, 0, state="T")
+    result = judge(replace(EMPTY, graph=NODES, listeners=(stopped,)), "--json")
+    assert result.code == 1
+    assert json.loads(result.out) == [
+        {
+            "rule": "stuck-listeners",
+            "severity": "warning",
+            "text": "The following listen, but do not read:",
+            "items": ["sink (pid 7): it is stopped"],
+            "remedies": ["wake it (kill -CONT 7) or end it (kill 7)"],
+            "subjects": [{"kind": "listener", "name": "sink (pid 7)", "pid": 7, "address": None}],
+            "values": {"kind": "stuck-listeners"},
+            "facts": [{"kind": "stopped", "listener": "sink (pid 7)", "queued_bytes": 0}],
+            "actions": [
+                {
+                    "kind": "wake-or-end",
+                    "pid": 7,
+                    "text": "wake it (kill -CONT 7) or end it (kill 7)",
+                    "commands": ["kill -CONT 7", "kill 7"],
+                }
+            ],
+        }
+    ]
 
 
-def test_doctor_is_wtf(lcmtools: Run) -> None:
-    ask = ("--wait", "0.1s", "--ignore", "other-buses")
-    assert lcmtools("doctor", *ask).stdout == lcmtools("wtf", *ask).stdout
-    assert os.environ["LCM_DEFAULT_URL"] in lcmtools("doctor", *ask).stdout
+def test_only_one_rule_or_not_another(judge: Callable[..., Any]) -> None:
+    evidence = replace(EMPTY, graph=NODES, oddities=(INFINITE,))
+    result = judge(evidence, "--rule", "not-finite", "--rule", "loss")
+    assert result.code == 1
+    assert result.out.endswith(
+        "WARNING Numbers that are published are not finite:\n"
+        " * /cmd from driver.py (pid 7): linear.x is inf (18 messages)\n"
+        "   -> print the values where the node computes them\n"
+    )
+    assert judge(evidence, "--ignore", "not-finite").out == "No errors or warnings\n"
 
 
-_NAN = """
-import time, lcm
-from lcmtools.types.geometry_msgs import Twist
-bus, message = lcm.LCM(), Twist()
-message.linear.x = float("inf")
-while True:
-    bus.publish("/cmd", message.encode())
-    print("sends", flush=True)
-    time.sleep(0.02)
-"""
-
-
-def test_only_one_rule_or_not_another(start_python: Callable[..., Any], lcmtools: Run) -> None:
-    start_python(_NAN).wait_for("sends")
-    result = lcmtools("wtf", "--wait", "0.3s", "--rule", "not-finite", "--rule", "loss")
-    assert result.returncode == 1
-    assert "WARNING Numbers that are published are not finite:\n * /cmd from " in result.stdout
-    result = lcmtools("wtf", "--json", "--wait", "0.3s", "--ignore", "not-finite")
-    assert "not-finite" not in result.stdout
+def test_evidence_that_is_none_costs_one_line(cli: Callable[..., Any], tmp_path: Path) -> None:
+    file = tmp_path / "some.json"
+    file.write_text("{}")
+    result = cli("wtf", "--from", str(file))
+    assert (result.code, result.out) == (1, "")
+    assert result.err == (
+        f"lcmtools wtf: {file} holds no evidence that wtf can judge: it is other JSON\n"
+    )
+    result = cli("wtf", "--watch", "--from", str(file))
+    assert (result.code, result.out) == (2, "")
 
 
 def test_rules_are_listed_and_explained(lcmtools: Run) -> None:

@@ -80,24 +80,6 @@ def test_a_callback_that_loses_messages_is_told_with_its_time(
     )
 
 
-def test_a_callback_that_takes_too_long_is_told_before_it_loses_any(
-    start_python: Start, findings: Findings
-) -> None:
-    start_python(_NODE, "100000", "0.2", "0").wait_for("hears")
-    found = findings()
-    assert list(found) == ["slow-callbacks"]
-    (row,) = found["slow-callbacks"]["items"]
-    assert re.fullmatch(
-        r"/ear, /chatter: its callback takes \d{3} ms, messages come every \d+ ms", row
-    )
-
-
-def test_a_timer_that_never_ends_is_told(start_python: Start, findings: Findings) -> None:
-    start_python(_NODE, "100000", "0", "1000").wait_for("works")
-    (row,) = findings()["slow-callbacks"]["items"]
-    assert row == "/ear is in its callbacks 100 % of the time, most in the timers"
-
-
 def test_a_node_that_does_not_spin_is_told(
     start_python: Start, findings: Findings, wait_until: Callable[..., None]
 ) -> None:
@@ -107,14 +89,6 @@ def test_a_node_that_does_not_spin_is_told(
     assert list(found) == ["queue-drops"]
     assert found["queue-drops"]["items"][0].endswith("(depth 3): no callback has run")
     assert "spin" in found["queue-drops"]["remedies"][0]
-
-
-@pytest.mark.parametrize(("depth", "callback"), [("10", "0.002"), ("1", "0.2")])
-def test_who_keeps_up_and_who_wants_the_newest_only_is_no_finding(
-    start_python: Start, findings: Findings, depth: str, callback: str
-) -> None:
-    start_python(_NODE, depth, callback, "0").wait_for("hears")
-    assert findings() == {}
 
 
 def test_info_shows_how_long_callbacks_take(start_python: Start, lcmtools: Run) -> None:

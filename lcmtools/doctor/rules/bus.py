@@ -193,4 +193,8 @@ def the_bus_is_ones_own(evidence: Evidence) -> Iterator[Finding]:
             )
             for uid, subjects in sorted(programs.items())
         )
-        yield Finding(state("other-users"), tuple(facts), (state("own-domain"),))
+        yield Finding(
+            state("other-users"),
+            tuple(facts),
+            (state("own-domain", variable="LCMTOOLS_DOMAIN", value="1"),),
+        )

@@ -3,11 +3,11 @@
 from dataclasses import replace
 
 import pytest
-from fixtures.judging import judge
+from fixtures.judging import Judged, judge
 
 from lcmtools.doctor.evidence import Evidence, Stream
 from lcmtools.doctor.renaming import are_near
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.wire.packet import Sender
 
 TWIST = (0x2E7C07D7CDF7E027,)
@@ -187,3 +187,77 @@ def test_a_program_that_is_no_node_is_told_where_to_publish(channel: str, remedy
     evidence = Evidence("udpm://", graph=Graph((ear,), (traffic,)), streams=streams)
     found = {finding.rule: finding for finding in judge(evidence)}
     assert found["unconnected-subscriptions"].remedies == (remedy,)
+
+
+def said_of(*nodes: Node, **evidence: object) -> dict[str, Judged]:
+    found = Evidence("udpm://", graph=Graph(nodes), **evidence)  # type: ignore[arg-type]
+    return {finding.rule: finding for finding in judge(found)}
+
+
+def test_a_plain_program_in_a_namespace_moves_the_node_there() -> None:
+    sender = Sender("127.0.0.1", 4000)
+    traffic = (Traffic("/robot/cmd_vel", sender, TWIST, 5, 50, 1, 2),)
+    driver = node("/driver", Role.SUBSCRIBER, "/cmd_vel")
+    (found,) = judge(Evidence("udpm://", graph=Graph((driver,), traffic)))
+    assert found.remedies == (
+        "/robot/cmd_vel is published, by 127.0.0.1:4000: start /driver with __ns:=/robot",
+    )
+    (remedy,) = found.finding.remedies
+    assert (remedy.kind, str(remedy.parts["node"]), remedy.parts["namespace"]) == (
+        "namespace",
+        "/driver",
+        "/robot",
+    )
+
+
+@pytest.mark.parametrize("slip", ["/cmdvel", "/Cmd_vel"])
+def test_a_publisher_whose_remap_has_a_slip_is_named(slip: str) -> None:
+    publisher = node("/pilot", Role.PUBLISHER, slip, f"lcmtools run pilot cmd_vel:={slip}")
+    subscriber = node("/driver", Role.SUBSCRIBER, "/cmd_vel")
+    assert remedies(publisher, subscriber) == (
+        f"/pilot publishes {slip}: start /pilot without cmd_vel:={slip}",
+    )
+
+
+@pytest.mark.parametrize("channel", ["cmd_vel", "/cmd_vel "])
+def test_a_plain_program_on_a_channel_that_no_node_can_have(channel: str) -> None:
+    traffic = (Traffic(channel, Sender("127.0.0.1", 4000), TWIST, 5, 50, 1, 2),)
+    driver = node("/driver", Role.SUBSCRIBER, "/cmd_vel")
+    found = {one.rule: one for one in judge(Evidence("udpm://", graph=Graph((driver,), traffic)))}
+    (remedy,) = found["unconnected-subscriptions"].remedies
+    assert remedy.startswith(f"'{channel}' is published, by ")
+    assert remedy.endswith(": let it publish on '/cmd_vel'")
+
+
+def test_another_type_in_another_namespace_is_named_with_both_types() -> None:
+    counter = Endpoint("/robot/cmd_vel", Role.PUBLISHER, ("std_msgs/Int32",), (5,))
+    publisher = Node("/a", "a", "here", 1, endpoints=(counter,))
+    assert remedies(publisher, node("/driver", Role.SUBSCRIBER, "/cmd_vel")) == (
+        (
+            "/a publishes /robot/cmd_vel, but as std_msgs/Int32, and /driver expects"
+            " geometry_msgs/Twist"
+        ),
+    )
+
+
+def test_of_several_namespaces_each_is_offered() -> None:
+    robots = [node(f"/r{n}/wheels", Role.PUBLISHER, f"/r{n}/speed") for n in range(3)]
+    found = said_of(*robots, node("/filter", Role.SUBSCRIBER, "/speed"))
+    assert found["unconnected-subscriptions"].remedies == (
+        "/r0/speed is published: start /filter with __ns:=/r0 (or __ns:=/r1, __ns:=/r2)",
+    )
+
+
+def test_a_second_publisher_with_a_slip_is_led_to_the_subscriber() -> None:
+    other = node("/other", Role.PUBLISHER, "/speedd", "run other speed:=/speedd")
+    pair = (node("/first", Role.PUBLISHER, "/speed"), node("/ear", Role.SUBSCRIBER, "/speed"))
+    assert said_of(other, *pair)["unconnected-publications"].remedies == (
+        "/ear subscribes to /speed: start /other without speed:=/speedd",
+    )
+
+
+def test_a_publication_whose_subscriber_was_killed_is_not_reported_twice() -> None:
+    killed = replace(node("/ear", Role.SUBSCRIBER, "/speed"), stale=Staleness.ENDED)
+    killed = replace(killed, endpoints=())
+    talker = node("/talker", Role.PUBLISHER, "/speed")
+    assert list(said_of(talker, killed, stale_subscribed=frozenset({"/speed"}))) == ["stale-nodes"]

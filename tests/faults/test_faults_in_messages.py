@@ -1,0 +1,164 @@
+"""Faults in messages: lost, from two, slower, slow simulated time, odd values, wrong types."""
+
+import signal
+from typing import Any
+
+import pytest
+
+RATES = """
+import signal, sys
+import lcmtools
+from lcmtools.types.std_msgs import Int32
+class Beat(lcmtools.Node):
+    def __init__(self):
+        super().__init__("beat")
+        self.out, self.number, self.every = self.create_publisher(Int32, "/beat"), 0, 1
+        self.create_timer(0.01, self.beat)
+    def beat(self):
+        self.number += 1
+        if self.number % self.every == 0:
+            self.out.publish(Int32())
+lcmtools.init()
+node = Beat()
+signal.signal(signal.SIGUSR1, lambda *_: setattr(node, "every", int(sys.argv[1])))
+signal.signal(signal.SIGUSR2, lambda *_: setattr(node, "every", 1))
+lcmtools.spin(node)
+"""
+SKIPS = """
+import socket, sys, time
+sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+number = 0
+while True:
+    number += 1
+    if number % int(sys.argv[1]):
+        data = b"LC02" + number.to_bytes(4, "big") + b"SKIP\\0"
+        sender.sendto(data, ("239.255.76.67", 7667))
+    if number == 3:
+        print("sends", flush=True)
+    time.sleep(0.01)
+"""
+RAW = """
+import socket, struct, sys, time
+out, number = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), 0
+def part(size, offset, place, count, data):
+    head = b"LC03" + struct.pack(">IIIHH", number, size, offset, place, count)
+    return head + (b"BIG\\0" if place == 0 else b"") + data
+while True:
+    number += 1
+    out.sendto(eval(sys.argv[1]), ("239.255.76.67", 7667))
+    if number == 3:
+        print("sends", flush=True)
+    time.sleep(0.03)
+"""
+NAN_IN_COVARIANCE = "m = ODOM; m.pose.covariance[7] = math.nan"
+ODOM = "Odometry(); m.pose.pose.orientation.w = 1.0; m.header.stamp = now"
+GOOD = f"m = {ODOM}; SEND"
+
+
+def test_two_plain_programs_steer_the_same_actuator(world: Any) -> None:
+    world.hears("/cmd_vel")
+    first, second = (world.sends("bus.publish('/cmd_vel', Twist().encode())") for _ in "ab")
+    world.finds("competing-publishers", first.pid, second.pid, "/cmd_vel", "end one of them")
+    world.end(first)
+    world.is_silent()
+
+
+def test_a_sender_whose_messages_get_lost(world: Any) -> None:
+    sender = world.script(SKIPS, "10", ready="sends")
+    world.finds("loss", sender.pid, "before they left it")
+    world.end(sender)
+    world.script(SKIPS, "1000000", ready="sends")
+    world.is_silent()
+
+
+def _beating(world: Any, every: int) -> Any:
+    """A node that has beaten long enough to have a usual rate, and a command that listens."""
+    beat = world.script(RATES, str(every))
+    world.until(lambda: beat.pid in world.pids())
+    world.tool("hz", "/beat")
+    world.until(lambda: _beats(world) > 150)
+    return beat
+
+
+def _beats(world: Any) -> int:
+    ends = [end for node in world.graph().nodes for end in node.endpoints]
+    return max((end.messages for end in ends if end.topic == "/beat"), default=0)
+
+
+def test_a_node_that_has_become_slower(world: Any) -> None:
+    beat = _beating(world, 10)
+    beat.send_signal(signal.SIGUSR1)
+    world.finds("slow-rate", "/beat", " Hz in place of ", wait="0.6s")
+    beat.send_signal(signal.SIGUSR2)
+    world.is_silent()
+
+
+def test_a_plain_publisher_that_is_frozen(world: Any) -> None:
+    """Nothing of it is on the bus any more: its process tells."""
+    world.node("talker")
+    world.node("listener")
+    sender = world.c("sends", "POSE", "00", "100", "50")
+    sender.send_signal(signal.SIGSTOP)
+    world.obey(world.finds("silent", f"(pid {sender.pid})", f"kill -CONT {sender.pid}"))
+    world.is_silent()
+
+
+def test_a_simulator_that_was_made_slow(world: Any) -> None:
+    world.node("sim", "--world", "empty")
+    world.type("lcmtools sim set-rate 0.4")
+    found = world.finds("slow-simulator", "/gazebo", "0.4", wait="0.8s")
+    world.obey(found)
+    world.is_silent()
+
+
+def test_large_messages_of_which_a_part_never_comes(world: Any) -> None:
+    sender = world.script(RAW, "part(3000, 0, 0, 3, bytes(1000))", ready="sends")
+    world.finds("loss", f"(pid {sender.pid})", "before they left it")
+
+
+def _sends(world: Any, statements: str) -> Any:
+    made = statements.replace("ODOM", ODOM)
+    stamp = "now = Time(); now.sec = int(time.time()); "
+    return world.sends(stamp + made.replace("SEND", "bus.publish('/it', m.encode())"), 0.03)
+
+
+@pytest.mark.parametrize(
+    ("statements", "rule", "what"),
+    [
+        (f"{NAN_IN_COVARIANCE}; SEND", "not-finite", "pose.covariance[7] is nan"),
+        ("m = ODOM; bus.publish('/it', m.encode()[:-5])", "undecodable", "nav_msgs/Odometry"),
+    ],
+)
+def test_odd_contents(world: Any, statements: str, rule: str, what: str) -> None:
+    sender = _sends(world, statements)
+    world.finds(rule, "/it from ", f"(pid {sender.pid})", what, wait="0.3s")
+    world.end(sender)
+    _sends(world, GOOD)
+    world.is_silent(wait="0.3s")
+
+
+def test_a_c_program_with_another_fingerprint(world: Any) -> None:
+    world.node("listener")
+    sender = world.c("sends", "/chatter", "2e7c07d7cdf7e027", "56", "20")
+    world.finds("type-mismatch", sender.pid, "geometry_msgs/Twist", "std_msgs/String")
+    world.end(sender)
+    world.node("talker")
+    world.is_silent()
+
+
+def test_an_old_definition_of_a_message(world: Any) -> None:
+    fingerprint = world.fingerprint("package old; struct Pose2D { double x; double y; }")
+    hears = (
+        "import lcmtools\nfrom lcmtools.types.geometry_msgs import Pose2D\nlcmtools.init()\n"
+        "node = lcmtools.Node('ear')\n"
+        "node.create_subscription(Pose2D, '/at', lambda _: None, 10)\nlcmtools.spin(node)\n"
+    )
+    listener = world.script(hears)
+    world.until(lambda: listener.pid in world.pids())
+    sender = world.c("sends", "/at", fingerprint, "32", "20")
+    world.finds(
+        "type-mismatch", sender.pid, "/ear", "geometry_msgs/Pose2D", "without the field theta"
+    )
+    world.end(sender)
+    world.sends("bus.publish('/at', Pose2D().encode())")
+    world.is_silent()

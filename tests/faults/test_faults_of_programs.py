@@ -1,0 +1,139 @@
+"""Faults of programs: not connected, killed, stopped, hanging, with a small buffer; and --watch."""
+
+import json
+import signal
+from pathlib import Path
+from typing import Any
+
+UNFED = "unconnected-subscriptions"
+STEER = ("pub", "-r", "10", "/husky0/desired_velocity", "geometry_msgs/Twist", "{}")
+
+LARGE = ("00", "1500000", "5")
+BURSTS = "[bus.publish('A', bytes(1000)) for _ in range(150)]"
+HANGS = """
+import socket, struct, time
+ear = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+ear.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+ear.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+ear.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 5000)
+ear.bind(("239.255.76.67", 7667))
+group = socket.inet_aton("239.255.76.67")
+ear.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group + socket.inet_aton("0.0.0.0"))
+print("listens", flush=True)
+time.sleep(1000)
+"""
+
+
+def test_a_listener_outside_its_namespace(world: Any) -> None:
+    world.node("talker", "__ns:=/robot")
+    world.node("listener")
+    found = world.finds(UNFED, "/listener", "/chatter", "start /listener with __ns:=/robot")
+    world.obey(found)
+    world.is_silent()
+
+
+def test_a_controller_without_its_namespace_and_remap(world: Any) -> None:
+    """The Husky lab's own: two flags are missing, one after the other."""
+    world.node("sim", "--world", "husky")
+    world.node("simple_controller")
+    world.tool("pub", "-r", "10", "/husky0/desired_velocity", "geometry_msgs/Twist", "{}")
+    found = world.finds(
+        UNFED, "/simple_controller", "/odometry", "/desired_velocity", "/husky0/velocity_cmd"
+    )
+    assert found.remedies[0].endswith("start /simple_controller with __ns:=/husky0")
+    world.obey(found)
+    found = world.finds(UNFED, "/husky0/velocity_cmd", "controlled_velocity:=velocity_cmd")
+    world.obey(found)
+    world.is_silent()
+
+
+def test_a_plain_program_with_a_slip_in_its_channel(world: Any) -> None:
+    world.sends("bus.publish('/chatterr', String().encode())")
+    world.node("listener")
+    world.obey(world.finds(UNFED, "start /listener with chatter:=/chatterr"))
+    world.is_silent()
+
+
+def test_a_simulator_that_was_killed_is_the_only_finding(world: Any) -> None:
+    sim = world.node("sim", "--world", "husky")
+    world.node("simple_controller", "__ns:=/husky0", "controlled_velocity:=velocity_cmd")
+    world.tool(*STEER)
+    world.is_silent()
+    sim.send_signal(signal.SIGKILL)
+    sim.wait()
+    world.finds("stale-nodes", f"/morse (pid {sim.pid})")
+    world.node("sim", "--world", "husky")
+    world.is_silent()
+
+
+def test_a_stopped_listener(world: Any) -> None:
+    listener = world.lcm("lcm-sink")
+    world.sends("bus.publish('A', bytes(5000))", 0.005)
+    listener.send_signal(signal.SIGSTOP)
+    found = world.finds("stuck-listeners", f"(pid {listener.pid}): it is stopped")
+    assert found.commands == [f"kill -CONT {listener.pid}", f"kill {listener.pid}"]
+    world.type(found.commands[0])
+    world.is_silent()
+
+
+def test_a_listener_that_hangs(world: Any) -> None:
+    world.sends("bus.publish('A', bytes(5000))", 0.005)
+    listener = world.script(HANGS, ready="listens")
+    world.finds("stuck-listeners", listener.pid, "bytes wait", f"py-spy dump --pid {listener.pid}")
+    world.end(listener)
+    world.hears("A")
+    world.is_silent()
+
+
+def test_a_message_that_no_usual_buffer_takes(world: Any) -> None:
+    sink = world.lcm("lcm-sink")
+    sender = world.c("sends", "CAM", *LARGE)
+    found = world.finds("small-buffer", sender.pid, f"(pid {sink.pid}): holds ", "1500000 bytes")
+    world.again(sink, **found.variables)
+    world.is_silent()
+
+
+def test_bursts_that_a_small_buffer_does_not_take(world: Any) -> None:
+    url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2500"
+    sink = world.hears("A", LCM_DEFAULT_URL=url)
+    sender = world.sends(BURSTS, 0.05)
+    found = world.finds("kernel-drops", f"(pid {sink.pid})", "recv_buf_size=")
+    world.again(sink, **found.variables)
+    world.is_silent()
+    assert sender.pid
+
+
+def test_a_program_with_nearly_all_files_open(world: Any) -> None:
+    command = "import sys; kept = [open('/dev/null') for _ in range(960)]\n"
+    hears = (
+        "import lcm, time\nbus = lcm.LCM()\nbus.subscribe('A', print)\n"
+        "print('listens', flush=True)\ntime.sleep(1000)\n"
+    )
+    world.node("talker")
+    world.node("listener")
+    program = world.script(f"{hears.rpartition('time')[0]}{command}time.sleep(1000)\n")
+    program.wait_for("listens")
+    world.until(lambda: len(list(Path(f"/proc/{program.pid}/fd").iterdir())) > 960)
+    found = world.finds("open-files", f"pid {program.pid} has 9", "restart them")
+    world.end(program)
+    world.script(hears, ready="listens")
+    world.is_silent()
+    assert found.severity == "warning"
+
+
+def test_watch_shows_what_appears_and_clears(world: Any) -> None:
+    world.sends("bus.publish('/good', Twist().encode())")
+    watch = world.start(world.command, "wtf", "--watch", "--json", "--wait", "0.3s")
+    text = world.start(world.command, "wtf", "--watch", "--wait", "0.3s")
+    text.wait_for("No errors or warnings")
+    bad = world.sends("m = Twist(); m.linear.x = math.nan; bus.publish('/bad', m.encode())")
+    appeared = json.loads(watch.wait_for("appeared"))
+    assert (appeared["change"], appeared["rule"]) == ("appeared", "not-finite")
+    text.wait_for("WARNING Numbers that are published are not finite:")
+    world.end(bad)
+    assert json.loads(watch.wait_for("cleared"))["rule"] == "not-finite"
+    text.wait_for("CLEARED Numbers that are published are not finite:")
+    for program in (watch, text):
+        program.send_signal(signal.SIGINT)
+        assert program.wait() == 130
+    world.is_silent()

@@ -1,0 +1,151 @@
+"""Every rule's finding can be had from evidence in a file, without a process or a bus."""
+
+from dataclasses import replace
+
+import pytest
+from fixtures.judging import judge
+
+from lcmtools.doctor.evidence import (
+    Evidence,
+    Host,
+    HostClock,
+    LcmProcess,
+    Listener,
+    Oddity,
+    SenderFacts,
+    SimulatedClock,
+    Stream,
+)
+from lcmtools.doctor.near_types import fingerprint_of
+from lcmtools.doctor.rules import RULES
+from lcmtools.doctor.words import commands
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
+from lcmtools.messages.fields import fields
+from lcmtools.messages.registry import fingerprint, message_class
+from lcmtools.wire.packet import Sender
+
+SECOND = 1_000_000_000
+OLD_POSE = fingerprint_of(fields(message_class("geometry_msgs/Pose2D"))[:2])
+NOW = 1_000_000 * SECOND
+ALICE, BOB = Sender("10.0.0.1", 4000), Sender("10.0.0.2", 5000)
+PRINT = fingerprint(message_class("std_msgs/String"))
+SPEAKS = Endpoint("/a", Role.PUBLISHER, ("std_msgs/String",), (PRINT,))
+TAKES = replace(SPEAKS, role=Role.SUBSCRIBER, depth=10)
+TALKER = Node("/talker", "t", "here", 7, NOW - 100 * SECOND, "run talker", endpoints=(SPEAKS,))
+EAR = Node("/ear", "e", "here", 8, NOW - 100 * SECOND, "run ear", endpoints=(TAKES,), sent=1)
+GOOD = Evidence(
+    "udpm://239.255.76.67:7667?ttl=1",
+    ttl=1,
+    graph=Graph((TALKER, EAR), time=NOW),
+    before=Graph((TALKER, EAR), time=NOW - SECOND),
+    listened=1.0,
+    host=Host(uid=1000, interface="eth0", speed_mbit=1000, joined=("eth0",)),
+)
+EVEN = Stream("A", ALICE, "alice", tuple(NOW - n * SECOND // 50 for n in range(50, 0, -1)))
+GAP = replace(EVEN, times=(*(t - SECOND for t in EVEN.times[:25]), *EVEN.times[25:]))
+EMPTY = replace(GOOD, graph=Graph(), before=Graph())
+OLDER = Endpoint("/a", Role.PUBLISHER, messages=9900, last_time=NOW - SECOND)
+
+
+def graph(*nodes: Node, traffic: tuple[Traffic, ...] = ()) -> Evidence:
+    return replace(GOOD, graph=Graph(nodes, traffic, NOW))
+
+
+def host(**values: object) -> Evidence:
+    return replace(GOOD, host=replace(GOOD.host, **values))  # type: ignore[arg-type]
+
+
+def having(node: Node, **values: int) -> Node:
+    return replace(node, endpoints=(replace(node.endpoints[0], **values),), sent=1 + SECOND)
+
+
+def sent(channel: str, number: int) -> tuple[Traffic, ...]:
+    return (Traffic(channel, ALICE, (number,), 5, 50, 1, 2),)
+
+
+def odd(kind: str) -> Evidence:
+    return replace(GOOD, oddities=(Oddity(kind, "/a", "/talker", "it is odd", 3),))
+
+
+SLOWED = replace(
+    graph(replace(TALKER, endpoints=(replace(OLDER, messages=9910, last_time=NOW),)), EAR),
+    before=Graph((replace(TALKER, endpoints=(OLDER,)), EAR)),
+)
+BUSY = having(EAR, messages=10, calls=10, busy=SECOND, last_time=SECOND)
+EVIDENCE = {
+    "bandwidth": replace(GOOD, streams=(replace(EVEN, bytes=90_000_000),)),
+    "bus": replace(EMPTY, bus_problem="no route", bus_remedy="type: sudo ip route add x"),
+    "clocks": replace(GOOD, clocks=(HostClock("h", "10.0.0.2", -3, ("/far",)),)),
+    "competing-publishers": replace(
+        GOOD, streams=(EVEN, replace(EVEN, sender=BOB, name="bob", pid=3))
+    ),
+    "container": host(container="WSL"),
+    "covariances": odd("covariance"),
+    "duplicate-names": graph(TALKER, replace(TALKER, id="u", pid=9), EAR),
+    "environment": host(environment=("PYTHONPATH has /x, which does not exist",)),
+    "firewall": host(firewall="ufw"),
+    "igmp-querier": host(bridge="br0"),
+    "interfaces": replace(host(joined=("wlan0",)), listeners=(Listener("l", 1, 0, is_node=True),)),
+    "irregular": replace(GOOD, streams=(GAP,)),
+    "kernel-drops": replace(GOOD, listeners=(Listener("l", 1, 0, drops=5, is_node=True),)),
+    "large-messages": host(large_bytes=300_000, large_problem="part 1 is lost"),
+    "loopback-route": host(interface="lo", joined=("lo",)),
+    "loss": replace(GOOD, senders=(SenderFacts(ALICE, "alice", messages=90, lost=10, ttl=1),)),
+    "malformed": replace(GOOD, malformed=(("10.0.0.1:4000", "starts with b'{'"),)),
+    "mpudpm": replace(GOOD, processes=(LcmProcess(8, "pub", "", "LCM_DEFAULT_URL=mpudpm://"),)),
+    "names": replace(GOOD, streams=(Stream("/map[0]", ALICE, "alice", (1,)),)),
+    "no-clock": graph(
+        TALKER,
+        EAR,
+        replace(
+            EAR,
+            id="c",
+            name="/c",
+            endpoints=(Endpoint("/clock", Role.SUBSCRIBER, ("rosgraph_msgs/Clock",), (3,)),),
+        ),
+    ),
+    "no-traffic": EMPTY,
+    "not-finite": odd("not-finite"),
+    "open-files": replace(GOOD, processes=(LcmProcess(9, "leak", open_files=950),)),
+    "other-buses": replace(EMPTY, processes=(LcmProcess(9, "t", "239.255.76.67:7670"),)),
+    "other-users": replace(GOOD, listeners=(Listener("?", 5, 4711, is_node=True),)),
+    "quaternions": odd("quaternion"),
+    "queue-drops": graph(TALKER, having(EAR, drops=20)),
+    "reassembly": host(reassembly_failures=3),
+    "rp-filter": host(rp_filter=1, others=("wlan0",)),
+    "sending": host(send_problem="sending is forbidden", send_remedy="type: sudo ufw allow out"),
+    "silent": replace(GOOD, processes=(LcmProcess(9, "talker", state="T"),)),
+    "slow-callbacks": graph(TALKER, replace(BUSY, busy=SECOND)),
+    "slow-rate": SLOWED,
+    "slow-simulator": replace(GOOD, clock=SimulatedClock("/sim", 0.5, busy=0.99)),
+    "small-buffer": replace(
+        GOOD,
+        streams=(replace(EVEN, largest=300_000),),
+        listeners=(Listener("l", 1, 0, buffer_bytes=200_000, is_node=True),),
+    ),
+    "stale-nodes": graph(TALKER, EAR, replace(TALKER, id="u", name="/s", stale=Staleness.HANGS)),
+    "stamps": odd("future"),
+    "stuck-listeners": replace(GOOD, listeners=(Listener("l", 1, 0, state="T", is_node=True),)),
+    "ttl": replace(GOOD, senders=(SenderFacts(ALICE, "alice", ttl=7),)),
+    "type-mismatch": graph(
+        TALKER, EAR, traffic=sent("/a", fingerprint(message_class("geometry_msgs/Twist")))
+    ),
+    "unconnected-publications": graph(TALKER),
+    "unconnected-subscriptions": graph(EAR),
+    "undecodable": odd("undecodable"),
+    "unknown-type": graph(TALKER, EAR, traffic=sent("/p", OLD_POSE)),
+}
+
+
+def test_there_is_evidence_for_every_rule() -> None:
+    assert set(EVIDENCE) == {rule.id for rule in RULES}
+    assert judge(GOOD) == []
+
+
+@pytest.mark.parametrize("rule", EVIDENCE)
+def test_a_fault_is_found_and_nothing_else(rule: str) -> None:
+    (found,) = judge(EVIDENCE[rule])
+    assert found.rule == rule
+    assert found.finding.subjects() or found.finding.facts or found.finding.title.parts
+    typed = [command for remedy in found.finding.remedies for command in commands(remedy)]
+    assert all(command in "\n".join(found.remedies) for command in typed)
