@@ -156,7 +156,7 @@ REMEDIES = {
     "namespace": "start {node} with __ns:={namespace}",
     "never-wait-or-depth": "let the callback of {topic} never wait, or give a greater queue depth",
     "normalise": "no rotation is x=0, y=0, z=0, w=1; divide others by their length",
-    "own-domain": "use a bus of your own: `export LCMTOOLS_DOMAIN=1` (or another number up to 232)",
+    "own-domain": "use a bus of your own: `export {variable}={value}` (a number up to 232)",
     "plain-name": "publish on a name of letters, digits, _ and / only",
     "print-values": "print the values where the node computes them",
     "remap": "start {node} with {old}:={new}",
