@@ -48,12 +48,9 @@ def test_the_graph_is_complete_at_once(
 ) -> None:
     nodes = [Node(f"n{number}", context=context) for number in range(20)]
     nodes[3].create_publisher(String, "chatter")
-    for _ in range(5):  # where the computer is busy the nodes may be late
-        watch, time_taken = open_monitor("list"), stopwatch()
-        graph = watch.settle(foreign=False)
-        assert time_taken.seconds() < 0.35
-        if len(graph.nodes) == 20:
-            break
+    watch, time_taken = open_monitor("list"), stopwatch()
+    graph = watch.settle(foreign=False)
+    assert time_taken.seconds() < 0.35
     assert len(graph.nodes) == 20
     (found,) = graph.named("n3")
     assert found.sender is not None

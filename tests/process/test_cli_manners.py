@@ -54,7 +54,6 @@ print("ready", flush=True)
 lcmtools.spin(robot, controller)
 """
 _PATIENCE = 1.5  # [s] for a command that says nothing, before it is asked to end
-_ENDING = 0.3  # [s] in which a command that has printed all comes to its end
 _IS_SHELL = re.compile(r"[|<>]|\$\(")
 _STARTS_PROCESSES = {"run", "launch", "lab"}
 _BOXES = re.compile("[\u2500-\u259f\u2800-\u28ff]")
@@ -112,10 +111,15 @@ class Outcome:
 
 
 class Patience:
-    """Decides when a command that goes on is asked to end: soon after its first output."""
+    """Decides when a command that goes on is asked to end: soon after its first output.
 
-    def __init__(self) -> None:
+    Args:
+        ending: Seconds in which one that has printed all comes to its end.
+    """
+
+    def __init__(self, ending: float = 0.3) -> None:
         self._silent_until = time.monotonic() + _PATIENCE
+        self._ending = ending
         self._ends = 0.0
         self.is_over = False
 
@@ -123,7 +127,7 @@ class Patience:
         """Return whether it has had its time."""
         now = time.monotonic()
         if written and not self._ends:
-            self._ends = now + _ENDING
+            self._ends = now + self._ending
         self.is_over = now > (self._ends or self._silent_until)
         return self.is_over
 
@@ -207,7 +211,7 @@ def _in_shell(line: str, home: Path, folder: Path, number: int = signal.SIGINT) 
             stderr=error,
             start_new_session=True,
         )
-        patience = Patience()
+        patience = Patience(1.5)  # a process has to end its interpreter too
         try:
             while process.poll() is None and not patience(Path(out.name).stat().st_size):
                 time.sleep(0.01)
