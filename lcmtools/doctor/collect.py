@@ -44,6 +44,8 @@ from lcmtools.observe.senders import SenderNames, SocketTable
 _NAME_CHARACTERS = 60
 _CLOCK_SPAN = 0.3  # [s] of ticks that tell how fast simulated time is
 _TOOL = "lcmtools"
+_REQUESTS = 5
+"""Requests for announcements, at most, when a look ends; one in ten datagrams may be lost."""
 
 
 def collect(url: BusUrl, environment: Mapping[str, str], listen: float) -> Evidence:
@@ -115,13 +117,25 @@ def _look(monitor: BusMonitor, evidence: Evidence, listen: float) -> Evidence:
 
 
 def _counted_again(monitor: BusMonitor, listening: Listening, listen: float) -> Graph:
-    """The graph with the nodes' counters as they are at the end, where the look was long enough."""
-    if listen >= PERIOD / 10:
+    """The graph with the nodes' counters as they are at the end, where the look was long enough.
+
+    A request or its answer may be lost between computers: where senders elsewhere belong to no
+    node, all nodes are asked a few times.
+    """
+    for _ in range(_REQUESTS if listen >= PERIOD / 10 else 0):
         monitor.probe()
         with contextlib.suppress(EOFError):
             for packet in monitor.packets(0.05):
                 listening.take(packet)
+        if not _has_unnamed_elsewhere(monitor.graph()):
+            break
     return monitor.graph()
+
+
+def _has_unnamed_elsewhere(graph: Graph) -> bool:
+    """Return whether senders on other computers belong to no node that has announced itself."""
+    senders = (seen.sender for seen in graph.foreign())
+    return any(sender and not is_local(sender.address) for sender in senders)
 
 
 def _longest_wait(before: Mapping[int, int]) -> float:

@@ -28,13 +28,13 @@ def _network() -> ModuleType:
 
 @pytest.fixture
 def network(
-    start: Callable[..., Any], lcmtools: Callable[..., Any], tmp_path: Path
+    start: Callable[..., Any], lcmtools_process: Callable[..., Any], tmp_path: Path
 ) -> Iterator[Callable[..., Any]]:
     """``network("ada", "bob")``: hosts of these names around a switch (network.py, Network)."""
     with ExitStack() as closing:
 
         def make(*names: str) -> Any:
-            made = _network().network(names, tmp_path, (start, lcmtools))
+            made = _network().network(names, tmp_path, (start, lcmtools_process))
             return closing.enter_context(made)
 
         yield make
@@ -49,12 +49,12 @@ def pair(network: Callable[..., Any]) -> Any:
 @pytest.fixture(scope="module")
 def module_pair(
     module_start: Callable[..., Any],
-    lcmtools: Callable[..., Any],
+    lcmtools_process: Callable[..., Any],
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Iterator[Any]:
     """The hosts ada and bob, which the tests of a module share."""
     folder = tmp_path_factory.mktemp("hosts")
-    with _network().network(("ada", "bob"), folder, (module_start, lcmtools)) as net:
+    with _network().network(("ada", "bob"), folder, (module_start, lcmtools_process)) as net:
         yield net.hosts
 
 
