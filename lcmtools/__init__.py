@@ -1,7 +1,7 @@
 """The command line that LCM never had, and the robot labs that run on it.
 
-The public names of the node API are here, imported when first used: the command line starts
-without them.
+The public names of the node API are here, and ``observe``, imported when first used: the command
+line starts without them.
 """
 
 from typing import TYPE_CHECKING
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from lcmtools import observe as observe
     from lcmtools.errors import LcmtoolsError as LcmtoolsError
     from lcmtools.node.node import Node as Node
     from lcmtools.node.parameter import Parameter as Parameter
@@ -41,6 +42,7 @@ __all__ = [
     "__version__",
     "init",
     "message_class",
+    "observe",
     "ok",
     "shutdown",
     "spin",
@@ -50,8 +52,10 @@ __all__ = [
 
 def __getattr__(name: str) -> object:
     """Import a public name when it is first used (PEP 562)."""
-    if name not in _HOMES:
-        raise AttributeError(f"module 'lcmtools' has no attribute '{name}'")
     from importlib import import_module
 
+    if name == "observe":
+        return import_module("lcmtools.observe")
+    if name not in _HOMES:
+        raise AttributeError(f"module 'lcmtools' has no attribute '{name}'")
     return getattr(import_module(_HOMES[name]), name)

@@ -1,6 +1,7 @@
 """Options that several commands share, each defined once."""
 
 import os
+import signal
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeVar
@@ -226,12 +227,13 @@ def chosen_url() -> "BusUrl":
     return url
 
 
-def open_monitor(tool: str, *, whole: bool = False) -> "BusMonitor":
-    """A look at the bus that the command line means.
+def open_monitor(tool: str, *, whole: bool = False, plays: bool = False) -> "BusMonitor":
+    """Look at the bus or the log that the command line means.
 
     Args:
         tool: The command's name.
-        whole: Large messages are wanted whole; else their heads will do.
+        whole: Put large messages together; else their heads come.
+        plays: Play a log at its own speed; else it is read at once.
 
     Raises:
         UsageError: The URL or the domain is wrong.
@@ -242,7 +244,20 @@ def open_monitor(tool: str, *, whole: bool = False) -> "BusMonitor":
     def tell(text: str) -> None:
         talk(f"lcmtools {tool}: {text}")
 
-    return BusMonitor(chosen_url(), tool, os.environ, whole=whole, on_outage=tell)
+    return BusMonitor(
+        chosen_url(),
+        tool,
+        os.environ,
+        whole=whole,
+        plays=plays,
+        on_outage=tell,
+        on_shutdown=end_as_asked,
+    )
+
+
+def end_as_asked() -> None:
+    """End this program as SIGTERM does, because another one asks for it."""
+    signal.raise_signal(signal.SIGTERM)
 
 
 def looking_names() -> Resolver:

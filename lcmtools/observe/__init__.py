@@ -1,4 +1,25 @@
 """Everything that looks at a bus or a log: arrivals, types, rates, losses, senders, listeners.
 
-Nothing here prints or knows a command line.
+Nothing here prints or knows a command line. Public is ``messages``, with the ``Arrival`` that it
+gives:
+
+    for arrival in lcmtools.observe.messages("/husky0/odometry"):
+        print(arrival.time, arrival.sender, arrival.message.pose.pose.position.x)
 """
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from lcmtools.observe.arrivals import Arrival as Arrival
+    from lcmtools.observe.arrivals import messages as messages
+
+__all__ = ["Arrival", "messages"]
+
+
+def __getattr__(name: str) -> object:
+    """Import a public name when it is first used (PEP 562)."""
+    if name not in __all__:
+        raise AttributeError(f"module 'lcmtools.observe' has no attribute '{name}'")
+    from lcmtools.observe import arrivals
+
+    return getattr(arrivals, name)

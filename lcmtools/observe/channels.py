@@ -169,7 +169,7 @@ def survey(
         BusError: A log cannot be read.
     """
     rows = Rows(selection, SenderNames())
-    is_log = monitor.url.provider == "file"
+    is_log = monitor.is_log
     if not is_log:
         monitor.listen_to(rows.published(monitor.settle(foreign=False)))
     activity = Activity()

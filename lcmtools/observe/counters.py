@@ -7,9 +7,9 @@ between, and when, gives the rate, however short the moment is.
 import time
 from collections.abc import Sequence
 
-from lcmtools.cli.describe import callback_record, callback_times
 from lcmtools.graph.model import Endpoint, Graph, Node, Topic, Traffic
 from lcmtools.names import Resolver
+from lcmtools.observe.describe import callback_record, callback_times
 from lcmtools.observe.find import GLOBAL, find_topic
 from lcmtools.observe.losses import Loss, Losses, losses, total
 from lcmtools.observe.monitor import BusMonitor
@@ -114,7 +114,7 @@ def counted(
     monitor.listen_to([spelling for name in words for spelling in names.spellings(name)])
     graph = settled(monitor)
     topics = [find_topic(graph, name, names) for name in words]
-    if monitor.url.provider == "file" or not any(map(_may_be_counted, topics)):
+    if monitor.is_log or not any(map(_may_be_counted, topics)):
         return graph, Counters(graph, graph)
     channels = [topic.name for topic in topics]
     # some publish only what somebody listens to: the first messages may be a moment away

@@ -10,8 +10,8 @@ GLOBAL = Resolver()
 
 
 def ask_nodes(monitor: BusMonitor) -> Graph:
-    """What the nodes say; at once on a log, which has nobody to ask and would play meanwhile."""
-    return monitor.graph() if monitor.url.provider == "file" else monitor.settle(foreign=False)
+    """Return what the nodes say; at once on a log, where nobody can be asked."""
+    return monitor.graph() if monitor.is_log else monitor.settle(foreign=False)
 
 
 def known_spelling(graph: Graph, name: str, names: Resolver = GLOBAL) -> str | None:

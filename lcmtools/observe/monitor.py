@@ -1,19 +1,18 @@
-"""Looking at a bus: what the commands that read it stand on.
+"""The monitor of a bus or a log, on which everything that looks at one stands.
 
-A watch pulls packets, learns the graph from them on the way, and, where the command listens to
-topics, announces that as a node's subscription would be.
+It pulls packets, learns the graph from them on the way, and announces the topics that it listens
+to, as a node does with its subscriptions.
 """
 
 import contextlib
 import math
 import os
-import signal
 import socket
 import sys
 import time
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Protocol
 
 from lcmtools.bus.processes import is_local, unheard_senders
 from lcmtools.bus.records import NodeRecords
@@ -38,6 +37,7 @@ from lcmtools.graph.protocol import (
     encode_shutdown,
 )
 from lcmtools.observe.programs import is_here
+from lcmtools.observe.sources import LogObserver, Observer, open_observer
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence as Numbers
 
@@ -49,69 +49,29 @@ _AT_MOST = 0.3  # [s] on a bus where nodes keep appearing
 _FOREIGN = 1.2  # [s] for programs that do not answer: a little more than one period at 1 Hz
 
 
-class Observer(Protocol):
-    """Something that sees all messages of a bus: the tap, or a subscription to everything."""
-
-    @property
-    def port(self) -> int:
-        """The UDP port that ``send`` sends from; 0 when there is none."""
-        ...
-
-    def receive(self, timeout: float) -> list[Packet]:
-        """The messages that have arrived, waiting up to ``timeout`` seconds for the first."""
-        ...
-
-    def send(self, channel: str, payload: bytes) -> None:
-        """Publish one message."""
-        ...
-
-    def close(self) -> None:
-        """Leave the bus."""
-        ...
-
-
-def open_observer(
-    url: BusUrl,
-    *,
-    whole: bool = False,
-    on_outage: Callable[[str, str], None] = lambda _text, _trouble: None,
-) -> Observer:
-    """The best observer that a bus allows.
-
-    Args:
-        url: The bus.
-        whole: Large messages are wanted whole; else their heads will do.
-        on_outage: Told that the connection is lost or back, and what is wrong now, "" for nothing.
-
-    Raises:
-        BusError: The bus cannot be reached, with what to type.
-    """
-    if url.is_multicast:
-        return Tap(url, whole=whole)
-    from lcmtools.bus.lcm_listener import LcmListener
-
-    return LcmListener(url, on_outage)
-
-
 class BusMonitor:
-    """A look at a bus, for as long as a command runs.
+    """A look at a bus or a log.
 
     Args:
-        url: The bus.
+        url: The bus, or a log.
         tool: The command's name, announced while it listens ("echo").
         environment: The process's environment variables.
-        observer: What sees the messages; None for the best that the bus allows.
-        whole: Large messages are wanted whole; else their heads will do (``Packet.whole_bytes``).
-        on_outage: Told that the connection to a server is lost, and that it is back.
+        observer: The source of the messages; None for the best that the bus allows.
+        whole: Put large messages together; else their heads come (``Packet.whole_bytes``).
+        plays: Play a log at its own speed; else it is read at once.
+        on_outage: Called with what happened when the connection to a server is lost or back.
+        on_shutdown: Called when another program asks this one to end; None to ignore that.
 
     Attributes:
         trouble: Why nothing comes; "" where the connection is well.
+        is_log: The source is a log: nobody can be asked, and nobody listens.
+        is_live: Messages come in real time; else a log is read at once by its own times.
 
     Raises:
         BusError: The bus cannot be reached, with what to type.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - each is an option of its own
         self,
         url: BusUrl,
         tool: str,
@@ -119,19 +79,27 @@ class BusMonitor:
         observer: Observer | None = None,
         *,
         whole: bool = False,
+        plays: bool = True,
         on_outage: Callable[[str], None] = lambda _: None,
+        on_shutdown: Callable[[], None] | None = None,
     ) -> None:
         self.url = url
         self.trouble = ""
         self._on_outage = on_outage
-        self._observer = observer or open_observer(url, whole=whole, on_outage=self._note_outage)
+        self._on_shutdown = on_shutdown
+        self._observer = observer or open_observer(
+            url, whole=whole, plays=plays, on_outage=self._note_outage
+        )
+        self.is_log = url.provider == "file"
+        self.is_live = not isinstance(self._observer, LogObserver)
+        self._last_time = 0
         self._records = NodeRecords(url, environment)
         self._node = _tool_node(tool)
         self._builder = GraphBuilder(but=self._node.id)
         self._next_announcement = 0.0
 
     def __enter__(self) -> "BusMonitor":
-        """Use the watch as a context manager."""
+        """Use the monitor as a context manager."""
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -161,6 +129,8 @@ class BusMonitor:
         if self._node.endpoints and time.monotonic() >= self._next_announcement:
             self._announce()
         packets = self._observer.receive(timeout)
+        if not self.is_live:
+            self._last_time = packets[-1].time
         for packet in packets:
             self._builder.hear(packet)
             if self._node.endpoints:
@@ -168,11 +138,14 @@ class BusMonitor:
         return packets
 
     def packets(self, duration: float | None = None) -> Iterator[Packet]:
-        """Every packet as it comes, for ``duration`` seconds; without end when that is None."""
-        deadline = None if duration is None else time.monotonic() + duration
-        while deadline is None or time.monotonic() < deadline:
-            left = PERIOD if deadline is None else deadline - time.monotonic()
-            yield from self.receive(min(PERIOD, left))
+        """Return every packet as it comes, for ``duration`` [s]; without end when that is None.
+
+        The end of a log ends it; one that is read at once is read to its end.
+        """
+        deadline = math.inf if duration is None or not self.is_live else time.monotonic() + duration
+        with contextlib.suppress(EOFError):
+            while (left := deadline - time.monotonic()) > 0:
+                yield from self.receive(min(PERIOD, left))
 
     def probe(self, target: str = "", nonce: int = 0) -> None:
         """Ask a node, or all, to announce themselves."""
@@ -187,10 +160,15 @@ class BusMonitor:
     def settle(self, *, foreign: bool = True) -> Graph:
         """Ask all nodes to announce themselves and wait until the graph is complete.
 
+        A log that is read at once is read to its end.
+
         Args:
             foreign: Wait longer where programs that are no nodes publish, or, on this computer,
                 may be about to: these cannot be asked.
         """
+        if not self.is_live:
+            deque(self.packets(), maxlen=0)
+            return self.graph()
         self._builder.recall(node for node in self._records.read() if _is_here(node))
         self.probe()
         start = changed = time.monotonic()
@@ -215,8 +193,8 @@ class BusMonitor:
         return self.graph()
 
     def graph(self) -> Graph:
-        """What is known now."""
-        return self._builder.snapshot(time.time_ns())
+        """Return what is known now; of a log that is read at once, as of its latest message."""
+        return self._builder.snapshot(time.time_ns() if self.is_live else self._last_time)
 
     @property
     def tap(self) -> Tap | None:
@@ -277,9 +255,9 @@ class BusMonitor:
                 self._announce(answers=probe.nonce)
         elif packet.channel == SHUTDOWN_CHANNEL:
             request = decode_shutdown(packet.payload)
-            if request is not None and request.target == self._node.id:
+            if self._on_shutdown and request is not None and request.target == self._node.id:
                 self._announce(answers=request.nonce)
-                signal.raise_signal(signal.SIGTERM)  # as a node's program ends when it is asked
+                self._on_shutdown()
 
     def _announce(self, *, leaving: bool = False, answers: int = 0) -> None:
         announcement = Announcement(self._node, leaving, answers)

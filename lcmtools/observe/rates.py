@@ -4,7 +4,7 @@ And how often by what endpoints count themselves. Plain arithmetic; times come i
 """
 
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import sqrt
@@ -83,19 +83,18 @@ class RateWindow:
         self._times: deque[int] = deque(maxlen=size)
         self._reported = 0
 
-    def extend(self, times: Iterable[int]) -> None:
-        """Add arrivals, in nanoseconds."""
-        for time in times:
-            self._times.append(time)
-            self.total += 1
+    def add(self, time: int) -> None:
+        """Add an arrival, in nanoseconds."""
+        self._times.append(time)
+        self.total += 1
 
     def clear(self) -> None:
-        """Forget all arrivals: times begin anew."""
+        """Forget all arrivals: time begins again."""
         self._times.clear()
         self._reported = self.total
 
-    def take(self) -> Rate | None:
-        """The rate; None when nothing came since it was last taken, or before two arrivals."""
+    def take(self, now: int = 0) -> Rate | None:  # noqa: ARG002 - as the others
+        """Return the rate; None before two arrivals, and when nothing came since the last one."""
         if self.total == self._reported or len(self._times) < 2:  # noqa: PLR2004 - an interval
             return None
         self._reported = self.total
@@ -118,11 +117,14 @@ class BandwidthWindow:
     """
 
     def __init__(self, size: int) -> None:
+        self.total = 0
+        """Arrivals ever."""
         self._arrivals: deque[tuple[int, int]] = deque(maxlen=size)
 
     def add(self, time: int, size: int) -> None:
         """Add an arrival: when, in nanoseconds, and how many bytes."""
         self._arrivals.append((time, size))
+        self.total += 1
 
     def clear(self) -> None:
         """Forget all arrivals."""
@@ -154,12 +156,15 @@ class DelayWindow:
     """
 
     def __init__(self, size: int) -> None:
+        self.total = 0
+        """Arrivals ever."""
         self._delays: deque[float] = deque(maxlen=size)
         self._is_new = False
 
     def add(self, arrived: int, stamped: int) -> None:
         """Add an arrival: when it came and when it was stamped, in nanoseconds."""
         self._delays.append((arrived - stamped) / 1e9)
+        self.total += 1
         self._is_new = True
 
     def clear(self) -> None:
@@ -167,8 +172,8 @@ class DelayWindow:
         self._delays.clear()
         self._is_new = False
 
-    def take(self) -> Delay | None:
-        """The delay; None when nothing came since it was last taken."""
+    def take(self, now: int = 0) -> Delay | None:  # noqa: ARG002 - as the others
+        """Return the delay; None when nothing came since it was last taken."""
         if not self._is_new:
             return None
         self._is_new = False

@@ -1,41 +1,15 @@
-"""What an argument of ``echo`` means: a topic, or all that a pattern matches, and a field path.
+"""The topics that an argument selects: one, or all that a pattern matches; and a field path.
 
 Belongs here: telling topics from the field paths behind them, which only the bus can decide. Must
 not know how a message is shown.
 """
 
 from collections.abc import Iterable
-from typing import Protocol
 
 from lcmtools.graph.model import Graph, Topic
 from lcmtools.messages.path import Path, parse_path, splits
 from lcmtools.names import Pattern, Resolver, has_wildcard, is_hidden
 from lcmtools.observe.find import GLOBAL
-
-
-class TopicSelection(Protocol):
-    """What one argument means, as far as the bus has told."""
-
-    @property
-    def text(self) -> str:
-        """The argument; without the field path, where that is told from the topic."""
-        ...
-
-    def learn(self, graph: Graph) -> None:
-        """See what is on the bus now.
-
-        Raises:
-            UsageError: What follows the topic is no field path.
-        """
-        ...
-
-    def path_on(self, channel: str) -> Path | None:
-        """The field path that is asked for on a channel; None for a channel that is not meant."""
-        ...
-
-    def channels(self) -> Iterable[str]:
-        """The channels to listen to, as far as they are known."""
-        ...
 
 
 class OneTopic:
@@ -44,16 +18,21 @@ class OneTopic:
     Args:
         argument: As it was typed.
         names: The namespace and the remaps that it is read by.
+        with_path: There may be a field path behind it.
+
+    Attributes:
+        is_fixed: What it selects does not depend on what is on the bus.
 
     Raises:
         UsageError: It is empty.
     """
 
-    def __init__(self, argument: str, names: Resolver = GLOBAL) -> None:
+    def __init__(self, argument: str, names: Resolver = GLOBAL, *, with_path: bool = True) -> None:
         self.text = argument
+        self.is_fixed = not with_path
         self._names = names
         self.path = Path()
-        self._is_found = False
+        self._is_found = self.is_fixed
         self._spellings = self._names.spellings(argument)
 
     def learn(self, graph: Graph) -> None:
@@ -69,11 +48,11 @@ class OneTopic:
                 return
 
     def path_on(self, channel: str) -> Path | None:
-        """The path, on the topic."""
+        """Return the path, on the topic; None on others."""
         return self.path if channel in self._spellings else None
 
     def channels(self) -> Iterable[str]:
-        """All that the name may mean: a plain LCM channel, or a topic."""
+        """Return all that the name may mean: a plain LCM channel, or a topic."""
         return self._spellings
 
 
@@ -86,17 +65,19 @@ class TopicPattern:
     Args:
         argument: As it was typed.
         names: The namespace that a relative pattern is read in.
+        with_path: There may be a field path behind it.
 
     Raises:
         UsageError: There is something wrong with the field path behind it.
     """
 
-    def __init__(self, argument: str, names: Resolver = GLOBAL) -> None:
+    def __init__(self, argument: str, names: Resolver = GLOBAL, *, with_path: bool = True) -> None:
         self.text = argument
         last = max(argument.rfind("*"), argument.rfind("?"))
         _, bracket, index = argument[last:].partition("[")
         parse_path(bracket + index)  # an error in it is found at once
-        readings = [(argument, "")] if "**" in argument else list(splits(argument))
+        is_whole = "**" in argument or not with_path
+        readings = [(argument, "")] if is_whole else list(splits(argument))
         self._readings = [  # the longest topic first
             (Pattern(topic, names.namespace, hidden=is_hidden(argument)), rest)
             for topic, rest in readings
@@ -107,18 +88,18 @@ class TopicPattern:
 
     @property
     def is_literal(self) -> bool:
-        """Whether it is the name of a topic on the bus, and so no pattern."""
+        """True if it is the name of a topic on the bus, and so no pattern."""
         return self._literal is not None
 
     def learn(self, graph: Graph) -> None:
-        """See which topics match now."""
+        """Find which topics match now."""
         for name in graph.topic_names():
             if name == self.text and _is_there(graph.topic(name)):
                 self._literal = name
             self.path_on(name)
 
     def path_on(self, channel: str) -> Path | None:
-        """The path behind the longest reading of the pattern that matches a channel."""
+        """Return the path behind the longest reading of the pattern that matches a channel."""
         if self._literal is not None:
             return Path() if channel == self._literal else None
         if channel not in self._paths:
@@ -126,7 +107,7 @@ class TopicPattern:
         return self._paths[channel]
 
     def channels(self) -> list[str]:
-        """The channels that match, of those that are known."""
+        """Return the channels that match, of those that are known."""
         if self._literal is not None:
             return [self._literal]
         return [channel for channel, path in self._paths.items() if path is not None]
@@ -137,16 +118,19 @@ class TopicPattern:
         return None if rest is None else parse_path(rest)
 
 
-def select_topics(argument: str, names: Resolver = GLOBAL) -> OneTopic | TopicPattern:
-    """The topic, or the topics, that an argument means.
+def select_topics(
+    argument: str, names: Resolver = GLOBAL, *, with_path: bool = True
+) -> OneTopic | TopicPattern:
+    """Return the selection that an argument means (see ``OneTopic`` and ``TopicPattern``).
 
     Raises:
         UsageError: It is empty.
     """
-    return (TopicPattern if has_wildcard(argument) else OneTopic)(argument, names)
+    kind = TopicPattern if has_wildcard(argument) else OneTopic
+    return kind(argument, names, with_path=with_path)
 
 
 def _is_there(topic: Topic) -> bool:
-    """Whether anybody has to do with the topic but commands that look for it."""
+    """Return whether anything but commands that look for it has to do with the topic."""
     nodes = any(not node.tool for node, _ in topic.subscribers)
     return bool(topic.publishers or topic.traffic or nodes)

@@ -17,7 +17,8 @@ from lcmtools.bus.liblcm import LcmBus
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError
-from lcmtools.observe.monitor import BusMonitor, open_observer
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.sources import open_observer
 
 WaitUntil = Callable[..., None]
 

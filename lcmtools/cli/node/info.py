@@ -5,7 +5,6 @@ import time
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.describe import node_record
 from lcmtools.cli.node import sections
 from lcmtools.cli.node.programs import program_record, program_sections
 from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options, open_monitor
@@ -13,6 +12,7 @@ from lcmtools.cli.output import document, lines
 from lcmtools.cli.param.common import block, json_values
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node
+from lcmtools.observe.describe import node_record
 from lcmtools.observe.find import find_nodes
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.nodes import find_programs

@@ -6,7 +6,6 @@ from collections import Counter, deque
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.describe import listed_node, node_record
 from lcmtools.cli.node.programs import program_record, program_rows
 from lcmtools.cli.options import (
     CONTEXT,
@@ -20,6 +19,7 @@ from lcmtools.cli.options import (
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.graph.model import Node
 from lcmtools.names import Pattern
+from lcmtools.observe.describe import listed_node, node_record
 from lcmtools.observe.programs import programs
 
 _HEADING = "Programs that are no nodes (seen on the bus):"

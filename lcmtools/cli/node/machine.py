@@ -5,13 +5,13 @@ import socket
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.describe import listed_node
 from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Node
 from lcmtools.names import did_you_mean
 from lcmtools.observe.computers import Computers
+from lcmtools.observe.describe import listed_node
 
 
 @click.command("machine", context_settings=CONTEXT)

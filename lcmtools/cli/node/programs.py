@@ -3,9 +3,9 @@
 import socket
 
 from lcmtools.bus.socket_diag import receive_buffers
-from lcmtools.cli.describe import UNKNOWN, candidates_text
 from lcmtools.graph.model import Traffic
 from lcmtools.messages.registry import candidates
+from lcmtools.observe.describe import UNKNOWN, candidates_text
 from lcmtools.observe.nodes import program_place
 from lcmtools.observe.programs import Program
 

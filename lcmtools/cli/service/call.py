@@ -5,7 +5,6 @@ import math
 import click
 
 from lcmtools.cli.completion.completer import complete, complete_files
-from lcmtools.cli.describe import node_text
 from lcmtools.cli.options import (
     CONTEXT,
     bus_options,
@@ -19,6 +18,7 @@ from lcmtools.cli.output import data, talk
 from lcmtools.cli.words import WITHOUT_END, CommandWithWords
 from lcmtools.messages.plain import to_json
 from lcmtools.messages.text import format_message
+from lcmtools.observe.describe import node_text
 from lcmtools.observe.services import OfferedService, find_service, full_service_name
 from lcmtools.publish.calls import call_all, requests_in_time, split_type, wait_for_service
 from lcmtools.publish.incoming import read_requests

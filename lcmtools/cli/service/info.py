@@ -3,10 +3,10 @@
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.describe import callback_record, callback_times, listed_node, node_record
 from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options, open_monitor
 from lcmtools.cli.output import document, lines
 from lcmtools.graph.model import Endpoint, Node
+from lcmtools.observe.describe import callback_record, callback_times, listed_node, node_record
 from lcmtools.observe.services import OfferedService, find_service
 
 

@@ -131,5 +131,5 @@ def _live(selection: ChannelSelection, view: View) -> int:
         os.environ["NO_COLOR"] = "1"
     for name in ("COLUMNS", "LINES"):  # textual would take them for the terminal's size for good
         os.environ.pop(name, None)
-    with open_monitor("spy") as monitor:
+    with open_monitor("spy", plays=True) as monitor:
         return show(monitor, selection, view)

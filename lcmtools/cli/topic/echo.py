@@ -2,11 +2,12 @@
 
 import os
 import sys
-from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import islice
 
 import click
 
+from lcmtools.bus.url import BusUrl
 from lcmtools.cli.completion.completer import complete, complete_files
 from lcmtools.cli.options import (
     CONTEXT,
@@ -19,18 +20,19 @@ from lcmtools.cli.options import (
     whole_number,
 )
 from lcmtools.cli.output import data
-from lcmtools.cli.topic.look import Look, look
-from lcmtools.cli.topic.shown import Shower
+from lcmtools.cli.topic.echo_format import EchoFormatter
+from lcmtools.cli.topic.echo_options import display_options
+from lcmtools.cli.topic.measuring import notify
 from lcmtools.errors import UsageError
 from lcmtools.messages.plain_text import Writer
 from lcmtools.messages.registry import message_class, packages
 from lcmtools.messages.view import View
+from lcmtools.observe.arrivals import ArrivalStream, taken
 from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.find import ask_nodes
-from lcmtools.observe.log_observer import LogObserver
 from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.selection import OneTopic, TopicPattern, select_topics
-from lcmtools.observe.stream import Stream
+from lcmtools.observe.selection import select_topics
+from lcmtools.observe.sources import LogObserver
 
 _ALL_TOPICS = "**"
 _CLEAR = "\033[2J\033[;H"  # the screen, and the cursor to its corner
@@ -144,7 +146,7 @@ def command(  # noqa: PLR0913 - one parameter an option
         raise UsageError("--offset is relative to now, and a log has no now", "leave out --offset")
     topics, type_ = _topics_and_type(words, bag, all_topics=all_topics)
     asked = replace(
-        look(forms, fields, condition, changes),
+        display_options(forms, fields, condition, changes),
         view=View(noarr, nostr, longest, is_table=as_csv),
         writer=Writer(width),
         is_relative=offset,
@@ -152,12 +154,17 @@ def command(  # noqa: PLR0913 - one parameter an option
     )
     prefix = _CLEAR if clear and not (as_json or as_csv or raw) and _can_clear() else ""
     limit = 1 if once else count
-    meant = [select_topics(topic, looking_names()) for topic in topics]
+    names = looking_names()
+    meant = [select_topics(topic, names) for topic in topics]
     with _open(bag) as monitor:
-        for shown, text in enumerate(_texts(monitor, meant, asked, timeout), 1):
+        ask_nodes(monitor)
+        stream = ArrivalStream(monitor, meant, names)
+        for types, path in stream.announced():
+            asked.check(types, path)
+        decoder = Decoder(monitor.types_of, asked.message_class, keep_stray=True)
+        formatter = EchoFormatter(decoder, asked, lambda: stream.is_one_of_many)
+        for text in islice(taken(stream, formatter.text, timeout, notify), limit):
             data(f"{prefix}{text}")
-            if shown == limit:
-                return
 
 
 def _topics_and_type(
@@ -179,26 +186,6 @@ def _topics_and_type(
     return words or (_ALL_TOPICS,), ""
 
 
-def _texts(
-    monitor: BusMonitor,
-    meant: Sequence[OneTopic | TopicPattern],
-    asked: Look,
-    timeout: float | None,
-) -> Iterator[str]:
-    """What is to be printed, as it comes.
-
-    Raises:
-        NothingReceived: Nothing came in time.
-        UsageError: What is asked for is not in the messages.
-    """
-    ask_nodes(monitor)
-    stream = Stream(monitor, meant, looking_names())
-    for types, path in stream.paths:
-        asked.check(types, path)
-    shower = Shower(Decoder(monitor.types_of, asked.message_class, keep_stray=True), asked)
-    yield from stream.texts(shower.show, timeout)
-
-
 def _open(bag: str | None) -> BusMonitor:
     """The bus, or a log.
 
@@ -206,13 +193,12 @@ def _open(bag: str | None) -> BusMonitor:
         UsageError: Both are named.
     """
     if bag is None:
-        return open_monitor("echo", whole=True)
+        return open_monitor("echo", whole=True, plays=True)
     if bus_choice().url or bus_choice().domain:
         raise UsageError("-b reads a log in place of the bus", "leave out --lcm-url and --domain")
-    log = LogObserver(bag)
-    return BusMonitor(log.url, "echo", os.environ, log)
+    return BusMonitor(BusUrl("file", bag), "echo", os.environ, LogObserver(bag))
 
 
 def _can_clear() -> bool:
-    """Whether standard output is a screen that can be cleared."""
+    """Return whether standard output is a screen that can be cleared."""
     return sys.stdout.isatty() and os.environ.get("TERM", "dumb") != "dumb"

@@ -1,22 +1,23 @@
 """``lcmtools hz``."""
 
-import json
-from collections.abc import Mapping, Sequence
+from functools import partial
 
 import click
 
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, json_option, looking_names, looking_options, open_monitor
-from lcmtools.cli.output import data, lines, talk
-from lcmtools.cli.topic.measuring import measure, measuring_options, window_option
-from lcmtools.cli.topic.table import table
+from lcmtools.cli.topic.measuring import (
+    measure,
+    measuring_options,
+    notify,
+    print_report,
+    window_option,
+)
 from lcmtools.messages.filter import Filter
-from lcmtools.observe.arrival import Arrival
-from lcmtools.observe.batches import ListenOptions, batches
-from lcmtools.observe.losses import losses, total
-from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.rates import Rate, RateWindow
+from lcmtools.observe.measure import ListenOptions, RateMeter, lossy_senders
+from lcmtools.observe.rates import Rate
 
+_KEYS = ("rate", "min", "max", "std_dev", "window")
 _HEADER = ("topic", "rate", "min_delta", "max_delta", "std_dev", "window")
 
 
@@ -52,66 +53,21 @@ def command(  # noqa: PLR0913 - one parameter an option
       lcmtools hz EXAMPLE /chatter -w 100
       lcmtools hz /chatter --filter "m.data != ''" -n 1 --timeout 5s
     """  # noqa: D301 - \b is click's mark
-    how = ListenOptions(
-        timeout,
-        count,
-        wall_time,
-        Filter(condition) if condition is not None else None,
-        looking_names(),
+    wanted = Filter(condition) if condition is not None else None
+    options = ListenOptions(timeout, count, wall_time, wanted, looking_names())
+    meters = {topic: RateMeter(window) for topic in topics}
+    show = partial(
+        print_report, keys=_KEYS, header=_HEADER, cells=_cells, text=_text, as_json=as_json
     )
-    meters = {topic: _Meter(window) for topic in topics}
-
-    def report(found: Mapping[str, Rate | None]) -> None:
-        _report(found, as_json=as_json)
-
     with open_monitor("hz", whole=condition is not None) as monitor:
         try:
-            measure(batches(monitor, tuple(meters), how), meters, report, count)
+            measure(monitor, meters, options, show)
         finally:
-            _tell_loss(monitor, tuple(meters))
-        for topic, meter in meters.items():
-            if meter.arrivals.total == 1:
-                talk(f"lcmtools hz: only one message came on {topic}: a rate takes two")
-
-
-def _tell_loss(monitor: BusMonitor, topics: Sequence[str]) -> None:
-    """Say whose messages did not all come: the rates are those of what came."""
-    graph, known = monitor.graph(), losses(monitor.numbered)
-    for topic in topics:
-        for spelling in looking_names().spellings(topic):
-            for seen in graph.topic(spelling).traffic:
-                loss = total([seen.sender], known)
-                if loss and loss.lost:
-                    what = f"of {seen.sender}, which sends {spelling}, {loss} messages did not"
-                    talk(f"lcmtools hz: {what} arrive here; lcmtools wtf looks closer")
-
-
-class _Meter:
-    """The rate of a topic."""
-
-    def __init__(self, window: int) -> None:
-        self.arrivals = RateWindow(window)
-
-    def add(self, arrival: Arrival) -> None:
-        self.arrivals.extend([arrival.time])
-
-    def take(self, _now: int) -> Rate | None:
-        return self.arrivals.take()
-
-    def clear(self) -> None:
-        self.arrivals.clear()
-
-
-def _report(rates: Mapping[str, Rate | None], *, as_json: bool) -> None:
-    if as_json:
-        for topic, rate in rates.items():
-            data(_json(topic, rate))
-    elif not any(rates.values()):
-        data("no new messages")
-    elif len(rates) > 1:
-        lines(table(_HEADER, [_cells(topic, rate) for topic, rate in rates.items()]))
-    else:
-        data("\n".join(_text(rate) for rate in rates.values() if rate))
+            for sentence in lossy_senders(monitor, tuple(meters), options.names):
+                notify(sentence)
+    for topic, meter in meters.items():
+        if meter.total == 1:
+            notify(f"only one message came on {topic}: a rate takes two")
 
 
 def _text(rate: Rate) -> str:
@@ -123,24 +79,6 @@ def _text(rate: Rate) -> str:
     )
 
 
-def _cells(topic: str, rate: Rate | None) -> list[str]:
-    """A row of the table; dashes for a topic on which nothing new has come."""
-    if rate is None:
-        return [topic, *"-----"]
+def _cells(rate: Rate) -> list[str]:
     numbers = (rate.mean, rate.shortest, rate.longest, rate.deviation)
-    return [topic, *(f"{number:.4}" for number in numbers), str(rate.window)]
-
-
-def _json(topic: str, rate: Rate | None) -> str:
-    if rate is None:
-        return json.dumps({"topic": topic, "rate": None})
-    return json.dumps(
-        {
-            "topic": topic,
-            "rate": rate.mean,
-            "min": rate.shortest,
-            "max": rate.longest,
-            "std_dev": rate.deviation,
-            "window": rate.window,
-        }
-    )
+    return [*(f"{number:.4}" for number in numbers), str(rate.window)]

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.describe import fingerprint_rows, node_text, program_text, type_text
 from lcmtools.cli.options import (
     CONTEXT,
     duration,
@@ -17,6 +16,7 @@ from lcmtools.cli.options import (
 from lcmtools.cli.output import document, lines
 from lcmtools.graph.model import Endpoint, Node, Topic
 from lcmtools.observe.counters import Counters, counted
+from lcmtools.observe.describe import fingerprint_rows, node_text, program_text, type_text
 from lcmtools.observe.find import find_topic
 from lcmtools.observe.losses import Loss
 

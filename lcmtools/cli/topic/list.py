@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.describe import type_text
 from lcmtools.cli.options import (
     CONTEXT,
     all_option,
@@ -20,6 +19,7 @@ from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Graph, Topic
 from lcmtools.observe.computers import by_computer
+from lcmtools.observe.describe import type_text
 from lcmtools.observe.settled import Rates, settled
 
 _MEASURED = 1.0  # [s]

@@ -1,78 +1,27 @@
-"""Measuring topics over windows of messages: the loop that hz, bw and delay share.
+"""The options of hz, bw and delay, and the reports that they print."""
 
-Belongs here: when a report is made, and when it is the last. Must not know what is measured.
-"""
-
-from collections.abc import Callable, Iterator, Mapping
-from typing import Protocol, TypeVar
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import astuple
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from lcmtools.cli.options import duration, whole_number
-from lcmtools.cli.output import talk
-from lcmtools.observe.arrival import Arrival
-from lcmtools.observe.batches import Batch
+from lcmtools.cli.output import data, lines, talk
+
+if TYPE_CHECKING:
+    from lcmtools.observe.measure import ListenOptions, Meter
+    from lcmtools.observe.monitor import BusMonitor
 
 CommandT = TypeVar("CommandT", bound=Callable[..., object])
-FoundT_co = TypeVar("FoundT_co", covariant=True)
 FoundT = TypeVar("FoundT")
 
-
-class Meter(Protocol[FoundT_co]):
-    """What is measured of one topic."""
-
-    def add(self, arrival: Arrival) -> None:
-        """Take a message into account."""
-        ...
-
-    def take(self, now: int) -> FoundT_co | None:
-        """What was found at a time [ns]; None when there is nothing new to say."""
-        ...
-
-    def clear(self) -> None:
-        """Forget all: times begin anew."""
-        ...
-
-
-def measure(
-    source: Iterator[Batch],
-    meters: Mapping[str, Meter[FoundT]],
-    report: Callable[[Mapping[str, FoundT | None]], None],
-    count: int | None,
-) -> None:
-    """Report whenever it is due, and once more when Ctrl-C ends it.
-
-    Args:
-        source: What comes.
-        meters: One for each topic.
-        report: Prints what was found, by topic.
-        count: After how many reports that had something to say to return; None for never.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C, after the last report.
-    """
-    reports = 0
-    now = 0
-    try:
-        for turn in source:
-            now = turn.now
-            _feed(turn, meters)
-            if turn.is_due:
-                found = {topic: meter.take(now) for topic, meter in meters.items()}
-                if any(found.values()) or not turn.is_last:
-                    report(found)
-                reports += any(found.values())
-                if reports == count:
-                    return
-    except KeyboardInterrupt:
-        found = {topic: meter.take(now) for topic, meter in meters.items()}
-        if any(found.values()):
-            report(found)
-        raise
+_GAP = "   "
 
 
 def measuring_options(command: CommandT) -> CommandT:
-    """Add ``--timeout``, ``-n`` and ``--wall-time``, which are a ``turns.How``."""
+    """Add ``--timeout``, ``-n`` and ``--wall-time``, which are ``ListenOptions``."""
     timeout = click.option(
         "--timeout", type=duration, help="Give up (exit code 4) when none comes so long."
     )
@@ -86,12 +35,7 @@ def measuring_options(command: CommandT) -> CommandT:
 
 
 def window_option(*, least: int, usual: int) -> Callable[[CommandT], CommandT]:
-    """Add ``--window``.
-
-    Args:
-        least: The smallest window, in messages.
-        usual: The window where none is given.
-    """
+    """Add ``--window``, with the smallest window and the usual one in messages."""
     return click.option(
         "-w",
         "--window",
@@ -103,10 +47,74 @@ def window_option(*, least: int, usual: int) -> Callable[[CommandT], CommandT]:
     )
 
 
-def _feed(turn: Batch, meters: Mapping[str, Meter[FoundT]]) -> None:
-    if turn.is_reset:
-        talk("time has reset, resetting counters")
-        for meter in meters.values():
-            meter.clear()
-    for arrival in turn.arrivals:
-        meters[arrival.topic].add(arrival)
+def notify(text: str) -> None:
+    """Say something in the name of the command that runs."""
+    talk(f"{click.get_current_context().command_path}: {text}")
+
+
+def measure(
+    monitor: "BusMonitor",
+    meters: "Mapping[str, Meter[FoundT]]",
+    options: "ListenOptions",
+    show: Callable[[Mapping[str, FoundT | None]], None],
+) -> None:
+    """Measure topics until the options, a log or Ctrl-C end it, and show each report."""
+    from lcmtools.observe.measure import Measurement
+
+    measurement = Measurement(monitor, meters, options, notify)
+    for channel in measurement.channels:
+        talk(f"subscribed to [{channel}]")
+    if measurement.is_simulated:
+        notify("times are simulated, as /clock says; --wall-time for real ones")
+    for report in measurement.reports():
+        if report.is_reset:
+            talk("time has reset, resetting counters")
+        else:
+            show(report.found)
+
+
+def print_report(  # noqa: PLR0913 - each is a part of its form
+    found: Mapping[str, Any],
+    *,
+    keys: Sequence[str],
+    header: Sequence[str],
+    cells: Callable[[Any], Sequence[str]],
+    text: Callable[[Any], str],
+    as_json: bool,
+    nothing: str = "no new messages",
+) -> None:
+    """Print what was found of each topic: JSON, a table, or of one topic the lines of rostopic.
+
+    Args:
+        found: A value by topic; None for nothing new.
+        keys: The names of a value's fields in JSON.
+        header: The columns of the table.
+        cells: The row of a value, behind its topic.
+        text: The lines of a value.
+        as_json: Print JSON.
+        nothing: The line where there is nothing new; "" for none.
+    """
+    if as_json:
+        for topic, value in found.items():
+            known = dict(zip(keys, astuple(value), strict=True)) if value else {keys[0]: None}
+            data(json.dumps({"topic": topic, **known}))
+    elif not any(found.values()):
+        lines([nothing] * bool(nothing))
+    elif len(found) > 1:
+        rows = [[topic, *(cells(value) if value else "-----")] for topic, value in found.items()]
+        lines(table(header, rows))
+    else:
+        data("\n".join(text(value) for value in found.values() if value))
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return a table as rostopic hz prints it: centred header, a rule, rows, an empty line."""
+    widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
+    head = (f"{name:^{width}}" for name, width in zip(header, widths, strict=True))
+    rule = "=" * (sum(widths) + len(_GAP) * (len(widths) - 1))
+    return [_GAP.join(head).rstrip(), rule, *(_row(row, widths) for row in rows), ""]
+
+
+def _row(cells: Sequence[str], widths: Sequence[int]) -> str:
+    pairs = zip(cells, widths, strict=True)
+    return _GAP.join(f"{cell:<{width}}" for cell, width in pairs).rstrip()

@@ -3,7 +3,6 @@
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.describe import UNKNOWN, fingerprint_rows, type_text
 from lcmtools.cli.options import CONTEXT, json_option, looking_names, looking_options, open_monitor
 from lcmtools.cli.output import document, lines
 from lcmtools.errors import LcmtoolsError, UsageError, ValueMismatch
@@ -11,6 +10,7 @@ from lcmtools.graph.model import Graph, Topic
 from lcmtools.messages.path import Path, Target, parse_path, splits, target
 from lcmtools.messages.registry import message_class
 from lcmtools.names import Resolver
+from lcmtools.observe.describe import UNKNOWN, fingerprint_rows, type_text
 from lcmtools.observe.find import find_topic, known_spelling
 from lcmtools.observe.settled import settled
 

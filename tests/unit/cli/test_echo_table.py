@@ -2,17 +2,17 @@
 
 import pytest
 
-from lcmtools.cli.topic.csv_rows import Table
+from lcmtools.cli.topic.echo_format import CsvTable
 from lcmtools.messages.cells import cells
 from lcmtools.messages.plain import Plain
 
 
-def row(table: Table, time: int, plain: Plain, kind: str = "a/B") -> str | None:
+def row(table: CsvTable, time: int, plain: Plain, kind: str = "a/B") -> str | None:
     return table.row({"%time": time, **cells(plain)}, kind)
 
 
 def test_a_row_has_the_columns_of_the_first_one() -> None:
-    table = Table()
+    table = CsvTable()
     assert row(table, 1, {"a": [1, 2], "b": "x"}) == "%time,field.a0,field.a1,field.b\n1,1,2,x"
     assert row(table, 2, {"a": [3, 4], "b": "y"}) == "2,3,4,y"
     assert row(table, 3, {"a": [5], "b": "z"}) == "3,5,,z"
@@ -21,7 +21,7 @@ def test_a_row_has_the_columns_of_the_first_one() -> None:
 def test_values_without_a_column_are_left_out_and_that_is_said_once(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    table = Table()
+    table = CsvTable()
     row(table, 1, {"a": [1]})
     assert row(table, 2, {"a": [2, 3]}) == "2,2"
     assert row(table, 3, {"a": [4, 5]}) == "3,4"
@@ -32,14 +32,14 @@ def test_values_without_a_column_are_left_out_and_that_is_said_once(
 
 
 def test_text_is_quoted_where_it_must_be() -> None:
-    table = Table()
+    table = CsvTable()
     assert row(table, 1, 'a, "b"\nc') == '%time,field\n1,"a, ""b""\nc"'
 
 
 def test_messages_of_another_type_are_left_out_and_that_is_said_once(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    table = Table()
+    table = CsvTable()
     row(table, 1, 5, "std_msgs/Int32")
     assert row(table, 2, "x", "std_msgs/String") is None
     assert row(table, 3, "y", "std_msgs/String") is None

@@ -18,7 +18,8 @@ _S = 1_000_000_000
 
 def _window(*seconds: float, size: int = 100) -> RateWindow:
     window = RateWindow(size)
-    window.extend(round(time * _S) for time in seconds)
+    for time in seconds:
+        window.add(round(time * _S))
     return window
 
 
@@ -44,7 +45,7 @@ def test_nothing_new_is_no_rate() -> None:
     window = _window(0, 1)
     assert window.take() is not None
     assert window.take() is None
-    window.extend([2 * _S])
+    window.add(2 * _S)
     assert window.take() is not None
 
 
@@ -139,9 +140,9 @@ def test_bandwidth_without_a_present_is_that_at_the_last_arrival() -> None:
 def test_a_window_that_is_cleared_begins_anew() -> None:
     rates = _window(0, 1)
     rates.clear()
-    rates.extend([100 * _S])
+    rates.add(100 * _S)
     assert rates.take() is None
-    rates.extend([100 * _S + _S // 2])
+    rates.add(100 * _S + _S // 2)
     rate = rates.take()
     assert rate is not None
     assert rate.mean == pytest.approx(2)

@@ -1,4 +1,4 @@
-"""What ``lcmtools echo`` is asked to show: which part of a message, if at all, and in what form."""
+"""The options of ``lcmtools echo``: which part of a message is shown, and in what form."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,8 +18,8 @@ _FORMS: dict[str, Form] = {"--json": "json", "--csv": "csv", "--flow-style": "fl
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
-    """What was asked for.
+class DisplayOptions:
+    """The form and the parts of messages that are shown.
 
     Attributes:
         form: How a message is written.
@@ -41,11 +41,11 @@ class Look:
 
     @property
     def is_raw(self) -> bool:
-        """Whether payloads are shown as they are."""
+        """True if payloads are shown as they are."""
         return self.form in ("raw", "raw json")
 
     def paths(self, behind_topic: Path) -> tuple[Path, ...]:
-        """All parts to show, from the message on.
+        """Return all parts to show, from the message on.
 
         Raises:
             UsageError: They are parts of bytes that are not decoded.
@@ -56,7 +56,7 @@ class Look:
         return paths
 
     def is_whole(self, paths: tuple[Path, ...]) -> bool:
-        """Whether all of a message is shown, as it is."""
+        """Return whether all of a message is shown, as it is."""
         is_as_it_is = not self.view and not self.is_relative and self.writer == FREE
         return is_as_it_is and paths == (Path(),)
 
@@ -76,13 +76,13 @@ class Look:
             self.condition.check(cls)
 
 
-def look(
+def display_options(
     form_flags: Mapping[str, bool],
     fields: tuple[str, ...],
     condition: str | None,
     others: Mapping[str, bool],
-) -> Look:
-    """What the command line asks for; the view and the like are not in it yet.
+) -> DisplayOptions:
+    """Return what the command line asks for; the view and the like are not in it yet.
 
     Args:
         form_flags: Whether each of --json, --csv, --flow-style and --raw was given.
@@ -103,7 +103,7 @@ def look(
         raise UsageError(f"-w and {given[0]} exclude each other", f"leave out {given[0]} or -w")
     form = "raw json" if len(given) > 1 else _FORMS[given[0]] if given else "text"
     parsed = tuple(parse_path(field) for field in fields)
-    return Look(form, parsed, Filter(condition) if condition is not None else None)
+    return DisplayOptions(form, parsed, Filter(condition) if condition is not None else None)
 
 
 def _announced_class(types: tuple[str, ...]) -> type[Message] | None:

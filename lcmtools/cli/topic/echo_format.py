@@ -1,0 +1,219 @@
+"""The texts that ``lcmtools echo`` prints for messages."""
+
+import csv
+import io
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from typing import cast
+
+from lcmtools.cli.output import talk
+from lcmtools.cli.topic.echo_options import DisplayOptions
+from lcmtools.errors import DecodeError, ValueMismatch
+from lcmtools.messages.cells import Cell, cells
+from lcmtools.messages.header import stamp
+from lcmtools.messages.path import Path, Selection, select
+from lcmtools.messages.plain import Plain, plain_json
+from lcmtools.messages.registry import Message
+from lcmtools.messages.text import format_message
+from lcmtools.messages.view import View, plain_selection
+from lcmtools.observe.arrivals import SelectedPacket
+from lcmtools.observe.decoding import Decoder, UnknownFingerprint, remedy_of_unknown
+from lcmtools.wire.packet import Packet
+
+_SHOWN_BYTES = 64
+
+
+class EchoFormatter:
+    """Turns packets into the texts that echo prints.
+
+    Args:
+        decoder: Decodes them.
+        options: The form and the parts that are shown.
+        is_one_of_many: Returns whether each text must say its topic.
+    """
+
+    def __init__(
+        self, decoder: Decoder, options: DisplayOptions, is_one_of_many: Callable[[], bool]
+    ) -> None:
+        self._is_one_of_many = is_one_of_many
+        self._decoder = decoder
+        self._options = options
+        self._table = CsvTable()
+        self._told: set[str] = set()
+        self._has_shown = False
+
+    def text(self, found: SelectedPacket) -> str | None:
+        """The text of a message; None for one that is not to be shown or has no fields.
+
+        A message that has not what is asked for is passed over, which is said once, where others
+        have it or may have it.
+
+        Raises:
+            ValueMismatch: It is the first and has no such field, or the filter cannot be worked
+                out.
+        """
+        try:
+            text = self._shown(found)
+        except ValueMismatch as mismatch:
+            if not (self._is_one_of_many() or self._has_shown):
+                raise
+            channel = found.packet.channel
+            self._tell(f"unfit {channel}", f"a message on {channel} is left out: {mismatch}")
+            return None
+        self._has_shown = self._has_shown or text is not None
+        return text
+
+    def _shown(self, found: SelectedPacket) -> str | None:
+        paths, packet = self._options.paths(found.path), found.packet
+        condition = self._options.condition
+        message: Message | None = None
+        if condition or not self._options.is_raw:
+            try:
+                message = self._decoder.decode(packet)
+            except DecodeError as reason:
+                return self._undecoded(found, reason)
+            if condition and not condition.matches(message):
+                return None
+        if self._options.is_raw:
+            return self._raw(found)
+        return self._text(found, cast("Message", message), paths)
+
+    def _text(self, found: SelectedPacket, message: Message, paths: tuple[Path, ...]) -> str | None:
+        form = self._options.form
+        if form == "text" and self._options.is_whole(paths):
+            return self._headed(found, f"{format_message(message)}\n---")
+        selected = {str(path): select(message, path) for path in paths}
+        plain = _plain(selected, self._view(found))
+        if form == "json":
+            return self._record(found, plain)
+        if form == "csv":
+            row = self._row(found, message, plain)
+            return self._table.row(row, ", ".join(map(_kind, selected.values())))
+        writer = self._options.writer
+        text = writer.flow(plain) if form == "flow" else writer.block(plain)
+        return self._headed(found, f"{text}\n---")
+
+    def _view(self, found: SelectedPacket) -> View:
+        view = self._options.view
+        return replace(view, origin=found.time) if self._options.is_relative else view
+
+    def _row(self, found: SelectedPacket, message: Message, plain: Plain) -> dict[str, Cell]:
+        """The cells of a row: the header's stamp, else the arrival, and the values."""
+        stamped = stamp(message)
+        time = found.time if stamped is None else stamped
+        topic: dict[str, Cell] = {"topic": found.packet.channel} if self._is_one_of_many() else {}
+        origin = found.time if self._options.is_relative else 0
+        return {"%time": time - origin, **topic, **cells(plain)}
+
+    def _record(self, found: SelectedPacket, plain: Plain) -> str:
+        if not self._is_one_of_many():
+            return plain_json(plain)
+        return plain_json({"topic": found.packet.channel, "message": plain})
+
+    def _raw(self, found: SelectedPacket) -> str:
+        if self._options.form == "raw json":
+            return self._raw_record(found.packet)
+        return self._headed(found, found.packet.payload.hex())
+
+    def _raw_record(self, packet: Packet, **more: str) -> str:
+        topic = {"topic": packet.channel} if self._is_one_of_many() else {}
+        content = {"bytes": len(packet.payload), **more, "data": packet.payload.hex()}
+        return json.dumps({**topic, **content})
+
+    def _headed(self, found: SelectedPacket, text: str) -> str:
+        """A text under its topic, as a comment in YAML, where there may be several."""
+        return f"# {_one_line(found.packet.channel)}\n{text}" if self._is_one_of_many() else text
+
+    def _undecoded(self, found: SelectedPacket, reason: DecodeError) -> str | None:
+        packet = found.packet
+        channel = packet.channel
+        paths = self._options.paths(found.path)
+        is_all = paths == (Path(),) and not self._options.condition
+        if is_all and self._options.form == "json":
+            return self._raw_record(packet, error=str(reason))
+        is_unknown = isinstance(reason, UnknownFingerprint)
+        if is_all and self._options.form in ("text", "flow"):
+            if is_unknown and not self._told:
+                self._tell("unknown", f"no type is known for {channel}; {remedy_of_unknown()}")
+            return self._headed(found, f"{_raw_text(packet, str(reason))}\n---")
+        what = f"{reason}; {remedy_of_unknown()}" if is_unknown and not self._told else str(reason)
+        self._tell(f"raw {channel}", f"a message on {channel} has no known fields: {what}")
+        return None
+
+    def _tell(self, about: str, text: str) -> None:
+        if about not in self._told:
+            self._told.add(about)
+            talk(f"lcmtools echo: {text}")
+
+
+def _plain(found: dict[str, Selection], view: View) -> Plain:
+    """One part of a message; or several, by their paths."""
+    if len(found) == 1:
+        return plain_selection(next(iter(found.values())), view)
+    return {path: plain_selection(selection, view) for path, selection in found.items()}
+
+
+def _one_line(channel: str) -> str:
+    """A channel's name without what would end the comment, or colour the terminal."""
+    return channel if channel.isprintable() else ascii(channel)
+
+
+def _kind(selection: Selection) -> str:
+    """What a selected value is: a type, with a pair of brackets for each array around it."""
+    return selection.target.type + "[]" * selection.target.depth
+
+
+def _raw_text(packet: Packet, reason: str) -> str:
+    """A payload that cannot be decoded, as YAML all the same."""
+    shown = packet.payload[:_SHOWN_BYTES].hex(" ")
+    more = " ..." if len(packet.payload) > _SHOWN_BYTES else ""
+    return f"# {reason}\nbytes: {len(packet.payload)}\ndata: '{shown}{more}'"
+
+
+class CsvTable:
+    """Rows of comma-separated values under the columns of the first one.
+
+    All rows are of one kind of message: others are left out, which is said once for each kind.
+    """
+
+    def __init__(self) -> None:
+        self._columns: list[str] = []
+        self._kind = ""
+        self._told: set[str] = set()
+
+    def row(self, cells: dict[str, Cell], kind: str) -> str | None:
+        """The row of a message, after the line with the columns' names if it is the first.
+
+        A column that a message does not have is empty; values without a column are left out, which
+        is said once.
+
+        Args:
+            cells: The values by column.
+            kind: What the values are of: the name of a type, or several.
+        """
+        head = "" if self._columns else f"{_line(list(cells))}\n"
+        if head:
+            self._columns, self._kind = list(cells), kind
+        elif kind != self._kind:
+            self._tell(f"messages of {kind} are left out: the columns are those of {self._kind}")
+            return None
+        more = len(cells.keys() - set(self._columns))
+        if more and "more" not in self._told:
+            self._told.add("more")
+            talk(
+                f"lcmtools echo: no column for {more} more in an array that was shorter in the"
+                " first message; --field with a slice gives all rows the same columns"
+            )
+        return head + _line([cells.get(column, "") for column in self._columns])
+
+    def _tell(self, text: str) -> None:
+        if text not in self._told:
+            self._told.add(text)
+            talk(f"lcmtools echo: {text}")
+
+
+def _line(cells: "list[str] | list[Cell]") -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="").writerow(cells)
+    return text.getvalue()

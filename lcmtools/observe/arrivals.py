@@ -1,0 +1,386 @@
+"""The one stream of arrivals: what comes on the topics that are selected, from a bus or a log.
+
+``echo``, ``hz``, ``bw`` and ``delay`` pull it, and so does ``messages``, which is public.
+"""
+
+import os
+import time
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import NamedTuple, TypeVar, cast
+
+from lcmtools.bus.url import BusUrl, choose_url
+from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived, UsageError
+from lcmtools.graph.model import Graph
+from lcmtools.messages.filter import Filter
+from lcmtools.messages.path import Path
+from lcmtools.messages.registry import Message
+from lcmtools.names import Resolver, is_hidden, resolve_namespace
+from lcmtools.observe.arrival import CLOCK, ArrivalClock, is_simulated
+from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.find import GLOBAL, ask_nodes, known_spelling, near_topic
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.selection import OneTopic, TopicPattern, select_topics
+from lcmtools.observe.senders import SenderNames
+from lcmtools.observe.sources import LogObserver
+from lcmtools.settings import read_user_file, usual_namespace
+from lcmtools.wire.packet import Packet
+
+_LOOK_PERIOD = 0.5  # [s] between looks for topics that a pattern matches
+_MOST_NAMED = 8  # topics in a line
+_WAIT = 0.2  # [s] at most before a timeout is looked at again
+PATIENCE = 2.0
+"""[s] without a message before it is said what is on the bus."""
+
+
+class SelectedPacket(NamedTuple):
+    """A packet of a topic that is selected.
+
+    Attributes:
+        topic: The selection, as it was typed.
+        packet: The packet.
+        time: When it arrived, by the clock of the stream [ns].
+        path: The field path behind its topic.
+    """
+
+    topic: str
+    packet: Packet
+    time: int
+    path: Path = Path()
+
+
+class Batch(NamedTuple):
+    """The packets that arrived together.
+
+    Attributes:
+        arrivals: Those that are selected.
+        now: The time by the clock of the stream [ns].
+        is_reset: Simulated time went back: what came before is of another time.
+    """
+
+    arrivals: Sequence[SelectedPacket]
+    now: int
+    is_reset: bool = False
+
+
+class ArrivalStream:
+    """The packets of some topics, as they come.
+
+    Args:
+        monitor: The bus or the log.
+        selections: The topics.
+        names: The namespace and the remaps that topics are read by.
+        wall_time: Go by the computer's clock where a simulator keeps the time too.
+        strict_time: Leave out what arrives before the simulated time is known.
+        keep: Tells which packets count; None for all.
+
+    Attributes:
+        graph: What was known of the bus at the last look.
+
+    Raises:
+        UsageError: The text behind a topic is no field path.
+    """
+
+    def __init__(
+        self,
+        monitor: BusMonitor,
+        selections: Sequence[OneTopic | TopicPattern],
+        names: Resolver = GLOBAL,
+        *,
+        wall_time: bool = False,
+        strict_time: bool = False,
+        keep: Callable[[Packet], bool] | None = None,
+    ) -> None:
+        self._monitor = monitor
+        self._selections = selections
+        self._names = names
+        self._wall_time, self._strict_time = wall_time, strict_time
+        self._keep = keep
+        self._routes: dict[str, list[tuple[str, Path]]] = {}
+        self._known: set[str] = set()
+        self._is_fixed = all(isinstance(one, OneTopic) and one.is_fixed for one in selections)
+        self._announced: list[str] = []
+        self._next_look = 0.0
+        self._clock = ArrivalClock(is_simulated=False)
+        self.graph = Graph()
+        self._learn()
+
+    @property
+    def is_simulated(self) -> bool:
+        """True if the times are simulated."""
+        return self._clock.is_simulated
+
+    @property
+    def is_one_of_many(self) -> bool:
+        """True if arrivals may be of several topics."""
+        return len(self._selections) > 1 or any(
+            isinstance(one, TopicPattern) and not one.is_literal for one in self._selections
+        )
+
+    @property
+    def text(self) -> str:
+        """The selected topics, for people."""
+        return ", ".join(one.text for one in self._selections)
+
+    def announced(self) -> list[tuple[tuple[str, ...], Path]]:
+        """Return the types that nodes announce for each topic named, and the path behind it."""
+        named = [one for one in self._selections if isinstance(one, OneTopic)]
+        spellings = [known_spelling(self.graph, one.text, self._names) for one in named]
+        return [
+            (self.graph.topic(spelling).types if spelling else (), one.path)
+            for one, spelling in zip(named, spellings, strict=True)
+        ]
+
+    def receive(self, timeout: float) -> Batch:
+        """Return what arrives, waiting up to ``timeout`` [s] for the first packet.
+
+        Raises:
+            EOFError: The log has ended.
+        """
+        packets = self._monitor.receive(timeout)
+        if not self._is_fixed:
+            self._look_again(packets)
+        arrivals: list[SelectedPacket] = []
+        is_reset = False
+        for packet in packets:
+            if self._clock.hear(packet):
+                is_reset = True
+                arrivals.clear()
+            routes = self._routes.get(packet.channel)
+            if routes is None:
+                routes = self._routes[packet.channel] = self._routes_of(packet.channel)
+            if routes and (self._keep is None or self._keep(packet)):
+                when = self._clock.time(packet) or (0 if self._strict_time else packet.time)
+                if when:
+                    arrivals += [SelectedPacket(one, packet, when, path) for one, path in routes]
+        return Batch(arrivals, self._clock.now or time.time_ns(), is_reset)
+
+    def situation(self, topic: str = "") -> str:
+        """Return who publishes a topic; or what may have been meant, or is on the bus.
+
+        Args:
+            topic: As typed; "" for the first one that is published, or else the first.
+        """
+        graph = self._monitor.graph()
+        if not topic:
+            known = [channel for one in self._selections for channel in one.channels()]
+            published = [channel for channel in known if graph.topic(channel).publishers]
+            topic = published[0] if published else self._selections[0].text
+        spelling = known_spelling(graph, topic, self._names)
+        if spelling is None:
+            near = near_topic(graph, topic, self._names)
+            if near.startswith("did you mean"):
+                return near
+        elif publishers := [node.name for node, _ in graph.topic(spelling).publishers]:
+            return f"it is published by {', '.join(publishers)}"
+        seen = [name for name in graph.topic_names() if not is_hidden(name)]
+        return f"on the bus: {', '.join(seen[:_MOST_NAMED])}" if seen else "no topic is on the bus"
+
+    def contents(self) -> str:
+        """Return what is in a log that has been read, for people."""
+        seen = self._monitor.graph().topic_names()
+        return f"it has {', '.join(seen[:_MOST_NAMED])}" if seen else "no message is in it"
+
+    def near(self, topic: str) -> str:
+        """Return a hint at the topic that may have been meant instead."""
+        return near_topic(self._monitor.graph(), topic, self._names)
+
+    def _routes_of(self, channel: str) -> list[tuple[str, Path]]:
+        """The selections that a channel is of; several with the same field path are one."""
+        found: dict[Path | str, tuple[str, Path]] = {}
+        for one in self._selections:
+            path = one.path_on(channel)
+            if path is not None:
+                found.setdefault(one.text if self._is_fixed else path, (one.text, path))
+        return list(found.values())
+
+    def _look_again(self, packets: Sequence[Packet]) -> None:
+        is_new = any(packet.channel not in self._known for packet in packets)
+        if is_new or time.monotonic() >= self._next_look:
+            self._known.update(packet.channel for packet in packets)
+            self._learn()
+
+    def _learn(self) -> None:
+        """Tell topics from paths, find what patterns match, and announce to listen to it."""
+        self._next_look = time.monotonic() + _LOOK_PERIOD
+        self.graph = graph = self._monitor.graph()
+        self._routes.clear()
+        self._clock.is_simulated = not self._wall_time and is_simulated(graph)
+        for one in self._selections:
+            one.learn(graph)
+        wanted = {channel for one in self._selections for channel in one.channels()}
+        # A simulator tells the time seldom where nobody listens to it.
+        channels = sorted(wanted | {CLOCK} if self._clock.is_simulated else wanted)
+        if channels != self._announced:
+            self._announced = channels
+            self._monitor.listen_to(channels)
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """A message that arrived.
+
+    Attributes:
+        topic: The topic, as it is called on the bus.
+        message: The message.
+        time: When it arrived [ns since 1970]: the kernel's time; simulated time where a simulator
+            publishes ``/clock``; of a log, when it was recorded.
+        sender: Who sent it: a node's name, else a process, else an address; "unknown sender" where
+            the bus does not tell (tcpq, memq, logs).
+        packet: The message as it came, with its bytes and its number.
+    """
+
+    topic: str
+    message: Message
+    time: int
+    sender: str
+    packet: Packet
+
+
+T = TypeVar("T")
+
+
+def taken(
+    stream: ArrivalStream,
+    take: Callable[[SelectedPacket], T | None],
+    timeout: float | None,
+    notify: Callable[[str], None] = lambda _: None,
+) -> Iterator[T]:
+    """Return what ``take`` makes of each packet; None is passed over.
+
+    Args:
+        stream: The packets.
+        take: Makes something of a packet.
+        timeout: The longest time without a result [s]; None for without end.
+        notify: Called with a sentence when it takes long.
+
+    Raises:
+        NothingReceived: There was no result for ``timeout`` seconds.
+        LcmtoolsError: The log has ended, and nothing in it is of the topics.
+    """
+    last = time.monotonic()
+    has_told = has_arrived = False
+    while True:
+        try:
+            batch = stream.receive(_WAIT if timeout is None else min(_WAIT, timeout))
+        except EOFError:
+            if not has_arrived:
+                raise LcmtoolsError(
+                    f"nothing is on {stream.text} in the log", stream.contents()
+                ) from None
+            return
+        for arrival in batch.arrivals:
+            has_arrived = True
+            result = take(arrival)
+            if result is not None:
+                last, has_told = time.monotonic(), True
+                yield result
+        waited = time.monotonic() - last
+        if timeout is not None and waited >= timeout:
+            what = "nothing that can be shown" if has_arrived else "nothing"
+            raise NothingReceived(
+                f"{what} came on {stream.text} within {timeout:g} s", stream.situation()
+            )
+        if not has_told and waited >= PATIENCE:
+            has_told = True
+            what = "no message that can be shown" if has_arrived else "no message"
+            notify(f"{what} on {stream.text} yet; {stream.situation()}")
+
+
+def messages(
+    *topics: str,
+    url: str | None = None,
+    log: str | FilePath | None = None,
+    where: str | None = None,
+    timeout: float | None = None,
+    wall_time: bool = False,
+    on_error: Callable[[DecodeError], None] | None = None,
+) -> Generator[Arrival, None, None]:
+    """Return the messages of topics as they arrive on a bus, or all those in a log.
+
+    The bus is opened at once, so that nothing is missed that is sent after the call. It is left
+    when the generator is closed: at the end of the log, by ``close()``, or by
+    ``contextlib.closing``. No signal handler is set and nothing is printed.
+
+    Args:
+        *topics: Names or patterns (see ``lcmtools.names.Pattern``); a relative name is the plain
+            LCM channel or the topic in the namespace LCMTOOLS_NAMESPACE, whichever is there.
+        url: The bus; None for the one that the environment and the settings file name.
+        log: A log file, read at once, in place of a bus.
+        where: Only messages for which this expression is true, as of ``echo --filter``:
+            ``"m.pose.pose.position.x > 1"``.
+        timeout: The longest time without a message [s]; None for without end.
+        wall_time: Give the computer's time where a simulator keeps the time too.
+        on_error: Called for a message that cannot be decoded, which is left out; None to raise.
+
+    Raises:
+        UsageError: A topic, the URL or the expression is wrong.
+        BusError: The bus cannot be reached, or the log cannot be read.
+        NothingReceived: No message came for ``timeout`` seconds.
+        DecodeError: A message cannot be decoded, and ``on_error`` is None.
+        ValueMismatch: The expression does not fit a message.
+        LcmtoolsError: The log has no message of the topics.
+    """
+    if not topics:
+        raise UsageError("no topic is named", 'for example messages("/chatter")')
+    if url is not None and log is not None:
+        raise UsageError("a log is read in place of a bus", "leave out url or log")
+    condition = None if where is None else Filter(where)
+    names = Resolver(resolve_namespace(usual_namespace(os.environ)))
+    selections = [select_topics(topic, names, with_path=False) for topic in topics]
+    with ExitStack() as stack:
+        monitor = stack.enter_context(_monitor(url, log))
+        ask_nodes(monitor)
+        stream = ArrivalStream(
+            monitor, selections, names, wall_time=wall_time or not monitor.is_live, strict_time=True
+        )
+        arrivals = _decoded(monitor, stream, condition, on_error)
+        found = _left_in_the_end(stack.pop_all(), taken(stream, arrivals, timeout))
+    next(found)  # from here on its end is the bus's
+    return cast("Generator[Arrival, None, None]", found)
+
+
+def _monitor(url: str | None, log: str | FilePath | None) -> BusMonitor:
+    if log is not None:
+        path = str(log)
+        return BusMonitor(BusUrl("file", path), "messages", os.environ, LogObserver(path))
+    chosen, _ = choose_url(url, None, os.environ, read_user_file(os.environ))
+    return BusMonitor(chosen, "messages", os.environ, whole=True, plays=False)
+
+
+def _decoded(
+    monitor: BusMonitor,
+    stream: ArrivalStream,
+    condition: Filter | None,
+    on_error: Callable[[DecodeError], None] | None,
+) -> Callable[[SelectedPacket], Arrival | None]:
+    """What makes an arrival of a packet; None of one that is left out."""
+    decoder, senders = Decoder(monitor.types_of), SenderNames()
+
+    def take(found: SelectedPacket) -> Arrival | None:
+        packet = found.packet
+        try:
+            message = decoder.decode(packet)
+        except DecodeError as error:
+            if on_error is None:
+                raise
+            on_error(error)
+            return None
+        if condition and not condition.matches(message):
+            return None
+        if packet.sender is not None:
+            senders.learn([packet.sender], stream.graph.nodes)
+        return Arrival(packet.channel, message, found.time, senders.name(packet.sender), packet)
+
+    return take
+
+
+def _left_in_the_end(
+    stack: ExitStack, arrivals: Iterator[Arrival]
+) -> Generator[Arrival | None, None, None]:
+    """None, then the arrivals; the stack is closed with the generator."""
+    with stack:
+        yield None
+        yield from arrivals

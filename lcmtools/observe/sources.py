@@ -1,0 +1,119 @@
+"""Sources of packets: a bus, or a log that is read at once by its own times.
+
+Belongs here: which observer a URL takes. Nothing above needs to know which one it is.
+"""
+
+import mmap
+from collections.abc import Callable, Iterator
+from itertools import islice
+from pathlib import Path
+from typing import Protocol
+
+from lcmtools.bus.preflight import check_bus
+from lcmtools.bus.tap import Tap
+from lcmtools.bus.url import BusUrl
+from lcmtools.errors import BusError
+from lcmtools.wire.log import events
+from lcmtools.wire.packet import Packet
+
+_BATCH = 100  # messages of a log at a time, so that reading can be stopped
+
+
+class Observer(Protocol):
+    """A source that sees all messages: the tap, a subscription to everything, or a log."""
+
+    @property
+    def port(self) -> int:
+        """The UDP port that ``send`` sends from; 0 when there is none."""
+        ...
+
+    def receive(self, timeout: float) -> list[Packet]:
+        """Return the messages that have arrived, waiting up to ``timeout`` [s] for the first.
+
+        Raises:
+            EOFError: The source is a log, and it has ended.
+        """
+        ...
+
+    def send(self, channel: str, payload: bytes) -> None:
+        """Publish one message; does nothing on a log."""
+        ...
+
+    def close(self) -> None:
+        """Leave the bus."""
+        ...
+
+
+class LogObserver:
+    """The messages of a log, as fast as they are read; their time is when they were recorded.
+
+    Args:
+        path: The file.
+    """
+
+    port = 0
+
+    def __init__(self, path: str) -> None:
+        self._packets = _read(path)
+
+    def receive(self, timeout: float) -> list[Packet]:  # noqa: ARG002 - a log never waits
+        """Return the next messages.
+
+        Raises:
+            EOFError: The log has ended.
+            BusError: The file cannot be read.
+        """
+        packets = list(islice(self._packets, _BATCH))
+        if not packets:
+            raise EOFError
+        return packets
+
+    def send(self, channel: str, payload: bytes) -> None:
+        """Send nothing: there is no subscriber."""
+
+    def close(self) -> None:
+        """Close the file."""
+        self._packets = iter(())
+
+
+def open_observer(
+    url: BusUrl,
+    *,
+    whole: bool = False,
+    plays: bool = True,
+    on_outage: Callable[[str, str], None] = lambda _text, _trouble: None,
+) -> Observer:
+    """Return the best observer of a bus or a log.
+
+    Args:
+        url: The bus, or a log.
+        whole: Put large messages together; else their heads come (``Packet.whole_bytes``).
+        plays: Play a log at its own speed, as liblcm does; else it is read at once.
+        on_outage: Called with what happened when the connection is lost or back, and with the
+            trouble now, "" for none.
+
+    Raises:
+        BusError: The bus cannot be reached, with what to type.
+    """
+    if url.is_multicast:
+        return Tap(url, whole=whole)
+    if url.provider == "file" and not plays:
+        check_bus(url)
+        return LogObserver(url.network)
+    from lcmtools.bus.lcm_listener import LcmListener
+
+    return LcmListener(url, on_outage)
+
+
+def _read(path: str) -> Iterator[Packet]:
+    """The messages of a log in their order."""
+    try:
+        if Path(path).stat().st_size == 0:  # it cannot be mapped
+            return
+        with (
+            Path(path).open("rb") as file,
+            mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as log,
+        ):
+            yield from events(log)
+    except OSError as error:
+        raise BusError(f"cannot read the log '{path}': {error.strerror}") from error
