@@ -59,7 +59,7 @@ class ExpressionFault(Exception):  # noqa: N818 - named for what happened, as in
 
 @dataclass(frozen=True, slots=True)
 class Language:
-    """What expressions of a kind may have.
+    """The syntax of a kind of expressions.
 
     Attributes:
         name: Their name in errors.

@@ -7,7 +7,6 @@ fill the memory. Must not know what a tag means.
 import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeVar
-from xml.parsers import expat
 
 from lcmtools.errors import InvalidFile
 
@@ -60,6 +59,8 @@ def read_xml(content: bytes | str, source: str, kind: type[E]) -> E:
     Raises:
         InvalidFile: It is no XML, has a document type, or is nested too deeply; with the line.
     """
+    from xml.parsers import expat  # elements are made without it, by other readers
+
     parser = expat.ParserCreate()
     parser.buffer_text = True  # else every line comes for itself
     parser.buffer_size = 1 << 20

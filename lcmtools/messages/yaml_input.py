@@ -1,7 +1,7 @@
 """Messages from the YAML that users type: arguments, as ``rostopic pub`` takes them, and texts.
 
-Belongs here: which of the YAML in a text is taken, and what is said about the rest. Must not know
-types (see ``plain`` and ``draft``) nor where the text comes from. Every scalar stays text until the
+Belongs here: the forms of YAML that are accepted, and the errors for others. Must not know types
+(see ``plain`` and ``draft``) nor the source of the text. Every scalar stays text until the
 type of a field says what it is, so that ``1e-3`` is a number and ``on`` a word wherever one is
 wanted.
 """
