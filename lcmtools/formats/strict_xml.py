@@ -63,7 +63,6 @@ def read_xml(content: bytes | str, source: str, kind: type[E]) -> E:
 
     parser = expat.ParserCreate()
     parser.buffer_text = True  # else every line comes for itself
-    parser.buffer_size = 1 << 20
     top = kind("", source, 1)
     open_elements = [top]
 
