@@ -8,12 +8,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from lcmtools.labs.checks.circle import fit_radius
+from lcmtools.labs.checks.measures import BAND, fit_radius, is_within
 from lcmtools.labs.checks.programs import CheckedProgram
-from lcmtools.labs.checks.response import BAND, is_within
-from lcmtools.labs.checks.row import Row, row
+from lcmtools.labs.checks.row import Row, ends_on_ctrl_c, fate, row
 from lcmtools.labs.checks.stage import Stage
-from lcmtools.labs.checks.verdicts import ends_on_ctrl_c, fate
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import LaserScan

@@ -4,11 +4,10 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from lcmtools.labs.checks.measures import BAND, Response, analyse, is_within
 from lcmtools.labs.checks.programs import CheckedProgram
-from lcmtools.labs.checks.response import BAND, Response, analyse, is_within
-from lcmtools.labs.checks.row import Row, row
+from lcmtools.labs.checks.row import Row, ends_on_ctrl_c, fate, row
 from lcmtools.labs.checks.stage import Stage
-from lcmtools.labs.checks.verdicts import ends_on_ctrl_c, fate
 from lcmtools.messages.registry import Message
 from lcmtools.types.air_lab0 import ControllerEvaluationStat
 from lcmtools.types.geometry_msgs import Twist

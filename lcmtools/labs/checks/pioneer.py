@@ -5,11 +5,10 @@ from pathlib import Path
 
 from lcmtools.errors import DecodeError
 from lcmtools.labs.checks.keys import DIRECTIONS, FACTORS, STOP, Command, after, changed
-from lcmtools.labs.checks.likeness import GOOD, explained
+from lcmtools.labs.checks.measures import GOOD, explained
 from lcmtools.labs.checks.programs import CheckedProgram
-from lcmtools.labs.checks.row import Row, row
+from lcmtools.labs.checks.row import Row, ends_on_ctrl_c, fate, row
 from lcmtools.labs.checks.stage import Stage
-from lcmtools.labs.checks.verdicts import ends_on_ctrl_c, fate
 from lcmtools.labs.nodes.picture.pixels import Kind, Picture, read_file, read_picture
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import Image

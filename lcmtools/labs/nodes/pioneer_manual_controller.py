@@ -48,19 +48,7 @@ class PioneerManualController(Driver):
         speed = self.declare_parameter("speed", 0.5, "at the start [m/s]", minimum=0.0)
         turn = self.declare_parameter("turn", 1.0, "at the start [rad/s]", minimum=0.0)
         limits = Motion(speed_limit=SPEED_LIMIT, turn_limit=TURN_LIMIT)
-        self._motion = limits.with_speeds(speed.value, turn.value)
-
-    def take_key(self, key: str) -> None:
-        """Drive, stop or change a speed; the table is in driving/motion.py."""
-        self._motion = self._motion.after(key)
-
-    def stand(self) -> None:
-        """Stop."""
-        self._motion = self._motion.stopped()
-
-    def velocity(self) -> tuple[float, float]:
-        """Forward speed [m/s] and turn rate [rad/s]."""
-        return self._motion.forward, self._motion.turn_rate
+        self.motion = limits.with_speeds(speed.value, turn.value)
 
     def send(self, forward: float, turn_rate: float) -> None:
         """Publish one command; what is not set is 0."""
@@ -68,10 +56,6 @@ class PioneerManualController(Driver):
         twist.linear.x = forward
         twist.angular.z = turn_rate
         self._publisher.publish(twist)
-
-    def status(self) -> str:
-        """The present command, and the commands of the keys."""
-        return str(self._motion)
 
 
 def main(args: Sequence[str] | None = None) -> None:

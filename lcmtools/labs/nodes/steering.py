@@ -42,22 +42,10 @@ class Steering(Driver):
     def __init__(self, topic: str = "cmd_vel") -> None:
         super().__init__("steering")
         self._publisher = self.create_publisher(Twist, topic)
-        self._sliders = Sliders(
+        self.motion = Sliders(
             most_forward=self._limit("max_linear", 1.0, "largest speed [m/s]"),
             most_turn_rate=self._limit("max_angular", 3.0, "largest turn rate [rad/s]"),
         )
-
-    def take_key(self, key: str) -> None:
-        """Move a slider; which one is in driving/sliders.py."""
-        self._sliders = self._sliders.after(key)
-
-    def stand(self) -> None:
-        """Stop."""
-        self._sliders = self._sliders.stopped()
-
-    def velocity(self) -> tuple[float, float]:
-        """Forward speed [m/s] and turn rate [rad/s]."""
-        return self._sliders.forward, self._sliders.turn_rate
 
     def send(self, forward: float, turn_rate: float) -> None:
         """Publish one command; what is not set is 0."""
@@ -65,10 +53,6 @@ class Steering(Driver):
         twist.linear.x = forward
         twist.angular.z = turn_rate
         self._publisher.publish(twist)
-
-    def status(self) -> str:
-        """The sliders."""
-        return str(self._sliders)
 
     def _limit(self, name: str, default: float, about: str) -> float:
         return self.declare_parameter(name, default, about, minimum=0.01).value

@@ -36,8 +36,7 @@ import lcmtools
 from lcmtools.clock import split_stamp
 from lcmtools.labs.nodes.command_line import NodeParser, read_command_line
 from lcmtools.labs.nodes.driving.driver import Driver, drive
-from lcmtools.labs.nodes.driving.hold import Hold
-from lcmtools.labs.nodes.driving.motion import KEY_HELP, Motion
+from lcmtools.labs.nodes.driving.motion import KEY_HELP, HeldKey, Motion
 from lcmtools.types.geometry_msgs import Twist, TwistStamped
 
 
@@ -60,27 +59,19 @@ class Teleop(Driver):
             speed_limit=self._number("speed_limit", 1000.0, "largest speed [m/s]"),
             turn_limit=self._number("turn_limit", 1000.0, "largest turn rate [rad/s]"),
         )
-        self._motion = limits.with_speeds(
+        self.motion = limits.with_speeds(
             self._number("speed", 0.5, "at the start [m/s]"),
             self._number("turn", 1.0, "at the start [rad/s]"),
         )
-        self._hold = Hold() if hold else None
+        self._held = HeldKey() if hold else None
         if hold:
-            self.create_timer(0.02, self._let_go)
+            self.create_timer(0.02, self._check_held)
 
-    def take_key(self, key: str) -> None:
+    def press(self, key: str) -> None:
         """Drive, stop or change a speed; the table is in driving/motion.py."""
-        self._motion = self._motion.after(key)
-        if self._hold:
-            self._hold.press(key, self.callbacks.time())
-
-    def stand(self) -> None:
-        """Stop."""
-        self._motion = self._motion.stopped()
-
-    def velocity(self) -> tuple[float, float]:
-        """Forward speed [m/s] and turn rate [rad/s]."""
-        return self._motion.forward, self._motion.turn_rate
+        super().press(key)
+        if self._held:
+            self._held.press(key, self.callbacks.time())
 
     def send(self, forward: float, turn_rate: float) -> None:
         """Publish one command; what is not set is 0."""
@@ -95,13 +86,10 @@ class Teleop(Driver):
             stamp.sec, stamp.nsec = split_stamp(self.get_clock().now())
             self._stamped.publish(stamped)
 
-    def status(self) -> str:
-        """The present command, and the commands of the keys."""
-        return str(self._motion)
-
-    def _let_go(self) -> None:
-        if self._hold and any(self.velocity()) and self._hold.is_over(self.callbacks.time()):
-            self.stand()
+    def _check_held(self) -> None:
+        moves = self.motion.forward or self.motion.turn_rate
+        if self._held and moves and self._held.is_over(self.callbacks.time()):
+            self.motion = self.motion.stopped()
             self.command()
 
     def _number(self, name: str, default: float, about: str) -> float:

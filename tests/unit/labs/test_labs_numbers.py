@@ -8,12 +8,10 @@ import pytest
 from lcmtools.errors import UsageError
 from lcmtools.labs.catalogue import LABS, find_lab
 from lcmtools.labs.checks.check import CHECKS, choose
-from lcmtools.labs.checks.circle import fit_radius
 from lcmtools.labs.checks.dolly import ranges_in
 from lcmtools.labs.checks.keys import DIRECTIONS, FACTORS, STOP, Command, after, changed
-from lcmtools.labs.checks.likeness import GOOD, explained
+from lcmtools.labs.checks.measures import GOOD, analyse, explained, fit_radius
 from lcmtools.labs.checks.pioneer import viewer_command
-from lcmtools.labs.checks.response import analyse
 
 
 def first_order(target: float, time_constant: float) -> list[tuple[float, float]]:

@@ -1,5 +1,4 @@
-"""Driving a robot by keys: what keys mean, where they come from, and the surely ending loop.
+"""Driving a robot by keys: their sources, their meaning, and a loop that stops the robot.
 
-The nodes teleop, pioneer_manual_controller and steering stand on it. What is pure here (``keys``,
-``key_script``, ``motion``, ``sliders``) knows no terminal, clock or bus.
+The nodes teleop, pioneer_manual_controller and steering stand on it.
 """

@@ -1,7 +1,6 @@
-"""A node that drives a robot as keys say, and surely stops it; the loop that runs it.
+"""A node that drives a robot by keys and stops it at the end; the loop that runs it.
 
-What keys mean (Steering) and what is sent (``send``) is each node's own. Here is what they have in
-common: a command at once for each key, ten a second while the robot moves, and standing at the end.
+It commands at once for each key, ten times a second while the robot moves, and 0 at the end.
 """
 
 import contextlib
@@ -9,6 +8,7 @@ import shutil
 import sys
 import time
 from abc import ABC, abstractmethod
+from typing import Protocol
 
 import lcmtools
 from lcmtools import Node
@@ -24,15 +24,41 @@ _KEY_TIME = 0.02
 """Longest wait for a key [s], after which timers have their turn."""
 
 
+class Motion(Protocol):
+    """The state of driving; its text is the status line."""
+
+    @property
+    def forward(self) -> float:
+        """Commanded forward speed [m/s]."""
+        ...
+
+    @property
+    def turn_rate(self) -> float:
+        """Commanded turn rate [rad/s], positive to the left."""
+        ...
+
+    def after(self, key: str) -> "Motion":
+        """The state once a key is pressed."""
+        ...
+
+    def stopped(self) -> "Motion":
+        """The same at rest."""
+        ...
+
+
 class Driver(Node, ABC):
     """A node that commands a velocity.
 
     Args:
         name: The node's own name.
+
+    Attributes:
+        key_help: The meaning of its keys, for a person at a terminal.
+        motion: The state of driving; set by the subclass.
     """
 
     key_help = ""
-    """The meaning of its keys, for a person at a terminal."""
+    motion: Motion
 
     def __init__(self, name: str) -> None:
         super().__init__(name)
@@ -41,48 +67,31 @@ class Driver(Node, ABC):
         self.create_timer(PERIOD, self._repeat)
 
     @abstractmethod
-    def velocity(self) -> tuple[float, float]:
-        """The present command: forward speed [m/s] and turn rate [rad/s]."""
-
-    @abstractmethod
-    def take_key(self, key: str) -> None:
-        """Change what is commanded, as a key says."""
-
-    @abstractmethod
-    def stand(self) -> None:
-        """Command 0 from now on."""
-
-    @abstractmethod
     def send(self, forward: float, turn_rate: float) -> None:
         """Publish a command: forward speed [m/s], turn rate [rad/s]."""
 
-    @abstractmethod
-    def status(self) -> str:
-        """One line about what is commanded."""
-
     def press(self, key: str) -> None:
-        """Do what a key says, and command it."""
-        self.take_key(key)
+        """Change the motion as a key says, and command it."""
+        self.motion = self.motion.after(key)
         self.command()
 
     def command(self) -> None:
-        """Publish what is commanded now, and show it."""
-        velocity = self.velocity()
+        """Publish the present command, and show it."""
         self._stops_to_send = STOPS - 1
-        self.send(*velocity)
+        self.send(self.motion.forward, self.motion.turn_rate)
         self.show_status()
 
     def halt(self) -> None:
-        """Let the robot stand, whatever was commanded."""
-        self.stand()
+        """Stop the robot."""
+        self.motion = self.motion.stopped()
         for _ in range(STOPS):
-            self.send(*self.velocity())
+            self.send(0.0, 0.0)
             time.sleep(_STOP_GAP)
         self._stops_to_send = 0
 
     def show_status(self) -> None:
         """Write the status line: on a terminal in place of the one before it."""
-        status = self.status()
+        status = str(self.motion)
         with contextlib.suppress(OSError, ValueError):  # the terminal is closed
             if is_terminal(sys.stderr):
                 width = shutil.get_terminal_size().columns - 1
@@ -93,9 +102,9 @@ class Driver(Node, ABC):
         self._status = status
 
     def _repeat(self) -> None:
-        """Command again what moves the robot; a stop some times, and then no more."""
-        if any(self.velocity()):
-            self.send(*self.velocity())
+        """Repeat a command that moves the robot; a stop some times, and then no more."""
+        if self.motion.forward or self.motion.turn_rate:
+            self.send(self.motion.forward, self.motion.turn_rate)
         elif self._stops_to_send > 0:
             self._stops_to_send -= 1
             self.send(0.0, 0.0)

@@ -11,8 +11,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Protocol
 
-from lcmtools.labs.nodes.driving.key_script import KeyScript
-from lcmtools.labs.nodes.driving.keys import END_OF_INPUT, split_keys
+from lcmtools.labs.nodes.driving.keys import END_OF_INPUT, KeyScript, split_keys
 from lcmtools.labs.nodes.terminal import Terminal, is_terminal
 
 _ESCAPE_TIME = 0.05

@@ -1,9 +1,12 @@
-"""Keys in the bytes that a terminal sends: characters and arrows.
+"""Keys in the bytes that a terminal sends, and scripts of keys that a pipe or a file holds.
 
-Pure text processing. What a key means is not known here.
+``i 2 j 1.5 k`` is key i, 2 seconds, key j, 1.5 seconds, key k. Keys may stand together (``iik``),
+arrows are the words up, down, left and right, the space bar is space, and ``#`` begins a comment.
+Pure: the time comes in as an argument.
 """
 
 import re
+from collections import deque
 
 UP, DOWN, LEFT, RIGHT = "up", "down", "left", "right"
 ESCAPE = "escape"
@@ -53,3 +56,74 @@ def _key(match: re.Match[str]) -> str:
     if match["alt"]:
         return match["alt"]
     return _ARROWS.get(match["last"] or match["pad"] or "", "")
+
+
+_NAMES = {**{name: name for name in (UP, DOWN, LEFT, RIGHT)}, "space": " "}
+_WORDS = re.compile(
+    r"(?P<skip>\s+|#[^\n]*)|(?<!\S)(?P<name>" + "|".join(_NAMES) + r")(?!\S)"
+    r"|(?P<seconds>\d+(?:\.\d+)?|(?<!\S)\.\d+)|(?P<arrow>\x1b[\[O][A-D])|(?P<key>.)",
+    re.DOTALL | re.ASCII,
+)
+_UNFINISHED_NUMBER = re.compile(r"(\d+(\.\d*)?|(?<!\S)\.\d+)\Z", re.ASCII)
+_LONGEST_WAIT = 1e6  # [s]
+
+
+class KeyScript:
+    """A script of keys that comes piece by piece, and is played in time."""
+
+    def __init__(self) -> None:
+        self._steps: deque[str | float] = deque()
+        self._number = ""  # digits at the end of a piece: more of them may follow
+        self._is_comment = False
+        self._wait_until: float | None = None
+        self._is_ended = False
+
+    def feed(self, data: bytes) -> None:
+        """Take the next piece."""
+        text = self._number + data.decode("utf-8", "replace")
+        if self._is_comment:
+            _, newline, text = text.partition("\n")
+            self._is_comment = not newline
+        digits = _UNFINISHED_NUMBER.search(text)
+        self._number = digits.group() if digits and not self._is_comment else ""
+        text = text.removesuffix(self._number)
+        self._is_comment = self._is_comment or "#" in text.rpartition("\n")[2]
+        self._take(text)
+
+    def finish(self) -> None:
+        """There is no more."""
+        self._take(self._number)
+        self._number = ""
+        self._is_ended = True
+
+    def due(self, now: float) -> list[str]:
+        """The keys that are to be pressed until ``now`` [s], and were not yet."""
+        keys: list[str] = []
+        while self._steps and not self._is_waiting(now):
+            step = self._steps.popleft()
+            if isinstance(step, float):
+                # from when the wait before was over, so that waits add up exactly
+                self._wait_until = (self._wait_until or now) + step
+            else:
+                keys.append(step)
+        if not self._steps and not self._is_waiting(now):
+            self._wait_until = None  # what comes later does not wait for the past
+        return keys
+
+    def is_over(self, now: float) -> bool:
+        """Return whether all keys have been given and all waits are over."""
+        return self._is_ended and not self._steps and not self._is_waiting(now)
+
+    def _is_waiting(self, now: float) -> bool:
+        return self._wait_until is not None and now < self._wait_until
+
+    def _take(self, text: str) -> None:
+        for match in _WORDS.finditer(text):
+            if match["skip"]:
+                continue
+            if match["seconds"]:
+                self._steps.append(min(float(match["seconds"]), _LONGEST_WAIT))
+            elif match["arrow"]:
+                self._steps.extend(split_keys(match["arrow"].encode(), is_complete=True)[0])
+            else:
+                self._steps.append(_NAMES.get(match.group(), match.group()))

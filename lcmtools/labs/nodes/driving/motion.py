@@ -91,3 +91,28 @@ class Motion:
 
 def _with_limit(value: float, limit: float) -> str:
     return f"{value:.2f} (limit{' reached' if value >= limit else ''} {limit:g})"
+
+
+class HeldKey:
+    """A key that is held down, as far as a terminal shows it.
+
+    A terminal reports only that a key came. A held key comes again: the second time after a quarter
+    to two thirds of a second, as the system is configured, then many times a second.
+    """
+
+    FIRST_TIME, NEXT_TIME = 0.7, 0.2
+    """Times that a key counts as held after it came first, and again [s]."""
+
+    def __init__(self) -> None:
+        self._key = ""
+        self._until = 0
+
+    def press(self, key: str, now: int) -> None:
+        """Take a key that came at ``now`` [ns]."""
+        is_repeated = key == self._key and now < self._until
+        self._until = now + round((self.NEXT_TIME if is_repeated else self.FIRST_TIME) * 1e9)
+        self._key = key
+
+    def is_over(self, now: int) -> bool:
+        """Return whether it must have been released before ``now`` [ns]."""
+        return now >= self._until

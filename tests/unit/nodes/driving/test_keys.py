@@ -2,10 +2,8 @@
 
 import pytest
 
-from lcmtools.labs.nodes.driving.hold import Hold
-from lcmtools.labs.nodes.driving.key_script import KeyScript
-from lcmtools.labs.nodes.driving.keys import split_keys
-from lcmtools.labs.nodes.driving.motion import Motion
+from lcmtools.labs.nodes.driving.keys import KeyScript, split_keys
+from lcmtools.labs.nodes.driving.motion import HeldKey, Motion
 from lcmtools.labs.nodes.driving.sliders import Sliders
 
 
@@ -120,7 +118,7 @@ def test_sliders_move_as_the_keys_say(keys: list[str], velocity: tuple[float, fl
 
 
 def test_held_key_counts_until_it_should_have_come_again() -> None:
-    hold = Hold()
+    hold = HeldKey()
     hold.press("i", 0)
     assert not hold.is_over(690_000_000)
     hold.press("i", 600_000_000)

@@ -1,0 +1,128 @@
+"""Measures of step responses, circles and pictures. Pure numbers."""
+
+import math
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+Point = tuple[float, float]
+
+BAND = 0.05
+"""Within this part of the target it counts as reached."""
+GOOD = 0.9
+"""From here on a picture counts as right."""
+_LAST = 1.0  # [s] whose mean is the value reached
+_CLASSES = 64
+_FLAT = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class Response:
+    """The response to a step, with the measures of any control course.
+
+    Attributes:
+        reached: Mean of the last second, in the value's unit.
+        settled_after: [s] until it stays within the band; None when it does not.
+        overshoot: Beyond the target, as a part of the step; 0 when it never was.
+    """
+
+    reached: float
+    settled_after: float | None
+    overshoot: float
+
+
+def analyse(samples: Sequence[tuple[float, float]], target: float) -> Response:
+    """The response in samples of (time since the step [s], value); there is at least one.
+
+    Args:
+        samples: In order of time.
+        target: What was wanted, not 0.
+    """
+    end = samples[-1][0]
+    reached = statistics.fmean(value for time, value in samples if time >= end - _LAST)
+    beyond = max((value - target) / target for _, value in samples)
+    return Response(reached, _settled_after(samples, target), max(0.0, beyond))
+
+
+def is_within(value: float, target: float) -> bool:
+    """Return whether a value is within the band around the target."""
+    return abs(value - target) <= BAND * abs(target)
+
+
+def _settled_after(samples: Sequence[tuple[float, float]], target: float) -> float | None:
+    settled: float | None = None
+    for time, value in samples:
+        if not is_within(value, target):
+            settled = None
+        elif settled is None:
+            settled = time
+    return settled
+
+
+def fit_radius(points: Sequence[Point]) -> float | None:
+    """The radius of the circle through the points [m]; None for less than a piece of a circle.
+
+    Source: I. Kasa, A circle fitting procedure and its error analysis, IEEE Trans. Instrum. Meas.
+    25 (1976): the circle is linear in its centre and in r^2 - |centre|^2, so that least squares is
+    one small system of equations.
+    """
+    if len(points) < 3:  # noqa: PLR2004 - fewer make no circle
+        return None
+    middle_x = statistics.fmean(x for x, _ in points)
+    middle_y = statistics.fmean(y for _, y in points)
+    centred = [(x - middle_x, y - middle_y) for x, y in points]
+    return _radius(centred)
+
+
+def _radius(points: Sequence[Point]) -> float | None:
+    """The same for points whose mean is 0."""
+    count = len(points)
+    xx = sum(x * x for x, _ in points) / count
+    yy = sum(y * y for _, y in points) / count
+    xy = sum(x * y for x, y in points) / count
+    by_x = sum(x * (x * x + y * y) for x, y in points) / count / 2
+    by_y = sum(y * (x * x + y * y) for x, y in points) / count / 2
+    determinant = xx * yy - xy * xy
+    if determinant <= _FLAT * max(xx, yy, _FLAT) ** 2:
+        return None
+    centre_x = (by_x * yy - by_y * xy) / determinant
+    centre_y = (by_y * xx - by_x * xy) / determinant
+    return math.sqrt(centre_x**2 + centre_y**2 + xx + yy)
+
+
+def explained(depths: Sequence[int], colors: Sequence[Sequence[float]]) -> float:
+    """The part of the variance of the colours that the depths explain, from 0 to 1.
+
+    The correlation ratio (eta squared; K. Pearson, 1905). Any colour map is as good as another:
+    pixels of the same depth must look the same. A picture of something else, one upside down or one
+    that is all black explains little or nothing.
+
+    Args:
+        depths: Per pixel, in any unit; 0 means that there is no reading.
+        colors: Of the same pixels in the picture; each has one number, or three.
+    """
+    total = _scatter(colors)
+    if total <= 0.0:
+        return 0.0
+    within = sum(_scatter(piece) for piece in _by_depth(depths, colors))
+    return 1.0 - within / total
+
+
+def _by_depth(
+    depths: Sequence[int], colors: Sequence[Sequence[float]]
+) -> list[list[Sequence[float]]]:
+    """The colours in classes of about equal depth, each with as many pixels."""
+    order = sorted(range(len(depths)), key=depths.__getitem__)
+    size = max(1, -(-len(order) // _CLASSES))
+    pieces = [order[start : start + size] for start in range(0, len(order), size)]
+    return [[colors[pixel] for pixel in piece] for piece in pieces]
+
+
+def _scatter(colors: Sequence[Sequence[float]]) -> float:
+    """Sum of squared distances from the mean."""
+    return sum(_scatter_of_channel(channel) for channel in zip(*colors, strict=True))
+
+
+def _scatter_of_channel(values: Sequence[float]) -> float:
+    mean = sum(values) / len(values)
+    return sum((value - mean) ** 2 for value in values)
