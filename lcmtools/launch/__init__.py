@@ -1,5 +1,6 @@
 """Launch files: from text to a plan of processes, and the supervisor that runs a plan.
 
 Belongs here: the two kinds of launch files (YAML, and ROS 1's XML), their meaning, the program of
-each node, and the supervision of processes. Must not know the bus, and prints nothing.
+each node, and the supervision of processes. Must not know the bus, and prints nothing. A mistake in
+a file is an ``InvalidFile`` that names the file and the line, wherever it is found.
 """

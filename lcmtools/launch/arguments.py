@@ -15,11 +15,7 @@ from lcmtools.names import did_you_mean
 
 
 def declare(element: Element, scope: Scope) -> Scope:
-    """Return the scope behind an ``<arg>``.
-
-    Raises:
-        InvalidFile: It is declared twice, is fixed and was given, or has no value.
-    """
+    """Return the scope behind an ``<arg>``."""
     name = scope.required(element, "name")
     has_value, has_default = "value" in element.attributes, "default" in element.attributes
     if has_value and has_default:
@@ -94,11 +90,7 @@ def check_given(roots: Sequence[Element], passed: Mapping[str, str]) -> None:
 
 
 def check_passed(element: Element, passed: Mapping[str, str], root: Element) -> None:
-    """Refuse arguments of an include that the file does not take.
-
-    Raises:
-        InvalidFile: There is one.
-    """
+    """Refuse arguments of an include that the file does not take."""
     known = names_in(root)
     for name in passed:
         if name not in known:

@@ -47,11 +47,7 @@ class NodeProgram:
 
 
 def node_name(element: Element, scope: Scope, program: NodeProgram) -> str:
-    """Return a node's full name.
-
-    Raises:
-        InvalidFile: It is missing, or not legal.
-    """
+    """Return a node's full name."""
     name = scope.text(element, "name")
     if not name and {"run", "exec"} & set(element.attributes):
         name = _name_of(program)
@@ -61,11 +57,7 @@ def node_name(element: Element, scope: Scope, program: NodeProgram) -> str:
 
 
 def find_node(element: Element, scope: Scope) -> NodeProgram:
-    """Return a node's program, which exists.
-
-    Raises:
-        InvalidFile: It is not named, or there is none.
-    """
+    """Return a node's program, which exists."""
     ways = [name for name in ("pkg", "run", "exec") if name in element.attributes]
     if len(ways) > 1:
         raise element.error(f"a node has only one of {' and '.join(ways)}")
@@ -93,11 +85,7 @@ def _of_words(words: list[str], scope: Scope, way: str) -> NodeProgram:
 def plan_node(
     element: Element, scope: Scope, program: NodeProgram, parameters: Mapping[str, str]
 ) -> NodePlan:
-    """Return a node as a process, with all its parameters, name to YAML text.
-
-    Raises:
-        InvalidFile: An attribute is wrong.
-    """
+    """Return a node as a process, with all its parameters, name to YAML text."""
     name = node_name(element, scope, program)
     respawn, is_required = scope.flag(element, "respawn"), scope.flag(element, "required")
     if respawn and is_required:

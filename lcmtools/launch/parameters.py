@@ -20,11 +20,7 @@ _SOURCES = ("value", "textfile", "command", "binfile")
 
 
 def param(element: Element, scope: Scope) -> tuple[str, str] | None:
-    """Return a ``<param>``'s name and text; None for one that is not for LCM (a command's output).
-
-    Raises:
-        InvalidFile: It is wrong.
-    """
+    """Return a ``<param>``'s name and text; None for a command's output, which LCM has no use for."""
     name = scope.required(element, "name")
     located(element, lambda: check_legal(name))
     given = [source for source in _SOURCES if source in element.attributes]
@@ -38,11 +34,7 @@ def param(element: Element, scope: Scope) -> tuple[str, str] | None:
 
 
 def rosparam(element: Element, scope: Scope) -> Iterator[tuple[str, str]]:
-    """Return the names and texts of a ``<rosparam>``: YAML that stands in it, or a file's.
-
-    Raises:
-        InvalidFile: It is wrong.
-    """
+    """Return the names and texts of a ``<rosparam>``: YAML that stands in it, or a file's."""
     text, source, line = element.text, element.source, element.line
     if file := scope.text(element, "file"):
         text, source, line = _read(element, file, scope), file, 1
@@ -78,11 +70,7 @@ def own_parameters(node: str, everywhere: Mapping[str, str]) -> dict[str, str]:
 
 
 def full_name(element: Element, name: str, scope: Scope) -> str:
-    """Return the full name of a parameter that is not private.
-
-    Raises:
-        InvalidFile: It is not legal.
-    """
+    """Return the full name of a parameter that is not private."""
     return located(element, lambda: resolve(name, scope.namespace))
 
 

@@ -52,11 +52,7 @@ class Scope:
     parameters: Mapping[str, str] = field(default_factory=dict)
 
     def substituted(self, element: Element, text: str) -> str:
-        """Return a text of an element with everything in ``$( )`` replaced.
-
-        Raises:
-            InvalidFile: It names something that does not exist.
-        """
+        """Return a text of an element with everything in ``$( )`` replaced."""
         known = Known(
             self.arguments,
             self.environment,
@@ -67,19 +63,11 @@ class Scope:
         return located(element, lambda: substitute(text, known))
 
     def text(self, element: Element, name: str, default: str = "") -> str:
-        """Return an attribute's value; the default if it is not given.
-
-        Raises:
-            InvalidFile: It cannot be worked out.
-        """
+        """Return an attribute's value; the default if it is not given."""
         return self.substituted(element, element.attributes.get(name, default))
 
     def required(self, element: Element, name: str) -> str:
-        """Return an attribute's value.
-
-        Raises:
-            InvalidFile: It is not given, empty, or cannot be worked out.
-        """
+        """Return the value of an attribute that must not be empty."""
         text = self.text(element, name)
         if not text:
             what = "is empty in" if name in element.attributes else "is missing in"
@@ -87,11 +75,7 @@ class Scope:
         return text
 
     def flag(self, element: Element, name: str, *, default: bool = False) -> bool:
-        """Return True if an attribute is true.
-
-        Raises:
-            InvalidFile: It is neither true nor false.
-        """
+        """Return True if an attribute is true."""
         if name not in element.attributes:
             return default
         text = self.text(element, name).strip()
@@ -100,11 +84,7 @@ class Scope:
         return _TRUTH[text.lower()]
 
     def seconds(self, element: Element, name: str) -> float:
-        """Return a number of seconds, 0 if it is not given.
-
-        Raises:
-            InvalidFile: It is no number, or negative.
-        """
+        """Return a number of seconds, 0 if it is not given."""
         text = self.text(element, name, "0")
         try:
             value = float(text)
@@ -115,33 +95,21 @@ class Scope:
         return value
 
     def holds(self, element: Element) -> bool:
-        """Return True if an element counts, by its ``if`` and ``unless``.
-
-        Raises:
-            InvalidFile: They are neither true nor false, or both are given.
-        """
+        """Return True if an element counts, by its ``if`` and ``unless``."""
         if {"if", "unless"} <= set(element.attributes):
             hint = "leave one of them out"
             raise element.error(f"{element.tag} has both 'if' and 'unless'", hint)
         return self.flag(element, "if", default=True) and not self.flag(element, "unless")
 
     def below(self, element: Element) -> "Scope":
-        """Return the scope in an element, which may have a namespace.
-
-        Raises:
-            InvalidFile: It is no legal namespace.
-        """
+        """Return the scope in an element, which may have a namespace."""
         namespace = self.text(element, "ns")
         if not namespace:
             return self
         return replace(self, namespace=located(element, lambda: resolve(namespace, self.namespace)))
 
     def with_remap(self, element: Element) -> "Scope":
-        """Return the scope behind a remap.
-
-        Raises:
-            InvalidFile: A name is missing or not legal.
-        """
+        """Return the scope behind a remap."""
         source, target = self.required(element, "from"), self.required(element, "to")
         for name in (source, target):
             located(element, partial(check_legal, name))
@@ -149,11 +117,7 @@ class Scope:
         return replace(self, remaps={**others, source: target})
 
     def with_variable(self, element: Element) -> "Scope":
-        """Return the scope behind a variable that is set.
-
-        Raises:
-            InvalidFile: Its name is missing, or none.
-        """
+        """Return the scope behind a variable that is set."""
         name, text = self.required(element, "name"), self.text(element, "value")
         if "value" not in element.attributes:
             raise element.error("'value' is missing in env")
@@ -167,11 +131,7 @@ class Scope:
 
 
 def located(element: Element, work: Callable[[], T]) -> T:
-    """Return the result of some work on an element; its errors get the element's place.
-
-    Raises:
-        InvalidFile: Something is wrong.
-    """
+    """Return the result of some work on an element; its errors get the element's place."""
     try:
         return work()
     except UsageError as error:

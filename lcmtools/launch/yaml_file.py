@@ -80,11 +80,7 @@ class _Document:
 
 
 def read_yaml(text: str, source: str) -> Element:
-    """Return the root of a file.
-
-    Raises:
-        InvalidFile: It is no YAML, or a key or value is wrong; with the line.
-    """
+    """Return the root of a file."""
     root = read_file(text, source)
     if root is None:
         raise InvalidFile(f"{source}:1: the file is empty")
