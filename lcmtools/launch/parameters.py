@@ -20,7 +20,7 @@ _SOURCES = ("value", "textfile", "command", "binfile")
 
 
 def param(element: Element, scope: Scope) -> tuple[str, str] | None:
-    """Return a ``<param>``'s name and text; None for a command's output, which LCM has no use for."""
+    """Return a ``<param>``'s name and text; None for a command's output, which is left out."""
     name = scope.required(element, "name")
     located(element, lambda: check_legal(name))
     given = [source for source in _SOURCES if source in element.attributes]
