@@ -85,8 +85,6 @@ class Encoders:
         dt: Seconds of a step.
     """
 
-    __slots__ = ("_gain", "_random")
-
     def __init__(self, noise: float, random: Callable[[int], Iterable[float]], dt: float) -> None:
         self._gain = noise / sqrt(dt)
         self._random = random
@@ -116,21 +114,6 @@ class Drivetrain:
         mid_turn: Sine and cosine of half the angle by which wheels that do not slip turn the robot
             in half a step: the quaternion's z and w.
     """
-
-    __slots__ = (
-        "_angle_by_speed",
-        "_angles",
-        "_distance",
-        "_drive",
-        "_dt",
-        "_encoders",
-        "_half_turn",
-        "_half_turn_by_speed",
-        "_pose",
-        "_steps",
-        "mid_turn",
-        "speeds",
-    )
 
     def __init__(self, drive: Drive, dt: float, encoders: Encoders | None = None) -> None:
         self._drive = drive

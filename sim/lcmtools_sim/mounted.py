@@ -94,9 +94,10 @@ class MountedSensor:
 
 def mount_sensors(robot: Robot, scene: Scene) -> list[MountedSensor]:
     """All sensors of a robot, in the order of its model."""
-    body = robot.model.body
-    parts = tuple(part.placed((0.0, 0.0, -body.base_height)) for part in body.parts)
-    context = SensorContext(robot.namespace, parts, scene.gravity, scene.seed, robot)
+    color = scene.ground.color
+    context = SensorContext(
+        robot.namespace, robot.body, robot.world, color, scene.gravity, scene.seed
+    )
     mounts = [(SENSORS[mount.kind], mount) for mount in robot.model.sensors]
     return [
         MountedSensor(robot, mount, kind.make(mount, context), kind.bulky) for kind, mount in mounts

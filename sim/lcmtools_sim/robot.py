@@ -10,7 +10,6 @@ from lcmtools_sim.command import interpret
 from lcmtools_sim.drive import STOPPED, Drivetrain, Encoders, body_velocity
 from lcmtools_sim.geometry import (
     Pose,
-    Quaternion,
     Vector,
     add,
     axes,
@@ -22,8 +21,7 @@ from lcmtools_sim.geometry import (
 from lcmtools_sim.robots.model import Drive
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.sensors.motion import OdometrySettings
-from lcmtools_sim.sensors.sensor import Contact, RobotState, Sides, random_numbers
-from lcmtools_sim.shapes import Color, Part
+from lcmtools_sim.sensors.sensor import RobotState, Sides, random_numbers
 from lcmtools_sim.tyres import gripping, skidding
 from lcmtools_sim.world import World
 
@@ -34,20 +32,26 @@ _UPRIGHT = 0.5  # cosine of the tilt; further over, no wheel reaches the ground
 
 
 class Robot:
-    """A body that is driven by the last command; made, it stands in the world."""
+    """A robot that is driven by the last command.
+
+    Attributes:
+        model: Its kind.
+        namespace: Global.
+        world: The engine's.
+        body: Its body's number there.
+    """
 
     def __init__(self, world: World, scene: Scene, placement: RobotPlacement) -> None:
         self.model = placement.model
         self.namespace = placement.namespace
-        self._world = world
+        self.world = world
         self._dt = scene.dt
         self._timeout = math.inf if placement.cmd_timeout is None else placement.cmd_timeout
-        self._ground_color = scene.ground.color
         self._train = _drivetrain(placement, scene)
-        self._body = world.add_robot(
+        self.body = world.add_robot(
             self.namespace, self.model.body, placement.pose, self._train.angles
         )
-        self._motion = self._before = world.motion(self._body)
+        self._motion = self._before = world.motion(self.body)
         friction = self.model.drive.tyre_friction * scene.ground.friction
         self._fall = scene.gravity * scene.dt  # [m/s] in a step
         self._largest_impulse = friction * self.model.body.mass / 2 * self._fall
@@ -61,7 +65,7 @@ class Robot:
         Raises:
             InvalidFile: With the other one's name; ``where`` is the robot's place in its file.
         """
-        depth, other = self._world.overlap(self._body)
+        depth, other = self.world.overlap(self.body)
         if depth > START_OVERLAP:
             raise InvalidFile(
                 f"{where}: the {self.model.name} {self.namespace} starts {depth:.2f} m inside"
@@ -84,15 +88,15 @@ class Robot:
             self._targets = STOPPED
         self._command_age += self._dt
         self._train.step(self._targets)
-        self._world.set_velocity(self._body, *self._pulled())
+        self.world.set_velocity(self.body, *self._pulled())
 
     def observe(self) -> None:
         """Read the body's motion, after the engine's step."""
-        self._before, self._motion = self._motion, self._world.motion(self._body)
+        self._before, self._motion = self._motion, self.world.motion(self.body)
 
     def remove(self) -> None:
         """Remove its body from the world."""
-        self._world.remove(self._body)
+        self.world.remove(self.body)
 
     def place(self, pose: Pose) -> None:
         """Put its base_footprint at a pose, at rest; the wheels stop, the encoders continue.
@@ -101,35 +105,15 @@ class Robot:
             UsageError: It would stand inside another body; it stays as it is.
         """
         centre = pose.frame.point((0.0, 0.0, self.model.body.centre_of_mass))
-        depth, other = self._world.overlap_at(self._body, centre, pose.rotation)
+        depth, other = self.world.overlap_at(self.body, centre, pose.rotation)
         if depth > START_OVERLAP:
             raise UsageError(
                 f"{self.namespace} would stand {depth:.2f} m inside {other}", "choose another place"
             )
-        self._world.place(self._body, centre, pose.rotation)
+        self.world.place(self.body, centre, pose.rotation)
         self._targets = STOPPED
         self._train.stop()
-        self._motion = self._before = self._world.motion(self._body)
-
-    def fixed_parts(self) -> tuple[Part, ...]:
-        """The immovable shapes; this and the next methods are the WorldView of its sensors."""
-        return self._world.fixed_parts()
-
-    def moving_parts(self) -> list[Part]:
-        """The movable shapes but its own, in the world."""
-        return self._world.moving_parts(but=self._body)
-
-    def moving_bodies(self) -> list[tuple[tuple[Part, ...], Vector, Quaternion]]:
-        """The movable bodies but its own."""
-        return self._world.moving_bodies(but=self._body)
-
-    def ground_color(self) -> Color:
-        """The colour of the plane z = 0."""
-        return self._ground_color
-
-    def contacts(self) -> list[Contact]:
-        """Its contacts with anything but the ground."""
-        return self._world.contacts(self._body)
+        self._motion = self._before = self.world.motion(self.body)
 
     def state(self, time: int) -> RobotState:
         """The state that its sensors measure; ``time`` in simulated nanoseconds."""

@@ -115,6 +115,6 @@ def test_a_crate_of_a_gazebo_world_can_be_pushed(
     for _ in range(240 * 5):
         simulation.step()
 
-    (pushed,) = robot.moving_parts()
+    (pushed,) = robot.world.moving_parts(robot.body)
     assert robot.state(0).position[0] > 1.5
     assert pushed.position[0] > robot.state(0).position[0] + 0.2

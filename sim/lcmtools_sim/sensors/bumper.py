@@ -20,8 +20,7 @@ class BumperSensor:
 
     def __init__(self, mount: SensorMount, context: SensorContext) -> None:
         del mount  # it measures the whole robot
-        self._world = context.world
-        self._name = context.namespace
+        self._context = context
         self._frame = context.frame("base_link")
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
@@ -30,7 +29,7 @@ class BumperSensor:
         message = ContactsState()
         fill_header(message.header, state.time, self._frame)
         bodies: dict[str, list[Contact]] = {}
-        for contact in self._world.contacts():
+        for contact in self._context.world.contacts(self._context.body):
             bodies.setdefault(contact.name, []).append(contact)
         message.states = [self._state(name, found, state) for name, found in bodies.items()]
         return {"": encode(message)}
@@ -39,7 +38,7 @@ class BumperSensor:
         """All contacts with one body."""
         frame = axes(state.rotation)
         message = ContactState()
-        message.collision1_name, message.collision2_name = self._name, name
+        message.collision1_name, message.collision2_name = self._context.namespace, name
         normals = [components(contact.normal, frame) for contact in contacts]
         forces = [scaled(n, contact.force) for n, contact in zip(normals, contacts, strict=True)]
         message.contact_positions = [

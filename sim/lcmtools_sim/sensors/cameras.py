@@ -86,7 +86,7 @@ class _MountedCamera:
         self.camera = camera
         self._frame = context.add_frame(mount, frame, optical(mount.pose.rotation))
         self._pose = mount.pose
-        self._world = context.world
+        self._context = context
         self._fixed: Solids | None = None
         self._fixed_parts: object = None
 
@@ -103,10 +103,11 @@ class _MountedCamera:
 
     def _solids(self) -> Solids:
         """All shapes around; the immovable ones are prepared once."""
-        parts = self._world.fixed_parts()
+        world, ground = self._context.world, self._context.ground_color
+        parts = world.fixed_parts()
         if self._fixed is None or parts is not self._fixed_parts:
-            self._fixed, self._fixed_parts = solids_of(parts, self._world.ground_color()), parts
-        moving = self._world.moving_parts()
+            self._fixed, self._fixed_parts = solids_of(parts, ground), parts
+        moving = world.moving_parts(self._context.body)
         return joined(self._fixed, solids_of(moving)) if moving else self._fixed
 
 

@@ -56,7 +56,7 @@ class LaserSensor:
 
     def __init__(self, mount: SensorMount, context: SensorContext) -> None:
         self._pose = mount.pose
-        self._world = context.world
+        self._context = context
         self._settings = settings = cast("LaserSettings", mount.settings or LaserSettings())
         self._random = context.random(mount)
         angles = np.linspace(settings.first_angle, settings.last_angle, settings.rays)
@@ -87,10 +87,11 @@ class LaserSensor:
         return ranges
 
     def _bodies(self) -> list[Body]:
-        solids, world = self._solids, self._world
+        solids, world = self._solids, self._context.world
+        moving = world.moving_bodies(self._context.body)
         return [
             (solids(world.fixed_parts()), ZERO, IDENTITY),
-            *[(solids(parts), place, turn) for parts, place, turn in world.moving_bodies()],
+            *[(solids(parts), place, turn) for parts, place, turn in moving],
         ]
 
     def _solids(self, parts: tuple[Part, ...]) -> Solids:

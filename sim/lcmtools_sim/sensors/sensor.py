@@ -130,29 +130,25 @@ class Contact:
 
 
 class WorldView(Protocol):
-    """The world as a robot's sensors may see it; see lcmtools_sim.robot."""
+    """The world as sensors may see it; see lcmtools_sim.world."""
 
     def fixed_parts(self) -> tuple[Part, ...]:
         """The immovable shapes, in the world; the same object until one is added."""
         ...
 
-    def moving_parts(self) -> list[Part]:
-        """The movable shapes but for the robot's own, in the world."""
+    def moving_parts(self, but: int) -> list[Part]:
+        """The movable shapes but for one body's, in the world."""
         ...
 
-    def moving_bodies(self) -> list[tuple[tuple[Part, ...], Vector, Quaternion]]:
-        """The movable bodies but for the robot's own: their shapes in a frame, and its pose.
+    def moving_bodies(self, but: int) -> list[tuple[tuple[Part, ...], Vector, Quaternion]]:
+        """The movable bodies but one: their shapes in a frame, and its pose.
 
         The shapes of a body are the same object as long as it exists.
         """
         ...
 
-    def ground_color(self) -> Color:
-        """The colour of the plane z = 0."""
-        ...
-
-    def contacts(self) -> list[Contact]:
-        """The contacts of the robot with anything but the ground."""
+    def contacts(self, body: int) -> list[Contact]:
+        """The contacts of a body with anything but the ground."""
         ...
 
 
@@ -162,18 +158,20 @@ class SensorContext:
 
     Attributes:
         namespace: The robot's, which prefixes frames and topics.
-        parts: The body's shapes, in base_link.
+        body: The robot's body in the world.
+        world: The view of the world.
+        ground_color: The colour of the plane z = 0.
         gravity: [m/s^2]
         seed: The world's.
-        world: The view of the world.
         frames: The frames in base_link of the sensors mounted so far, by their prefixed names.
     """
 
     namespace: str
-    parts: tuple[Part, ...]
+    body: int
+    world: WorldView
+    ground_color: Color
     gravity: float
     seed: int
-    world: WorldView
     frames: dict[str, Frame] = field(default_factory=dict)
 
     def frame(self, name: str) -> str:

@@ -4,12 +4,15 @@ Every error names the file and the line. Must not know what the keys mean, world
 """
 
 import math
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
+from typing import TypeVar
 
 from lcmtools.errors import InvalidFile
 from lcmtools.formats.strict_yaml import Node, read_file
 from lcmtools.names import did_you_mean
+
+Number = TypeVar("Number", int, float)
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,33 +53,17 @@ class Item:
 
     def number(self, minimum: float = -1e5, maximum: float = 1e5) -> float:
         """Return a finite number within the bounds; a fraction such as 1/240 is one too."""
-        text = self.text()
-        try:
-            value = _parse_number(text)
-        except (ValueError, ZeroDivisionError):
-            raise self.error(f"'{self.name}' must be a number, not '{text}'") from None
-        return self._check_bounds(value, minimum, maximum)
+        return self._bounded(self._parsed(_parse_number, "a number"), minimum, maximum)
 
     def angle(self, minimum: float = -1e5, maximum: float = 1e5) -> float:
         """Return an angle [rad] within the bounds; "90 deg" is one too."""
-        text = self.text()
-        if not text.endswith("deg"):
+        if not self.text().endswith("deg"):
             return self.number(minimum, maximum)
-        try:
-            degrees = float(text.removesuffix("deg"))
-            return self._check_bounds(math.radians(degrees), minimum, maximum)
-        except ValueError:
-            raise self.error(f"'{self.name}' must be an angle, not '{text}'") from None
+        return self._bounded(self._parsed(_parse_degrees, "an angle"), minimum, maximum)
 
     def integer(self, minimum: int, maximum: int) -> int:
         """Return a whole number within the bounds."""
-        text = self.text()
-        try:
-            value = int(text)
-        except ValueError:
-            raise self.error(f"'{self.name}' must be a whole number, not '{text}'") from None
-        self._check_bounds(value, minimum, maximum)
-        return value
+        return self._bounded(self._parsed(int, "a whole number"), minimum, maximum)
 
     def flag(self) -> bool:
         """Return True or False."""
@@ -120,12 +107,19 @@ class Item:
             raise self.error(f"'{self.name}' must be a mapping (key: value), not a {self._kind()}")
         return self.node.value
 
-    def _check_bounds(self, value: float, minimum: float, maximum: float) -> float:
-        if not minimum <= value <= maximum:  # refuses NaN too
-            raise self.error(
-                f"'{self.name}' must be between {minimum:g} and {maximum:g}, not {value:g}"
-            )
-        return value
+    def _parsed(self, parse: Callable[[str], Number], kind: str) -> Number:
+        text = self.text()
+        try:
+            return parse(text)
+        except (ValueError, ZeroDivisionError):
+            raise self.error(f"'{self.name}' must be {kind}, not '{text}'") from None
+
+    def _bounded(self, value: Number, minimum: float, maximum: float) -> Number:
+        if minimum <= value <= maximum:  # refuses NaN too
+            return value
+        raise self.error(
+            f"'{self.name}' must be between {minimum:g} and {maximum:g}, not {value:g}"
+        )
 
     def _kind(self) -> str:
         kinds: dict[type, str] = {list: "list", dict: "mapping"}
@@ -147,3 +141,7 @@ def load(text: str, source: str, name: str) -> Item:
 def _parse_number(text: str) -> float:
     numerator, slash, denominator = text.partition("/")
     return float(numerator) / float(denominator) if slash else float(text)
+
+
+def _parse_degrees(text: str) -> float:
+    return math.radians(float(text.removesuffix("deg")))
