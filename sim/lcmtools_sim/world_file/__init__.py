@@ -4,6 +4,66 @@ Keys and values that are unknown, missing, given twice or out of bounds are erro
 and reason. No engine and no bus are known here.
 """
 
-from lcmtools_sim.world_file.scene import read_scene
+from dataclasses import replace
+from pathlib import PurePath
 
-__all__ = ["read_scene"]
+from lcmtools.names import check_base_name
+from lcmtools_sim.scene import Ground, Scene
+from lcmtools_sim.world_file.document import Item, load
+from lcmtools_sim.world_file.objects import read_objects
+from lcmtools_sim.world_file.robots import read_robots
+from lcmtools_sim.world_file.sdf import read_sdf_scene
+from lcmtools_sim.world_file.values import checked_name, color, friction, number, value
+
+_KEYS = ("node", "seed", "dt", "gravity", "ground", "objects", "robots")
+
+
+def read_scene(text: str, source: str) -> Scene:
+    """Read a world file's text; ``source`` is its name, for messages and for files beside it.
+
+    It may be a Gazebo world too, see sdf.py.
+
+    Raises:
+        InvalidFile: Anything is wrong with it, with file, line and reason.
+    """
+    if text.lstrip("\ufeff \t\r\n").startswith("<"):
+        return read_sdf_scene(text, source)
+    notes: list[str] = []
+    keys = load(text, source, "world").fields(_KEYS)
+    plain = Scene("")
+    scene = Scene(
+        name=PurePath(source).stem,
+        node=value(keys, "node", checked_name(_node_name), plain.node),
+        seed=value(keys, "seed", lambda item: item.integer(0, 2**63 - 1), plain.seed),
+        dt=value(keys, "dt", number(1e-4, 0.02), plain.dt),
+        gravity=value(keys, "gravity", number(0, 100), plain.gravity),
+        ground=value(keys, "ground", _ground, plain.ground),
+        objects=value(keys, "objects", lambda item: read_objects(item, notes), ()),
+        robots=value(keys, "robots", lambda item: read_robots(item, notes), ()),
+    )
+    return replace(scene, notes=(*notes, *_too_fast(scene)))
+
+
+def _too_fast(scene: Scene) -> list[str]:
+    """Notes on sensors with a rate above that of the steps."""
+    steps = 1 / scene.dt
+    return [
+        f"{robot.where}: {mount.topic} of {robot.namespace} cannot have {mount.rate:g} Hz: there"
+        f" are {steps:g} steps a second"
+        for robot in scene.robots
+        for mount in robot.model.sensors
+        if mount.rate > steps * (1 + 1e-9)
+    ]
+
+
+def _node_name(text: str) -> str:
+    check_base_name(text)
+    return text
+
+
+def _ground(item: Item) -> Ground:
+    keys = item.fields(("friction", "color"))
+    return Ground(
+        friction=value(keys, "friction", friction, Ground().friction),
+        color=value(keys, "color", color, Ground().color),
+    )
