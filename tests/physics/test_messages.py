@@ -91,7 +91,7 @@ def test_a_robot_that_comes_later_keeps_the_rates_and_leaves_the_others_alone(
     assert counts["/husky0/odometry"] == 100
 
 
-def test_what_nobody_wants_is_not_measured_but_for_what_is_wanted_always(
+def test_topics_without_subscribers_are_not_measured_but_for_those_that_are_always(
     simulate: Simulate,
 ) -> None:
     mounts = (
@@ -108,7 +108,7 @@ def test_what_nobody_wants_is_not_measured_but_for_what_is_wanted_always(
     assert topics == {"/h/imu", "/h/truth"}
 
 
-def test_where_nobody_listens_nothing_is_sent(simulate: Simulate) -> None:
+def test_without_subscribers_nothing_is_sent(simulate: Simulate) -> None:
     fast = SensorMount("wheel_states", "wheels", 240.0)
     robot = RobotPlacement(replace(HUSKY, sensors=(fast,)), "/h")
     simulation = simulate(scene=Scene("unheard", robots=(robot,)))
@@ -117,7 +117,7 @@ def test_where_nobody_listens_nothing_is_sent(simulate: Simulate) -> None:
     assert [samples for samples in run(simulation, 1.0) if samples] == []
 
 
-def test_a_clock_that_is_heard_alone_ticks_at_its_least_rate(simulate: Simulate) -> None:
+def test_a_clock_that_alone_is_subscribed_ticks_at_its_least_rate(simulate: Simulate) -> None:
     simulation = simulate()
     simulation.select(lambda topic: Subscribers.KNOWN if topic == "/clock" else Subscribers.NONE)
 

@@ -24,7 +24,7 @@ Place = Callable[..., Simulation]
 
 @pytest.fixture
 def place(simulate: Simulate) -> Place:
-    """Makes a simulation of one robot of a model, whose sensors nobody hears."""
+    """Makes a simulation of one robot of a model, without subscribers of its sensors."""
 
     def make(model: str | RobotModel, pose: Pose = Pose()) -> Simulation:  # noqa: B008 - a value
         model = MODELS[model] if isinstance(model, str) else model

@@ -1,4 +1,4 @@
-"""On a slope a robot stands still, drives as it is told, and slides where it must. Metres, m/s."""
+"""A robot on a slope stands still, drives at the commanded speed, and slides if it must. Metres."""
 
 import math
 from collections.abc import Callable
@@ -68,7 +68,7 @@ def test_it_stands_still_on_a_slope(
 
 @pytest.mark.parametrize("speed", [0.5, -0.5])
 @pytest.mark.parametrize("model", MODELS)
-def test_it_drives_up_and_down_as_fast_as_it_is_told(
+def test_it_drives_up_and_down_at_the_commanded_speed(
     on_slope: Callable[..., Simulation], twist: Steer, model: str, speed: float
 ) -> None:
     simulation = on_slope(model, math.radians(10))

@@ -40,7 +40,7 @@ def test_two_robots_that_start_inside_one_another_are_a_mistake_in_the_file(
     assert captured.err == told
 
 
-def test_things_that_can_move_and_start_inside_something_are_told_and_others_not(
+def test_movable_objects_that_start_inside_something_are_warned_of_and_others_not(
     yard: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     yard.write_text(THINGS)

@@ -63,7 +63,7 @@ def state(tell: Tell, robot: str) -> dict[str, Any]:
     return answer
 
 
-def test_a_paused_simulator_does_the_steps_that_it_is_told_and_no_more(tell: Tell) -> None:
+def test_a_paused_simulator_does_the_requested_steps_and_no_more(tell: Tell) -> None:
     assert tell("step") == "did 1 steps, now at 0.004167 s\n"
     assert tell("step", "239") == "did 239 steps, now at 1.000000 s\n"
     assert state(tell, "husky0")["time"] == 1_000_000_000
@@ -174,7 +174,7 @@ def test_a_snapshot_is_a_png_file_and_none_is_overwritten(lcmtools: Run, tmp_pat
         (["snapshot", "x.png", "--width", "5000"], "a picture has 1 to 4096 columns and rows"),
     ],
 )
-def test_what_cannot_be_done_is_told_in_one_line_with_1(
+def test_failures_are_one_line_and_exit_code_1(
     lcmtools: Run, arguments: list[str], complaint: str
 ) -> None:
     result = lcmtools("sim", *arguments)

@@ -45,7 +45,7 @@ def node(bus_url: str) -> Iterator[library.Node]:
     library.shutdown()
 
 
-def test_a_follower_steps_as_far_as_the_leader_and_begins_anew_with_it(
+def test_a_follower_steps_as_far_as_the_leader_and_restarts_with_it(
     node: library.Node,
     bus_url: str,
     start: Start,

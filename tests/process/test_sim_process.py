@@ -1,4 +1,4 @@
-"""The simulator as a process: it computes what is heard, keeps its time, and leaves nothing."""
+"""The simulator as a process: it computes subscribed topics, keeps its time, and leaves nothing."""
 
 import json
 import os
@@ -26,7 +26,7 @@ robots:
 """
 DEPTH = "/camera/depth/image_raw"
 
-# Hears one topic, as any LCM program does, and never announces it.
+# Subscribes to one topic, as any LCM program does, without an announcement.
 PLAIN_LISTENER = """
 import lcm
 
@@ -37,7 +37,7 @@ while True:
     bus.handle()
 """
 
-# The same in a process that is a node too, and announces what it hears as one.
+# The same in a process that is a node too, and announces its subscriptions as one.
 PLAIN_LISTENER_IN_A_NODE = f"""
 import lcmtools
 
@@ -78,7 +78,7 @@ def published(lcmtools: Run) -> Callable[[], dict[str, int]]:
     return count
 
 
-def test_what_nobody_hears_is_not_computed_and_what_somebody_hears_is(
+def test_only_topics_with_subscribers_are_computed(
     simulate: Start,
     start: Start,
     lcmtools_path: str,
@@ -116,7 +116,7 @@ def test_a_command_that_looks_counts_as_a_listener_as_long_as_it_looks(
 @pytest.mark.parametrize(
     "program", [PLAIN_LISTENER, PLAIN_LISTENER_IN_A_NODE], ids=["no node", "a node besides"]
 )
-def test_a_plain_lcm_program_may_hear_anything_so_that_all_is_computed(
+def test_for_a_plain_lcm_program_everything_is_computed(
     simulate: Start,
     start_python: Start,
     published: Callable[[], dict[str, int]],
@@ -135,7 +135,7 @@ def test_a_plain_lcm_program_may_hear_anything_so_that_all_is_computed(
 
 
 @pytest.mark.parametrize("is_first", [True, False], ids=["before it", "after it"])
-def test_who_listens_when_steps_are_asked_for_hears_each_of_them(
+def test_subscribers_receive_each_requested_step(
     simulate: Start,
     start_python: Start,
     lcmtools: Run,
@@ -165,7 +165,7 @@ def _stands_still(published: Callable[[], dict[str, int]]) -> bool:
 
 
 @pytest.mark.parametrize("moment", ["at its start", "while it runs", "while it is paused"])
-def test_killed_at_any_moment_it_leaves_no_process_and_is_told_stale(
+def test_killed_at_any_moment_it_leaves_no_process_and_is_stale(
     start: Start,
     simulate: Start,
     lcmtools: Run,

@@ -123,7 +123,7 @@ class FakeSimulation:
         return {"/clock": Clock}
 
     def select(self, interest: Callable[[str], Subscribers]) -> None:
-        """Keep what it is told."""
+        """Keep it."""
         self.interest = interest
 
     def is_open(self) -> bool:
@@ -225,7 +225,7 @@ def test_the_fake_robot_refuses_as_the_real_one_does() -> None:
         (({"/other"}, False), Subscribers.NONE),
     ],
 )
-def test_who_can_be_listening_is_told_to_the_simulation(
+def test_the_simulation_gets_the_state_of_subscribers(
     node: FakeNode,
     simulation: FakeSimulation,
     bridge: Bridge,
@@ -239,7 +239,7 @@ def test_who_can_be_listening_is_told_to_the_simulation(
     assert simulation.interest("/clock") is interest
 
 
-def test_a_look_at_once_counts_who_has_only_just_come(
+def test_finding_subscribers_at_once_counts_those_that_have_just_started(
     node: FakeNode, simulation: FakeSimulation, bridge: Bridge
 ) -> None:
     bridge.receive()
@@ -250,7 +250,7 @@ def test_a_look_at_once_counts_who_has_only_just_come(
     assert simulation.interest("/clock") is Subscribers.POSSIBLE
 
 
-def test_a_clock_that_nobody_hears_is_shown_now_and_then_while_time_passes(
+def test_a_clock_without_subscribers_is_published_now_and_then_while_time_passes(
     node: FakeNode,
     simulation: FakeSimulation,
     bridge: Bridge,
@@ -266,7 +266,7 @@ def test_a_clock_that_nobody_hears_is_shown_now_and_then_while_time_passes(
     assert sent == [1, 3, 4]
 
 
-def test_a_clock_that_somebody_hears_comes_with_the_steps_alone(
+def test_a_clock_with_subscribers_comes_with_the_steps_alone(
     node: FakeNode, simulation: FakeSimulation, bridge: Bridge
 ) -> None:
     node.heard = frozenset({"/clock"})

@@ -143,7 +143,7 @@ def test_stopped_wheels_stay_where_they_have_come() -> None:
     assert (train.angles(), train.odometry_pose()) == before
 
 
-def test_noisy_encoders_count_anew_in_each_step_but_not_at_rest() -> None:
+def test_noisy_encoders_read_another_speed_in_each_step_but_not_at_rest() -> None:
     drawn: list[int] = []
 
     def random(count: int) -> list[float]:

@@ -83,7 +83,7 @@ def test_it_ends_without_a_step_when_the_window_is_closed() -> None:
     assert log.lines == ["receive"]
 
 
-def test_a_slow_computer_is_told_once() -> None:
+def test_a_slow_computer_is_warned_of_once() -> None:
     log = Log()
     wall = iter(range(100))  # every look at the clock is a second later
 
@@ -136,7 +136,7 @@ def test_a_pause_ends_the_wait_for_a_slow_step() -> None:
     assert sum(slept) < 1.0
 
 
-def test_it_looks_who_listens_before_the_steps_that_are_asked_for() -> None:
+def test_it_finds_subscribers_before_requested_steps() -> None:
     log = Log()
 
     Loop(Steps(log.lines), log, no_wait(), go_on=lambda: True).step(2)

@@ -37,7 +37,7 @@ def make(robot: SimpleNamespace, *, always: bool = False) -> MountedSensor:
     return MountedSensor(robot, mount, Outputs(), frozenset(("large",)))  # type: ignore[arg-type] # a part of one
 
 
-def test_everything_is_measured_until_somebody_asks(robot: SimpleNamespace) -> None:
+def test_everything_is_measured_before_a_selection(robot: SimpleNamespace) -> None:
     assert measured(make(robot), 1) == ["/r/eye/small", "/r/eye/large"]
 
 
@@ -48,7 +48,7 @@ def test_only_what_nodes_listen_to_is_measured(robot: SimpleNamespace) -> None:
     assert measured(reading, 3) == ["/r/eye/large"] * 3
 
 
-def test_nothing_is_measured_where_nobody_can_listen(robot: SimpleNamespace) -> None:
+def test_nothing_is_measured_without_possible_subscribers(robot: SimpleNamespace) -> None:
     reading = make(robot)
     reading.select(lambda _: Subscribers.NONE)
 

@@ -147,7 +147,7 @@ def test_the_process_with_the_first_robot_leads_and_others_follow() -> None:
     assert following.objects == leading.objects
 
 
-def test_a_process_that_is_told_to_follow_is_a_node_of_another_name() -> None:
+def test_a_process_with_follow_is_a_node_of_another_name() -> None:
     scene, options = asked("pioneer", "--follow")
 
     assert (scene.node, options.follow) == ("gazebo_pioneer", True)

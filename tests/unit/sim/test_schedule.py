@@ -99,7 +99,7 @@ def test_a_late_step_is_made_good_by_the_next_without_sleeping() -> None:
     assert wall.now == pytest.approx(100.04)
 
 
-def test_a_debt_above_the_limit_is_dropped_and_told() -> None:
+def test_a_debt_above_the_limit_is_dropped_and_returned() -> None:
     wall = Wall()
     pace = pacer(wall, 0.01)
 
@@ -119,7 +119,7 @@ def test_a_period_of_zero_never_waits() -> None:
     assert wall.slept == []
 
 
-def test_waiting_ends_soon_after_it_is_told_to() -> None:
+def test_waiting_ends_soon_after_the_request() -> None:
     wall = Wall()
 
     pacer(wall, 60.0).wait(lambda: wall.now < 100.25, nothing)

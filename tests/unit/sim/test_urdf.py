@@ -284,7 +284,7 @@ def test_what_is_wrong_in_the_drive_is_said_with_its_line(
     assert str(caught.value).startswith(f"{tmp_path}/yard.yaml:{wanted}")
 
 
-def test_a_urdf_without_a_drive_is_told_which_joints_turn(tmp_path: Path) -> None:
+def test_the_error_for_a_urdf_without_a_drive_names_the_joints_that_turn(tmp_path: Path) -> None:
     (tmp_path / "cart.urdf").write_text(CART)
 
     with pytest.raises(InvalidFile) as caught:
