@@ -2,13 +2,12 @@
 
 import json
 import socket
-import subprocess
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Any]
 
 HOST = socket.gethostname()
 
@@ -45,30 +44,28 @@ def nodes(
 
 
 @pytest.mark.usefixtures("nodes")
-def test_node_machine_lists_the_computers_and_the_nodes_of_one(lcmtools: Run) -> None:
-    result = lcmtools("node", "machine")
+def test_node_machine_lists_the_computers_and_the_nodes_of_one(cli: Run) -> None:
+    result = cli("node", "machine")
     hosts = sorted(["far-computer", HOST])
-    assert (result.returncode, result.stdout.splitlines(), result.stderr) == (0, hosts, "")
+    assert (result.code, result.out.splitlines(), result.err) == (0, hosts, "")
 
-    assert lcmtools("node", "machine", HOST).stdout == "/listener\n/talker\n"
-    assert lcmtools("node", "machine", "far-computer").stdout == "/far/away\n"
-    documents = json.loads(lcmtools("node", "machine", "--json").stdout)
+    assert cli("node", "machine", HOST).out == "/listener\n/talker\n"
+    assert cli("node", "machine", "far-computer").out == "/far/away\n"
+    documents = json.loads(cli("node", "machine", "--json").out)
     assert {"host": HOST, "nodes": ["/listener", "/talker"]} in documents
     assert {"host": "far-computer", "nodes": ["/far/away"]} in documents
-    assert json.loads(lcmtools("node", "machine", "far-computer", "--json").stdout) == [
+    assert json.loads(cli("node", "machine", "far-computer", "--json").out) == [
         {"host": "far-computer", "nodes": ["/far/away"]}
     ]
 
-    unknown = lcmtools("node", "machine", "far-compter")
-    assert (unknown.returncode, unknown.stdout) == (1, "")
-    assert unknown.stderr == (
+    unknown = cli("node", "machine", "far-compter")
+    assert (unknown.code, unknown.out) == (1, "")
+    assert unknown.err == (
         "lcmtools node machine: no node runs on machine far-compter; did you mean far-computer?\n"
     )
 
 
-def test_node_machine_where_no_node_is_says_so_on_standard_error(
-    lcmtools: Run, bus_url: str
-) -> None:
-    result = lcmtools("node", "machine", "--lcm-url", bus_url)
-    assert (result.returncode, result.stdout) == (0, "")
-    assert result.stderr == f"no nodes on {bus_url}\n"
+def test_node_machine_where_no_node_is_says_so_on_standard_error(cli: Run, bus_url: str) -> None:
+    result = cli("node", "machine", "--lcm-url", bus_url)
+    assert (result.code, result.out) == (0, "")
+    assert result.err == f"no nodes on {bus_url}\n"

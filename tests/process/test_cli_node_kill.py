@@ -5,13 +5,12 @@ import os
 import pty
 import signal
 import socket
-import subprocess
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Any]
 HOST = socket.gethostname()
 
 _TWO = """
@@ -59,140 +58,134 @@ def _bus(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def node(
-    start: Callable[..., Any], lcmtools: Run, lcmtools_path: str, wait_until: Callable[..., None]
+    start: Callable[..., Any], cli: Run, lcmtools_path: str, wait_until: Callable[..., None]
 ) -> Callable[..., Any]:
     """``node("talker")``: a node that runs and is listed."""
 
     def run(*words: str) -> Any:
         program = start(lcmtools_path, "run", *words)
-        wait_until(lambda: f'"pid": {program.pid},' in lcmtools("node", "list", "--json").stdout)
+        wait_until(lambda: f'"pid": {program.pid},' in cli("node", "list", "--json").out)
         return program
 
     return run
 
 
-def test_a_node_ends_with_exit_code_0_and_a_goodbye(
-    node: Callable[..., Any], lcmtools: Run
-) -> None:
+def test_a_node_ends_with_exit_code_0_and_a_goodbye(node: Callable[..., Any], cli: Run) -> None:
     talker = node("talker")
-    result = lcmtools("node", "kill", "talker")
-    assert (result.returncode, result.stdout) == (0, "killing /talker\nkilled\n")
-    assert result.stderr == ""
+    result = cli("node", "kill", "talker")
+    assert (result.code, result.out) == (0, "killing /talker\nkilled\n")
+    assert result.err == ""
     assert talker.wait() == 0
     assert "[/talker]: asked to end by " in talker.output
-    assert lcmtools("node", "list").stdout == ""
+    assert cli("node", "list").out == ""
 
 
-def test_a_node_that_does_not_spin_hears_it_too(
-    start_python: Callable[..., Any], lcmtools: Run
-) -> None:
+def test_a_node_that_does_not_spin_hears_it_too(start_python: Callable[..., Any], cli: Run) -> None:
     program = start_python(_WITHOUT_SPIN)
     program.wait_for("ready")
-    assert lcmtools("node", "kill", "loops").returncode == 0
+    assert cli("node", "kill", "loops").code == 0
     assert program.wait() == 0
 
 
 def test_all_nodes_of_a_process_end_and_that_is_said(
-    start_python: Callable[..., Any], lcmtools: Run
+    start_python: Callable[..., Any], cli: Run
 ) -> None:
     program = start_python(_TWO)
     program.wait_for("ready")
-    result = lcmtools("node", "kill", "/one")
-    assert (result.returncode, result.stdout) == (0, "killing /one\nkilled\n")
-    assert result.stderr == "ended with /one, in the same process: /two\n"
+    result = cli("node", "kill", "/one")
+    assert (result.code, result.out) == (0, "killing /one\nkilled\n")
+    assert result.err == "ended with /one, in the same process: /two\n"
     assert program.wait() == 0
     program.wait_for("ended in order")
 
 
 def test_a_node_that_hangs_is_exit_code_1_with_what_to_type(
-    start_python: Callable[..., Any], node: Callable[..., Any], lcmtools: Run
+    start_python: Callable[..., Any], node: Callable[..., Any], cli: Run
 ) -> None:
     hangs = start_python(_HANGS)
     hangs.wait_for("ready")
     talker = node("talker")
-    result = lcmtools("node", "kill", "--timeout", "800ms", "hangs", "talker")
-    assert result.returncode == 1
-    assert result.stdout == "killing:\n * /hangs\n * /talker\nkilled /talker\n"
-    assert result.stderr == (
+    result = cli("node", "kill", "--timeout", "800ms", "hangs", "talker")
+    assert result.code == 1
+    assert result.out == "killing:\n * /hangs\n * /talker\nkilled /talker\n"
+    assert result.err == (
         "lcmtools node kill: /hangs was asked and has not ended within 0.8 s;"
         f" to end it whatever it does, type: kill -9 {hangs.pid}\n"
     )
     assert talker.wait() == 0
 
 
-def test_a_node_that_is_stopped_does_not_answer(node: Callable[..., Any], lcmtools: Run) -> None:
+def test_a_node_that_is_stopped_does_not_answer(node: Callable[..., Any], cli: Run) -> None:
     talker = node("talker")
     talker.send_signal(signal.SIGSTOP)
-    result = lcmtools("node", "kill", "--timeout", "300ms", "--json", "talker")
-    assert result.returncode == 1
-    (record,) = json.loads(result.stdout)
+    result = cli("node", "kill", "--timeout", "300ms", "--json", "talker")
+    assert result.code == 1
+    (record,) = json.loads(result.out)
     assert (record["pid"], record["heard"], record["ended"]) == (talker.pid, False, False)
-    assert result.stderr == (
+    assert result.err == (
         "lcmtools node kill: /talker does not answer;"
         f" to end it whatever it does, type: kill -9 {talker.pid}\n"
     )
 
 
-def test_of_two_equal_names_the_pid_tells_which(node: Callable[..., Any], lcmtools: Run) -> None:
+def test_of_two_equal_names_the_pid_tells_which(node: Callable[..., Any], cli: Run) -> None:
     first, second = node("talker"), node("talker")
-    result = lcmtools("node", "kill", "talker")
-    assert (result.returncode, result.stdout) == (1, "")
-    assert "2 nodes have the name talker; write a pid: " in result.stderr
-    assert f"{first.pid} on {HOST}" in result.stderr
-    assert lcmtools("node", "kill", str(second.pid)).returncode == 0
+    result = cli("node", "kill", "talker")
+    assert (result.code, result.out) == (1, "")
+    assert "2 nodes have the name talker; write a pid: " in result.err
+    assert f"{first.pid} on {HOST}" in result.err
+    assert cli("node", "kill", str(second.pid)).code == 0
     assert second.wait() == 0
-    (left,) = json.loads(lcmtools("node", "list", "--json").stdout)
+    (left,) = json.loads(cli("node", "list", "--json").out)
     assert left["pid"] == first.pid
 
 
 def test_nothing_is_killed_where_one_of_the_names_is_unknown(
-    node: Callable[..., Any], lcmtools: Run, wait_until: Callable[..., None]
+    node: Callable[..., Any], cli: Run, wait_until: Callable[..., None]
 ) -> None:
     node("talker")
-    result = lcmtools("node", "kill", "talker", "listner")
-    assert (result.returncode, result.stdout) == (1, "")
-    wait_until(lambda: lcmtools("node", "list").stdout == "/talker\n")
+    result = cli("node", "kill", "talker", "listner")
+    assert (result.code, result.out) == (1, "")
+    wait_until(lambda: cli("node", "list").out == "/talker\n")
 
 
 def test_a_command_that_listens_ends_as_by_sigterm(
-    start: Callable[..., Any], lcmtools: Run, lcmtools_path: str, wait_until: Callable[..., None]
+    start: Callable[..., Any], cli: Run, lcmtools_path: str, wait_until: Callable[..., None]
 ) -> None:
     echo = start(lcmtools_path, "echo", "/chatter")
     name = f"_lcmtools_echo_{echo.pid}"
-    wait_until(lambda: name in lcmtools("node", "list", "-a").stdout)
-    assert lcmtools("node", "kill", name).returncode == 0
+    wait_until(lambda: name in cli("node", "list", "-a").out)
+    assert cli("node", "kill", name).code == 0
     assert echo.wait() == 143
 
 
 def test_a_program_that_is_no_node_is_left_alone(
-    start: Callable[..., Any], lcmtools: Run, lcm_program: Callable[[str], str]
+    start: Callable[..., Any], cli: Run, lcm_program: Callable[[str], str]
 ) -> None:
     source = start(lcm_program("lcm-source"), "-m", "EXAMPLE")
     for word in ("lcm-source", str(source.pid)):
-        result = lcmtools("node", "kill", word)
-        assert (result.returncode, result.stdout) == (1, "")
-        assert result.stderr == (
+        result = cli("node", "kill", word)
+        assert (result.code, result.out) == (1, "")
+        assert result.err == (
             f"lcmtools node kill: {lcm_program('lcm-source')} -m EXAMPLE (pid {source.pid}) is no"
             f" node and cannot be asked; type: kill {source.pid}\n"
         )
     os.kill(source.pid, 0)
 
 
-def test_all_needs_yes_where_there_is_nobody_to_ask(
-    node: Callable[..., Any], lcmtools: Run
-) -> None:
+def test_all_needs_yes_where_there_is_nobody_to_ask(node: Callable[..., Any], cli: Run) -> None:
     talker, listener = node("talker"), node("listener")
-    result = lcmtools("node", "kill", "--all")
-    assert (result.returncode, result.stdout) == (2, "")
-    assert result.stderr == (
+    result = cli("node", "kill", "--all")
+    assert (result.code, result.out) == (2, "")
+    assert result.err == (
         "lcmtools node kill: --all would kill 2 nodes, and there is nobody to ask; add --yes\n"
     )
-    result = lcmtools("node", "kill", "--all", "--yes")
-    assert (result.returncode, result.stderr) == (0, "")
-    assert result.stdout == "killing:\n * /listener\n * /talker\nkilled\n"
+    result = cli("node", "kill", "--all", "--yes")
+    assert (result.code, result.err) == (0, "")
+    assert result.out == "killing:\n * /listener\n * /talker\nkilled\n"
     assert (talker.wait(), listener.wait()) == (0, 0)
-    result = lcmtools("node", "kill", "-a", "-y")
-    assert (result.returncode, result.stdout, result.stderr) == (0, "", "no nodes running\n")
+    result = cli("node", "kill", "-a", "-y")
+    assert (result.code, result.out, result.err) == (0, "", "no nodes running\n")
 
 
 @pytest.mark.parametrize(("typed", "is_killed"), [("y\n", True), ("n\n", False), ("\x04", False)])
@@ -201,7 +194,7 @@ def test_all_asks_a_person(
     *,
     is_killed: bool,
     node: Callable[..., Any],
-    lcmtools: Run,
+    cli: Run,
     lcmtools_path: str,
     wait_until: Callable[..., None],
 ) -> None:
@@ -209,17 +202,17 @@ def test_all_asks_a_person(
     text = _at_a_terminal([lcmtools_path, "node", "kill", "--all"], typed)
     assert " * /talker" in text
     assert "Kill all nodes? [y/N]" in text
-    wait_until(lambda: lcmtools("node", "list").stdout == ("" if is_killed else "/talker\n"))
+    wait_until(lambda: cli("node", "list").out == ("" if is_killed else "/talker\n"))
 
 
 def test_without_a_name_a_person_chooses_from_a_list(
-    node: Callable[..., Any], lcmtools: Run, lcmtools_path: str, wait_until: Callable[..., None]
+    node: Callable[..., Any], cli: Run, lcmtools_path: str, wait_until: Callable[..., None]
 ) -> None:
     node("talker")
     node("listener")
     text = _at_a_terminal([lcmtools_path, "node", "kill"], "2\n")
     assert "1. /listener\r\n2. /talker\r\n" in text
-    wait_until(lambda: lcmtools("node", "list").stdout == "/listener\n")
+    wait_until(lambda: cli("node", "list").out == "/listener\n")
 
 
 def _at_a_terminal(command: list[str], typed: str) -> str:

@@ -5,14 +5,13 @@ import os
 import re
 import signal
 import socket
-import subprocess
 import sys
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., Any]
 HOST = socket.gethostname()
 
 _LISTENER = """
@@ -45,23 +44,23 @@ def programs(module_start: Callable[..., Any], lcmtools_path: str) -> dict[str, 
 pytestmark = pytest.mark.usefixtures("use_module_bus", "programs")
 
 
-def test_the_plain_list_is_names_only(lcmtools: Run) -> None:
-    assert lcmtools("node", "list").stdout == "/r/listener\n/talker\n"
-    assert lcmtools("node", "list", "-c").stdout == "2\n"
+def test_the_plain_list_is_names_only(cli: Run) -> None:
+    assert cli("node", "list").out == "/r/listener\n/talker\n"
+    assert cli("node", "list", "-c").out == "2\n"
 
 
 @pytest.mark.parametrize(
     ("wanted", "names"),
     [("/r", ["/r/listener"]), ("*alk*", ["/talker"]), ("list*", ["/r/listener"]), ("/z*", [])],
 )
-def test_a_namespace_or_a_pattern_keeps_some(wanted: str, names: list[str], lcmtools: Run) -> None:
-    assert lcmtools("node", "list", wanted).stdout.splitlines() == names
+def test_a_namespace_or_a_pattern_keeps_some(wanted: str, names: list[str], cli: Run) -> None:
+    assert cli("node", "list", wanted).out.splitlines() == names
 
 
 def test_all_shows_host_pid_and_up_time_in_rosnodes_order(
-    lcmtools: Run, programs: dict[str, Any]
+    cli: Run, programs: dict[str, Any]
 ) -> None:
-    nodes, _, _ = lcmtools("node", "list", "-a").stdout.partition("\n\n")
+    nodes, _, _ = cli("node", "list", "-a").out.partition("\n\n")
     rows = [row for row in nodes.splitlines() if "_lcmtools" not in row]
     expected = [("/r/listener", programs["listener"].pid), ("/talker", programs["talker"].pid)]
     for row, (name, pid) in zip(rows, expected, strict=True):
@@ -69,9 +68,9 @@ def test_all_shows_host_pid_and_up_time_in_rosnodes_order(
 
 
 def test_all_shows_programs_that_are_no_nodes_under_a_heading(
-    lcmtools: Run, programs: dict[str, Any]
+    cli: Run, programs: dict[str, Any]
 ) -> None:
-    _, _, others = lcmtools("node", "list", "-a").stdout.partition("\n\n")
+    _, _, others = cli("node", "list", "-a").out.partition("\n\n")
     assert others.startswith("Programs that are no nodes (seen on the bus):\n")
     source, plain = programs["source"].pid, programs["plain"].pid
     assert re.search(
@@ -81,8 +80,8 @@ def test_all_shows_programs_that_are_no_nodes_under_a_heading(
     assert re.search(rf"{HOST}:{plain} \t.*\n\tlistens( \(\d+ datagrams .*\))?\n", others)
 
 
-def test_json_marks_them_as_observed(lcmtools: Run, programs: dict[str, Any]) -> None:
-    records = json.loads(lcmtools("node", "list", "-a", "--json").stdout)
+def test_json_marks_them_as_observed(cli: Run, programs: dict[str, Any]) -> None:
+    records = json.loads(cli("node", "list", "-a", "--json").out)
     observed = {record["pid"]: record for record in records if record.get("observed")}
     assert observed.keys() == {programs["source"].pid, programs["plain"].pid}
     source = observed[programs["source"].pid]
@@ -90,51 +89,51 @@ def test_json_marks_them_as_observed(lcmtools: Run, programs: dict[str, Any]) ->
     assert (source["listens"], observed[programs["plain"].pid]["listens"]) == (False, True)
 
 
-def test_uri_prints_an_address_for_each_node(lcmtools: Run) -> None:
-    rows = lcmtools("node", "list", "-u").stdout.splitlines()
+def test_uri_prints_an_address_for_each_node(cli: Run) -> None:
+    rows = cli("node", "list", "-u").out.splitlines()
     assert len(rows) == 2
     assert all(re.fullmatch(r"udp://[\d.]+:\d+/", row) for row in rows)
 
 
 def test_info_finds_a_program_by_its_pid_and_its_command(
-    lcmtools: Run, programs: dict[str, Any]
+    cli: Run, programs: dict[str, Any]
 ) -> None:
     pid = programs["source"].pid
     for word in ("lcm-source", str(pid), f"{HOST}:{pid}"):
-        result = lcmtools("node", "info", word)
-        assert result.returncode == 0
-        assert "lcm-source -m EXAMPLE] (no node: seen on the bus only)\n" in result.stdout
-        assert "Publications: \n * EXAMPLE [" in result.stdout
-        assert f"\nHost: {HOST}\nPid: {pid}\n" in result.stdout
-    (record,) = json.loads(lcmtools("node", "info", "--json", "lcm-source").stdout)
+        result = cli("node", "info", word)
+        assert result.code == 0
+        assert "lcm-source -m EXAMPLE] (no node: seen on the bus only)\n" in result.out
+        assert "Publications: \n * EXAMPLE [" in result.out
+        assert f"\nHost: {HOST}\nPid: {pid}\n" in result.out
+    (record,) = json.loads(cli("node", "info", "--json", "lcm-source").out)
     assert (record["observed"], record["pid"]) == (True, pid)
 
 
-def test_info_shows_how_a_programs_listening_fares(lcmtools: Run, programs: dict[str, Any]) -> None:
-    text = lcmtools("node", "info", str(programs["plain"].pid)).stdout
+def test_info_shows_how_a_programs_listening_fares(cli: Run, programs: dict[str, Any]) -> None:
+    text = cli("node", "info", str(programs["plain"].pid)).out
     assert re.search(
         r"^Buffer: \d+ kB of \d+ kB wait, \d+ datagrams dropped since", text, re.MULTILINE
     )
-    assert "Buffer" not in lcmtools("node", "info", str(programs["source"].pid)).stdout
+    assert "Buffer" not in cli("node", "info", str(programs["source"].pid)).out
 
 
-def test_info_finds_a_node_by_its_pid(lcmtools: Run, programs: dict[str, Any]) -> None:
-    assert "Node [/talker]\n" in lcmtools("node", "info", str(programs["talker"].pid)).stdout
+def test_info_finds_a_node_by_its_pid(cli: Run, programs: dict[str, Any]) -> None:
+    assert "Node [/talker]\n" in cli("node", "info", str(programs["talker"].pid)).out
 
 
-def test_quiet_info_stops_after_the_services(lcmtools: Run) -> None:
-    text = lcmtools("node", "info", "-q", "talker").stdout
+def test_quiet_info_stops_after_the_services(cli: Run) -> None:
+    text = cli("node", "info", "-q", "talker").out
     assert text.endswith("Services: None\n\n\n")
     assert "Pid" not in text
 
 
-def test_hidden_services_are_shown_when_asked_for(lcmtools: Run) -> None:
-    assert "/talker/_" not in lcmtools("node", "info", "talker").stdout
-    assert " * /talker/_" in lcmtools("node", "info", "-a", "talker").stdout
+def test_hidden_services_are_shown_when_asked_for(cli: Run) -> None:
+    assert "/talker/_" not in cli("node", "info", "talker").out
+    assert " * /talker/_" in cli("node", "info", "-a", "talker").out
 
 
-def test_info_json_has_process_counters_and_peers(lcmtools: Run, programs: dict[str, Any]) -> None:
-    (record,) = json.loads(lcmtools("node", "info", "--json", "talker").stdout)
+def test_info_json_has_process_counters_and_peers(cli: Run, programs: dict[str, Any]) -> None:
+    (record,) = json.loads(cli("node", "info", "--json", "talker").out)
     chatter = next(end for end in record["publications"] if end["topic"] == "/chatter")
     assert chatter["messages"] > 0
     assert {"topic": "/chatter", "direction": "to", "node": "/r/listener"} in record["connections"]
@@ -143,10 +142,10 @@ def test_info_json_has_process_counters_and_peers(lcmtools: Run, programs: dict[
     assert record["up_time"] > 0
 
 
-def test_ping_all_pings_every_node_once_and_sums_up(lcmtools: Run) -> None:
-    result = lcmtools("node", "ping", "-a")
-    assert (result.returncode, result.stderr) == (0, "")
-    head, rest = result.stdout.split("\n\n")
+def test_ping_all_pings_every_node_once_and_sums_up(cli: Run) -> None:
+    result = cli("node", "ping", "-a")
+    assert (result.code, result.err) == (0, "")
+    head, rest = result.out.split("\n\n")
     assert head == "Will ping the following nodes: \n * /r/listener\n * /talker"
     assert (
         len(re.findall(r"^reply from (/r/listener|/talker) \(.*\)\ttime=", rest, re.MULTILINE)) == 2
@@ -164,21 +163,21 @@ def test_ping_sums_up_on_ctrl_c(start: Callable[..., Any], lcmtools_path: str) -
     assert ping.lines[-1].startswith("shortest: ")
 
 
-def test_machine_takes_localhost_for_this_computer(lcmtools: Run) -> None:
-    assert lcmtools("node", "machine", "localhost").stdout == "/r/listener\n/talker\n"
+def test_machine_takes_localhost_for_this_computer(cli: Run) -> None:
+    assert cli("node", "machine", "localhost").out == "/r/listener\n/talker\n"
 
 
 def test_ping_all_goes_on_after_a_node_that_does_not_answer(
-    lcmtools: Run, programs: dict[str, Any], tmp_path_factory: pytest.TempPathFactory
+    cli: Run, programs: dict[str, Any], tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     records = {"XDG_RUNTIME_DIR": str(tmp_path_factory.getbasetemp())}  # the module's programs'
-    lcmtools("node", "cleanup", **records)  # of what other tests have killed on this port
+    cli("node", "cleanup", env=records)  # of what other tests have killed on this port
     programs["listener"].send_signal(signal.SIGSTOP)
     try:
-        result = lcmtools("node", "ping", "-a", "--timeout", "300ms", **records)
+        result = cli("node", "ping", "-a", "--timeout", "300ms", env=records)
     finally:
         programs["listener"].send_signal(signal.SIGCONT)
-    assert result.returncode == 4
-    assert "/r/listener did not answer within 0.3 s" in result.stderr
-    assert "reply from /talker" in result.stdout
-    assert "1 of 2 nodes answered\n" in result.stdout
+    assert result.code == 4
+    assert "/r/listener did not answer within 0.3 s" in result.err
+    assert "reply from /talker" in result.out
+    assert "1 of 2 nodes answered\n" in result.out
