@@ -1,7 +1,4 @@
-"""How a command ends: errors and signals become one line and an exit code.
-
-What the commands are is not known here.
-"""
+"""The end of a command: errors and signals become one line and an exit code."""
 
 import contextlib
 import os
@@ -21,13 +18,13 @@ from lcmtools.errors import LcmtoolsError, UsageError
 INTERRUPTED = 130
 USAGE = UsageError.exit_code
 BY_SIGNAL = 128
-"""A shell adds it to the number of the signal that ended a command."""
+"""The exit code of a command that a signal has ended is this and the signal's number."""
 
 _ENVIRONMENT = ParameterSource.ENVIRONMENT
 _QUIET_ENDS: dict[type[BaseException], int] = {
     KeyboardInterrupt: INTERRUPTED,
     click.Abort: INTERRUPTED,
-    BrokenPipeError: 0,  # whoever reads has had enough
+    BrokenPipeError: 0,  # the reader has closed the pipe
 }
 
 
@@ -73,30 +70,26 @@ def interrupting_signals() -> Iterator[list[int]]:
 
 
 def _ending_signals() -> list[int]:
-    """What ends a command; a closed terminal does not where nohup has said so."""
+    """The signals that end a command; under nohup a closed terminal does not."""
     hangs_up = signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN
     return [signal.SIGINT, signal.SIGTERM, *([signal.SIGHUP] if hangs_up else [])]
 
 
 def end_at_once() -> None:
-    """All is done and said: let a signal that comes now end the process without a word."""
+    """Let a signal that comes after all output end the process without a word."""
     for number in _ending_signals():
         signal.signal(number, lambda number, _frame: os._exit(BY_SIGNAL + number))
 
 
 def exit_code(result: object) -> int:
-    """A command's own exit code; 0 where it returns none."""
+    """Return a command's own exit code; 0 where it returns none."""
     return result if isinstance(result, int) else 0
 
 
 def explain(error: BaseException, command: str, *, as_json: bool = False) -> int | None:
-    """Say what went wrong in one line; the exit code, or None for what a traceback should show.
+    """Print an error in one line; return the exit code, or None if a traceback is to show it.
 
-    Args:
-        error: What has ended the command.
-        command: Its name, as "lcmtools node info".
-        as_json: Its data are JSON; then failures are told in JSON too. Wrong usage is not: that
-            is for whoever types.
+    Where the data are JSON, failures are printed as JSON too; wrong usage is not.
     """
     if isinstance(error, click.exceptions.Exit):
         return error.exit_code
@@ -113,7 +106,7 @@ def explain(error: BaseException, command: str, *, as_json: bool = False) -> int
 
 
 def _failure(error: Exception) -> LcmtoolsError:
-    """Why a command failed."""
+    """The error as one with a hint and an exit code."""
     if isinstance(error, LcmtoolsError):
         return error
     if isinstance(error, OSError):
@@ -134,7 +127,7 @@ def _usage_error(error: click.ClickException, command: str) -> int:
 
 
 def _of_variable(error: click.ClickException) -> str:
-    """What is wrong with a value that an environment variable has; "" for all other errors."""
+    """The text of an error in an environment variable's value; "" for all other errors."""
     if not isinstance(error, click.BadParameter) or not (error.ctx and error.param):
         return ""
     source = error.ctx.get_parameter_source(error.param.name or "")
@@ -142,12 +135,12 @@ def _of_variable(error: click.ClickException) -> str:
 
 
 def open_nothing(mode: str) -> TextIO:
-    """What takes the place of a stream that whoever started this process has closed."""
+    """Open a replacement for a standard stream that was closed before the process began."""
     return cast(TextIO, Path(os.devnull).open(mode, encoding="utf-8"))
 
 
 def writable(stream: TextIO | None) -> TextIO:
-    """A stream that takes any text: a channel's name may be no UTF-8, and is shown escaped."""
+    """Return the stream, able to take any text: a channel's name that is no UTF-8 is escaped."""
     if stream is None:
         return open_nothing("w")
     with contextlib.suppress(AttributeError):

@@ -30,5 +30,5 @@ def command(ctx: click.Context, words: tuple[str, ...]) -> None:
         if below is None:
             ctx.fail(f"no such command '{word}'")
         context = below.make_context(name, [], parent=context, resilient_parsing=True)
-    context.meta[COMMAND] = ctx.command_path  # on the way it became the command that is looked up
+    context.meta[COMMAND] = ctx.command_path  # not the command that is looked up
     data(context.get_help())

@@ -1,7 +1,6 @@
 """Command groups whose commands are imported only when they run.
 
-``lcmtools --help`` must not pay for what every command needs; so a group is a table of names, help
-lines and homes.
+``lcmtools --help`` is fast because a group is a table of names, help lines and homes.
 """
 
 import os
@@ -20,7 +19,7 @@ from lcmtools.names import closest
 from lcmtools.settings import SETTINGS, read_user_file
 
 COMMAND = "lcmtools.command"
-"""Where a click context's ``meta`` has the command that is run, for messages: "lcmtools list"."""
+"""The key of a click context's ``meta`` for the command that is run: "lcmtools list"."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +42,7 @@ class LazyGroup(click.Group):
 
     Args:
         entries: The commands by name.
-        absent: What to do in place of commands that ROS has and that make no sense here.
+        absent: Hints for commands that ROS has and that make no sense here.
     """
 
     def __init__(
@@ -58,7 +57,7 @@ class LazyGroup(click.Group):
         self._absent = absent
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """The commands that help lists."""
+        """Return the commands that help lists."""
         del ctx
         return [name for name, _ in self.help_lines()]
 
@@ -81,7 +80,7 @@ class LazyGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command, or say which one may have been meant."""
+        """Find the command, or fail with the one that may have been meant."""
         name = args[0]
         command = self.get_command(ctx, name)
         if command is None and not name.startswith("-"):
@@ -104,7 +103,7 @@ class LazyGroup(click.Group):
             formatter.write_dl(self.help_lines())
 
     def help_lines(self) -> list[tuple[str, str]]:
-        """Each command that help lists, with its line."""
+        """Return each command that help lists, with its line."""
         return [(name, entry.help) for name, entry in self._entries.items() if not entry.is_alias]
 
     def all_help_lines(self) -> dict[str, str]:
@@ -112,7 +111,7 @@ class LazyGroup(click.Group):
         return {name: entry.help.rstrip(".") for name, entry in self._entries.items()}
 
     def with_pages(self) -> list[str]:
-        """The commands that are no mere second name of another one."""
+        """Return the commands that are not aliases of another one in this group."""
         homes = {entry.home for entry in self._entries.values() if not entry.is_alias}
         return [
             name
@@ -122,7 +121,7 @@ class LazyGroup(click.Group):
 
 
 def _mannered(command: click.Command) -> click.Command:
-    """Give a command what every one has: --color, --debug, and its --timeout's variable."""
+    """A command with the options that every one has, and with its --timeout's variable."""
     known = {option for parameter in command.params for option in parameter.opts}
     for option in manner_options(hidden=True):
         if not known.intersection(option.opts):
@@ -134,11 +133,11 @@ def _mannered(command: click.Command) -> click.Command:
 
 
 def _usual_values(command: click.Command) -> dict[str, str]:
-    """The options of a command that the user's file has a value for."""
+    """The values of a command's options in the user's file."""
     if not any(parameter.name == "timeout" for parameter in command.params):
         return {}
     try:
         file = read_user_file(os.environ)
-    except LcmtoolsError:  # a broken file never stops --help; whoever asks for the bus says it
+    except LcmtoolsError:  # a broken file never stops --help; choosing a bus reports it
         return {}
     return {"timeout": file.values["timeout"]} if "timeout" in file.values else {}

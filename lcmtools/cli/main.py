@@ -1,7 +1,8 @@
 """The command ``lcmtools``: its groups, and how a command is run."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import click
 
@@ -30,7 +31,7 @@ from lcmtools.cli.ending import (
     unchanged_environment,
     writable,
 )
-from lcmtools.cli.lazy import COMMAND, LazyGroup
+from lcmtools.cli.lazy import COMMAND, Entry, LazyGroup
 from lcmtools.cli.options import CONTEXT, bus_options, manner_options
 from lcmtools.messages.type_source import set_supply
 from lcmtools.packages import provide_user_types
@@ -85,109 +86,44 @@ def root() -> None:
 root.params += manner_options(hidden=False)
 
 
-@click.group(cls=LazyGroup, entries=TOPIC_COMMANDS, context_settings=CONTEXT)
-@bus_options
-def topic() -> None:
-    """Look at topics and publish on them.
-
-    \b
-    Examples:
-      lcmtools topic list
-      lcmtools topic echo /chatter
-    """  # noqa: D301 - \b is click's mark
-
-
-@click.group(cls=LazyGroup, entries=NODE_COMMANDS, context_settings=CONTEXT)
-@bus_options
-def node() -> None:
-    """Look at nodes.
-
-    \b
-    Examples:
-      lcmtools node list
-      lcmtools node info simple_controller
-    """  # noqa: D301 - \b is click's mark
+def _group(
+    name: str,
+    entries: Mapping[str, Entry],
+    text: str,
+    *examples: str,
+    has_bus: bool = True,
+    absent: Mapping[str, str] = MappingProxyType({}),
+) -> LazyGroup:
+    """A group of commands; where it has a bus, that may be named before the command."""
+    rows = "\n".join(f"  lcmtools {name} {example}" for example in examples)
+    text = f"{text}\n\n\b\nExamples:\n{rows}"
+    group = LazyGroup(name, entries=entries, absent=absent, help=text, context_settings=CONTEXT)
+    if has_bus:
+        bus_options(group)
+        group.params.reverse()  # click appends to a command what it prepends to a function
+    return group
 
 
-@click.group(cls=LazyGroup, entries=MSG_COMMANDS, context_settings=CONTEXT)
-def msg() -> None:
-    """Look at message types.
-
-    \b
-    Examples:
-      lcmtools msg list
-      lcmtools msg show geometry_msgs/Twist
-    """  # noqa: D301 - \b is click's mark
-
-
-@click.group(cls=LazyGroup, entries=PKG_COMMANDS, context_settings=CONTEXT)
-def pkg() -> None:
-    """Make packages of nodes and messages, and find them.
-
-    \b
-    Examples:
-      lcmtools pkg create air_lab0 --deps nav_msgs geometry_msgs
-      lcmtools pkg list
-    """  # noqa: D301 - \b is click's mark
-
-
-@click.group(cls=LazyGroup, entries=SRV_COMMANDS, context_settings=CONTEXT)
-def srv() -> None:
-    """Look at service types.
-
-    \b
-    Examples:
-      lcmtools srv list
-      lcmtools srv show std_srvs/Trigger
-    """  # noqa: D301 - \b is click's mark
-
-
-@click.group(cls=LazyGroup, entries=SERVICE_COMMANDS, context_settings=CONTEXT)
-@bus_options
-def service() -> None:
-    """Look at services and call them.
-
-    \b
-    Examples:
-      lcmtools service list
-      lcmtools service call /switch "data: true"
-    """  # noqa: D301 - \b is click's mark
-
-
-@click.group(cls=LazyGroup, entries=PARAM_COMMANDS, absent=PARAM_ABSENT, context_settings=CONTEXT)
-@bus_options
-def param() -> None:
-    """Look at nodes' parameters and change them while the nodes run.
-
-    \b
-    Examples:
-      lcmtools param list
-      lcmtools param set simple_controller kp 0.5
-    """  # noqa: D301 - \b is click's mark
-
-
-@click.group(cls=LazyGroup, entries=SIM_COMMANDS, context_settings=CONTEXT)
-@bus_options
-def sim() -> None:
-    """Steer a simulator that runs on the bus; lcmtools run sim starts one.
-
-    \b
-    Examples:
-      lcmtools sim pause
-      lcmtools sim set-pose husky0 1 -2 90deg
-    """  # noqa: D301 - \b is click's mark
-
-
-@click.group(cls=LazyGroup, entries=LAB_COMMANDS, context_settings=CONTEXT)
-@bus_options
-def lab() -> None:
-    """Do the labs: run what they need, and check your programs against them.
-
-    \b
-    Examples:
-      lcmtools lab start husky
-      lcmtools lab check husky --controller "python my_controller.py"
-    """  # noqa: D301 - \b is click's mark
+_TOPIC = "Look at topics and publish on them."
+topic = _group("topic", TOPIC_COMMANDS, _TOPIC, "list", "echo /chatter")
+node = _group("node", NODE_COMMANDS, "Look at nodes.", "list", "info simple_controller")
+_MSG = "Look at message types."
+msg = _group("msg", MSG_COMMANDS, _MSG, "list", "show geometry_msgs/Twist", has_bus=False)
+_PKG = "Make packages of nodes and messages, and find them."
+_CREATE = "create air_lab0 --deps nav_msgs geometry_msgs"
+pkg = _group("pkg", PKG_COMMANDS, _PKG, _CREATE, "list", has_bus=False)
+_SRV = "Look at service types."
+srv = _group("srv", SRV_COMMANDS, _SRV, "list", "show std_srvs/Trigger", has_bus=False)
+_SERVICE = "Look at services and call them."
+service = _group("service", SERVICE_COMMANDS, _SERVICE, "list", 'call /switch "data: true"')
+_PARAM = "Look at nodes' parameters and change them while the nodes run."
+_SET = "set simple_controller kp 0.5"
+param = _group("param", PARAM_COMMANDS, _PARAM, "list", _SET, absent=PARAM_ABSENT)
+_SIM = "Steer a simulator that runs on the bus; lcmtools run sim starts one."
+sim = _group("sim", SIM_COMMANDS, _SIM, "pause", "set-pose husky0 1 -2 90deg")
+_LAB = "Do the labs: run what they need, and check your programs against them."
+_CHECK = 'check husky --controller "python my_controller.py"'
+lab = _group("lab", LAB_COMMANDS, _LAB, "start husky", _CHECK)
 
 
 def main(arguments: Sequence[str], signals: Sequence[int] = ()) -> int:
@@ -230,5 +166,5 @@ def run() -> None:
 
 
 def _wants_json(arguments: Sequence[str]) -> bool:
-    """Whether what is typed asks for JSON, whatever the command makes of it."""
+    """True if the words ask for JSON, whatever the command makes of them."""
     return "--json" in arguments[: [*arguments, "--"].index("--")]

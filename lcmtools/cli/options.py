@@ -25,7 +25,7 @@ CommandT = TypeVar("CommandT", bound=Callable[..., object])
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 COLOR = "lcmtools.color"
-"""Where a click context's ``meta`` has what ``--color`` said."""
+"""The key of a click context's ``meta`` for the value of ``--color``."""
 
 
 @dataclass(slots=True)
@@ -128,7 +128,7 @@ all_option = click.option(
 def _choose_color(ctx: click.Context, parameter: click.Parameter, value: str | None) -> None:
     said = ctx.get_parameter_source(parameter.name or "") is ParameterSource.COMMANDLINE
     if value and said and not ctx.resilient_parsing:
-        os.environ["LCMTOOLS_COLOR"] = value  # for nodes, and whatever this process starts
+        os.environ["LCMTOOLS_COLOR"] = value  # for nodes, and the processes that this one starts
         ctx.meta[COLOR] = value
 
 
@@ -142,11 +142,7 @@ def _debug(ctx: click.Context, _parameter: click.Parameter, value: bool) -> None
 
 
 def manner_options(*, hidden: bool) -> list[click.Option]:
-    """``--color``, ``--no-color`` and ``--debug``, which may stand anywhere.
-
-    Args:
-        hidden: Leave them out of help, as every command but the root does.
-    """
+    """Return ``--color``, ``--no-color`` and ``--debug``; only the root's help shows them."""
     return [
         click.Option(
             ["--color"],
@@ -177,7 +173,7 @@ def manner_options(*, hidden: bool) -> list[click.Option]:
 
 
 def duration(value: str | float) -> float:
-    """A time span in seconds: ``2``, ``2s``, ``500ms`` or ``1m``; for ``type=``."""
+    """Parse a time span into seconds: ``2``, ``2s``, ``500ms`` or ``1m``; for ``type=``."""
     try:
         return parse_duration(str(value))
     except UsageError as error:
@@ -185,7 +181,7 @@ def duration(value: str | float) -> float:
 
 
 def rate(value: str | float) -> float:
-    """A positive number of times a second; for ``type=``."""
+    """Parse a rate in Hz, which is positive; for ``type=``."""
     try:
         number = float(value)
     except ValueError:
@@ -196,7 +192,7 @@ def rate(value: str | float) -> float:
 
 
 def whole_number(lowest: int) -> Callable[[str | int], int]:
-    """How many: ``lowest`` or more; for ``type=``."""
+    """Return a parser of whole numbers from ``lowest`` on, for ``type=``."""
 
     def read(value: str | int) -> int:
         text = str(value)
@@ -208,12 +204,12 @@ def whole_number(lowest: int) -> Callable[[str | int], int]:
 
 
 def bus_choice() -> BusChoice:
-    """What was said about the bus on the command line."""
+    """Return the bus options of the command line."""
     return click.get_current_context().ensure_object(BusChoice)
 
 
 def chosen_url() -> "BusUrl":
-    """The bus that the command line and the environment mean.
+    """Return the bus that the command line and the environment select.
 
     Raises:
         UsageError: The URL or the domain is wrong.
@@ -228,7 +224,7 @@ def chosen_url() -> "BusUrl":
 
 
 def open_monitor(tool: str, *, whole: bool = False, plays: bool = False) -> "BusMonitor":
-    """Look at the bus or the log that the command line means.
+    """Open the bus or the log that the command line selects.
 
     Args:
         tool: The command's name.

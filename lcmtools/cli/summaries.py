@@ -1,7 +1,4 @@
-"""What a node does, in one line: the first of its module's docstring, found without importing it.
-
-To list what can be run must not cost what running it would.
-"""
+"""The summary of a node: the first line of its module's docstring, found without an import."""
 
 import ast
 import importlib.util
@@ -11,11 +8,11 @@ from pathlib import Path
 
 
 def summary(target: str, folder: Path | None = None) -> str:
-    """The first line of the docstring of "module:function"'s module; "" where there is none.
+    """Return the first line of the docstring of "module:function"'s module, or "".
 
     Args:
-        target: Where a node's main function is.
-        folder: Where its code is imported from; None for an installed package.
+        target: The place of a node's main function.
+        folder: The folder that its code is imported from; None for an installed package.
     """
     try:
         spec = _find(target.partition(":")[0].split("."), folder)
@@ -29,7 +26,7 @@ def summary(target: str, folder: Path | None = None) -> str:
 
 
 def _find(parts: Sequence[str], folder: Path | None) -> ModuleSpec | None:
-    """A module's specification; of its packages none is imported."""
+    """A module's specification, found without importing its packages."""
     if folder is None:
         spec = importlib.util.find_spec(parts[0])
     else:
