@@ -3,10 +3,8 @@
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.msg.show import source_text
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import show
-from lcmtools.messages.definition import definition
 from lcmtools.messages.registry import service_class, service_name, service_names
 
 
@@ -37,6 +35,9 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
       lcmtools srv show std_srvs/SetBool
       lcmtools srv show Trigger --json
     """  # noqa: D301 - \b is click's mark
+    from lcmtools.cli.msg.show import source_text  # list does without it
+    from lcmtools.messages.definition import definition
+
     pair, name = service_class(type_), service_name(type_)
     text = source_text if raw else definition
     request, response = text(pair.Request), text(pair.Response)
