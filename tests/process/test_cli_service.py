@@ -159,8 +159,9 @@ def test_an_empty_response_is_an_empty_line(cli: Cli) -> None:
 
 
 @shared_server
-def test_requests_that_are_piped_in_are_answered_in_order(cli: Cli) -> None:
-    done = cli("service", "call", "/switch", input="data: true\n---\ndata: false\n")
+@pytest.mark.parametrize("words", [[], ["-"], ["-f", "-"]])
+def test_requests_that_are_piped_in_are_answered_in_order(words: list[str], cli: Cli) -> None:
+    done = cli("service", "call", "/switch", *words, input="data: true\n---\ndata: false\n")
     assert done.out.count("---\n") == 2
     assert done.out.index("success: True") < done.out.index("success: False")
     assert done.code == 1
