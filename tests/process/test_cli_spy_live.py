@@ -37,12 +37,11 @@ class Terminal:
         # as some shells have it; the terminal's own size counts
         usual = {"LCM_DEFAULT_URL": url, "TERM": "xterm-256color", "COLUMNS": "77"}
         self.program = subprocess.Popen(
-            command,
+            ["setsid", "--ctty", *command],  # noqa: S607
             stdin=self._end,
             stdout=self._end,
             stderr=self._end,
             env={**os.environ, **usual, **environment},
-            start_new_session=True,
         )
 
     def resize(self, rows: int, columns: int) -> None:
@@ -77,12 +76,18 @@ class Terminal:
         """Whether the terminal is as it was."""
         return LEFT in self.written and termios.tcgetattr(self._end) == self.before
 
+    def close_screen(self) -> None:
+        """Close the terminal's window."""
+        os.close(self.screen)
+        os.close(self._end)
+        self.screen = -1
+
     def close(self) -> None:
         """End it all."""
         self.program.kill()
         self.program.wait()
-        os.close(self.screen)
-        os.close(self._end)
+        if self.screen >= 0:
+            self.close_screen()
 
     def _publish_and_read(self) -> None:
         for channel, payload in self.messages.items():
@@ -133,6 +138,14 @@ def test_it_shows_the_bus_and_gives_the_terminal_back(
     assert b"Traceback" not in terminal.written
 
 
+def test_it_ends_when_its_terminal_is_closed(spy: Callable[..., Terminal]) -> None:
+    terminal = spy()
+    terminal.messages["POSE"] = point()
+    terminal.wait_for("CHANNEL", "POSE")
+    terminal.close_screen()
+    assert terminal.program.wait(40) == 129
+
+
 def test_enter_decodes_whole_messages_however_large(spy: Callable[..., Terminal]) -> None:
     terminal = spy()
     image = Image()
@@ -155,7 +168,7 @@ def test_the_table_is_drawn_anew_in_another_size(spy: Callable[..., Terminal]) -
     terminal.wait_for("POSE", "LISTENERS")
     terminal.written.clear()
     terminal.resize(20, 60)
-    terminal.program.send_signal(signal.SIGWINCH)  # it is not the terminal's foreground process
+    terminal.program.send_signal(signal.SIGWINCH)
     terminal.wait_for("\x1b[20;1H", "f1")  # the keys are on the last line now
     terminal.type(b"q")
     assert terminal.wait() == 0

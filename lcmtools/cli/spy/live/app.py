@@ -5,12 +5,14 @@ import os
 import signal
 from collections.abc import Callable
 from contextlib import suppress
-from typing import ClassVar, Protocol
+from io import TextIOWrapper
+from typing import Any, ClassVar, Protocol, TextIO, cast
 
 from rich.text import Text
 from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
+from textual.drivers.linux_driver import LinuxDriver
 from textual.events import Event, InputEvent
 from textual.screen import ModalScreen
 from textual.widgets import Static
@@ -80,6 +82,38 @@ class HelpScreen(ModalScreen[None], Page[None]):
         yield text
 
 
+class TerminalFile:
+    """A terminal's stream that drops what is written after the terminal has closed.
+
+    textual's writing thread would end with the first error, and the app wait for it forever.
+    """
+
+    def __init__(self, file: TextIO) -> None:
+        self._file = file
+
+    def write(self, text: str) -> None:
+        """Write a text."""
+        with suppress(OSError):
+            self._file.write(text)
+
+    def flush(self) -> None:
+        """Write all of it."""
+        with suppress(OSError):
+            self._file.flush()
+
+    def __getattr__(self, name: str) -> object:
+        """Whatever else the stream has."""
+        return getattr(self._file, name)
+
+
+class TerminalDriver(LinuxDriver):
+    """A driver that outlives its terminal, so that the app can end."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:  # noqa: ANN401 - as its base
+        super().__init__(*arguments, **options)
+        self._file = cast("TextIOWrapper", TerminalFile(cast("TextIO", self._file)))
+
+
 class SpyApp(App[int]):
     """The live view of the bus ``bus``; its result is the exit code."""
 
@@ -112,7 +146,7 @@ class SpyApp(App[int]):
     ]
 
     def __init__(self, bus: str, source: Source, view: View) -> None:
-        super().__init__(ansi_color=True)
+        super().__init__(driver_class=TerminalDriver, ansi_color=True)
         self._source = source
         self.overview = Overview(bus, view, lambda: source.latest, self._look)
 

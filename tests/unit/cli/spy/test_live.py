@@ -1,18 +1,23 @@
 """The live view's keys, on a screen that nobody sees, fed with planted rows and packets."""
 
 import asyncio
+import errno
+import io
 import random
+import threading
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
+from typing import TextIO, cast
 
 import pytest
+from textual.drivers._writer_thread import WriterThread
 from textual.drivers.headless_driver import HeadlessDriver
 from textual.events import Key, Resize
 from textual.geometry import Size
 from textual.pilot import Pilot
 
 from lcmtools.cli.spy.columns import COLUMNS, View
-from lcmtools.cli.spy.live.app import SpyApp
+from lcmtools.cli.spy.live.app import SpyApp, TerminalFile
 from lcmtools.cli.spy.live.overview import cell_style
 from lcmtools.cli.spy.live.rows import Page, RowTable
 from lcmtools.messages.codec import encode
@@ -451,6 +456,25 @@ def test_a_storm_of_keys_and_sizes_leaves_the_table_standing(
         screen.app.action_leave()
 
     assert look(script) == 0
+
+
+def test_what_is_written_to_a_closed_terminal_holds_up_nothing() -> None:
+    class Closed(io.StringIO):
+        def write(self, _: str) -> int:
+            raise OSError(errno.EIO, "Input/output error")
+
+    writer = WriterThread(cast("TextIO", TerminalFile(Closed())))
+    writer.start()
+
+    def write_and_stop() -> None:
+        for _ in range(100):  # more than textual's queue takes
+            writer.write("text")
+        writer.stop()
+
+    ending = threading.Thread(target=write_and_stop, daemon=True)
+    ending.start()
+    ending.join(30)
+    assert not ending.is_alive()
 
 
 @pytest.mark.parametrize(("group", "stops"), [(7, 1), (5, 0)])
