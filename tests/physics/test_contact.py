@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -24,6 +25,18 @@ Steer = Callable[[float, float], Twist]
 
 FRONT = 0.9874 / 2
 WALL = box("wall", (0.2, 10, 1), Pose(3.1, 0, 0.5))
+
+
+@pytest.fixture
+def simulate(simulate: Simulate) -> Simulate:
+    """Makes simulations that measure nothing: these tests read the robots' states."""
+
+    def make(*objects: SceneObject, **options: Any) -> Simulation:
+        simulation = simulate(*objects, **options)
+        simulation.select(lambda _: Subscribers.NONE)
+        return simulation
+
+    return make
 
 
 def states(simulation: Simulation, seconds: float, robot: int = 0) -> list[RobotState]:
@@ -92,7 +105,6 @@ def test_a_thin_wall_does_not_let_it_through_at_full_speed(
     sheets = tuple(box(f"sheet{x}", (0.01, 10, 1), Pose(x, 0, 0.5)) for x in (-4.0, 4.0))
     robot = RobotPlacement(MODELS[model], "/a")
     simulation = simulate(scene=Scene("thin", dt=dt, objects=sheets, robots=(robot,)))
-    simulation.select(lambda _: Subscribers.NONE)
     simulation.robots[0].command(twist(forward, 0.0))
 
     run = states(simulation, 8.0)
@@ -132,13 +144,11 @@ def test_the_labs_world_leaves_its_straight_run_and_its_circles_free(
 ) -> None:
     scene = read_scene(*find_world("husky"))
     straight = simulate(scene=scene)
-    straight.select(lambda _: Subscribers.NONE)
     straight.robots[0].command(effort(1, 1))
     assert states(straight, 10.5)[-1].position[0] == pytest.approx(10.3, abs=0.05)
 
     for turn_rate in (0.3, -0.3):
         circle = simulate(scene=scene)
-        circle.select(lambda _: Subscribers.NONE)
         circle.robots[0].command(twist(0.5, turn_rate))
         end = states(circle, 21.0)[-1]
         assert math.dist(end.position[:2], end.odometry_pose[:2]) < 0.01
@@ -165,7 +175,6 @@ def test_robots_apart_do_not_influence_each_other_to_the_bit(
     all_of_them = simulate(scene=Scene("all", robots=robots))
     alone = simulate(scene=Scene("alone", robots=robots[:1]))
     for simulation in (all_of_them, alone):
-        simulation.select(lambda _: Subscribers.NONE)
         simulation.robots[0].command(twist(0.5, 0.3))
     for robot in all_of_them.robots[1:]:
         robot.command(effort(-1, -0.7))
@@ -228,7 +237,6 @@ def test_what_touches_a_wall_is_what_can_be_seen_of_it(
     # The feet stay within the outline: on one foot in front it would turn aside, too.
     scene = Scene("wall", objects=(WALL,), robots=(RobotPlacement(MODELS[model], "/r0"),))
     simulation = simulate(scene=scene)
-    simulation.select(lambda _: Subscribers.NONE)
     simulation.robots[0].command(twist(2.0, 0.0))
 
     end = states(simulation, 9.0)[-1]

@@ -3,20 +3,34 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.geometry import Pose, axes, yaw_of
+from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots.husky import HUSKY
-from lcmtools_sim.scene import Ground, RobotPlacement, Scene
+from lcmtools_sim.scene import Ground, RobotPlacement, Scene, SceneObject
 from lcmtools_sim.sensors.sensor import RobotState
 from lcmtools_sim.simulation import Simulation
 
 Simulate = Callable[..., Simulation]
 Effort = Callable[[float, float], JointState]
 Steer = Callable[[float, float], Twist]
+
+
+@pytest.fixture
+def simulate(simulate: Simulate) -> Simulate:
+    """Makes simulations that measure nothing: these tests read the robots' states."""
+
+    def make(*objects: SceneObject, **options: Any) -> Simulation:
+        simulation = simulate(*objects, **options)
+        simulation.select(lambda _: Subscribers.NONE)
+        return simulation
+
+    return make
 
 
 def run(simulation: Simulation, seconds: float) -> RobotState:

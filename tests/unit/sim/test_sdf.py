@@ -9,7 +9,7 @@ from lcmtools.errors import InvalidFile
 from lcmtools_sim.geometry import Pose
 from lcmtools_sim.scene import Ground, Scene, SceneObject
 from lcmtools_sim.shapes import Cuboid, Cylinder, Sphere
-from lcmtools_sim.world_file import read_scene
+from lcmtools_sim.world_file import read_scene, sdf
 
 BOX = "<geometry><box><size>1 2 3</size></box></geometry>"
 
@@ -276,7 +276,10 @@ def test_what_is_wrong_is_said_with_file_and_line(
     assert str(caught.value).endswith(message.replace("FOLDER", str(tmp_path)))
 
 
-def test_includes_that_multiply_are_refused(tmp_path: Path) -> None:
+def test_includes_that_multiply_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sdf, "_MOST_MODELS", 100)
     (tmp_path / "m0.sdf").write_text("<sdf><model name='a'/></sdf>")
     for i in range(1, 30):
         twenty = "".join(
@@ -284,5 +287,5 @@ def test_includes_that_multiply_are_refused(tmp_path: Path) -> None:
         )
         (tmp_path / f"m{i}.sdf").write_text(f"<sdf><model name='a'>{twenty}</model></sdf>")
 
-    with pytest.raises(InvalidFile, match=r"the world has more than 5000 models"):
+    with pytest.raises(InvalidFile, match=r"the world has more than 100 models"):
         read(tmp_path, "<include><uri>m29.sdf</uri></include>")
