@@ -84,7 +84,11 @@ def command(  # noqa: PLR0913 - one parameter an option
       lcmtools wtf --from evidence.json
     """  # noqa: D301 - \b is click's mark
     if list_rules or explain:
-        _describe([explain] if explain else RULES, in_full=explain is not None, as_json=as_json)
+        shown = [explain] if explain else RULES
+        if as_json:
+            document([report.rule_record(rule) for rule in shown])
+        else:
+            lines(report.rules_text(shown, in_full=explain is not None))
         return 0
     rules = [rule for rule in only or RULES if rule not in ignore]
     if not rules:
@@ -130,19 +134,6 @@ def _watch(look: Callable[[], Evidence], rules: Sequence[Rule], *, as_json: bool
                 lines([report.cleared_text(finding)], _decoration())
             else:
                 lines([*report.finding_text(finding), ""], _decoration())
-
-
-def _describe(rules: Sequence[Rule], *, in_full: bool, as_json: bool) -> None:
-    """Print rules."""
-    if as_json:
-        document([report.rule_record(rule) for rule in rules])
-    elif in_full:
-        for rule in rules:
-            head = f"{rule.id} ({rule.severity.name.lower()})"
-            data(f"{head}\n\n{rule.explanation}\n\n   -> {rule.remedy}")
-    else:
-        width = max(len(rule.id) for rule in rules)
-        lines(f"{rule.id:{width}}  {rule.severity.name.lower():7}  {rule.title}" for rule in rules)
 
 
 def _decoration() -> Callable[[str], str]:

@@ -1,5 +1,5 @@
-"""What ``wtf`` knows: evidence is collected once, and rules turn it into findings.
+"""The rules behind ``wtf``: evidence is collected once, and rules turn it into findings.
 
 Rules are plain functions from evidence to findings; no rule opens a socket, reads a clock or
-prints, so a stranger's evidence can be judged anywhere.
+prints, so that evidence in a file can be judged anywhere.
 """

@@ -2,11 +2,9 @@
 
 import contextlib
 import os
-import shlex
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 
 from lcmtools.bus.listeners import listening_sockets
@@ -14,6 +12,7 @@ from lcmtools.bus.processes import Process, is_local
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.socket_diag import receive_buffers, selective_sockets
 from lcmtools.bus.url import BusUrl
+from lcmtools.doctor import host as computer
 from lcmtools.doctor.evidence import (
     Evidence,
     HostClock,
@@ -22,16 +21,7 @@ from lcmtools.doctor.evidence import (
     SimulatedClock,
     Stream,
 )
-from lcmtools.doctor.host import (
-    busy_time,
-    host,
-    lcm_processes,
-    never_reads,
-    reassembly_failures,
-    state_of,
-    waited_time,
-)
-from lcmtools.doctor.listening import Listening
+from lcmtools.doctor.listening import Listening, target_rate
 from lcmtools.doctor.other_buses import with_topics
 from lcmtools.errors import BusError, UsageError
 from lcmtools.graph.model import Graph, Node, Role
@@ -42,17 +32,14 @@ from lcmtools.observe.programs import is_here, user_name
 from lcmtools.observe.senders import SenderNames, SocketTable
 
 _NAME_CHARACTERS = 60
-_CLOCK_SPAN = 0.3  # [s] of ticks that tell how fast simulated time is
-_TOOL = "lcmtools"
-_REQUESTS = 5
-"""Requests for announcements, at most, when a look ends; one in ten datagrams may be lost."""
+_REQUESTS = 5  # for announcements, at most, when a look ends; one in ten datagrams may be lost
 
 
 def collect(url: BusUrl, environment: Mapping[str, str], listen: float) -> Evidence:
     """Look at a bus for ``listen`` seconds. A bus that does not work is evidence, not an error."""
-    here = host(url, environment)
+    here = computer.host(url, environment)
     evidence = Evidence(url=str(url), ttl=url.ttl if url.is_multicast else 0, host=here)
-    failures = reassembly_failures()
+    failures = computer.reassembly_failures()
     try:
         with BusMonitor(url, "wtf", environment, whole=True) as monitor:
             evidence = _look(monitor, evidence, listen)
@@ -64,7 +51,7 @@ def collect(url: BusUrl, environment: Mapping[str, str], listen: float) -> Evide
         evidence,
         stale_published=records.topics(stale, Role.PUBLISHER),
         stale_subscribed=records.topics(stale, Role.SUBSCRIBER),
-        host=replace(here, reassembly_failures=reassembly_failures() - failures),
+        host=replace(here, reassembly_failures=computer.reassembly_failures() - failures),
     )
 
 
@@ -78,11 +65,9 @@ def _look(monitor: BusMonitor, evidence: Evidence, listen: float) -> Evidence:
     before = monitor.settle(foreign=False)
     table, on_bus = _sockets(monitor.url)
     busy_before, start = _clock_busy(before), time.monotonic()
-    waited_before = {one.pid: waited_time(one.pid) for one in table.holders.values()}
+    waited_before = {one.pid: computer.waited_time(one.pid) for one in table.holders.values()}
     listening = Listening(monitor.types_of)
-    with contextlib.suppress(EOFError):  # a log has ended
-        for packet in monitor.packets(listen):
-            listening.take(packet)
+    _take(monitor, listening, listen)
     after = _counted_again(monitor, listening, listen)
     later, still_on_bus = _sockets(monitor.url)
     seconds = time.monotonic() - start
@@ -92,7 +77,7 @@ def _look(monitor: BusMonitor, evidence: Evidence, listen: float) -> Evidence:
     }
     names = _Names(monitor, listening, after, later)
     ports = {sender.port for sender in monitor.tap.sequences} if monitor.tap else set()
-    processes = lcm_processes(monitor.url, later.rows.values(), later.holders, ports)
+    processes = computer.lcm_processes(monitor.url, later.rows.values(), later.holders, ports)
     return replace(
         evidence,
         before=before,
@@ -116,6 +101,12 @@ def _look(monitor: BusMonitor, evidence: Evidence, listen: float) -> Evidence:
     )
 
 
+def _take(monitor: BusMonitor, listening: Listening, seconds: float) -> None:
+    with contextlib.suppress(EOFError):  # a log has ended
+        for packet in monitor.packets(seconds):
+            listening.take(packet)
+
+
 def _counted_again(monitor: BusMonitor, listening: Listening, listen: float) -> Graph:
     """The graph with the nodes' counters as they are at the end, where the look was long enough.
 
@@ -124,9 +115,7 @@ def _counted_again(monitor: BusMonitor, listening: Listening, listen: float) -> 
     """
     for _ in range(_REQUESTS if listen >= PERIOD / 10 else 0):
         monitor.probe()
-        with contextlib.suppress(EOFError):
-            for packet in monitor.packets(0.05):
-                listening.take(packet)
+        _take(monitor, listening, 0.05)
         if not _has_unnamed_elsewhere(monitor.graph()):
             break
     return monitor.graph()
@@ -140,8 +129,7 @@ def _has_unnamed_elsewhere(graph: Graph) -> bool:
 
 def _longest_wait(before: Mapping[int, int]) -> float:
     """The longest time that a process has waited for a processor since [s]."""
-    own = os.getpid()
-    waits = [waited_time(pid) - spent for pid, spent in before.items() if pid != own]
+    waits = (computer.waited_time(pid) - t for pid, t in before.items() if pid != os.getpid())
     return max(0, *waits, 0) / 1e9
 
 
@@ -184,12 +172,12 @@ class _Names:
 
     def malformed(self, monitor: BusMonitor) -> tuple[tuple[str, str], ...]:
         """The senders of datagrams that are not LCM's, with the reason."""
-        found = monitor.tap.malformed if monitor.tap else {}
-        processes = ((s, self.senders.process(s), reason) for s, reason in found.items())
-        return tuple(
-            (f"{sender}, {self.of_process(process)}" if process else str(sender), reason)
-            for sender, process, reason in processes
-        )
+        found = []
+        for sender, reason in (monitor.tap.malformed if monitor.tap else {}).items():
+            process = self.senders.process(sender)
+            who = f"{sender}, {self.of_process(process)}" if process else str(sender)
+            found.append((who, reason))
+        return tuple(found)
 
 
 def _senders(monitor: BusMonitor, names: _Names) -> tuple[SenderFacts, ...]:
@@ -223,9 +211,7 @@ def _clocks(graph: Graph) -> tuple[HostClock, ...]:
         if node.lag is not None and node.sender and not is_here(node):
             place = node.host, node.sender.address
             lags.setdefault(place, {})[node.name] = node.lag / 1e9
-    return tuple(
-        HostClock(*place, min(nodes.values()), tuple(nodes)) for place, nodes in lags.items()
-    )
+    return tuple(HostClock(*place, min(of.values()), tuple(of)) for place, of in lags.items())
 
 
 def _listeners(on_bus: frozenset[int], before: SocketTable, names: _Names) -> tuple[Listener, ...]:
@@ -237,7 +223,7 @@ def _listeners(on_bus: frozenset[int], before: SocketTable, names: _Names) -> tu
         process = after.holders.get(inode)
         if row is None or earlier is None or (process and process.pid == os.getpid()):
             continue
-        if process and never_reads(process.pid):
+        if process and computer.never_reads(process.pid):
             continue
         nodes = names.by_pid.get(process.pid, []) if process else []
         found.append(
@@ -249,7 +235,7 @@ def _listeners(on_bus: frozenset[int], before: SocketTable, names: _Names) -> tu
                 queued_bytes=row.queued_bytes,
                 was_queued_bytes=earlier.queued_bytes,
                 buffer_bytes=buffers.get(inode),
-                state=state_of(process.pid) if process else "",
+                state=computer.state_of(process.pid) if process else "",
                 is_tool=process is not None and _is_tool(process, nodes),
                 is_node=bool(nodes),
             )
@@ -261,52 +247,24 @@ def _is_tool(process: Process, nodes: Sequence[Node]) -> bool:
     """Return whether a process is a command of lcmtools, whose filter drops on purpose."""
     if nodes:
         return all(node.tool for node in nodes)
-    return any(Path(word).name == _TOOL for word in process.command.split()[:3])
+    return any(Path(word).name == "lcmtools" for word in process.command.split()[:3])
 
 
 def _clock_busy(graph: Graph) -> dict[int, int]:
     """The time that the local publishers of ``/clock`` have computed so far [ns]."""
     publishers = graph.topic("/clock").publishers
-    return {node.pid: busy_time(node.pid) for node, _ in publishers if is_here(node)}
+    return {node.pid: computer.busy_time(node.pid) for node, _ in publishers if is_here(node)}
 
 
 def _clock(
     listening: Listening, graph: Graph, names: _Names, busy: Mapping[int, float]
 ) -> SimulatedClock | None:
-    ticks = listening.clock_ticks
-    if len(ticks) < 2:  # noqa: PLR2004 - an interval
+    """The pace of simulated time, with the share of time that its local publisher computed."""
+    ratio, sender = listening.clock_ratio(), listening.clock_sender
+    if ratio is None:
         return None
-    seconds = (ticks[-1][0] - ticks[0][0]) / 1e9
-    if seconds < _CLOCK_SPAN or any(later[1] < earlier[1] for earlier, later in pairwise(ticks)):
-        return None
-    sender = listening.clock_sender
-    node = names.senders.node(sender)
-    if node is None:
-        found = [n for n, _ in graph.topic("/clock").publishers]
-        node = found[0] if len(found) == 1 else None
-    return SimulatedClock(
-        names.senders.name(sender),
-        _steady_ratio(ticks),
-        _target_rate(node.command) if node else 1.0,
-        busy.get(node.pid) if node and is_here(node) else None,
-    )
-
-
-def _steady_ratio(ticks: Sequence[tuple[int, int]]) -> float:
-    """Simulated seconds in a second, in the best quarter: one stumble is no slowness."""
-    step = max(1, (len(ticks) - 1) // 4)
-    parts = [(ticks[n], ticks[n + step]) for n in range(0, len(ticks) - step, step)]
-    return max((b[1] - a[1]) / max(1, b[0] - a[0]) for a, b in parts)
-
-
-def _target_rate(command: str) -> float | None:
-    """The --rate of a simulator's command line; 1 without, None where it says 0."""
-    try:
-        words = shlex.split(command.replace("--rate=", "--rate "))
-    except ValueError:
-        return 1.0
-    for option, value in pairwise(words):
-        if option == "--rate":
-            with contextlib.suppress(ValueError):
-                return float(value) or None
-    return 1.0
+    publishers = [node for node, _ in graph.topic("/clock").publishers]
+    node = names.senders.node(sender) or (publishers[0] if len(publishers) == 1 else None)
+    target = target_rate(node.command) if node else 1.0
+    share = busy.get(node.pid) if node and is_here(node) else None
+    return SimulatedClock(names.senders.name(sender), ratio, target, share)

@@ -1,7 +1,7 @@
-"""What is odd within a message: numbers that are none, rotations that are none, wrong stamps.
+"""Odd values in a message: numbers that are not finite, invalid rotations, covariances, times.
 
-Pure: messages in, descriptions out. Which values mean something, although they look odd, is listed
-here: a laser's infinite range is a measurement, and an IMU says with -1 what it does not measure.
+Pure: messages in, descriptions out. Values that mean something, although they look odd, are listed
+here: a laser's infinite range is a measurement, and -1 in an IMU's covariance means: unknown.
 """
 
 import math
@@ -39,7 +39,7 @@ Odd = tuple[str, str]
 
 
 def oddities(message: Message, path: str = "") -> Iterator[Odd]:
-    """What is odd in a message."""
+    """The odd values in a message."""
     cls = type(message)
     name = type_name(cls)
     if name == _QUATERNION:

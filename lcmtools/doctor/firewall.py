@@ -1,4 +1,4 @@
-"""Whether a firewall is at work on this computer, as far as this user may know."""
+"""The firewall of this computer, as far as this user may know."""
 
 import os
 import re
@@ -19,7 +19,7 @@ _REFUSALS = frozenset({"drop", "reject", "DROP", "REJECT"})
 
 
 def firewall() -> tuple[str, str]:
-    """The name of a firewall that may drop datagrams, and why that is not known.
+    """The name of a firewall that may drop datagrams, and the reason if that is not known.
 
     Both are empty where none is at work; at most one is not.
     """
@@ -50,7 +50,7 @@ class _Chain:
 
 
 def refuses(rules: str) -> bool:
-    """Whether rules, as nft or iptables-save print them, drop anything that comes in or leaves.
+    """Return whether rules, as nft or iptables-save print them, drop incoming or outgoing traffic.
 
     What is only forwarded for others, as Docker's rules are about, does not count.
     """

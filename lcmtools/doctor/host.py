@@ -1,4 +1,4 @@
-"""What of this computer bears on a bus, read from /proc and /sys; nothing where there is none.
+"""The parts of this computer that bear on a bus, read from /proc and /sys where these exist.
 
 Belongs here: all that ``wtf`` reads besides the bus. Must not judge.
 """
@@ -61,7 +61,7 @@ def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
 
 
 def _network(url: BusUrl, interface: str) -> dict[str, Any]:
-    """What bears on messages that leave this computer, and what wtf's own do."""
+    """The parts that bear on messages that leave this computer, and the self test."""
     known: dict[str, Any] = {"large_bytes": LARGE_BYTES, "large_problem": large_problem(url)}
     if url.ttl:
         folder = _NET / interface
@@ -74,7 +74,7 @@ def _network(url: BusUrl, interface: str) -> dict[str, Any]:
 
 
 def silent_bridge(interface: str) -> str:
-    """The bridge that an interface is, or is a port of, if it snoops but asks nobody; else ""."""
+    """The bridge that an interface is, or is a port of, if it snoops without a querier; else ""."""
     folder = _NET / interface
     if not interface or not folder.exists():
         return ""
@@ -127,20 +127,20 @@ def state_of(pid: int) -> str:
 
 
 def busy_time(pid: int) -> int:
-    """How long a process's first thread has computed, or waited for a processor [ns]."""
+    """The time that a process's first thread has computed, or waited for a processor [ns]."""
     numbers = _text(_PROC / str(pid) / "schedstat").split()
     return int(numbers[0]) + int(numbers[1]) if len(numbers) > 1 else 0
 
 
 def waited_time(pid: int) -> int:
-    """How long a process's threads have waited for a processor, all together [ns]."""
+    """The time that a process's threads have waited for a processor, all together [ns]."""
     files = (_PROC / str(pid) / "task").glob("*/schedstat")
     numbers = [_text(file).split() for file in files]
     return sum(int(row[1]) for row in numbers if len(row) > 1)
 
 
 def never_reads(pid: int) -> bool:
-    """Whether a process only sends, although it has a socket that receives.
+    """Return whether a process only sends, although it has a socket that receives.
 
     lcm.jar makes one for sending too, and starts a thread that reads with the first subscription.
     """
@@ -151,12 +151,12 @@ def never_reads(pid: int) -> bool:
 
 
 def lcm_processes(
-    url: BusUrl, sockets: Iterable[UdpSocket], holders: Mapping[int, Process], heard: set[int]
+    url: BusUrl, sockets: Iterable[UdpSocket], holders: Mapping[int, Process], seen: set[int]
 ) -> tuple[LcmProcess, ...]:
     """The processes of this user that have to do with LCM, with where they are.
 
-    Those that listen to a multicast group are there. One that only sends is where it was heard
-    (its port is one of ``heard``), or else where its variables say.
+    Those that listen to a multicast group are there. One that only sends is where it was seen
+    (its port is one of ``seen``), or else where its variables say.
     """
     buses: dict[int, str] = {}
     sending: dict[int, set[int]] = {}
@@ -175,7 +175,7 @@ def lcm_processes(
     found = [_lcm_process(pid, bus) for pid, bus in sorted(buses.items())]
     for pid, ports in sorted(sending.items()):
         if pid not in buses and uses_lcm(pid):
-            bus = "" if ports & heard else _said_bus(pid, url)
+            bus = "" if ports & seen else _said_bus(pid, url)
             found.append(_lcm_process(pid, bus))
     return tuple(found)
 

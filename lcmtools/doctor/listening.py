@@ -4,9 +4,12 @@ Packets in, evidence out. The time for looking into messages is limited, so that
 sampled; everything is counted.
 """
 
+import contextlib
+import shlex
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 from lcmtools.clock import join_stamp
 from lcmtools.doctor.content import oddities
@@ -20,6 +23,7 @@ from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.wire.packet import Packet, Sender
 
 _CLOCK = "/clock"
+_CLOCK_SPAN = 0.3  # [s] of ticks that tell how fast simulated time is
 _MOST_TIMES = 5000
 _MOST_STREAMS = 2000
 _MOST_ODDITIES = 200
@@ -103,6 +107,19 @@ class Listening:
             if kind not in ("future", "old") or len(self._clocks) <= 1  # else by which of them?
         )
 
+    def clock_ratio(self) -> float | None:
+        """Simulated seconds in a second, in the best quarter: one stumble is no slowness.
+
+        None where the ticks are too few, or do not only rise.
+        """
+        ticks = self.clock_ticks
+        seconds = (ticks[-1][0] - ticks[0][0]) / 1e9 if ticks else 0.0
+        if seconds < _CLOCK_SPAN or any(later[1] < one[1] for one, later in pairwise(ticks)):
+            return None
+        step = max(1, (len(ticks) - 1) // 4)
+        parts = [(ticks[n], ticks[n + step]) for n in range(0, len(ticks) - step, step)]
+        return max((b[1] - a[1]) / max(1, b[0] - a[0]) for a, b in parts)
+
     def _look_into(self, packet: Packet, key: _Key) -> None:
         if packet.whole_bytes is not None or packet.size > _LARGEST:
             return
@@ -145,3 +162,16 @@ class Listening:
             self._odd[place] = replace(known, count=known.count + 1)
         elif len(self._odd) < _MOST_ODDITIES:
             self._odd[place] = Oddity(kind, key[0], "", text)
+
+
+def target_rate(command: str) -> float | None:
+    """The --rate of a simulator's command line; 1 without, None where it says 0."""
+    try:
+        words = shlex.split(command.replace("--rate=", "--rate "))
+    except ValueError:
+        return 1.0
+    for option, value in pairwise(words):
+        if option == "--rate":
+            with contextlib.suppress(ValueError):
+                return float(value) or None
+    return 1.0

@@ -49,7 +49,7 @@ def cleared_text(finding: Finding) -> str:
 
 
 def not_checked(evidence: Evidence, rules: Iterable[Rule]) -> list[str]:
-    """What could not be looked at, a line each, and an empty one before."""
+    """The parts that could not be looked at, a line each, and an empty one before."""
     wanted = {rule.id for rule in rules}
     rows = [
         f"Not checked: {one.rule} ({unchecked_text(one)})"
@@ -92,6 +92,19 @@ def _plain(statement: Statement) -> dict[str, object]:
         return str(part) if isinstance(part, Subject) else part
 
     return {"kind": statement.kind, **{name: plain(p) for name, p in statement.parts.items()}}
+
+
+def rules_text(rules: Sequence[Rule], *, in_full: bool) -> list[str]:
+    """A line for each rule; in full, its explanation and remedy."""
+    if in_full:
+        parts = ((one, f"{one.id} ({one.severity.name.lower()})") for one in rules)
+        return [
+            line
+            for one, head in parts
+            for line in (head, "", one.explanation, "", f"   -> {one.remedy}")
+        ]
+    width = max(len(one.id) for one in rules)
+    return [f"{one.id:{width}}  {one.severity.name.lower():7}  {one.title}" for one in rules]
 
 
 def rule_record(rule: Rule) -> dict[str, object]:

@@ -1,4 +1,4 @@
-"""What wtf sends to itself, to see whether it can be sent and comes back.
+"""Messages that wtf sends to itself, to see whether they can be sent and come back.
 
 Belongs here: the tests' own sockets. Nothing of it reaches a program on the bus but LCM's usual
 self test: the large message goes to a port of its own, with ttl 0.
@@ -20,14 +20,14 @@ from lcmtools.errors import BusError
 from lcmtools.wire.datagram import fragments
 
 LARGE_BYTES = 300_000
-"""How large the large message is: five datagrams, as an image."""
+"""The size of the large message: five datagrams, as an image."""
 _CHANNEL = "/_lcmtools/self_test"
 _TIMEOUT = 0.5  # [s] for one datagram, which takes well under a millisecond
 _LARGEST_DATAGRAM = 65_535  # bytes
 
 
 def large_problem(url: BusUrl) -> str:
-    """Why a large message does not come back to this computer; "" when it does.
+    """The reason why a large message does not come back to this computer; "" when it does.
 
     Each datagram is read before the next is sent, so that it is not the buffer that is tested.
     """
@@ -52,7 +52,7 @@ def large_problem(url: BusUrl) -> str:
 
 
 def send_problem(url: BusUrl) -> tuple[str, str]:
-    """Why nothing can be sent with the bus's own ttl, and what helps; empty where it can."""
+    """The reason why nothing can be sent with the bus's ttl, and a cure; empty where it can."""
     try:
         check_sending(url)
     except BusError as error:
@@ -61,7 +61,7 @@ def send_problem(url: BusUrl) -> tuple[str, str]:
 
 
 def _receiver(url: BusUrl) -> socket.socket:
-    """A socket that hears the group on a free port that nobody else can share."""
+    """A socket that receives from the group on a free port that no other program can share."""
     receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
         receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer_bytes())
@@ -75,7 +75,7 @@ def _receiver(url: BusUrl) -> socket.socket:
 
 
 def _comes(receiver: socket.socket, datagram: bytes) -> bool:
-    """Whether a datagram arrives."""
+    """Return whether a datagram arrives."""
     if not select.select([receiver], [], [], _TIMEOUT)[0]:
         return False
     return receiver.recv(_LARGEST_DATAGRAM) == datagram

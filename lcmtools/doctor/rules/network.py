@@ -39,7 +39,7 @@ def datagrams_can_leave(evidence: Evidence) -> Iterator[Finding]:
 
 @rule("loopback-route", Severity.NOTE, "sudo ip route replace 224.0.0.0/4 dev eth0")
 def the_route_leaves_the_computer(evidence: Evidence) -> Iterator[Finding]:
-    """Where the ttl lets messages leave this computer, the route does too."""
+    """The route to the bus leaves this computer, if the ttl lets messages leave it."""
     if _is_alone(evidence) and evidence.host.interface == _LOOPBACK:
         title = state("loopback-route", ttl=evidence.ttl)
         yield Finding(title, (), (state("route"),), Severity.NOTE)

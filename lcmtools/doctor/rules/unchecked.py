@@ -9,7 +9,7 @@ _ROOT = 0
 
 
 def unchecked(evidence: Evidence) -> Iterator[Unchecked]:
-    """What the rules could not look at; nothing where the bus does not work at all."""
+    """The parts that the rules could not look at; nothing where the bus does not work at all."""
     if evidence.bus_problem:
         return
     provider = evidence.url.partition("://")[0]
