@@ -259,7 +259,8 @@ def remedy_text(remedy: Statement) -> str:
 def commands(remedy: Statement) -> list[str]:
     """The commands in a remedy that can be typed as they stand."""
     if remedy.kind == "mend-bus":
-        command = str(remedy.parts["hint"]).partition("type: ")[2]
+        hint = str(remedy.parts["hint"])
+        command = hint if hint.startswith("export ") else hint.partition("type: ")[2]
         return [command] if command else []
     pids = remedy.parts.get("pids")
     if isinstance(pids, tuple):

@@ -33,7 +33,7 @@ def test_wtf_names_who_cannot_be_heard_by_the_others(pair: Any, lcmtools_path: s
     talker.wait_for("hello")
     found = json.loads(ada.lcmtools("wtf", "--json", "--wait", "0.7s").stdout)
     (finding,) = [one for one in found if one["rule"] == "ttl"]
-    assert finding["text"].startswith("Other computers (10.76.0.2) cannot hear")
+    assert finding["text"].startswith("Other computers (10.76.0.2) cannot receive")
     assert finding["items"] == ["/talker"]
     assert finding["remedies"][0].endswith("7667?ttl=1")
     talker.end()

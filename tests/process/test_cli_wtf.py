@@ -243,6 +243,7 @@ def test_json_has_a_finding_where_the_environment_names_no_bus(
     assert finding["rule"] == "bus"
     assert "the port is missing" in finding["text"]
     assert finding["remedies"] == ["export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'"]
+    assert finding["actions"][0]["commands"] == finding["remedies"]
     assert lcmtools("wtf", "--json", "--lcm-url", "udpm://x").stdout == ""
 
 

@@ -45,7 +45,7 @@ RULES: tuple[Rule, ...] = (
     traffic.rates_do_not_fall,
     traffic.rates_are_even,
     channels.names_are_good,
-    traffic.the_network_has_room,
+    network.the_network_has_room,
     traffic.simulated_time_passes,
     listeners.buffers_have_room,
     listeners.listeners_read,

@@ -6,6 +6,8 @@ from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Severity, Subject, rule, state
 
 _LOOPBACK = "lo"
+_SHARE = 0.5  # of the capacity of an interface
+_WIRELESS = 1e6  # [byte/s] of multicast
 
 
 @rule("large-messages", Severity.WARNING, "let the firewall pass large datagrams of UDP")
@@ -78,6 +80,35 @@ def the_network_has_a_querier(evidence: Evidence) -> Iterator[Finding]:
             (state("switch-forgets"),),
             (state("enable-querier", bridge=bridge),),
             Severity.NOTE,
+        )
+
+
+@rule("bandwidth", Severity.WARNING, "send smaller messages, or less often: lcmtools bw TOPIC")
+def the_network_has_room(evidence: Evidence) -> Iterator[Finding]:
+    """The bus does not fill the network.
+
+    Wi-Fi sends multicast at its slowest rate, so that a few images a second can fill it.
+    """
+    host = evidence.host
+    if not evidence.listened or not evidence.ttl or host.interface in ("", "lo"):
+        return
+    rate = sum(stream.bytes for stream in evidence.streams) / evidence.listened
+    limit = _WIRELESS if host.is_wireless else _SHARE * host.speed_mbit * 1e6 / 8
+    if limit and rate > limit:
+        heaviest = sorted(evidence.streams, key=lambda stream: -stream.bytes)[:3]
+        interface = Subject("interface", host.interface)
+        yield Finding(
+            state("bandwidth", interface=interface, megabytes_per_second=rate / 1e6),
+            tuple(
+                state(
+                    "stream-bandwidth",
+                    topic=Subject.topic(s.channel),
+                    sender=Subject.named(s.name, s.pid),
+                    megabytes_per_second=s.bytes / evidence.listened / 1e6,
+                )
+                for s in heaviest
+            ),
+            (state("use-ttl-0"),),
         )
 
 

@@ -22,8 +22,6 @@ _FALLEN = 0.5
 _UNEVEN = 8  # times the usual interval
 _BLAME = 0.6  # of a gap: a program that waited so long for a processor is not to blame for it
 _SHORTEST = 0.1  # [s] an interval that is worth reporting
-_SHARE = 0.5  # of the capacity of an interface
-_WIRELESS = 1e6  # [byte/s] of multicast
 _SLOWER = 0.9  # of the target rate
 _BUSY = 0.85
 
@@ -200,35 +198,6 @@ def _parting(evidence: Evidence, streams: Sequence[Stream], topic: str) -> State
     is_node = any(one.sender in nodes for one in streams)
     kind = "end-one-or-remap" if is_node else "end-one-or-rename"
     return state(kind, pids=pids if len(pids) > 1 else (), topic=topic)
-
-
-@rule("bandwidth", Severity.WARNING, "send smaller messages, or less often: lcmtools bw TOPIC")
-def the_network_has_room(evidence: Evidence) -> Iterator[Finding]:
-    """The bus does not fill the network.
-
-    Wi-Fi sends multicast at its slowest rate, so that a few images a second can fill it.
-    """
-    host = evidence.host
-    if not evidence.listened or not evidence.ttl or host.interface in ("", "lo"):
-        return
-    rate = sum(stream.bytes for stream in evidence.streams) / evidence.listened
-    limit = _WIRELESS if host.is_wireless else _SHARE * host.speed_mbit * 1e6 / 8
-    if limit and rate > limit:
-        heaviest = sorted(evidence.streams, key=lambda stream: -stream.bytes)[:3]
-        interface = Subject("interface", host.interface)
-        yield Finding(
-            state("bandwidth", interface=interface, megabytes_per_second=rate / 1e6),
-            tuple(
-                state(
-                    "stream-bandwidth",
-                    topic=Subject.topic(s.channel),
-                    sender=Subject.named(s.name, s.pid),
-                    megabytes_per_second=s.bytes / evidence.listened / 1e6,
-                )
-                for s in heaviest
-            ),
-            (state("use-ttl-0"),),
-        )
 
 
 @rule(
