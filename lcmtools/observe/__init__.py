@@ -10,8 +10,8 @@ gives:
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from lcmtools.observe.arrivals import Arrival as Arrival
-    from lcmtools.observe.arrivals import messages as messages
+    from lcmtools.observe.received import Arrival as Arrival
+    from lcmtools.observe.received import messages as messages
 
 __all__ = ["Arrival", "messages"]
 
@@ -20,6 +20,6 @@ def __getattr__(name: str) -> object:
     """Import a public name when it is first used (PEP 562)."""
     if name not in __all__:
         raise AttributeError(f"module 'lcmtools.observe' has no attribute '{name}'")
-    from lcmtools.observe import arrivals
+    from lcmtools.observe import received
 
-    return getattr(arrivals, name)
+    return getattr(received, name)

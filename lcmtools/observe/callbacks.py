@@ -1,4 +1,4 @@
-"""How long callbacks take, by what nodes count themselves. Plain arithmetic on two looks."""
+"""The durations of callbacks, by what nodes count themselves. Plain arithmetic on two looks."""
 
 from lcmtools.graph.model import Endpoint, Node
 
@@ -7,7 +7,7 @@ _TEN, _THOUSAND = 9.95, 999.5  # that rounding makes 10 and 1000
 
 
 def callback_time(earlier: Endpoint, later: Endpoint) -> float | None:
-    """What a call took on the average between two announcements [ns].
+    """Return the average duration of a call between two announcements [ns].
 
     One that runs still counts as far as it has come; None where there was none.
     """
@@ -22,7 +22,7 @@ def callback_time(earlier: Endpoint, later: Endpoint) -> float | None:
 
 
 def busy_share(earlier: Node, later: Node, busy: int | None = None) -> float | None:
-    """Which part of the time between two announcements a node spent in callbacks, 1 at most.
+    """Return the part of the time between two announcements spent in callbacks, 1 at most.
 
     Args:
         earlier: The node as it was announced.
@@ -40,7 +40,7 @@ def busy_share(earlier: Node, later: Node, busy: int | None = None) -> float | N
 
 
 def duration_text(nanoseconds: float) -> str:
-    """A time for people: "0.012 ms", "1.2 ms", "250 ms", "2.5 s"."""
+    """Return a time for people: "0.012 ms", "1.2 ms", "250 ms", "2.5 s"."""
     for value, unit in ((nanoseconds / 1e6, "ms"), (nanoseconds / 1e9, "s")):
         if value < _TEN:
             return f"{value:.2g} {unit}"

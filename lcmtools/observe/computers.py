@@ -1,4 +1,4 @@
-"""What the computers of a bus are called, and which part of its topics is on each.
+"""The names of a bus's computers, and the part of its topics that is on each.
 
 A computer goes by the name that its nodes announce. Where that is not known, or two computers have
 the same one, its address tells it.
@@ -75,7 +75,7 @@ def _nodes(topic: Topic) -> list[Node]:
 
 
 def _part(topic: Topic, name: str, computers: Computers) -> Topic:
-    """What of a topic is on one computer."""
+    """The part of a topic that is on one computer."""
     foreign = tuple(seen for seen in topic.foreign if computers.of_traffic(seen) == name)
     publishers = tuple(pair for pair in topic.publishers if computers.of(pair[0]) == name)
     return replace(

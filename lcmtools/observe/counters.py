@@ -1,4 +1,4 @@
-"""What endpoints have counted, and how often their messages come, as ``info`` shows it.
+"""The counters of endpoints, and the rates of their messages, as ``info`` shows them.
 
 A rate needs two looks: nodes are asked again after a moment, and how far they have counted in
 between, and when, gives the rate, however short the moment is.
@@ -22,12 +22,12 @@ _AWAKENING = 0.3  # [s] that publishers have for a first message
 
 
 class Counters:
-    """What is known of endpoints by two looks at a bus.
+    """The counters of endpoints, by two looks at a bus.
 
     Args:
         before: The first look.
         after: The second one.
-        lost: What of each sender's messages did not come.
+        lost: The loss of each sender.
     """
 
     def __init__(self, before: Graph, after: Graph, lost: Losses | None = None) -> None:
@@ -55,7 +55,7 @@ class Counters:
         )
 
     def of_program(self, seen: Traffic) -> str:
-        """What was seen of a program that is no node, in a line."""
+        """Return what was seen of a program that is no node, in a line."""
         parts = [f"seen messages: {seen.messages}", f"bytes: {seen.bytes}"]
         rate = seen.rate()
         parts += [f"rate: {rate:.2f} Hz"] if rate is not None else []
@@ -85,11 +85,11 @@ class Counters:
         return counted_rate(before, endpoint) if before else None
 
     def lost_of(self, node: Node) -> Loss | None:
-        """What of a node's messages did not come, of all its topics."""
+        """Return the loss of a node's messages, of all its topics."""
         return total(node.senders(), self._lost)
 
     def lost_of_program(self, seen: Traffic) -> Loss | None:
-        """The same of a program that is no node."""
+        """Return the loss of a program that is no node."""
         return total([seen.sender], self._lost)
 
     @staticmethod
@@ -146,7 +146,7 @@ def _listen(
 
 
 def _may_be_counted(topic: Topic) -> bool:
-    """Whether anybody is there to publish."""
+    """Return whether there is a publisher."""
     return bool(topic.traffic) or any(not node.stale for node, _ in topic.publishers)
 
 

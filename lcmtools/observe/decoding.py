@@ -1,4 +1,4 @@
-"""What a packet's payload says: the type of a channel's messages, settled once, and the message."""
+"""Decoding: the type of a channel's messages, settled once, and the message in a packet."""
 
 from collections.abc import Callable, Sequence
 
@@ -85,6 +85,6 @@ class Decoder:
 
 
 def remedy_of_unknown() -> str:
-    """What to do about an unknown type: mend .lcm files, or say where they are."""
+    """Return what to do about an unknown type: mend .lcm files, or say where they are."""
     broken = next((str(problem.error()) for problem in problems()), "")
     return broken or f"{VARIABLE}=FOLDER says where your .lcm files are"

@@ -74,7 +74,7 @@ def listed_node(node: Node) -> str:
 
 
 def callback_times(endpoint: Endpoint) -> str:
-    """How long a callback takes: "callbacks: 1.2 ms mean, 30 ms longest"; "" before the first."""
+    """Return "callbacks: 1.2 ms mean, 30 ms longest"; "" before the first call."""
     if not endpoint.calls:
         return ""
     mean = duration_text(endpoint.busy / endpoint.calls)
@@ -91,21 +91,22 @@ def callback_record(endpoint: Endpoint) -> dict[str, object]:
 
 
 def program_text(traffic: Traffic) -> str:
-    """The program behind a sender that is no node, as far as the system tells."""
-    from lcmtools.bus.processes import is_local, senders_of_port
+    """Return the program behind a sender that is no node, as far as the system tells."""
+    from lcmtools.bus.processes import is_local
+    from lcmtools.observe.senders import SocketTable
 
-    if traffic.sender is None:
+    sender = traffic.sender
+    if sender is None:
         return "a program that is no node (this kind of bus does not tell senders)"
-    if not is_local(traffic.sender.address):
-        return f"a program on {traffic.sender.address}, port {traffic.sender.port}"
-    port = traffic.sender.port
-    senders = senders_of_port(port)
-    if senders.only:
-        return f"{senders.only.command} (pid {senders.only.pid}, port {port})"
-    return f"a program of this computer, port {port}{candidates_text(senders.candidates)}"
+    if not is_local(sender.address):
+        return f"a program on {sender.address}, port {sender.port}"
+    found = SocketTable.read({sender.port}).processes(sender)
+    if found.only:
+        return f"{found.only.command} (pid {found.only.pid}, port {sender.port})"
+    return f"a program of this computer, port {sender.port}{candidates_text(found.candidates)}"
 
 
 def candidates_text(processes: "Sequence[Process]") -> str:
-    """Who a program may be, to stand behind it; "" where nothing is known."""
+    """Return the processes that a program may be, to stand behind it; "" for none."""
     names = [f"{process.command} (pid {process.pid})" for process in processes]
     return f": maybe {' or '.join(names)}" if names else ""

@@ -68,7 +68,7 @@ def find_nodes(graph: Graph, name: str) -> list[Node]:
 
 
 def _numbers(node: Node) -> list[str]:
-    """How a node's process may be written: its pid, alone or behind its computer: "ada:1234"."""
+    """The spellings of a node's process: its pid, alone or behind its computer: "ada:1234"."""
     computers = [node.host, *([node.sender.address] if node.sender else [])]
     return [str(node.pid), *(f"{computer}:{node.pid}" for computer in computers)]
 

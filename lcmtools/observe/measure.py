@@ -129,7 +129,7 @@ class ListenOptions:
 
 @dataclass(frozen=True, slots=True)
 class Report(Generic[FoundT]):
-    """What was found, by topic; or, where there is nothing, that simulated time went back."""
+    """The values found, by topic; or the fact that simulated time went back."""
 
     found: Mapping[str, FoundT | None]
     is_reset: bool = False

@@ -64,7 +64,7 @@ class BusMonitor:
 
     Attributes:
         trouble: Why nothing comes; "" where the connection is well.
-        is_log: The source is a log: nobody can be asked, and nobody listens.
+        is_log: The source is a log: there is no node to ask and no subscriber.
         is_live: Messages come in real time; else a log is read at once by its own times.
 
     Raises:
@@ -198,7 +198,7 @@ class BusMonitor:
 
     @property
     def tap(self) -> Tap | None:
-        """What knows the senders' datagrams; None where the bus is no multicast."""
+        """The tap, which knows the senders' datagrams; None where the bus is no multicast."""
         return self._observer if isinstance(self._observer, Tap) else None
 
     @property
@@ -231,7 +231,7 @@ class BusMonitor:
         return any(node.stale is Staleness.HANGS for node in self.graph().nodes)
 
     def _await_foreign(self, deadline: float) -> None:
-        """Listen on where there are programs that cannot be asked; to the end where one is heard.
+        """Listen on where there are programs that cannot be asked; to the end where one sends.
 
         Which channels a program has only listening tells: the first may be one of ten.
         """

@@ -8,13 +8,15 @@ show.
 import os
 import pwd
 import socket
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import chain
 
 from lcmtools.bus.listeners import listening_sockets
-from lcmtools.bus.processes import Process, UdpSocket, is_local, owners, senders_from, udp_sockets
+from lcmtools.bus.processes import Process, UdpSocket, is_local
 from lcmtools.bus.url import BusUrl
 from lcmtools.graph.model import Graph, Node, Traffic
+from lcmtools.observe.senders import SocketTable
 from lcmtools.wire.packet import Sender
 
 
@@ -49,26 +51,27 @@ class Program:
 
 
 def programs(graph: Graph, url: BusUrl) -> list[Program]:
-    """The programs of a bus that are no nodes, those of this computer first."""
-    traffic = graph.foreign()
-    rows = {row.inode: row for row in udp_sockets()}
-    sockets = listening_sockets(url)
-    holders = owners(rows)
+    """Return the programs of a bus that are no nodes, those of this computer first."""
+    table, listening = SocketTable.read(), listening_sockets(url)
     known = {node.pid for node in graph.nodes if is_here(node)} | {os.getpid()}
-    found = _senders(traffic, rows.values(), holders)
-    for inode in sockets:
-        process = holders.get(inode)
+    found: dict[_Key, list[Traffic]] = {}
+    for seen in graph.foreign():
+        found.setdefault(_key(seen.sender, table), []).append(seen)
+    receivers: dict[Process | None, list[UdpSocket]] = {}
+    for inode in listening:
+        process, row = table.holders.get(inode), table.rows.get(inode)
         if process is None or process.pid not in known:
-            found.setdefault((process, rows[inode].uid if inode in rows else None, ""), [])
-    ears: dict[Process | None, list[UdpSocket]] = {}
-    for inode in sockets & rows.keys():
-        ears.setdefault(holders.get(inode), []).append(rows[inode])
-    made = [_program(key, seen, ears, rows.values(), holders) for key, seen in found.items()]
-    return sorted((program for program in made if not _is(program, known)), key=_order)
+            found.setdefault((process, row.uid if row else None, ""), [])
+        if row:
+            receivers.setdefault(process, []).append(row)
+    made = (_program(key, seen, receivers, table) for key, seen in found.items())
+    return sorted(
+        (one for one in made if not (one.process and one.process.pid in known)), key=_order
+    )
 
 
 def is_here(node: Node) -> bool:
-    """Whether a node runs on this computer."""
+    """Return whether a node runs on this computer."""
     if node.sender is not None and not is_local(node.sender.address):
         return False
     return node.host == socket.gethostname()
@@ -77,43 +80,26 @@ def is_here(node: Node) -> bool:
 _Key = tuple[Process | None, int | None, str]  # process, user's number, address or ""
 
 
-def _senders(
-    traffic: Iterable[Traffic], rows: Iterable[UdpSocket], holders: dict[int, Process]
-) -> dict[_Key, list[Traffic]]:
-    """What was seen, by the program that sent it."""
-    by_port: dict[int, list[UdpSocket]] = {}
-    for row in rows:
-        by_port.setdefault(row.port, []).append(row)
-    found: dict[_Key, list[Traffic]] = {}
-    for seen in traffic:
-        found.setdefault(_key(seen.sender, by_port, holders), []).append(seen)
-    return found
-
-
-def _key(
-    sender: Sender | None, by_port: dict[int, list[UdpSocket]], holders: dict[int, Process]
-) -> _Key:
+def _key(sender: Sender | None, table: SocketTable) -> _Key:
     if sender is None or not is_local(sender.address):
         return None, None, str(sender or "")
-    rows = by_port.get(sender.port, [])
-    process = senders_from(sender.port, rows, holders).only
-    users = {row.uid for row in rows}
+    process = table.process(sender)
+    users = {row.uid for row in table.sockets(sender)}
     uid = users.pop() if len(users) == 1 else None
-    return (process, uid, "") if process else (None, uid, str(sender))
+    return process, uid, "" if process else str(sender)
 
 
 def _program(
     key: _Key,
     traffic: list[Traffic],
-    ears: Mapping[Process | None, list[UdpSocket]],
-    rows: Iterable[UdpSocket],
-    holders: Mapping[int, Process],
+    receivers: Mapping[Process | None, list[UdpSocket]],
+    table: SocketTable,
 ) -> Program:
     process, uid, address = key
     senders = {seen.sender for seen in traffic if seen.sender}
-    listens = process in ears if process else None if traffic else True
-    local = [sender for sender in senders if process is None and is_local(sender.address)]
-    hidden = [row for row in ears.get(None, []) if row.uid == uid]
+    listens = process in receivers if process else None if traffic else True
+    unnamed = [row for row in receivers.get(None, []) if row.uid == uid]
+    maybe = (table.processes(sender).candidates for sender in senders if process is None)
     return Program(
         process,
         "" if uid is None else user_name(uid),
@@ -121,13 +107,9 @@ def _program(
         tuple(sorted({sender.port for sender in senders})),
         tuple(traffic),
         listens,
-        tuple(ears.get(process, []) if process else [] if traffic else hidden),
-        tuple(p for s in local for p in senders_from(s.port, rows, holders).candidates),
+        tuple(receivers.get(process, []) if process else [] if traffic else unnamed),
+        tuple(chain.from_iterable(maybe)),
     )
-
-
-def _is(program: Program, pids: set[int]) -> bool:
-    return program.process is not None and program.process.pid in pids
 
 
 def _order(program: Program) -> tuple[bool, int, str]:
@@ -136,7 +118,7 @@ def _order(program: Program) -> tuple[bool, int, str]:
 
 
 def user_name(uid: int) -> str:
-    """What a user is called; the number where that is not known."""
+    """Return the name of a user; the number where that is not known."""
     try:
         return pwd.getpwuid(uid).pw_name
     except KeyError:

@@ -1,4 +1,4 @@
-"""How often, how much and how late something comes: sums over a window of the latest arrivals.
+"""Rate, bandwidth and delay: sums over a window of the latest arrivals.
 
 And how often by what endpoints count themselves. Plain arithmetic; times come in as arguments.
 """
@@ -33,7 +33,7 @@ class Rate:
 
 @dataclass(frozen=True, slots=True)
 class Bandwidth:
-    """How much comes, as rostopic bw sums it up.
+    """The bandwidth, as rostopic bw sums it up.
 
     Attributes:
         average: The window's bytes over the time since its first arrival [byte/s]; it falls when
@@ -53,7 +53,7 @@ class Bandwidth:
 
 @dataclass(frozen=True, slots=True)
 class Delay:
-    """How late things come, as rostopic delay sums it up.
+    """The delay, as rostopic delay sums it up.
 
     Attributes:
         mean: The mean delay [s].
@@ -187,7 +187,7 @@ class DelayWindow:
 
 
 def counted_rate(earlier: Endpoint, later: Endpoint) -> float | None:
-    """How often an endpoint's messages come, by two of its announcements [Hz].
+    """Return the rate of an endpoint's messages, by two of its announcements [Hz].
 
     The messages counted between them, over the time between the last ones that each knew of; None
     where none came, or the first was the first ever.
@@ -199,7 +199,7 @@ def counted_rate(earlier: Endpoint, later: Endpoint) -> float | None:
 
 
 def average_rate(node: Node, endpoint: Endpoint) -> float | None:
-    """How often an endpoint's messages came from its node's start to the last one [Hz].
+    """Return the rate of an endpoint's messages from its node's start to the last one [Hz].
 
     None before two messages, or where the times do not fit.
     """

@@ -93,7 +93,7 @@ def test_list_c_is_how_many_topics_there_are(lcmtools: Run) -> None:
     assert lcmtools("list", "-c", "/nowhere").stdout == "0\n"
 
 
-@pytest.mark.parametrize("pattern", ["/chat*", "chat*", "*ter", "/chatte?", "/[a-d]*"])
+@pytest.mark.parametrize("pattern", ["/chat*", "chat*", "*ter", "/chatte?", "/?hatter"])
 def test_list_keeps_to_what_matches_a_pattern(pattern: str, lcmtools: Run) -> None:
     assert lcmtools("list", pattern).stdout == "/chatter\n"
 

@@ -160,7 +160,7 @@ def _one_line(channel: str) -> str:
 
 
 def _kind(selection: Selection) -> str:
-    """What a selected value is: a type, with a pair of brackets for each array around it."""
+    """The type of a selected value, with a pair of brackets for each array around it."""
     return selection.target.type + "[]" * selection.target.depth
 
 

@@ -44,7 +44,7 @@ def command(type_: str, *, count_topics: bool, show_all: bool, as_json: bool) ->
 
 
 def is_of_type(topic: Topic, name: str) -> bool:
-    """Whether a type is announced, or may be what a program that announces nothing sends.
+    """Return whether a type is announced, or may be what a program that announces nothing sends.
 
     A fingerprint that an announced type has too is taken for that type's.
     """

@@ -128,6 +128,6 @@ def _record(topic: Topic, counters: Counters) -> dict[str, object]:
 
 
 def _lost_record(loss: Loss | None) -> dict[str, object]:
-    """What did not arrive, of all that the sender sent meanwhile; null where that is not known."""
+    """The messages that did not arrive, of all that were sent; null where that is not known."""
     known = loss if loss and loss.sent else None
     return {"lost": known and known.lost, "lost_of": known and known.sent}

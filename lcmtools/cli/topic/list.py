@@ -26,8 +26,8 @@ _MEASURED = 1.0  # [s]
 
 
 @dataclass(frozen=True, slots=True)
-class _Look:
-    """How topics are shown.
+class _ListOptions:
+    """The topics that are listed, and the form.
 
     Attributes:
         published: Whether those that are published are.
@@ -44,7 +44,7 @@ class _Look:
     rates: Mapping[str, float] | None = None
 
     def has(self, topic: Topic) -> bool:
-        """Whether a topic is shown at all."""
+        """Return whether a topic is listed at all."""
         has_publisher = bool(topic.publishers or topic.traffic)
         return (self.published and has_publisher) or (self.subscribed and bool(topic.subscribers))
 
@@ -91,22 +91,22 @@ def command(  # noqa: PLR0913 - one parameter an option
     """  # noqa: D301 - \b is click's mark
     if published and subscribed:
         raise UsageError("-p and -s exclude each other", "leave out both for all topics")
-    heard = Rates()
+    counted = Rates()
     with open_monitor("list") as monitor:
-        graph = settled(monitor, _MEASURED if hz and wait is None else wait, heard)
+        graph = settled(monitor, _MEASURED if hz and wait is None else wait, counted)
         url = monitor.url
-    rates = heard.by_channel() if hz else None
-    look = _Look(not subscribed, not published, verbose, show_types, rates)
-    topics = [topic for topic in _topics(graph, namespace, show_all=show_all) if look.has(topic)]
+    rates = counted.by_channel() if hz else None
+    options = _ListOptions(not subscribed, not published, verbose, show_types, rates)
+    topics = [topic for topic in _topics(graph, namespace, show_all=show_all) if options.has(topic)]
     if count_topics:
         data(str(len(topics)))
         return
     if as_json:
-        document([_record(topic, look) for topic in topics])
+        document([_record(topic, options) for topic in topics])
     elif by_hosts:
-        lines(_hosts(topics, look))
+        lines(_hosts(topics, options))
     else:
-        lines(_rows(topics, look))
+        lines(_rows(topics, options))
     if not topics:
         talk(f"no topics{f' in {namespace}' if namespace else ''} on {url}")
 
@@ -116,56 +116,56 @@ def _topics(graph: Graph, namespace: str, *, show_all: bool) -> list[Topic]:
     return [graph.topic(name) for name in graph.topic_names() if pattern.covers(name)]
 
 
-def _rows(topics: list[Topic], look: _Look) -> list[str]:
-    if look.verbose:
-        return _verbose(topics, look)
-    width = max((len(_named(topic, look)) for topic in topics), default=0)
-    if look.rates is None:
-        return [_named(topic, look) for topic in topics]
-    return [f"{_named(topic, look):<{width}}  {_rate_text(topic, look)}" for topic in topics]
+def _rows(topics: list[Topic], options: _ListOptions) -> list[str]:
+    if options.verbose:
+        return _verbose(topics, options)
+    width = max((len(_named(topic, options)) for topic in topics), default=0)
+    if options.rates is None:
+        return [_named(topic, options) for topic in topics]
+    return [f"{_named(topic, options):<{width}}  {_rate_text(topic, options)}" for topic in topics]
 
 
-def _hosts(topics: list[Topic], look: _Look) -> list[str]:
+def _hosts(topics: list[Topic], options: _ListOptions) -> list[str]:
     """As rostopic list --host: the same for each computer, indented."""
     rows = []
     for host, there in by_computer(topics).items():
-        shown = [topic for topic in there if look.has(topic)]
+        shown = [topic for topic in there if options.has(topic)]
         if shown:
-            rows += [f"Host [{host}]:", *(f"  {row}".rstrip() for row in _rows(shown, look))]
+            rows += [f"Host [{host}]:", *(f"  {row}".rstrip() for row in _rows(shown, options))]
     return rows
 
 
-def _verbose(topics: list[Topic], look: _Look) -> list[str]:
+def _verbose(topics: list[Topic], options: _ListOptions) -> list[str]:
     """The sections of rostopic list -v."""
     published = {topic: len(topic.publishers) + len(topic.foreign) for topic in topics}
     subscribed = {topic: len(topic.subscribers) for topic in topics}
     rows = [""]
-    if look.published:
+    if options.published:
         rows.append("Published topics:")
-        rows += [_row(topic, n, "publisher", look) for topic, n in published.items() if n]
+        rows += [_row(topic, n, "publisher", options) for topic, n in published.items() if n]
         rows.append("")
-    if look.subscribed:
+    if options.subscribed:
         rows.append("Subscribed topics:")
-        rows += [_row(topic, n, "subscriber", look) for topic, n in subscribed.items() if n]
+        rows += [_row(topic, n, "subscriber", options) for topic, n in subscribed.items() if n]
         rows.append("")
     return rows
 
 
-def _row(topic: Topic, count: int, noun: str, look: _Look) -> str:
-    rate = "" if look.rates is None else f", {_rate_text(topic, look)}"
+def _row(topic: Topic, count: int, noun: str, options: _ListOptions) -> str:
+    rate = "" if options.rates is None else f", {_rate_text(topic, options)}"
     return f" * {topic.name} [{type_text(topic)}] {count} {noun}{'s' if count != 1 else ''}{rate}"
 
 
-def _named(topic: Topic, look: _Look) -> str:
-    return f"{topic.name} [{type_text(topic)}]" if look.types else topic.name
+def _named(topic: Topic, options: _ListOptions) -> str:
+    return f"{topic.name} [{type_text(topic)}]" if options.types else topic.name
 
 
-def _rate_text(topic: Topic, look: _Look) -> str:
-    rate = (look.rates or {}).get(topic.name)
+def _rate_text(topic: Topic, options: _ListOptions) -> str:
+    rate = (options.rates or {}).get(topic.name)
     return "-" if rate is None else f"{rate:.2f} Hz"
 
 
-def _record(topic: Topic, look: _Look) -> dict[str, object]:
+def _record(topic: Topic, options: _ListOptions) -> dict[str, object]:
     record: dict[str, object] = {
         "topic": topic.name,
         "type": type_text(topic),
@@ -173,4 +173,4 @@ def _record(topic: Topic, look: _Look) -> dict[str, object]:
         "subscribers": [node.name for node, _ in topic.subscribers],
         "other_senders": [str(seen.sender) for seen in topic.foreign],
     }
-    return record if look.rates is None else {**record, "rate": look.rates.get(topic.name)}
+    return record if options.rates is None else {**record, "rate": options.rates.get(topic.name)}

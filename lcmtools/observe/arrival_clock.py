@@ -1,9 +1,4 @@
-"""When a message came, by the clock that measuring goes by: the computer's, or simulated time.
-
-Belongs here: which clock that is. Must not know what is measured.
-"""
-
-from typing import NamedTuple
+"""The clock that arrivals go by: the computer's, or simulated time."""
 
 from lcmtools.clock import join_stamp
 from lcmtools.errors import DecodeError
@@ -12,25 +7,11 @@ from lcmtools.messages.codec import decode
 from lcmtools.wire.packet import Packet
 
 CLOCK = "/clock"
-"""Where a simulator publishes its time."""
-
-
-class Arrival(NamedTuple):
-    """A message that came on a topic.
-
-    Attributes:
-        topic: As it was typed.
-        packet: The message.
-        time: When it came, by the clock that measuring goes by [ns].
-    """
-
-    topic: str
-    packet: Packet
-    time: int
+"""The topic of a simulator's time."""
 
 
 class ArrivalClock:
-    """Tells when a packet came.
+    """The clock that tells when a packet came.
 
     Args:
         is_simulated: The time is what ``/clock`` last said, as for nodes with _use_sim_time.
@@ -57,11 +38,11 @@ class ArrivalClock:
         return before is not None and self.now < before
 
     def time(self, packet: Packet) -> int | None:
-        """When a packet came [ns]; None where simulated time is not known yet."""
+        """Return when a packet came [ns]; None where simulated time is not known yet."""
         return self.now if self.is_simulated else packet.time
 
 
 def is_simulated(graph: Graph) -> bool:
-    """Whether a simulator keeps the time of a bus: somebody publishes ``/clock``."""
+    """Return whether a simulator keeps the time of a bus: ``/clock`` is published."""
     clock = graph.topic(CLOCK)
     return any(not node.stale for node, _ in clock.publishers) or bool(clock.traffic)

@@ -1,0 +1,141 @@
+"""Messages for Python: ``messages`` gives those of some topics, decoded, from a bus or a log."""
+
+import os
+from collections.abc import Callable, Generator, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import cast
+
+from lcmtools.bus.url import BusUrl, choose_url
+from lcmtools.errors import DecodeError, UsageError
+from lcmtools.messages.filter import Filter
+from lcmtools.messages.registry import Message
+from lcmtools.names import Resolver, resolve_namespace
+from lcmtools.observe.arrivals import ArrivalStream, SelectedPacket, taken
+from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.find import ask_nodes
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.selection import select_topics
+from lcmtools.observe.senders import SenderNames
+from lcmtools.observe.sources import LogObserver
+from lcmtools.settings import read_user_file, usual_namespace
+from lcmtools.wire.packet import Packet
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """A message that arrived.
+
+    Attributes:
+        topic: The topic, as it is called on the bus.
+        message: The message.
+        time: When it arrived [ns since 1970]: the kernel's time; simulated time where a simulator
+            publishes ``/clock``; of a log, when it was recorded.
+        sender: Who sent it: a node's name, else a process, else an address; "unknown sender" where
+            the bus does not tell (tcpq, memq, logs).
+        packet: The message as it came, with its bytes and its number.
+    """
+
+    topic: str
+    message: Message
+    time: int
+    sender: str
+    packet: Packet
+
+
+def messages(
+    *topics: str,
+    url: str | None = None,
+    log: str | Path | None = None,
+    where: str | None = None,
+    timeout: float | None = None,
+    wall_time: bool = False,
+    on_error: Callable[[DecodeError], None] | None = None,
+) -> Generator[Arrival, None, None]:
+    """Return the messages of topics as they arrive on a bus, or all those in a log.
+
+    The bus is opened at once, so that nothing is missed that is sent after the call. It is left
+    when the generator is closed: at the end of the log, by ``close()``, or by
+    ``contextlib.closing``. No signal handler is set and nothing is printed.
+
+    Args:
+        *topics: Names or patterns (see ``lcmtools.names.Pattern``); a relative name is the plain
+            LCM channel or the topic in the namespace LCMTOOLS_NAMESPACE, whichever is there.
+        url: The bus; None for the one that the environment and the settings file name.
+        log: A log file, read at once, in place of a bus.
+        where: Only messages for which this expression is true, as of ``echo --filter``:
+            ``"m.pose.pose.position.x > 1"``.
+        timeout: The longest time without a message [s]; None for without end.
+        wall_time: Give the computer's time where a simulator keeps the time too.
+        on_error: Called for a message that cannot be decoded, which is left out; None to raise.
+
+    Raises:
+        UsageError: A topic, the URL or the expression is wrong.
+        BusError: The bus cannot be reached, or the log cannot be read.
+        NothingReceived: No message came for ``timeout`` seconds.
+        DecodeError: A message cannot be decoded, and ``on_error`` is None.
+        ValueMismatch: The expression does not fit a message.
+        LcmtoolsError: The log has no message of the topics.
+    """
+    if not topics:
+        raise UsageError("no topic is named", 'for example messages("/chatter")')
+    if url is not None and log is not None:
+        raise UsageError("a log is read in place of a bus", "leave out url or log")
+    condition = None if where is None else Filter(where)
+    names = Resolver(resolve_namespace(usual_namespace(os.environ)))
+    selections = [select_topics(topic, names, with_path=False) for topic in topics]
+    with ExitStack() as stack:
+        monitor = stack.enter_context(_monitor(url, log))
+        ask_nodes(monitor)
+        stream = ArrivalStream(
+            monitor, selections, names, wall_time=wall_time or not monitor.is_live, strict_time=True
+        )
+        arrivals = _decoded(monitor, stream, condition, on_error)
+        found = _left_in_the_end(stack.pop_all(), taken(stream, arrivals, timeout))
+    next(found)  # from here on its end is the bus's
+    return cast("Generator[Arrival, None, None]", found)
+
+
+def _monitor(url: str | None, log: str | Path | None) -> BusMonitor:
+    if log is not None:
+        path = str(log)
+        return BusMonitor(BusUrl("file", path), "messages", os.environ, LogObserver(path))
+    chosen, _ = choose_url(url, None, os.environ, read_user_file(os.environ))
+    return BusMonitor(chosen, "messages", os.environ, whole=True, plays=False)
+
+
+def _decoded(
+    monitor: BusMonitor,
+    stream: ArrivalStream,
+    condition: Filter | None,
+    on_error: Callable[[DecodeError], None] | None,
+) -> Callable[[SelectedPacket], Arrival | None]:
+    """The function that makes an arrival of a packet, or None of one that is left out."""
+    decoder, senders = Decoder(monitor.types_of), SenderNames()
+
+    def take(found: SelectedPacket) -> Arrival | None:
+        packet = found.packet
+        try:
+            message = decoder.decode(packet)
+        except DecodeError as error:
+            if on_error is None:
+                raise
+            on_error(error)
+            return None
+        if condition and not condition.matches(message):
+            return None
+        if packet.sender is not None:
+            senders.learn([packet.sender], stream.graph.nodes)
+        return Arrival(packet.channel, message, found.time, senders.name(packet.sender), packet)
+
+    return take
+
+
+def _left_in_the_end(
+    stack: ExitStack, arrivals: Iterator[Arrival]
+) -> Generator[Arrival | None, None, None]:
+    """None, then the arrivals; the stack is closed with the generator."""
+    with stack:
+        yield None
+        yield from arrivals
