@@ -4,7 +4,7 @@ import os
 import socket
 import subprocess
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,9 @@ import pytest
 from lcmtools.bus.multicast import sending_socket
 from lcmtools.bus.quick_probe import QuickProbe
 from lcmtools.bus.url import parse_url
+from lcmtools.cli.completion.answer import answer
+from lcmtools.cli.completion.tree import Tree
+from lcmtools.messages.type_source import set_supply
 from lcmtools.wire.datagram import fragments, short_message
 
 BREAKS = " \t\n\"'><=;|&(:"
@@ -37,26 +40,42 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 @pytest.fixture
-def ask(lcmtools_path: str, bus_url: str, cache: str, monkeypatch: pytest.MonkeyPatch) -> Ask:
+def ask(bus_url: str, cache: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[Ask]:
     """``ask("lcmtools echo /", **environment)``: the lines that bash gets."""
     monkeypatch.setenv("XDG_CACHE_HOME", cache)
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
 
     def run(line: str, *, shell: str = "bash", **environment: str) -> list[str]:
+        with pytest.MonkeyPatch.context() as patch:
+            for name, value in environment.items():
+                patch.setenv(name, value)
+            tree = Tree(os.environ)
+            lines = answer(shell, [line, BREAKS], tree)
+            tree.keep()
+        return lines
+
+    yield run
+    set_supply(None)
+
+
+@pytest.fixture
+def ask_process(
+    lcmtools_path: str, bus_url: str, cache: str, monkeypatch: pytest.MonkeyPatch
+) -> Ask:
+    """The same from a process, which is silent whatever happens."""
+    monkeypatch.setenv("XDG_CACHE_HOME", cache)
+
+    def run(line: str, **environment: str) -> list[str]:
+        own = {"LCM_DEFAULT_URL": bus_url, "_LCMTOOLS_COMPLETE": "bash", **environment}
         ended = subprocess.run(
             [lcmtools_path, line, BREAKS],
-            env={
-                **os.environ,
-                "LCM_DEFAULT_URL": bus_url,
-                "_LCMTOOLS_COMPLETE": shell,
-                **environment,
-            },
+            env={**os.environ, **own},
             capture_output=True,
             text=True,
             timeout=40,
             check=False,
         )
-        assert ended.returncode == 0
-        assert ended.stderr == ""
+        assert (ended.returncode, ended.stderr) == (0, "")
         return ended.stdout.splitlines()
 
     return run
@@ -203,8 +222,8 @@ def test_a_shell_that_is_not_known_gets_nothing(ask: Ask, what: str) -> None:
 
 
 @pytest.mark.parametrize("line", ["", "lcmtools", '"', "'", "lcmtools '", "lcmtools \\", "(((("])
-def test_whatever_is_typed_nothing_is_printed_into_the_prompt(ask: Ask, line: str) -> None:
-    ask(line)
+def test_whatever_is_typed_nothing_is_printed_into_the_prompt(ask_process: Ask, line: str) -> None:
+    ask_process(line)
 
 
 def test_a_broken_cache_is_made_anew(ask: Ask, tmp_path: Path) -> None:
@@ -221,32 +240,37 @@ def test_completion_works_where_no_folder_can_be_written(ask: Ask) -> None:
 
 
 def test_what_goes_wrong_is_written_to_a_file_when_that_is_asked_for(
-    ask: Ask, tmp_path: Path
+    ask_process: Ask, tmp_path: Path
 ) -> None:
     said = {"XDG_STATE_HOME": str(tmp_path), "XDG_CACHE_HOME": "/dev/null", "PYTHONPATH": ""}
     (tmp_path / "click.py").write_text("raise RuntimeError('a broken click')")
     said["PYTHONPATH"] = str(tmp_path)
-    assert ask("lcmtools ec", **said) == []
+    assert ask_process("lcmtools ec", **said) == []
     assert not (tmp_path / "lcmtools").exists()
-    assert ask("lcmtools ec", LCMTOOLS_DEBUG="1", **said) == []
+    assert ask_process("lcmtools ec", LCMTOOLS_DEBUG="1", **said) == []
     assert "a broken click" in (tmp_path / "lcmtools" / "completion.log").read_text()
 
 
 def test_completion_imports_neither_click_nor_lcm_nor_yaml(
-    ask: Ask, tmp_path: Path, start: Callable[..., Any], lcmtools_path: str, bus_url: str
+    ask_process: Ask,
+    tmp_path: Path,
+    start: Callable[..., Any],
+    lcmtools_path: str,
+    bus_url: str,
+    wait_until: Callable[..., None],
 ) -> None:
     start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=bus_url).wait_for("hello")
-    ask("lcmtools echo /")  # reads the commands, for which click is needed
+    ask_process("lcmtools echo /")  # reads the commands, for which click is needed
     for line in ("lab start ", "lab skeleton ", "wtf --rule ", "spy /"):
-        ask(f"lcmtools {line}")
+        ask_process(f"lcmtools {line}")
     for module in ("click", "lcm", "yaml", "numpy", "textual"):
         (tmp_path / f"{module}.py").write_text("raise RuntimeError")
     blocked = {"PYTHONPATH": str(tmp_path)}
-    assert ask("lcmtools echo /ch", **blocked) == ["closed", "/chatter"]
-    assert ask("lcmtools spy /ch", **blocked) == ["closed", "/chatter"]
-    assert ask("lcmtools lab start h", **blocked) == ["closed", "husky"]
-    assert ask("lcmtools lab skeleton k", **blocked) == ["closed", "kinect_viewer"]
-    assert ask("lcmtools wtf --rule ttl", **blocked) == ["closed", "ttl"]
+    for line in ("lcmtools echo /ch", "lcmtools spy /ch"):  # a busy node may answer too late
+        wait_until(lambda line=line: ask_process(line, **blocked) == ["closed", "/chatter"])
+    assert ask_process("lcmtools lab start h", **blocked) == ["closed", "husky"]
+    assert ask_process("lcmtools lab skeleton k", **blocked) == ["closed", "kinect_viewer"]
+    assert ask_process("lcmtools wtf --rule ttl", **blocked) == ["closed", "ttl"]
 
 
 def test_the_script_is_printed_for_the_shell_in_use_or_the_one_named(
@@ -285,7 +309,7 @@ def test_installing_says_what_it_did_and_what_to_do_next(
     assert not script.exists()
 
 
-def test_no_socket_stays_behind(ask: Ask, bus_url: str) -> None:
-    ask("lcmtools echo /")
+def test_no_socket_stays_behind(ask_process: Ask, bus_url: str) -> None:
+    ask_process("lcmtools echo /")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("", parse_url(bus_url).port))  # fails where anybody has it

@@ -1,4 +1,4 @@
-"""Where a shell looks for completion, and putting the script there for good.
+"""Installing completion where a shell looks for it.
 
 A second installation changes nothing. A line is added to a shell's own settings only where the
 shell would not find the script otherwise, and only once.
@@ -20,13 +20,13 @@ _BASH_COMPLETION = ("usr/share/bash-completion/bash_completion", "etc/bash_compl
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What an installation consists of.
+    """The parts of an installation.
 
     Attributes:
         script: The file that the script goes to.
         settings: The shell's settings, where a line has to be in them; None for none.
         line: The line.
-        restart: What brings it into the shell that runs already.
+        restart: The command that brings it into the shell that runs already.
     """
 
     script: Path
@@ -36,16 +36,16 @@ class Plan:
 
 
 def script(shell: str) -> str:
-    """The script that makes a shell complete."""
+    """Return the script that makes a shell complete."""
     folder = files("lcmtools.cli.completion") / "scripts"
     return folder.joinpath(f"lcmtools.{shell}").read_text(encoding="utf-8")
 
 
 def shell_named(name: str | None, environment: Mapping[str, str]) -> str:
-    """The shell that is meant: the one named, else the user's own.
+    """Return the shell that is named, else the user's own.
 
     Raises:
-        UsageError: It is none that completion is there for.
+        UsageError: There is no completion for it.
     """
     own = Path(environment.get("SHELL", "")).name
     meant = name or own
@@ -56,12 +56,9 @@ def shell_named(name: str | None, environment: Mapping[str, str]) -> str:
 
 
 def plan(shell: str, environment: Mapping[str, str], root: Path = Path("/")) -> Plan:
-    """Where things go.
+    """Return the parts of an installation for "bash", "zsh" or "fish".
 
-    Args:
-        shell: "bash", "zsh" or "fish".
-        environment: The environment variables.
-        root: Where the system's own files are.
+    ``root`` is the folder of the system's own files.
 
     Raises:
         LcmtoolsError: The environment names no home.
@@ -86,7 +83,7 @@ def plan(shell: str, environment: Mapping[str, str], root: Path = Path("/")) -> 
 
 
 def install(shell: str, wanted: Plan) -> Iterator[str]:
-    """Do it; say what was done.
+    """Install a shell's script; yield a line for each step.
 
     Raises:
         LcmtoolsError: A file cannot be written.
@@ -110,7 +107,7 @@ def install(shell: str, wanted: Plan) -> Iterator[str]:
 
 
 def uninstall(wanted: Plan) -> Iterator[str]:
-    """Take away what ``install`` has put there; say what was done.
+    """Undo ``install``; yield a line for each step.
 
     Raises:
         LcmtoolsError: A file cannot be changed.
@@ -137,14 +134,14 @@ def _zsh_folder(environment: Mapping[str, str], home: Path) -> Path:
 
 
 def _zsh_line(target: Path) -> str:
-    """Loads the completion system where the user has not, for ``compdef`` is a part of it."""
+    """A line that loads zsh's completion system too where the user has not."""
     load = "(( $+functions[compdef] )) || { autoload -Uz compinit && compinit }"
     file = quote(str(target))
     return f"[[ -r {file} ]] && {{ {load}; . {file} }}  {_MARK}"
 
 
 def _mentions(path: Path, word: str) -> bool:
-    """Whether a file has a line with a word that is no comment."""
+    """True if a file has a line with a word that is no comment."""
     lines = (_text(path) or "").splitlines()
     return any(word in line and not line.lstrip().startswith("#") for line in lines)
 
@@ -156,7 +153,7 @@ def _without_ours(text: str) -> list[str]:
 
 
 def _text(path: Path) -> str | None:
-    """What a file says; None where there is none.
+    """The text of a file; None where there is none.
 
     Raises:
         LcmtoolsError: It is there and cannot be read.
