@@ -1,4 +1,4 @@
-"""What goes on on the channels of a bus: how much and how evenly, of late and in all.
+"""The traffic of channels: recent rates, jitter and bandwidth, and totals.
 
 Plain accumulation of packets; times come in as arguments. Arrivals are summed up in slots of a
 quarter of a second, so that a busy channel costs no more to look at than a slow one.
@@ -21,17 +21,17 @@ _SILENT_PERIODS = 3  # without a message are silence, where they are longer than
 
 @dataclass(frozen=True, slots=True)
 class Flow:
-    """What goes on on one channel.
+    """The traffic of one channel.
 
     Attributes:
-        messages: How many messages, in all.
+        messages: The number of messages, in all.
         bytes: Bytes of their payloads, in all.
-        last_time: When the last one came, nanoseconds since 1970.
-        rate: Messages per second of late: 1 / the mean interval [Hz]; 0 where it has fallen
-            silent, None before two messages.
-        jitter: The longest interval of late less the shortest, as lcm-spy has it [s]; None where
-            there are not two intervals, or it has fallen silent.
-        bandwidth: Bytes per second of late; as the rate.
+        last_time: Arrival of the last one [ns since 1970].
+        rate: Recent message rate: 1 / the mean interval [Hz]; 0 for a silent channel, None before
+            two messages.
+        jitter: The longest recent interval less the shortest, as lcm-spy has it [s]; None before
+            two intervals, and for a silent channel.
+        bandwidth: Recent bytes per second; as the rate.
     """
 
     messages: int
@@ -92,17 +92,13 @@ class _Channel:
 
 
 class Activity:
-    """What goes on on all channels, from the packets that come.
-
-    Args:
-        window: How far back "of late" reaches [s]; None for all the time.
-    """
+    """The traffic of all channels, over the last ``window`` seconds; None for all the time."""
 
     def __init__(self, window: float | None = None) -> None:
         self._window = None if window is None else round(window * 1e9)
         self._channels: dict[str, _Channel] = {}
         self.last_time = 0
-        """When the last packet came, nanoseconds since 1970; 0 before the first."""
+        """Arrival of the last packet [ns since 1970]; 0 before the first."""
 
     def hear(self, packet: Packet) -> None:
         """Take a packet into account; what lcmtools says to itself is none."""
@@ -116,11 +112,11 @@ class Activity:
         channel.add(packet.time, packet.size, number)
 
     def clear(self) -> None:
-        """Begin anew."""
+        """Count from zero again."""
         self._channels.clear()
 
     def flow(self, name: str, now: int) -> Flow | None:
-        """What goes on on a channel at a time; None where no message came."""
+        """The traffic of a channel at a time; None before its first message."""
         channel = self._channels.get(name)
         if channel is None:
             return None

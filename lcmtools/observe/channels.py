@@ -20,7 +20,7 @@ _NOTHING = Flow(0, 0, 0)
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """What is known of one channel.
+    """One channel of a bus.
 
     Attributes:
         channel: Its name.

@@ -1,4 +1,4 @@
-"""What is known of a bus as a diagram: announced nodes, observed programs, and their topics.
+"""A bus as a diagram: announced nodes, observed programs, and their topics.
 
 Decides what counts as a member or an edge. Must not know which of it is drawn, nor how.
 """
@@ -93,7 +93,7 @@ def _program_member(id_: str, program: Program) -> Member:
 
 
 def _of_node(id_: str, node: Node, graph: Graph) -> Iterator[_Use]:
-    """What a node announces, each topic and role once."""
+    """The channels that a node announces, once for each role."""
     senders = node.senders()
     seen = _by_channel(traffic for traffic in graph.traffic if traffic.sender in senders)
     counts: Counter[tuple[str, Role]] = Counter()

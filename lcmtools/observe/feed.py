@@ -27,10 +27,10 @@ _AGAIN = 0.5  # [s] before a network that fails is tried again
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """What is known of a bus at one time.
+    """A bus at one time.
 
     Attributes:
-        rows: What is known of each channel, by its name.
+        rows: Its channels, sorted by name.
         plain_listeners: The programs that listen and are not nodes; their channels are unknown.
         trouble: The reason why nothing comes; "" if all is well.
         is_over: True if nothing will come any more.

@@ -29,7 +29,7 @@ _HEAD_BYTES = 256
 
 @dataclass(frozen=True, slots=True)
 class ChannelState:
-    """What is known of a channel's messages.
+    """The messages of a channel at one time.
 
     Attributes:
         lines: The latest message; empty before the first, and if it cannot be decoded.
@@ -104,7 +104,7 @@ class Study:
             return list(self._samples.get(path, ()))
 
     def state(self) -> ChannelState:
-        """What is known now."""
+        """The messages as they are now."""
         with self._lock:
             lines = tuple(field_lines(self._message, self._toggled)) if self._message else ()
             counts = self._messages, self._decoded

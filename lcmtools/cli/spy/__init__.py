@@ -1,1 +1,1 @@
-"""What ``lcmtools spy`` shows: the channels of a bus and what goes on on them."""
+"""``lcmtools spy``: the channels of a bus and their traffic."""

@@ -34,7 +34,7 @@ class Source(Protocol):
 
     @property
     def latest(self) -> Snapshot:
-        """What is known of the bus; another object when that is new."""
+        """The bus as it is now; another object when anything is new."""
         ...
 
     def clear(self) -> None:

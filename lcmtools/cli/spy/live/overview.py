@@ -225,7 +225,7 @@ class Overview(Page[None]):
         return text
 
     def _remarks(self) -> Text | None:
-        """What is wrong, or the programs whose channels are unknown."""
+        """A line about trouble, or about programs whose channels are unknown."""
         if self._snapshot.trouble:
             return Text(self._snapshot.trouble, "bold red")
         programs = self._snapshot.plain_listeners
