@@ -19,19 +19,18 @@ from lcmtools.doctor.evidence import (
     Listener,
     SenderFacts,
     SimulatedClock,
-    Stream,
 )
 from lcmtools.doctor.listening import Listening, target_rate
 from lcmtools.doctor.other_buses import with_topics
+from lcmtools.doctor.program_names import ProgramNames
 from lcmtools.errors import BusError, UsageError
 from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.graph.protocol import PERIOD
 from lcmtools.observe.losses import losses
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.programs import is_here, user_name
-from lcmtools.observe.senders import SenderNames, SocketTable
+from lcmtools.observe.senders import SocketTable
 
-_NAME_CHARACTERS = 60
 _REQUESTS = 5  # for announcements, at most, when a look ends; one in ten datagrams may be lost
 
 
@@ -75,7 +74,7 @@ def _look(monitor: BusMonitor, evidence: Evidence, listen: float) -> Evidence:
         pid: (spent - busy_before.get(pid, spent)) / 1e9 / seconds
         for pid, spent in _clock_busy(after).items()
     }
-    names = _Names(monitor, listening, after, later)
+    names = ProgramNames(monitor, listening, after, later)
     ports = {sender.port for sender in monitor.tap.sequences} if monitor.tap else set()
     processes = computer.lcm_processes(monitor.url, later.rows.values(), later.holders, ports)
     return replace(
@@ -140,47 +139,7 @@ def _sockets(url: BusUrl) -> tuple[SocketTable, frozenset[int]]:
     return SocketTable.read(), listening_sockets(url)
 
 
-class _Names:
-    """The names of senders and processes, for people."""
-
-    def __init__(
-        self, monitor: BusMonitor, listening: Listening, graph: Graph, table: SocketTable
-    ) -> None:
-        self.table = table
-        self.by_pid: dict[int, list[Node]] = {}
-        for node in graph.nodes:
-            if is_here(node):
-                self.by_pid.setdefault(node.pid, []).append(node)
-        self.senders = SenderNames(lambda _: table, called=self.of_process)
-        seen = {one.sender for one in listening.streams()}
-        tap = monitor.tap
-        self.senders.learn(seen | set(tap.sequences) | set(tap.malformed) if tap else seen)
-        self.senders.learn((), graph.nodes)
-
-    def pid(self, stream: Stream) -> int | None:
-        """A sender's process on this computer."""
-        if node := self.senders.node(stream.sender):
-            return node.pid if is_here(node) else None
-        process = self.senders.process(stream.sender)
-        return process.pid if process else None
-
-    def of_process(self, process: Process) -> str:
-        """A process's nodes, or its command, with its number."""
-        nodes = self.by_pid.get(process.pid, [])
-        called = ", ".join(node.name for node in nodes) or process.called(_NAME_CHARACTERS)
-        return f"{called} (pid {process.pid})"
-
-    def malformed(self, monitor: BusMonitor) -> tuple[tuple[str, str], ...]:
-        """The senders of datagrams that are not LCM's, with the reason."""
-        found = []
-        for sender, reason in (monitor.tap.malformed if monitor.tap else {}).items():
-            process = self.senders.process(sender)
-            who = f"{sender}, {self.of_process(process)}" if process else str(sender)
-            found.append((who, reason))
-        return tuple(found)
-
-
-def _senders(monitor: BusMonitor, names: _Names) -> tuple[SenderFacts, ...]:
+def _senders(monitor: BusMonitor, names: ProgramNames) -> tuple[SenderFacts, ...]:
     tap = monitor.tap
     if tap is None:
         return ()
@@ -214,7 +173,9 @@ def _clocks(graph: Graph) -> tuple[HostClock, ...]:
     return tuple(HostClock(*place, min(of.values()), tuple(of)) for place, of in lags.items())
 
 
-def _listeners(on_bus: frozenset[int], before: SocketTable, names: _Names) -> tuple[Listener, ...]:
+def _listeners(
+    on_bus: frozenset[int], before: SocketTable, names: ProgramNames
+) -> tuple[Listener, ...]:
     buffers, after = receive_buffers(), names.table
     found = []
     # the kernel's numbers mean nothing for a channel socket: its filter drops nearly everything
@@ -257,7 +218,7 @@ def _clock_busy(graph: Graph) -> dict[int, int]:
 
 
 def _clock(
-    listening: Listening, graph: Graph, names: _Names, busy: Mapping[int, float]
+    listening: Listening, graph: Graph, names: ProgramNames, busy: Mapping[int, float]
 ) -> SimulatedClock | None:
     """The pace of simulated time, with the share of time that its local publisher computed."""
     ratio, sender = listening.clock_ratio(), listening.clock_sender
