@@ -8,7 +8,7 @@
 PYTHON ?= $(shell command -v python3.11 || command -v python3.10 || command -v python3)
 VENV ?= .venv
 # how many tests run at a time: more than processors, for many of them wait
-JOBS ?= 3
+JOBS ?= 4
 # -e: sources are used in place; empty: what is installed is what a user would get
 EDITABLE ?= -e
 BIN := $(VENV)/bin

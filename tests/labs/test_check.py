@@ -108,6 +108,7 @@ def check(
         result = lcmtools(
             "lab", "check", lab, *options[:-1], *own, "--json", timeout=200, TMPDIR=str(tmp_path)
         )
+        assert result.stdout, result.stderr
         answer = json.loads(result.stdout)
         assert result.returncode == (0 if answer["ok"] else 1), result.stderr
         return {row["what"]: row for row in answer["rows"]}
