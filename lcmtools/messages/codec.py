@@ -1,22 +1,24 @@
 """Messages to payloads and back, with nothing cut, padded or believed.
 
-Belongs here: LCM's encoding of whole messages. Must not know channels or datagrams. Wire format
-(https://lcm-proj.github.io/lcm/): 8 bytes of fingerprint, then the fields in order, big-endian,
-without padding; see ``layout`` and ``rows``. lcm-gen's own code takes an array's length
-from a field that the user must keep in step, and reads a truncated string or byte array as a short
-one; this does neither, and is mostly faster.
+Belongs here: LCM's encoding of whole messages, the fast way (see ``layout``), and the careful one
+that is taken when it fails, to name the value that is wrong. Must not know channels or datagrams.
+Wire format (https://lcm-proj.github.io/lcm/): 8 bytes of fingerprint, then the fields in order,
+big-endian, without padding. lcm-gen's own code takes an array's length from a field that the user
+must keep in step, and reads a truncated string or byte array as a short one; this does neither, and
+is mostly faster.
 """
 
 import struct
+from functools import partial
 from typing import TypeVar, cast
 
 from lcmtools.errors import DecodeError
-from lcmtools.messages.conform import conformed
-from lcmtools.messages.layout import layout
-from lcmtools.messages.misfit import Misfit
+from lcmtools.messages.fields import Field, visible_fields
+from lcmtools.messages.layout import has_wire_type, is_generated, layout
 from lcmtools.messages.registry import Message, candidates, type_name
 from lcmtools.messages.rows import Cursor, Malformed
-from lcmtools.messages.scalars import STRAY_BYTES
+from lcmtools.messages.scalars import STRAY_BYTES, Misfit, from_python, given
+from lcmtools.messages.shape import Element, check_lengths, shaped
 
 M = TypeVar("M", bound=Message)
 
@@ -39,7 +41,7 @@ def encode(message: Message) -> bytes:
         try:
             return _payload(message, cls)
         except _NOT_PLAIN:
-            return _payload(conformed(message, cls), cls)
+            return _payload(_conformed(message, cls), cls)
     except Misfit as misfit:
         raise misfit.mismatch(type_name(cls)) from None
     except RecursionError:
@@ -53,7 +55,7 @@ def decode(cls: type[M], payload: bytes | bytearray | memoryview, *, keep_stray:
 
     Args:
         cls: The message's class.
-        payload: What came.
+        payload: The fingerprint and the fields.
         keep_stray: Bytes in strings that are not UTF-8 come as Python's "surrogateescape" has
             them, which ``encode`` takes back, and ``print`` does not; else as U+FFFD.
 
@@ -71,12 +73,6 @@ def decode(cls: type[M], payload: bytes | bytearray | memoryview, *, keep_stray:
         raise DecodeError(f"broken {type_name(cls)}: {malformed}") from None
 
 
-def _payload(message: Message, cls: type[Message]) -> bytes:
-    parts = [layout(cls).fingerprint]
-    layout(cls).write(message, parts)
-    return b"".join(parts)
-
-
 def describe_payload(data: bytes) -> str:
     """A description of an unexpected payload: its type, as far as it is known."""
     if len(data) < _FINGERPRINT_BYTES:
@@ -84,3 +80,43 @@ def describe_payload(data: bytes) -> str:
     fingerprint = int.from_bytes(data[:_FINGERPRINT_BYTES], "big")
     names = candidates(fingerprint)
     return names[0] if names else f"an unknown type (fingerprint {fingerprint:#018x})"
+
+
+def _payload(message: Message, cls: type[Message]) -> bytes:
+    parts = [layout(cls).fingerprint]
+    layout(cls).write(message, parts)
+    return b"".join(parts)
+
+
+def _conformed(message: object, cls: type[Message]) -> Message:
+    """A copy of a message in which all is plain: lists, bytes, Python's own scalars.
+
+    Raises:
+        Misfit: A value does not fit; it knows its path.
+    """
+    if not is_generated(cls):
+        raise Misfit(f"expected a message, got {given(message)}")
+    if not has_wire_type(message, cls):
+        raise Misfit(f"expected {type_name(cls)}, got {_described(message)}")
+    copy = cls()
+    for field in visible_fields(cls):
+        setattr(copy, field.name, _conformed_field(message, field))
+    check_lengths(copy)
+    return copy
+
+
+def _conformed_field(message: object, field: Field) -> object:
+    value = getattr(message, field.name, None)
+    element: Element = partial(from_python, type_name=field.type)
+    if field.message_class:
+        element = partial(_conformed, cls=field.message_class)
+    try:
+        return shaped(value, field, element) if field.dimensions else element(value)
+    except Misfit as misfit:
+        misfit.inside(f".{field.name}")
+        raise
+
+
+def _described(value: object) -> str:
+    cls = type(value)
+    return type_name(cast("type[Message]", cls)) if is_generated(cls) else given(value)

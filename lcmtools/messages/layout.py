@@ -30,23 +30,22 @@ from itertools import groupby
 from math import prod
 from typing import cast
 
-from lcmtools.messages.arrays import Array, length
-from lcmtools.messages.conform import has_wire_type
 from lcmtools.messages.fields import Field, fields, visible_fields
 from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.messages.rows import (
     BOOLEANS,
     FORMATS,
-    Bytes,
+    STRING_BYTES,
+    Array,
     Cursor,
-    Numbers,
     Row,
-    Strings,
     check_count,
+    length,
+    primitive_row,
+    read_string,
+    write_string,
 )
 from lcmtools.messages.shape import as_sequence
-
-_STRING_BYTES = 4  # of an empty string's length, which counts its NUL
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,35 +77,43 @@ def layout(cls: type[Message]) -> Layout:
     )
 
 
-@cache
-def smallest(cls: type[Message]) -> int:
-    """The smallest size of a message [byte], with all arrays of variable size empty."""
-    return sum(_smallest(part) for part in fields(cls))
+def is_generated(cls: type) -> bool:
+    """Return True for a class made by lcm-gen."""
+    return hasattr(cls, "__typenames__")
 
 
-class Messages:
-    """Nested messages: a row of an array."""
+def has_wire_type(message: object, cls: type[Message]) -> bool:
+    """Return True for an object with the fields of a ``cls``, in the same order.
+
+    A geometry_msgs/Point may stand for a Vector3, as with lcm-gen's own encoders.
+    """
+    kind = cast("type[Message]", type(message))
+    return kind is cls or (is_generated(kind) and fingerprint(kind) == fingerprint(cls))
+
+
+def _check_type(value: object, cls: type[Message]) -> None:
+    if type(value) is not cls and not has_wire_type(value, cls):
+        raise TypeError(f"not a {cls.__name__}")
+
+
+class _Messages:
+    """A row of messages."""
 
     def __init__(self, cls: type[Message], where: str) -> None:
         self._cls = cls
         self._where = where
-
-    def smallest(self) -> int:
-        """The bytes of a message with empty arrays."""
-        return smallest(self._cls)
+        self.smallest = _smallest(cls)
 
     def write(self, values: object, count: int, parts: list[bytes]) -> None:
-        """Append them all."""
         messages = as_sequence(values)
         check_count(messages, count)
         write = layout(self._cls).write
         for value in messages:
-            check_type(value, self._cls)
+            _check_type(value, self._cls)
             write(value, parts)
 
     def read(self, count: int, cursor: Cursor) -> list[Message]:
-        """A list of them."""
-        cursor.expect(count, self.smallest(), self._where)
+        cursor.expect(count, self.smallest, self._where)
         cursor.enter(self._where)
         read = layout(self._cls).read
         messages = [read(cursor) for _ in range(count)]
@@ -114,22 +121,11 @@ class Messages:
         return messages
 
 
-def check_type(value: object, cls: type[Message]) -> None:
-    """Raise TypeError where the value cannot stand for a ``cls``."""
-    if type(value) is not cls and not has_wire_type(value, cls):
-        raise TypeError(f"not a {cls.__name__}")
-
-
 @dataclass(slots=True)
 class _Source:
-    """The two functions while they are being written.
+    """The statements of the two functions, and the names that they use.
 
-    Attributes:
-        type_name: The type they are for.
-        write: Statements of one.
-        read: Statements of the other.
-        leaves: The fields that are not messages themselves: variable of the message, path, field.
-        space: The names that the statements use.
+    ``leaves`` are the fields that are not messages: the message's variable, the path, the field.
     """
 
     type_name: str
@@ -139,19 +135,19 @@ class _Source:
     space: dict[str, object] = field(
         default_factory=lambda: {
             "booleans": BOOLEANS,
-            "check": check_type,
+            "check": _check_type,
             "length": length,
             "new": object.__new__,
+            "read_string": read_string,
+            "write_string": write_string,
         }
     )
 
     def add_message(self, target: str, cls: type[Message], path: str) -> None:
-        """Add the variable of a message, its length fields, its messages and their fields.
+        """Add a message's variable, its length fields, its messages and their fields.
 
-        Args:
-            target: The assignment's left side: "m0 =", "m1 = m0.linear =".
-            cls: The message's class.
-            path: Where it is, with a point at the end unless it is the outermost.
+        ``target`` is the assignment's left side: "m0 =", "m1 = m0.linear ="; ``path`` ends in a
+        point unless the message is the outermost.
         """
         variable = target.partition(" ")[0]
         self.read.append(f"{target} new({self._name('c', cls)})")
@@ -171,16 +167,19 @@ class _Source:
 
     def add_fields(self) -> None:
         """Add the statements for all leaves, numbers in runs."""
-        for numbers, run in groupby(self.leaves, key=lambda leaf: _is_number(leaf[2])):
-            if numbers:
+        for is_number, run in groupby(self.leaves, key=lambda leaf: _is_number(leaf[2])):
+            if is_number:
                 self._add_numbers(list(run))
                 continue
             for variable, path, part in run:
-                add = self._add_array if part.dimensions else self._add_string
-                add(variable, path, part)
+                target, where = f"{variable}.{part.name}", f"{self.type_name}.{path}"
+                if part.dimensions:
+                    self._add_array(variable, target, part, where)
+                else:
+                    self.write.append(f"write_string({target}, parts)")
+                    self.read.append(f"{target} = read_string(cursor, {where!r})")
 
     def functions(self) -> tuple[object, object]:
-        """The functions ``write`` and ``read``."""
         write = ["def write(m0, parts):", *self.write, "return"]
         read = ["def read(cursor):", *self.read, "return m0"]
         text = "\n ".join(write) + "\n" + "\n ".join(read)
@@ -201,22 +200,17 @@ class _Source:
         start = f"cursor.take({packer.size}, {where!r})"
         self.read.append(f"{', '.join(targets)}, = {name}.unpack_from(cursor.data, {start})")
 
-    def _add_string(self, variable: str, path: str, part: Field) -> None:
-        row = self._name("r", Strings(f"{self.type_name}.{path}"))
-        self.write.append(f"{row}.write_one({variable}.{part.name}, parts)")
-        self.read.append(f"{variable}.{part.name} = {row}.read_one(cursor)")
-
-    def _add_array(self, variable: str, path: str, part: Field) -> None:
-        where = f"{self.type_name}.{path}"
+    def _add_array(self, variable: str, target: str, part: Field, where: str) -> None:
+        row = _row(part, where)
         sizes = [
             str(size) if isinstance(size, int) else f"{variable}.{size}" for size in part.dimensions
         ]
         if len(sizes) == 1:
-            size, array = sizes[0], self._name("r", _row(part, where))
+            size, array = sizes[0], self._name("r", row)
         else:
-            size, array = f"({', '.join(sizes)})", self._name("a", Array(_row(part, where), where))
-        self.write.append(f"{array}.write({variable}.{part.name}, {size}, parts)")
-        self.read.append(f"{variable}.{part.name} = {array}.read({size}, cursor)")
+            size, array = f"({', '.join(sizes)})", self._name("a", Array(row, where))
+        self.write.append(f"{array}.write({target}, {size}, parts)")
+        self.read.append(f"{target} = {array}.read({size}, cursor)")
 
     def _name(self, letter: str, thing: object) -> str:
         """A new name for a thing that the statements use."""
@@ -240,14 +234,21 @@ def _set_lengths(cls: type[Message], variable: str) -> Iterable[str]:
             yield f"{target} = length({target}, {', '.join(arrays)})"
 
 
-def _smallest(part: Field) -> int:
+@cache
+def _smallest(cls: type[Message]) -> int:
+    """The smallest size of a message [byte], with all arrays of variable size empty."""
+    return sum(map(_smallest_field, fields(cls)))
+
+
+def _smallest_field(part: Field) -> int:
     count = prod(size if isinstance(size, int) else 0 for size in part.dimensions)
-    if not count:
+    if not count:  # before the element: a type may hold an array of itself
         return 0
     if part.message_class:
-        return count * smallest(part.message_class)
-    size = _STRING_BYTES if part.type == "string" else struct.calcsize(f">{FORMATS[part.type]}")
-    return count * size
+        return count * _smallest(part.message_class)
+    if part.type == "string":
+        return count * STRING_BYTES
+    return count * struct.calcsize(f">{FORMATS[part.type]}")
 
 
 def _is_number(part: Field) -> bool:
@@ -256,7 +257,5 @@ def _is_number(part: Field) -> bool:
 
 def _row(part: Field, where: str) -> Row:
     if part.message_class:
-        return Messages(part.message_class, where)
-    if part.type == "string":
-        return Strings(where)
-    return Bytes(where) if part.is_bytes else Numbers(part.type, where)
+        return _Messages(part.message_class, where)
+    return primitive_row(part.type, where, is_bytes=part.is_bytes)

@@ -11,9 +11,8 @@ from functools import partial
 from typing import TypeAlias, cast
 
 from lcmtools.messages.fields import Field, field_name, fields, visible_fields
-from lcmtools.messages.misfit import Misfit, given
 from lcmtools.messages.registry import Message, type_name
-from lcmtools.messages.scalars import STRAY_BYTES, from_python, from_text
+from lcmtools.messages.scalars import STRAY_BYTES, Misfit, from_python, from_text, given
 from lcmtools.messages.shape import Element, as_bytes, as_sequence, each, shaped
 
 Plain: TypeAlias = "bool | int | float | str | list[Plain] | dict[str, Plain]"

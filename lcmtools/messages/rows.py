@@ -1,15 +1,14 @@
-"""The innermost dimension of an array: numbers, bytes or strings in a payload.
+"""Arrays and strings in a payload, and the cursor that never reads past a payload's end.
 
-Belongs here: LCM's encoding of primitive values, and the cursor that never reads past a payload's
-end. Must not know messages. Writing raises whatever Python raises for a value that is not plain;
-reading raises Malformed.
-
-Numbers are big-endian; a boolean is one byte; a string is its length with the closing NUL (4
-bytes), UTF-8 and NUL.
+Belongs here: LCM's encoding. Numbers are big-endian; a boolean is one byte; a string is its length
+with the closing NUL (4 bytes), UTF-8 and NUL; an array is its elements row by row, its sizes are
+elsewhere. Must not know messages. Writing raises whatever Python raises for a value that is not
+plain; reading raises Malformed.
 """
 
 import struct
-from collections.abc import Sized
+from collections.abc import Sequence, Sized
+from math import prod
 from typing import Protocol
 
 from lcmtools.messages.scalars import STRAY_BYTES
@@ -26,17 +25,17 @@ FORMATS = {
     "float64": "d",
 }
 """The ``struct`` codes of the primitive types of fixed size."""
-
 BOOLEANS: dict[object, bool] = {False: False, True: True}
 """The values accepted as booleans; ``struct`` alone takes any object for true."""
+STRING_BYTES = 4
+"""The size of an empty string: its length, which counts its NUL."""
 
-MOST_WEIGHTLESS = 65_536
+_MOST_WEIGHTLESS = 65_536
 """Elements without bytes (empty messages, empty rows) that one payload may claim to hold. Without
-a limit, 4 bytes could ask for two thousand million of them."""
-
-
-DEEPEST = 100
+a limit, 4 bytes could claim two thousand million of them."""
+_DEEPEST = 100
 """Levels of arrays of messages in a payload. Only a type that holds itself could have as many."""
+_LENGTH = struct.Struct(">I")
 
 
 class Malformed(ValueError):  # noqa: N818 - named for what happened, as in errors.py
@@ -44,9 +43,9 @@ class Malformed(ValueError):  # noqa: N818 - named for what happened, as in erro
 
 
 class Cursor:
-    """A payload and how much of it has been read.
+    """A payload and the offset of what has not been read.
 
-    ``stray`` is what becomes of bytes in strings that are not UTF-8, as Python's decoders call it.
+    ``stray`` is the error handler for bytes in strings that are not UTF-8.
     """
 
     __slots__ = ("data", "depth", "offset", "stray", "weightless")
@@ -56,7 +55,7 @@ class Cursor:
         self.stray = stray
         self.offset = offset
         self.depth = 0
-        self.weightless = MOST_WEIGHTLESS
+        self.weightless = _MOST_WEIGHTLESS
 
     def take(self, size: int, where: str) -> int:
         """Go on by ``size`` bytes and return where they start."""
@@ -79,129 +78,163 @@ class Cursor:
     def enter(self, where: str) -> None:
         """Begin an array of messages; ``depth`` is to be lowered at its end."""
         self.depth += 1
-        if self.depth > DEEPEST:
-            raise Malformed(f"nested more than {DEEPEST} levels deep at {where}")
+        if self.depth > _DEEPEST:
+            raise Malformed(f"nested more than {_DEEPEST} levels deep at {where}")
 
     def _wrong_size(self, size: int, where: str) -> Malformed:
         if size < 0:
             return Malformed(f"negative length at {where}")
-        left = len(self.data) - self.offset
-        return Malformed(f"{size} bytes wanted at {where}, {left} left")
+        return Malformed(f"{size} bytes wanted at {where}, {len(self.data) - self.offset} left")
 
 
 class Row(Protocol):
-    """The elements of an array of one dimension."""
+    """An array of one dimension: ``smallest`` is the least size of an element [byte]."""
 
-    def smallest(self) -> int:
-        """The smallest size of an element [byte]."""
+    smallest: int
 
     def write(self, values: object, count: int, parts: list[bytes]) -> None:
-        """Append the bytes of all elements, of which there must be so many."""
+        """Append the bytes of all elements, of which there must be ``count``."""
 
     def read(self, count: int, cursor: Cursor) -> object:
-        """So many elements."""
+        """Return ``count`` elements."""
 
 
-class Numbers:
+def primitive_row(type_name: str, where: str, *, is_bytes: bool) -> Row:
+    """Return the row of a primitive type; ``where`` is its place, for errors."""
+    if type_name == "string":
+        return _Strings(where)
+    return _Bytes(where) if is_bytes else _Numbers(FORMATS[type_name], where)
+
+
+class _Numbers:
     """Numbers or booleans."""
 
-    def __init__(self, type_name: str, where: str) -> None:
-        code = FORMATS[type_name]
+    def __init__(self, code: str, where: str) -> None:
         self._code = code
         self._where = where
-        self._size = struct.calcsize(f">{code}")
-
-    def smallest(self) -> int:
-        """The size of one number."""
-        return self._size
+        self.smallest = struct.calcsize(f">{code}")
 
     def write(self, values: object, count: int, parts: list[bytes]) -> None:
-        """Append them all."""
         numbers = as_sequence(values)
         if self._code == "?":
             numbers = [BOOLEANS[value] for value in numbers]
         parts.append(struct.pack(f">{count}{self._code}", *numbers))
 
     def read(self, count: int, cursor: Cursor) -> object:
-        """Numbers as a tuple, booleans as a list: what lcm-gen's decoders give."""
+        """Return numbers as a tuple, booleans as a list, as lcm-gen's decoders do."""
         data, start = cursor.data, cursor.offset
-        end = start + count * self._size
+        end = start + count * self.smallest
         if not start <= end <= len(data):  # not take() at once: short arrays are slower by its call
-            cursor.take(count * self._size, self._where)
+            cursor.take(count * self.smallest, self._where)
         cursor.offset = end
         numbers = struct.unpack_from(f">{count}{self._code}", data, start)
         return list(numbers) if self._code == "?" else numbers
 
 
-class Bytes:
-    """Bytes, as one ``bytes``."""
+class _Bytes:
+    """Bytes, as one ``bytes``; written without a copy where they are one."""
+
+    smallest = 1
 
     def __init__(self, where: str) -> None:
         self._where = where
 
-    def smallest(self) -> int:
-        """One byte."""
-        return 1
-
     def write(self, values: object, count: int, parts: list[bytes]) -> None:
-        """Append them, without a copy where they are a ``bytes``."""
         data = values if type(values) is bytes else as_bytes(values)
         check_count(data, count)
         parts.append(data)
 
     def read(self, count: int, cursor: Cursor) -> bytes:
-        """So many bytes."""
         start = cursor.take(count, self._where)
         return cursor.data[start : start + count]
 
 
-class Strings:
-    """Strings."""
+class _Strings:
+    smallest = STRING_BYTES
 
     def __init__(self, where: str) -> None:
         self._where = where
 
-    def smallest(self) -> int:
-        """The bytes of a string's length."""
-        return 4
-
     def write(self, values: object, count: int, parts: list[bytes]) -> None:
-        """Append them all."""
         strings = as_sequence(values)
         check_count(strings, count)
         for value in strings:
-            self.write_one(value, parts)
+            write_string(value, parts)
 
     def read(self, count: int, cursor: Cursor) -> list[str]:
-        """A list of them."""
-        cursor.expect(count, self.smallest(), self._where)
-        return [self.read_one(cursor) for _ in range(count)]
+        cursor.expect(count, self.smallest, self._where)
+        return [read_string(cursor, self._where) for _ in range(count)]
 
-    def write_one(self, value: object, parts: list[bytes]) -> None:
-        """Append one."""
-        # TypeError for all but text
-        text = str.encode(value, "utf-8", STRAY_BYTES)  # type: ignore[arg-type]
-        parts += (_LENGTH.pack(len(text) + 1), text, b"\0")
 
-    def read_one(self, cursor: Cursor) -> str:
-        """One string; bytes that are not UTF-8 become U+FFFD, as in lcm-gen's, or are kept."""
-        data = cursor.data
-        start = cursor.take(4, self._where) + 4
-        end = start + _LENGTH.unpack_from(data, start - 4)[0]
-        if end > len(data):
-            cursor.take(end - start, self._where)
-        cursor.offset = end
-        if start == end:  # no NUL either, which lcm-gen's decoders let pass
-            return ""
-        if data[end - 1]:
-            raise Malformed(f"no NUL at the end of {self._where}")
-        return data[start : end - 1].decode("utf-8", cursor.stray)
+class Array:
+    """An array of several dimensions, made of rows of one kind."""
+
+    def __init__(self, row: Row, where: str) -> None:
+        self._row = row
+        self._where = where
+
+    def write(self, values: object, sizes: Sequence[int], parts: list[bytes]) -> None:
+        """Append its bytes; a wrong size raises ValueError."""
+        count, inner = sizes[0], sizes[1:]
+        if not inner:
+            self._row.write(values, count, parts)
+            return
+        rows = as_sequence(values)
+        check_count(rows, count)
+        for row in rows:
+            self.write(row, inner, parts)
+
+    def read(self, sizes: Sequence[int], cursor: Cursor) -> object:
+        """Return the array of these sizes, outermost first."""
+        count, inner = sizes[0], sizes[1:]
+        if not inner:
+            return self._row.read(count, cursor)
+        if min(sizes) < 0:
+            raise Malformed(f"negative length at {self._where}")
+        cursor.expect(count, prod(inner) * self._row.smallest, self._where)
+        return [self.read(inner, cursor) for _ in range(count)]
+
+
+def write_string(value: object, parts: list[bytes]) -> None:
+    """Append a string; TypeError for all but text."""
+    text = str.encode(value, "utf-8", STRAY_BYTES)  # type: ignore[arg-type] # as said
+    parts += (_LENGTH.pack(len(text) + 1), text, b"\0")
+
+
+def read_string(cursor: Cursor, where: str) -> str:
+    """Return a string; bytes that are not UTF-8 become U+FFFD, as in lcm-gen's, or are kept."""
+    data = cursor.data
+    start = cursor.take(STRING_BYTES, where) + STRING_BYTES
+    end = start + _LENGTH.unpack_from(data, start - STRING_BYTES)[0]
+    if end > len(data):
+        cursor.take(end - start, where)
+    cursor.offset = end
+    if start == end:  # no NUL either, which lcm-gen's decoders let pass
+        return ""
+    if data[end - 1]:
+        raise Malformed(f"no NUL at the end of {where}")
+    return data[start : end - 1].decode("utf-8", cursor.stray)
+
+
+def length(old: int, *arrays: tuple[object, int]) -> int:
+    """Return the value of a length field: the length of the first array that depends on it.
+
+    Args:
+        old: Its value, which stays where no array has the size (an inner size without any row).
+        arrays: The arrays that share it, each with the dimension that it gives, 0 the outermost.
+    """
+    for values, depth in arrays:
+        for _ in range(depth):
+            rows = as_sequence(values)
+            if not rows:
+                break
+            values = rows[0]  # noqa: PLW2901 - the way in
+        else:
+            return len(values)  # type: ignore[arg-type] # TypeError, when it is no array
+    return old
 
 
 def check_count(values: Sized, count: int) -> None:
-    """Raise ValueError where there are not so many values."""
+    """Raise ValueError unless there are ``count`` values."""
     if len(values) != count:
         raise ValueError("wrong length")
-
-
-_LENGTH = struct.Struct(">I")

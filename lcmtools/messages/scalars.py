@@ -1,28 +1,27 @@
-"""Single values: what a number, a boolean or a text of a field may be, and how it is written.
+"""Single values: the number, boolean or text that a field's primitive type holds.
 
-Belongs here: from text or from any Python object to the one plain value that a primitive type
-holds. Must not know fields, messages or YAML's syntax.
+Belongs here: from text or any Python object to the one plain value, and the error for one that does
+not fit, which gathers its path on the way up so that values that do fit cost nothing. Must not know
+fields, messages or YAML's syntax.
 """
 
 import math
 import operator
 import re
 import struct
-from collections.abc import Callable
 from typing import SupportsFloat
 
-from lcmtools.messages.misfit import Misfit, given
+from lcmtools.errors import ValueMismatch
 
 Scalar = bool | int | float | str
 
 INTEGERS = {
     "uint8": (0, 255),
-    "int8": (-(1 << 7), (1 << 7) - 1),
-    "int16": (-(1 << 15), (1 << 15) - 1),
-    "int32": (-(1 << 31), (1 << 31) - 1),
-    "int64": (-(1 << 63), (1 << 63) - 1),
+    **{f"int{bits}": (-(1 << bits - 1), (1 << bits - 1) - 1) for bits in (8, 16, 32, 64)},
 }
 """The integer types and their ranges, both ends included."""
+STRAY_BYTES = "surrogateescape"
+"""The error handler for bytes that are not UTF-8: byte 0xE9 becomes the surrogate U+DCE9."""
 
 _BASED = re.compile(r"([-+]?)0(?:x[0-9a-f]+|o[0-7]+|b[01]+)", re.IGNORECASE)
 _WHOLE = re.compile(r"[-+]?[0-9]+")
@@ -31,25 +30,74 @@ _NOT_FINITE = re.compile(r"[-+]?(?:\.?(?:inf|nan)|infinity)", re.IGNORECASE)
 _BOOLEANS = dict.fromkeys(("true", "yes", "on", "1"), True) | dict.fromkeys(
     ("false", "no", "off", "0"), False
 )
-STRAY_BYTES = "surrogateescape"
-"""The error handler for bytes that are not UTF-8: byte 0xE9 becomes the surrogate U+DCE9."""
 _LONGEST_NUMBER = 400
 """Characters. No longer text is a number that anyone means; Python refuses far longer ones."""
+_LONGEST_SHOWN = 40
+"""Characters of a value that an error line repeats."""
+
+
+class Misfit(ValueError):  # noqa: N818 - named for what happened, as in errors.py
+    """A value that does not fit its field; it never leaves this room, users see ValueMismatch.
+
+    Args:
+        what: The expected and the given value.
+        hint: The correction, or "".
+    """
+
+    def __init__(self, what: str, hint: str = "") -> None:
+        super().__init__(what)
+        self.what = what
+        self.hint = hint
+        self._steps: list[str] = []
+
+    def inside(self, step: str) -> "Misfit":
+        """Add the field (".name") or array element ("[3]") around the value; return the error."""
+        self._steps.append(step)
+        return self
+
+    def mismatch(self, root: str) -> ValueMismatch:
+        """Return the error for the user; the type's name ``root`` replaces an empty path."""
+        path = "".join(reversed(self._steps)).removeprefix(".")
+        says_root = not path and self.what.startswith(f"{root} ")
+        return ValueMismatch(self.what if says_root else f"{path or root}: {self.what}", self.hint)
+
+
+def given(value: object) -> str:
+    """Return a short description of a value for an error line."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, (list, tuple)):
+        return "a list"
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, (bytes, bytearray)):
+        return "binary data"
+    if isinstance(value, (bool, int, float, str)):
+        text = repr(value)
+        is_long = len(text) > _LONGEST_SHOWN
+        return f"{text[: _LONGEST_SHOWN - 4]}...{text[-1]}" if is_long else text
+    return f"a {type(value).__name__}"
 
 
 def from_text(text: str, type_name: str) -> Scalar:
-    """The value that ``text`` stands for in a field of a primitive type.
+    """Return the value of ``text`` in a field of a primitive type.
 
     The field decides, not the text: "on" is text in a string and true in a bool.
 
     Raises:
-        Misfit: It stands for none.
+        Misfit: It has none.
     """
-    return _reader(type_name)(text, type_name)
+    if type_name == "string":
+        return _check_text(text)
+    if type_name == "bool":
+        if text.lower() not in _BOOLEANS:
+            raise Misfit(f"expected true or false, got {given(text)}")
+        return _BOOLEANS[text.lower()]
+    return _read_integer(text, type_name) if type_name in INTEGERS else _read_float(text, type_name)
 
 
 def from_python(value: object, type_name: str) -> Scalar:
-    """The plain Python value of a primitive type that ``value`` is, numpy's scalars included.
+    """Return a value as Python's own of a primitive type; numpy's scalars are accepted.
 
     Raises:
         Misfit: It is of another type or out of range.
@@ -59,29 +107,14 @@ def from_python(value: object, type_name: str) -> Scalar:
     if type_name == "string":
         return _check_text(plain)
     if type_name == "bool":
-        return _check_boolean(plain)
-    if type_name in INTEGERS:
-        return _check_integer(plain, type_name)
-    return _check_float(plain, type_name)
-
-
-def _reader(type_name: str) -> Callable[[str, str], Scalar]:
-    if type_name == "string":
-        return _read_text
-    if type_name == "bool":
-        return _read_boolean
-    return _read_integer if type_name in INTEGERS else _read_float
-
-
-def _read_text(text: str, _: str) -> str:
-    return _check_text(text)
-
-
-def _read_boolean(text: str, _: str) -> bool:
-    try:
-        return _BOOLEANS[text.lower()]
-    except KeyError:
-        raise Misfit(f"expected true or false, got {given(text)}") from None
+        if isinstance(plain, int) and plain in (0, 1):  # bool is an int
+            return bool(plain)
+        raise Misfit(f"expected true or false, got {given(plain)}")
+    return (
+        _check_integer(plain, type_name)
+        if type_name in INTEGERS
+        else _check_float(plain, type_name)
+    )
 
 
 def _read_integer(text: str, type_name: str) -> int:
@@ -142,12 +175,6 @@ def _check_text(value: object) -> str:
     except UnicodeEncodeError:
         raise Misfit(f"expected text, got half a character in {given(value)}") from None
     return value
-
-
-def _check_boolean(value: object) -> bool:
-    if isinstance(value, int) and value in (0, 1):  # bool is an int
-        return bool(value)
-    raise Misfit(f"expected true or false, got {given(value)}")
 
 
 def _check_integer(value: object, type_name: str) -> int:
