@@ -15,7 +15,7 @@ from lcmtools.clock import join_stamp
 from lcmtools.doctor.content import oddities
 from lcmtools.doctor.evidence import Oddity, Stream
 from lcmtools.errors import DecodeError, LcmtoolsError
-from lcmtools.messages.header import stamp
+from lcmtools.messages.fields import stamp
 from lcmtools.messages.registry import Message
 from lcmtools.names import is_hidden
 from lcmtools.observe.decoding import Decoder

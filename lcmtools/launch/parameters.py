@@ -11,7 +11,7 @@ from lcmtools.formats.strict_xml import Element
 from lcmtools.launch.packages import LARGEST, path_from
 from lcmtools.launch.scope import Scope, located
 from lcmtools.messages.documents import parse
-from lcmtools.messages.plain import Value
+from lcmtools.messages.fill import Value
 from lcmtools.messages.setting import ANY, read_setting, text_of, write_setting
 from lcmtools.names import check_legal, namespace_of, resolve
 

@@ -1,13 +1,15 @@
-"""The definition of a type, as ``rosmsg show`` prints it.
+"""A type as text: its definition, as of ``rosmsg show``, and its prototype, as of ``rosmsg-proto``.
 
-Belongs here: how a type's fields and constants are written. Must not know values.
+Belongs here: how a type's fields, constants and defaults are written. Must not know messages.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from lcmtools.messages.fields import Field, visible_fields
+from lcmtools.messages.plain import Plain, to_plain
 from lcmtools.messages.registry import Message
 from lcmtools.messages.scalars import INTEGERS
+from lcmtools.messages.text import quoted
 
 
 def definition(cls: type[Message]) -> str:
@@ -22,6 +24,19 @@ def definition(cls: type[Message]) -> str:
     smallest type that holds all of them, unsigned where it can be, as in ROS's own definitions.
     """
     return "\n".join(_lines(cls, "", ()))
+
+
+def prototype(cls: type[Message]) -> str:
+    """Return the fields of a type with their defaults as YAML that ``pub`` takes.
+
+        linear:
+          x: 0.0
+        covariance: [0.0, 0.0]
+        frame_id: ''
+
+    It is "{}" for a type without fields.
+    """
+    return "\n".join(_prototype_rows(to_plain(cls()), "")) or "{}"
 
 
 def declaration(field: Field) -> str:
@@ -53,3 +68,23 @@ def _integer_type(values: list[int]) -> str:
         name for name, (low, high) in INTEGERS.items() if low <= min(values) and max(values) <= high
     )
     return next(fitting, "int64")
+
+
+def _prototype_rows(fields: Mapping[str, Plain], indent: str) -> Iterator[str]:
+    for name, value in fields.items():
+        if isinstance(value, dict) and value:
+            yield f"{indent}{name}:"
+            yield from _prototype_rows(value, f"{indent}  ")
+        else:
+            yield f"{indent}{name}: {_inline(value)}"
+
+
+def _inline(value: Plain) -> str:
+    """A value in one line; whole messages only stand here within arrays of fixed size."""
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{name}: {_inline(part)}' for name, part in value.items())}}}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_inline, value))}]"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return quoted(value) if isinstance(value, str) else repr(value)

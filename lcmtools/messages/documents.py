@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from lcmtools.errors import ValueMismatch
 from lcmtools.formats.strict_yaml import read_documents
 from lcmtools.formats.yaml_problem import BadYaml, OpenBracket
-from lcmtools.messages.plain import Value
+from lcmtools.messages.fill import Value
 
 LONGEST = 1 << 28
 """Characters of a document; above LCM's largest message, as text."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TypeAlias
 
+from lcmtools.clock import join_stamp
 from lcmtools.messages.registry import Message, type_name
 
 PRIMITIVES = {
@@ -83,6 +84,14 @@ def field_name(cls: type[Message], name: str) -> str:
     if name in _TIME_NAMES and is_time(cls):
         return cls.__slots__[_TIME_NAMES[name]]
     return name
+
+
+def stamp(message: Message) -> int | None:
+    """The stamp in a message's ``header`` [ns since 1970]; None where it has no std_msgs/Header."""
+    header = getattr(message, "header", None)
+    if header is None or type_name(header) != "std_msgs/Header":
+        return None
+    return join_stamp(int(header.stamp.sec), int(header.stamp.nsec))
 
 
 def _field(name: str, lcm_type: str, sizes: list[int | str] | None, is_length: bool) -> Field:  # noqa: FBT001 - private

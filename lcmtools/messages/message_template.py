@@ -14,7 +14,7 @@ from typing import Generic, TypeAlias, TypeVar, cast
 from lcmtools.clock import split_stamp
 from lcmtools.messages.codec import encode
 from lcmtools.messages.fields import Field, is_time, visible_fields
-from lcmtools.messages.plain import Value, fill
+from lcmtools.messages.fill import Value, fill
 from lcmtools.messages.registry import Message, type_name
 
 M = TypeVar("M", bound=Message)

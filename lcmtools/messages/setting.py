@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from lcmtools.errors import ValueMismatch
-from lcmtools.messages.plain import Value
+from lcmtools.messages.fill import Value
 from lcmtools.messages.scalars import Misfit, Scalar, from_python, from_text, given
 from lcmtools.messages.shape import each
 from lcmtools.messages.text import quoted

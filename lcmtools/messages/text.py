@@ -24,8 +24,8 @@ from functools import cache
 from operator import attrgetter
 from typing import cast
 
-from lcmtools.messages.fields import Field, is_time, visible_fields
-from lcmtools.messages.plain import plain_scalar, plain_value
+from lcmtools.messages.fields import TIME_FIELDS, Field, is_time, visible_fields
+from lcmtools.messages.plain import More, Plain, plain_scalar, plain_value
 from lcmtools.messages.registry import Message
 from lcmtools.messages.scalars import STRAY_BYTES
 from lcmtools.messages.shape import as_sequence
@@ -53,6 +53,7 @@ _ESCAPED = re.compile(r"[^ !#-\[\]-~]")
 _WORD = re.compile(r"[A-Za-z_/][\w./-]*", re.ASCII)
 _STRAY = re.compile("[\udc80-\udcff]")
 _NSEC_WIDTH = 9
+_NUMBERS = frozenset((bool, int, float))
 _PLAIN = frozenset((bool, int, float, str))
 _RESERVED = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
 
@@ -72,11 +73,84 @@ def quoted(text: str) -> str:
     return f'"{_ESCAPED.sub(_escape, text)}"' if text else "''"
 
 
-def quoted_at_end(text: str) -> str:
+def _quoted_at_end(text: str) -> str:
     """The same at the end of a line, where a comment can say what ``!!binary`` is."""
     shown = quoted(text)
     is_binary = shown.startswith("!")
     return f"{shown} # {text.encode('utf-8', STRAY_BYTES)!r}" if is_binary else shown
+
+
+@dataclass(frozen=True, slots=True)
+class Writer:
+    """The format of plain values.
+
+    Attributes:
+        width: Characters of a number, as ``rostopic echo -w`` has them; None for as many as it
+            needs.
+    """
+
+    width: int | None = None
+
+    def block(self, plain: Plain) -> str:
+        """A plain value as ``rostopic echo`` shows the message or field it was."""
+        if isinstance(plain, dict):
+            return "\n".join(self._lines(plain, ""))
+        if isinstance(plain, list) and _is_block(plain):
+            return "\n".join(self._items(plain, ""))
+        return self.flow(plain)
+
+    def flow(self, plain: Plain) -> str:
+        """A plain value in one line, in YAML's flow style."""
+        if isinstance(plain, dict):
+            parts = (f"{name}: {self.flow(value)}" for name, value in plain.items())
+            return f"{{{', '.join(parts)}}}"
+        if isinstance(plain, list):
+            if self.width is None and _are_numbers(plain):
+                return repr(plain)  # the same at once, for images and clouds
+            return f"[{', '.join(map(self.flow, plain))}]"
+        if isinstance(plain, str):
+            return str(plain) if isinstance(plain, More) else quoted(plain)
+        return repr(plain) if self.width is None else _fixed(plain, self.width)
+
+    def _lines(self, fields: dict[str, Plain], indent: str) -> Iterator[str]:
+        is_time = tuple(fields) in TIME_FIELDS
+        for name, value in fields.items():
+            head = f"{indent}{name}: "
+            if isinstance(value, dict):
+                yield head
+                yield from self._lines(value, f"{indent}  ")
+            elif isinstance(value, list) and _is_block(value):
+                yield head
+                yield from self._items(value, f"{indent}  ")
+            elif isinstance(value, str) and not isinstance(value, More):
+                yield f"{head}{_quoted_at_end(value)}"
+            else:
+                is_padded = is_time and name != "sec" and self.width is None
+                yield f"{head}{self.flow(value):>{_NSEC_WIDTH if is_padded else 0}}"
+
+    def _items(self, values: list[Plain], indent: str) -> Iterator[str]:
+        """An array of strings, messages or arrays of them, an item each."""
+        for value in values:
+            if isinstance(value, dict):
+                yield f"{indent}- "
+                yield from self._lines(value, f"{indent}  ")
+            elif isinstance(value, list) and _is_block(value):
+                yield f"{indent}- "
+                yield from self._items(value, f"{indent}  ")
+            elif isinstance(value, str) and not isinstance(value, More):
+                yield f"{indent}- {_word_or_quoted(value)}"
+            else:
+                yield f"{indent}- {self.flow(value)}"
+
+
+FREE = Writer()
+"""Numbers take as much room as they need."""
+
+
+def _word_or_quoted(text: str) -> str:
+    """A string in a list: without quotes where no YAML parser needs them."""
+    is_word = _WORD.fullmatch(text) and text.lower() not in _RESERVED
+    return text if is_word else _quoted_at_end(text)
 
 
 def _message_text(message: Message, indent: str) -> str:
@@ -152,7 +226,7 @@ def _text_of(field: Field, indent: str) -> Callable[[object], str] | None:
         return lambda value: repr(plain_value(value, field))
     if field.dimensions:
         return lambda value: "\n".join(_block(field, value, "", indent))
-    return cast("Callable[[object], str]", quoted_at_end) if field.type == "string" else None
+    return cast("Callable[[object], str]", _quoted_at_end) if field.type == "string" else None
 
 
 def _block(field: Field, value: object, head: str, indent: str, depth: int = 1) -> Iterator[str]:
@@ -167,13 +241,31 @@ def _block(field: Field, value: object, head: str, indent: str, depth: int = 1) 
             if text := _message_text(cast("Message", element), f"{indent}  "):
                 yield text
         else:
-            yield f"{indent}- {word_or_quoted(cast('str', element))}"
+            yield f"{indent}- {_word_or_quoted(cast('str', element))}"
 
 
-def word_or_quoted(text: str) -> str:
-    """A string in a list: without quotes where no YAML parser needs them."""
-    is_word = _WORD.fullmatch(text) and text.lower() not in _RESERVED
-    return text if is_word else quoted_at_end(text)
+def _is_block(values: list[Plain]) -> bool:
+    """Return whether an array has something in it that does not go in a line of numbers."""
+    return not _are_numbers(values) and any(
+        isinstance(value, dict)
+        or (isinstance(value, str) and not isinstance(value, More))
+        or (isinstance(value, list) and _is_block(value))
+        for value in values
+    )
+
+
+def _are_numbers(values: list[Plain]) -> bool:
+    return _NUMBERS.issuperset(map(type, values))
+
+
+def _fixed(number: "bool | int | float", width: int) -> str:
+    """A number as rostopic cuts or pads it; its whole part is never cut."""
+    if isinstance(number, bool):
+        return repr(number)
+    if isinstance(number, int):
+        return f"{number:{width}d}"
+    text = f"{number:.{width}f}"
+    return text[: max(text.find("."), width)]
 
 
 def _binary(text: str) -> str:

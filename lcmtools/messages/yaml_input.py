@@ -12,8 +12,8 @@ from typing import TypeVar
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.documents import Document, Documents, parse
 from lcmtools.messages.fields import visible_fields
+from lcmtools.messages.fill import Value, fill
 from lcmtools.messages.message_template import MessageTemplate, draft
-from lcmtools.messages.plain import Value, fill
 from lcmtools.messages.registry import Message
 
 M = TypeVar("M", bound=Message)

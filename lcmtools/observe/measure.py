@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
 from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived, UnknownType
+from lcmtools.messages.fields import stamp
 from lcmtools.messages.filter import Filter
-from lcmtools.messages.header import stamp
 from lcmtools.messages.registry import message_class, type_name
 from lcmtools.names import Resolver
 from lcmtools.observe.arrivals import PATIENCE, ArrivalStream, Batch, SelectedPacket

@@ -13,7 +13,7 @@ from lcmtools.errors import InvalidFile, LcmtoolsError, ValueMismatch
 from lcmtools.formats.strict_yaml import Node, read_documents
 from lcmtools.formats.yaml_problem import BadYaml
 from lcmtools.messages.documents import parse
-from lcmtools.messages.plain import Value
+from lcmtools.messages.fill import Value
 from lcmtools.messages.setting import read_setting, text_of
 from lcmtools.names import did_you_mean
 from lcmtools.node.remote import RefusedParameters

@@ -5,8 +5,8 @@ import click
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, json_option
 from lcmtools.cli.output import data
+from lcmtools.messages.definition import prototype
 from lcmtools.messages.plain import to_json
-from lcmtools.messages.prototype import prototype
 from lcmtools.messages.registry import message_class
 
 

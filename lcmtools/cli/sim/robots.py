@@ -13,7 +13,7 @@ from lcmtools.cli.sim.common import call, json_sim_options, show
 from lcmtools.cli.words import CommandWithWords
 from lcmtools.errors import UsageError
 from lcmtools.messages.plain import to_plain
-from lcmtools.messages.plain_text import Writer
+from lcmtools.messages.text import Writer
 from lcmtools.types.geometry_msgs import Pose
 from lcmtools.types.sim_msgs import Delete, GetState, SetPose, Spawn
 

@@ -24,9 +24,9 @@ from lcmtools.cli.topic.echo_format import EchoFormatter
 from lcmtools.cli.topic.echo_options import display_options
 from lcmtools.cli.topic.measuring import notify
 from lcmtools.errors import UsageError
-from lcmtools.messages.plain_text import Writer
+from lcmtools.messages.plain import View
 from lcmtools.messages.registry import message_class, packages
-from lcmtools.messages.view import View
+from lcmtools.messages.text import Writer
 from lcmtools.observe.arrivals import ArrivalStream, taken
 from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.find import ask_nodes

@@ -10,13 +10,11 @@ from typing import cast
 from lcmtools.cli.output import talk
 from lcmtools.cli.topic.echo_options import DisplayOptions
 from lcmtools.errors import DecodeError, ValueMismatch
-from lcmtools.messages.cells import Cell, cells
-from lcmtools.messages.header import stamp
+from lcmtools.messages.fields import stamp
 from lcmtools.messages.path import Path, Selection, select
-from lcmtools.messages.plain import Plain, plain_json
+from lcmtools.messages.plain import Cell, Plain, View, cells, plain_json, plain_selection
 from lcmtools.messages.registry import Message
 from lcmtools.messages.text import format_message
-from lcmtools.messages.view import View, plain_selection
 from lcmtools.observe.arrivals import SelectedPacket
 from lcmtools.observe.decoding import Decoder, UnknownFingerprint, remedy_of_unknown
 from lcmtools.wire.packet import Packet

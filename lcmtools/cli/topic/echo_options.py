@@ -8,9 +8,9 @@ from lcmtools.errors import UnknownType, UsageError
 from lcmtools.messages.fields import MessageClass
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.path import Path, parse_path, target
-from lcmtools.messages.plain_text import FREE, Writer
+from lcmtools.messages.plain import NOTHING, View
 from lcmtools.messages.registry import Message, message_class
-from lcmtools.messages.view import NOTHING, View
+from lcmtools.messages.text import FREE, Writer
 
 Form = Literal["text", "json", "csv", "flow", "raw", "raw json"]
 

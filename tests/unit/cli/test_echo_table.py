@@ -3,8 +3,7 @@
 import pytest
 
 from lcmtools.cli.topic.echo_format import CsvTable
-from lcmtools.messages.cells import cells
-from lcmtools.messages.plain import Plain
+from lcmtools.messages.plain import Plain, cells
 
 
 def row(table: CsvTable, time: int, plain: Plain, kind: str = "a/B") -> str | None:

@@ -9,12 +9,10 @@ import pytest
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.fields import Field, fields, visible_fields
 from lcmtools.messages.path import Path, select
-from lcmtools.messages.plain import to_json
-from lcmtools.messages.plain_text import FREE
+from lcmtools.messages.plain import NOTHING, plain_selection, to_json
 from lcmtools.messages.registry import Message, message_class, type_names
 from lcmtools.messages.scalars import INTEGERS
-from lcmtools.messages.text import format_message
-from lcmtools.messages.view import NOTHING, plain_selection
+from lcmtools.messages.text import FREE, format_message
 from lcmtools.messages.yaml_input import drafts_from_lines, message_from_values
 
 _DEEPEST = 3

@@ -2,8 +2,7 @@
 
 import pytest
 
-from lcmtools.messages.cells import Cell, cells
-from lcmtools.messages.plain import Plain
+from lcmtools.messages.plain import Cell, Plain, cells
 
 
 @pytest.mark.parametrize(

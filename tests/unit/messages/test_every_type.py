@@ -18,7 +18,8 @@ from lcmtools.errors import DecodeError
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.definition import definition
 from lcmtools.messages.fields import Field, fields, visible_fields
-from lcmtools.messages.plain import fill, to_json, to_plain
+from lcmtools.messages.fill import fill
+from lcmtools.messages.plain import to_json, to_plain
 from lcmtools.messages.registry import Message, message_class
 from lcmtools.messages.scalars import INTEGERS
 from lcmtools.messages.text import format_message

@@ -1,6 +1,6 @@
 """The stamp in a message's header."""
 
-from lcmtools.messages.header import stamp
+from lcmtools.messages.fields import stamp
 from lcmtools.types.geometry_msgs import PoseStamped, Twist
 from lcmtools.types.std_msgs import Header
 

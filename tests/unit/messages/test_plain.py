@@ -8,7 +8,8 @@ import pytest
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import encode
-from lcmtools.messages.plain import fill, to_json, to_plain
+from lcmtools.messages.fill import fill
+from lcmtools.messages.plain import to_json, to_plain
 from lcmtools.messages.yaml_input import message_from_values
 from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs
 

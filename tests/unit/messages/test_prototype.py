@@ -5,7 +5,7 @@ from types import ModuleType
 import pytest
 
 from lcmtools.messages.codec import encode
-from lcmtools.messages.prototype import prototype
+from lcmtools.messages.definition import prototype
 from lcmtools.messages.registry import message_class, type_names
 from lcmtools.messages.yaml_input import message_from_values
 

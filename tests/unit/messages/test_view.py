@@ -2,14 +2,19 @@
 
 import pytest
 
-from lcmtools.messages.cells import cells
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.path import Path, parse_path, select
-from lcmtools.messages.plain import Plain, plain_json, to_plain
-from lcmtools.messages.plain_text import FREE, Writer
+from lcmtools.messages.plain import (
+    NOTHING,
+    Plain,
+    View,
+    cells,
+    plain_json,
+    plain_selection,
+    to_plain,
+)
 from lcmtools.messages.registry import Message, message_class, type_names
-from lcmtools.messages.text import format_message
-from lcmtools.messages.view import NOTHING, View, plain_selection
+from lcmtools.messages.text import FREE, Writer, format_message
 from lcmtools.types.geometry_msgs import TransformStamped
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.tf2_msgs import TFMessage
