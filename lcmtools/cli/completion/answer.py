@@ -11,7 +11,7 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 
-from lcmtools.cli.completion.line import Place, locate
+from lcmtools.cli.completion.line import locate
 from lcmtools.cli.completion.shells import SHELLS, Request
 from lcmtools.cli.completion.situation import FILES, Candidate, Situation, candidates
 from lcmtools.cli.completion.tree import Tree
@@ -41,22 +41,24 @@ def answer(shell: str, arguments: Sequence[str], tree: Tree) -> list[str]:
     if shell not in SHELLS:
         return []
     request = SHELLS[shell].read(arguments)
-    found = complete(request, tree, os.environ)
+    found = _complete(request, tree, os.environ)
     fitting = shown(found, request.word)
     if not fitting and any(one is FILES for one in found):
         return ["files"]
     return SHELLS[shell].write(fitting, request)
 
 
-def complete(request: Request, tree: Tree, environment: Mapping[str, str]) -> list[Candidate]:
-    """Return the words that could stand at the cursor; some may not begin as the word does."""
+def _complete(request: Request, tree: Tree, environment: Mapping[str, str]) -> list[Candidate]:
+    """The words that could be at the cursor; some may not begin as the word does."""
     place = locate(request.words, request.word, tree.describe)
     if place is None:
         return []
     if place.kind == "commands":
         return [Candidate(name, text) for name, text in place.command.commands.items()]
-    if place.kind == "options":
-        return list(_options(place))
+    if place.kind == "options":  # long forms first
+        ranked = [(name, one.help) for one in place.unused_options() for name in one.names]
+        ranked.sort(key=lambda pair: not pair[0].startswith("--"))
+        return [Candidate(*pair) for pair in ranked]
     if ":" in place.source:  # a function, which may look up types
         from lcmtools.packages import provide_user_types
 
@@ -83,14 +85,6 @@ def shown(found: Sequence[Candidate], word: str) -> list[Candidate]:
     return list(reversed(fitting.values()))
 
 
-def _options(place: Place) -> list[Candidate]:
-    """The options' names, long forms first."""
-    options = place.unused_options()
-    ranked = [(name, one) for one in options for name in one.names]
-    ranked.sort(key=lambda pair: not pair[0].startswith("--"))
-    return [Candidate(name, one.help) for name, one in ranked]
-
-
 def _be_silent() -> None:
     """Keep everything from the terminal, and end the process in time."""
     nothing = os.open(os.devnull, os.O_RDWR)
@@ -103,14 +97,12 @@ def _be_silent() -> None:
 
 def _log() -> None:
     """Write the error to the user's state folder, if LCMTOOLS_DEBUG is set."""
-    if not os.environ.get("LCMTOOLS_DEBUG"):
-        return
     import traceback
 
     from lcmtools.cli.files import home_folder
 
     folder = home_folder(os.environ, "XDG_STATE_HOME", ".local/state")
-    if folder is None:
+    if folder is None or not os.environ.get("LCMTOOLS_DEBUG"):
         return
     with contextlib.suppress(OSError):
         (folder / "lcmtools").mkdir(parents=True, exist_ok=True)

@@ -47,11 +47,4 @@ def command(shell: str | None, *, is_install: bool, is_uninstall: bool) -> None:
         talk(f"start a new shell, or type: {wanted.restart}")
     else:
         data(script(name).rstrip("\n"))
-    _prepare()
-
-
-def _prepare() -> None:
-    """Have what each command takes ready, so that the first TAB is answered as fast as others."""
-    tree = Tree(os.environ)
-    tree.describe_all()
-    tree.keep()
+    Tree(os.environ).prepare()

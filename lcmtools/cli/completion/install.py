@@ -14,25 +14,19 @@ from lcmtools.cli.files import home_folder, write_atomically
 from lcmtools.errors import LcmtoolsError, UsageError
 
 NAMES = ("bash", "zsh", "fish")
+_ALONE = "the script alone: lcmtools completion bash"
 _MARK = "# lcmtools: completion"
 _BASH_COMPLETION = ("usr/share/bash-completion/bash_completion", "etc/bash_completion")
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """The parts of an installation.
+    """The parts of an installation."""
 
-    Attributes:
-        script: The file that the script goes to.
-        settings: The shell's settings, where a line has to be in them; None for none.
-        line: The line.
-        restart: The command that brings it into the shell that runs already.
-    """
-
-    script: Path
-    settings: Path | None
+    script: Path  # the file that the script goes to
+    settings: Path | None  # the shell's settings, where they need a line; None for none
     line: str
-    restart: str
+    restart: str  # the command that brings it into the shell that runs already
 
 
 def script(shell: str) -> str:
@@ -42,13 +36,8 @@ def script(shell: str) -> str:
 
 
 def shell_named(name: str | None, environment: Mapping[str, str]) -> str:
-    """Return the shell that is named, else the user's own.
-
-    Raises:
-        UsageError: There is no completion for it.
-    """
-    own = Path(environment.get("SHELL", "")).name
-    meant = name or own
+    """Return the shell that is named, else the user's own."""
+    meant = name or Path(environment.get("SHELL", "")).name
     if meant not in NAMES:
         what = f"there is no completion for {meant}" if meant else "SHELL does not say which shell"
         raise UsageError(what, f"write one of {', '.join(NAMES)}")
@@ -59,35 +48,34 @@ def plan(shell: str, environment: Mapping[str, str], root: Path = Path("/")) -> 
     """Return the parts of an installation for "bash", "zsh" or "fish".
 
     ``root`` is the folder of the system's own files.
-
-    Raises:
-        LcmtoolsError: The environment names no home.
     """
     data = home_folder(environment, "XDG_DATA_HOME", ".local/share")
     config = home_folder(environment, "XDG_CONFIG_HOME", ".config")
     home = home_folder(environment, "", "")
     if data is None or config is None or home is None:
-        raise LcmtoolsError("HOME is not set", "the script alone: lcmtools completion bash")
+        raise LcmtoolsError("HOME is not set", _ALONE)
     if shell == "fish":
         return Plan(config / "fish/completions/lcmtools.fish", None, "", "exec fish")
     if shell == "zsh":
         target = data / "zsh/site-functions/_lcmtools"
-        settings = _zsh_folder(environment, home) / ".zshrc"
-        return Plan(target, settings, _zsh_line(target), "exec zsh")
+        file, named = quote(str(target)), environment.get("ZDOTDIR", "")
+        # the user may not have loaded zsh's completion system
+        load = "(( $+functions[compdef] )) || { autoload -Uz compinit && compinit }"
+        settings = (Path(named) if named.startswith("/") else home) / ".zshrc"
+        line = f"[[ -r {file} ]] && {{ {load}; . {file} }}  {_MARK}"
+        return Plan(target, settings, line, "exec zsh")
     target = data / "bash-completion/completions/lcmtools"
-    loads = any((root / name).exists() for name in _BASH_COMPLETION)
-    is_loaded = loads and _mentions(home / ".bashrc", "bash_completion")
+    rows = (_text(home / ".bashrc") or "").splitlines()
+    is_loaded = any((root / name).exists() for name in _BASH_COMPLETION) and any(
+        "bash_completion" in row and not row.lstrip().startswith("#") for row in rows
+    )
     file = quote(str(target))
     line = f"[ -r {file} ] && . {file}  {_MARK}"
     return Plan(target, None if is_loaded else home / ".bashrc", line, "exec bash")
 
 
 def install(shell: str, wanted: Plan) -> Iterator[str]:
-    """Install a shell's script; yield a line for each step.
-
-    Raises:
-        LcmtoolsError: A file cannot be written.
-    """
+    """Install a shell's script; yield a line for each step."""
     text = script(shell)
     if _text(wanted.script) == text:
         yield f"{wanted.script} is there already"
@@ -100,64 +88,36 @@ def install(shell: str, wanted: Plan) -> Iterator[str]:
     if wanted.line in before.splitlines():
         yield f"{wanted.settings} has the line for it already"
         return
-    kept = "".join(_without_ours(before))
+    kept = _without_ours(before)
     gap = "" if not kept or kept.endswith("\n") else "\n"
     _write(wanted.settings, f"{kept}{gap}{wanted.line}\n")
     yield f"added a line to {wanted.settings}: {wanted.line}"
 
 
 def uninstall(wanted: Plan) -> Iterator[str]:
-    """Undo ``install``; yield a line for each step.
-
-    Raises:
-        LcmtoolsError: A file cannot be changed.
-    """
-    if _text(wanted.script) is None:
-        yield f"{wanted.script} is not there"
-    else:
-        try:
-            wanted.script.unlink()
-        except OSError as error:
-            raise LcmtoolsError(f"cannot remove {wanted.script}: {error.strerror}") from error
+    """Undo ``install``; yield a line for each step."""
+    try:
+        wanted.script.unlink()
         yield f"removed {wanted.script}"
-    before = _text(wanted.settings) if wanted.settings else None
-    if wanted.settings and before is not None:
-        kept = "".join(_without_ours(before))
-        if kept != before:
-            _write(wanted.settings, kept)
-            yield f"removed the line from {wanted.settings}"
+    except (FileNotFoundError, NotADirectoryError):
+        yield f"{wanted.script} is not there"
+    except OSError as error:
+        raise LcmtoolsError(f"cannot remove {wanted.script}: {error.strerror}") from error
+    before = (_text(wanted.settings) if wanted.settings else None) or ""
+    kept = _without_ours(before)
+    if wanted.settings and kept != before:
+        _write(wanted.settings, kept)
+        yield f"removed the line from {wanted.settings}"
 
 
-def _zsh_folder(environment: Mapping[str, str], home: Path) -> Path:
-    named = environment.get("ZDOTDIR", "")
-    return Path(named) if named.startswith("/") else home
-
-
-def _zsh_line(target: Path) -> str:
-    """A line that loads zsh's completion system too where the user has not."""
-    load = "(( $+functions[compdef] )) || { autoload -Uz compinit && compinit }"
-    file = quote(str(target))
-    return f"[[ -r {file} ]] && {{ {load}; . {file} }}  {_MARK}"
-
-
-def _mentions(path: Path, word: str) -> bool:
-    """True if a file has a line with a word that is no comment."""
-    lines = (_text(path) or "").splitlines()
-    return any(word in line and not line.lstrip().startswith("#") for line in lines)
-
-
-def _without_ours(text: str) -> list[str]:
-    """The lines but for that of an earlier installation."""
-    lines = text.splitlines(keepends=True)
-    return [line for line in lines if not line.rstrip("\n").endswith(_MARK)]
+def _without_ours(text: str) -> str:
+    """The text but for the line of an earlier installation."""
+    rows = text.splitlines(keepends=True)
+    return "".join(row for row in rows if not row.rstrip("\n").endswith(_MARK))
 
 
 def _text(path: Path) -> str | None:
-    """The text of a file; None where there is none.
-
-    Raises:
-        LcmtoolsError: It is there and cannot be read.
-    """
+    """The text of a file; None where there is none."""
     try:
         return path.read_bytes().decode("utf-8", "surrogateescape")
     except (FileNotFoundError, NotADirectoryError):
@@ -171,5 +131,4 @@ def _write(path: Path, text: str) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(path, text)
     except OSError as error:
-        what = f"cannot write {path}: {error.strerror}"
-        raise LcmtoolsError(what, "the script alone: lcmtools completion bash") from error
+        raise LcmtoolsError(f"cannot write {path}: {error.strerror}", _ALONE) from error

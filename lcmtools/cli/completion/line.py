@@ -15,28 +15,16 @@ Describe = Callable[[Sequence[str]], Command | None]
 
 @dataclass(slots=True)
 class Place:
-    """The place of the cursor.
-
-    Attributes:
-        path: The words of the command so far.
-        command: Its description.
-        given: The values before the cursor, by the parameters' names.
-        kind: "commands", "options" or "value".
-        source: Where a value's candidates come from.
-        before: The part of the word before a value: "--field=".
-        options_are_over: True behind "--", or behind the first argument of a command that has it
-            so.
-        arguments: The number of arguments before the cursor.
-    """
+    """The place of the cursor: the command, and what may follow."""
 
     path: list[str]
     command: Command
-    given: dict[str, list[str]] = field(default_factory=dict)
-    kind: str = "value"
-    source: Source = ""
-    before: str = ""
-    options_are_over: bool = False
-    arguments: int = 0
+    given: dict[str, list[str]] = field(default_factory=dict)  # values by the parameters' names
+    kind: str = "value"  # or "commands" or "options"
+    source: Source = ""  # of a value's candidates
+    before: str = ""  # the part of the word before a value: "--field="
+    options_are_over: bool = False  # as behind "--"
+    arguments: int = 0  # before the cursor
 
     def unused_options(self) -> list[Option]:
         """Return the options that can still be given."""
@@ -48,13 +36,7 @@ class Place:
 
 
 def locate(words: Sequence[str], word: str, describe: Describe) -> Place | None:
-    """Return the place of a word; None behind a command that does not exist.
-
-    Args:
-        words: The words before it, without the program's name.
-        word: The part of it that is typed.
-        describe: Gives the descriptions of commands.
-    """
+    """Return the place of a word behind other ones; None behind a command that does not exist."""
     root = describe(())
     place = Place([], root) if root else None
     rest = iter(words)

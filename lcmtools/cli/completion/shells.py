@@ -15,7 +15,7 @@ The answer, a line each:
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from lcmtools.cli.completion.situation import Candidate
 
@@ -24,23 +24,22 @@ _PLAIN_IN_BASH = re.compile(r"[\w@%+=:,./\[\]-]+", re.ASCII)  # no file is named
 _HELP_LENGTH = 70
 _ACTIVE_IN_DOUBLE_QUOTES = frozenset('"$`\\!')
 _ENDS = re.compile(r"[|;&\n(]")  # of a command
+_ESCAPED = re.compile(r'\\(["$`\\!])')
+_PIECE = re.compile(
+    r"""[ \t]+|'(?P<single>[^']*)(?P<end>'?)|"(?P<double>(?:\\.|[^"])*)(?P<end2>"?)"""
+    r"""|\\(?P<escaped>.)|.""",
+    re.DOTALL,
+)
 
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """A request for the candidates of a word.
+    """A request for the candidates of a word; the words are without quotes."""
 
-    Attributes:
-        words: The words before the cursor's, without the program's name and quotes.
-        word: The part of the cursor's word that is typed, without quotes.
-        quote: The quote that is open at the cursor; "" for none.
-        kept: The part of the word that stays as it is typed: the shell puts the answer behind it.
-    """
-
-    words: Sequence[str]
-    word: str
-    quote: str = ""
-    kept: str = ""
+    words: Sequence[str]  # before the cursor's, without the program's name
+    word: str  # as far as it is typed
+    quote: str = ""  # the one that is open at the cursor
+    kept: str = ""  # the part of the word that the shell puts the answer behind
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,16 +75,12 @@ def _write_bash(candidates: Sequence[Candidate], request: Request) -> list[str]:
 
 
 def _write_zsh(candidates: Sequence[Candidate], request: Request) -> list[str]:
-    return [
-        "\t".join(
-            (
-                "open" if one.is_open else "closed",
-                _quoted(one.value, request.quote, _PLAIN),
-                f"{one.value}  -- {one.help[:_HELP_LENGTH]}" if one.help else one.value,
-            )
-        )
-        for one in candidates
-    ]
+    rows = []
+    for one in candidates:
+        shown = f"{one.value}  -- {one.help[:_HELP_LENGTH]}" if one.help else one.value
+        answer = _quoted(one.value, request.quote, _PLAIN)
+        rows.append(f"{'open' if one.is_open else 'closed'}\t{answer}\t{shown}")
+    return rows
 
 
 def _write_fish(candidates: Sequence[Candidate], request: Request) -> list[str]:
@@ -119,78 +114,43 @@ SHELLS = {
 
 @dataclass(slots=True)
 class Word:
-    """A word of a typed line.
+    """A word of a typed line."""
 
-    Attributes:
-        text: Without its quotes.
-        quote: The quote that is open at its end; "" for none.
-        kept: The part of ``text`` before the one that the shell would replace.
-        is_begun: True if something was typed of it, if only a quote.
-    """
-
-    text: str = ""
-    quote: str = ""
-    kept: str = ""
-    is_begun: bool = False
-
-
-@dataclass(slots=True)
-class _Scanner:
-    """The words so far, the last of which goes on."""
-
-    breaks: str
-    words: list[Word] = field(default_factory=lambda: [Word()])
-
-    def take(self, character: str, following: str) -> int:
-        """Take the next character, and the following one if it is escaped; return how many."""
-        word = self.words[-1]
-        if character == "\\" and word.quote != "'" and following:
-            is_kept = word.quote and following not in _ACTIVE_IN_DOUBLE_QUOTES
-            word.text += f"\\{following}" if is_kept else following
-            word.is_begun = True
-            return 2
-        if word.quote:
-            self._within_quotes(word, character)
-        else:
-            self._outside(word, character)
-        return 1
-
-    def _within_quotes(self, word: Word, character: str) -> None:
-        if character == word.quote:
-            word.quote = ""
-        else:
-            word.text += character
-
-    def _outside(self, word: Word, character: str) -> None:
-        if character in "'\"":
-            word.quote, word.kept, word.is_begun = character, word.text, True
-        elif character in " \t":
-            if word.is_begun:
-                self.words.append(Word())
-        elif self.breaks and _ENDS.match(character):
-            self.words = [Word()]
-        else:
-            word.text, word.is_begun = word.text + character, True
-            if character in self.breaks:
-                word.kept = word.text
+    text: str = ""  # without its quotes
+    quote: str = ""  # the one that is open at its end
+    kept: str = ""  # the part of text before the one that the shell would replace
+    is_begun: bool = False  # something was typed of it, if only a quote
 
 
 def scan(line: str, breaks: str = "") -> list[Word]:
     """Return the words of the last command in a line; the last one is at the line's end.
 
     The rules are those that bash, zsh and fish share; a quote may still be open. What a shell
-    would expand ($HOME, `date`) stays as it is.
-
-    Args:
-        line: As typed, up to the cursor.
-        breaks: Characters behind which the shell goes on, as bash has them in COMP_WORDBREAKS; ""
-            for one word, in which nothing ends a command.
+    would expand ($HOME, `date`) stays as it is. Behind the characters in ``breaks`` the shell goes
+    on, as bash has them in COMP_WORDBREAKS; "" is for one word, in which nothing ends a command.
     """
-    scanner = _Scanner(breaks)
-    position = 0
-    while position < len(line):
-        position += scanner.take(line[position], line[position + 1 : position + 2])
-    return scanner.words
+    words = [Word()]
+    for found in _PIECE.finditer(line):
+        word, piece = words[-1], found[0]
+        if piece[0] in " \t":
+            words += [Word()] if word.is_begun else []
+        elif breaks and _ENDS.match(piece):
+            words = [Word()]
+        else:
+            quote = piece[0] if piece[0] in "'\"" else ""
+            word.quote = "" if found["end"] or found["end2"] else quote
+            word.kept = word.text if quote else word.kept
+            word.text += _text_of(found)
+            word.kept = word.text if piece in breaks else word.kept
+            word.is_begun = True
+    return words
+
+
+def _text_of(found: re.Match[str]) -> str:
+    """A piece of a line without its quotes and backslashes."""
+    if found["double"] is not None:
+        return _ESCAPED.sub(r"\1", found["double"])
+    return next((text for text in found.group("single", "escaped") if text is not None), found[0])
 
 
 def unquoted(typed: str) -> str:

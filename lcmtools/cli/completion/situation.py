@@ -17,17 +17,11 @@ if TYPE_CHECKING:  # imported where the bus is looked at
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """A word that could stand at the cursor.
-
-    Attributes:
-        value: The whole word, as the command receives it.
-        help: A description, for shells that show one.
-        is_open: More may follow without a blank, as after a package's name and slash.
-    """
+    """A word that could be at the cursor, as the command receives it."""
 
     value: str
-    help: str = ""
-    is_open: bool = False
+    help: str = ""  # for shells that show one
+    is_open: bool = False  # more may follow without a blank, as after a package's name and slash
 
 
 FILES = Candidate("")
@@ -36,16 +30,10 @@ FILES = Candidate("")
 
 @dataclass(frozen=True)
 class Situation:
-    """The words before the cursor, and the bus at a glance.
+    """The words before the cursor, and the bus at a glance."""
 
-    Attributes:
-        word: The part of the word that is typed, as the command would receive it.
-        given: The arguments and option values before it, by the parameter's name.
-        environment: The environment variables.
-    """
-
-    word: str = ""
-    given: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    word: str = ""  # the part that is typed, as the command would receive it
+    given: Mapping[str, Sequence[str]] = field(default_factory=dict)  # by the parameters' names
     environment: Mapping[str, str] = field(default_factory=lambda: os.environ)
 
     def all(self, *names: str) -> list[str]:
@@ -81,7 +69,7 @@ class Situation:
             with QuickProbe(self.url) as quick_probe:
                 from lcmtools.cli.completion.recent import with_recent_channels
 
-                seen = quick_probe.graph(self._running())
+                seen = quick_probe.graph(self._running_nodes())
                 bus = f"{self.url.host}-{self.url.port}"
                 return with_recent_channels(seen, bus, self.environment)
         except (LcmtoolsError, OSError):
@@ -91,11 +79,7 @@ class Situation:
 
     @cached_property
     def url(self) -> "BusUrl":
-        """The bus that the command would use.
-
-        Raises:
-            UsageError: The URL, the domain or the settings file is wrong.
-        """
+        """The bus that the command would use."""
         from lcmtools.bus.url import choose_url
         from lcmtools.settings import read_user_file
 
@@ -113,8 +97,7 @@ class Situation:
         except LcmtoolsError:
             return "/"
 
-    def _running(self) -> Iterator[str]:
-        """The ids of this computer's nodes that left a record and run."""
+    def _running_nodes(self) -> Iterator[str]:
         from lcmtools.bus.records import NodeRecords
         from lcmtools.graph.model import Staleness
 

@@ -11,7 +11,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lcmtools.cli.completion.completer import Completer, Source
 from lcmtools.cli.files import cache_folder, write_atomically
@@ -26,23 +26,14 @@ _CODE = ("cli", "doctor", "labs/commands")
 
 @dataclass(frozen=True, slots=True)
 class Option:
-    """An option of a command.
+    """An option of a command."""
 
-    Attributes:
-        names: Its spellings, the long form last.
-        parameter: The parameter's name in the command's code.
-        source: Where its values come from; None for a flag.
-        help: A description.
-        repeats: True if it may be given again.
-        is_hidden: True if it is understood, but not offered.
-    """
-
-    names: Sequence[str]
-    parameter: str
-    source: Source | None
+    names: Sequence[str]  # the long form last
+    parameter: str  # its name in the command's code
+    source: Source | None  # None for a flag
     help: str = ""
     repeats: bool = False
-    is_hidden: bool = False
+    is_hidden: bool = False  # understood, but not offered
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,19 +47,12 @@ class Argument:
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """The options and arguments of a command.
-
-    Attributes:
-        options: Its options.
-        arguments: Its arguments in order.
-        commands: The commands of a group, aliases too, with their descriptions.
-        is_mixed: True if its own options may stand behind the first argument.
-    """
+    """The options and arguments of a command, or the commands of a group."""
 
     options: Sequence[Option]
     arguments: Sequence[Argument]
-    commands: Mapping[str, str]
-    is_mixed: bool = True
+    commands: Mapping[str, str]  # and their descriptions; aliases too
+    is_mixed: bool = True  # its own options may stand behind the first argument
 
 
 class Tree:
@@ -85,21 +69,25 @@ class Tree:
         key = " ".join(path)
         if key in self._kept:
             with contextlib.suppress(KeyError, TypeError, AttributeError):
-                return _from_plain(self._kept[key])
+                plain = self._kept[key]
+                options = [Option(**option) for option in plain["options"]]
+                arguments = [Argument(**argument) for argument in plain["arguments"]]
+                return Command(options, arguments, dict(plain["commands"]), plain["is_mixed"])
         command = _from_click(path)
         if command is not None:
             self._kept[key] = asdict(command)
             self._is_new = True
         return command
 
-    def describe_all(self) -> None:
-        """Read all commands, so that the first completion of each is fast too."""
+    def prepare(self) -> None:
+        """Keep all commands, so that the first completion of each is fast too."""
         waiting: list[list[str]] = [[]]
         while waiting:
             path = waiting.pop()
             with contextlib.suppress(ImportError):  # a command that needs what is not installed
                 if command := self.describe(path):
                     waiting += [[*path, name] for name in command.commands]
+        self.keep()
 
     def keep(self) -> None:
         """Write the commands read from click to the cache; a full disk does not matter."""
@@ -110,29 +98,25 @@ class Tree:
                 write_atomically(self._file, text)
 
 
-def _read(file: Path | None) -> dict[str, object]:
-    if file is None:
-        return {}
+def _read(file: Path | None) -> dict[str, Any]:
     try:
-        kept = json.loads(file.read_text(encoding="utf-8"))
-        commands = kept["commands"] if kept["stamp"] == _stamp() else {}
+        kept = json.loads(file.read_text(encoding="utf-8")) if file else {}
+        return dict(kept["commands"]) if kept["stamp"] == _stamp() else {}
     except (OSError, ValueError, KeyError, TypeError):
         return {}
-    return commands if isinstance(commands, dict) else {}
 
 
 def _stamp() -> list[object]:
     """A value that changes with the files that decide on what is kept."""
     folders = [str(Path(__file__).parents[2] / folder) for folder in _CODE]
-    newest = count = 0
-    while folders:
-        for entry in os.scandir(folders.pop()):
+    times = [0]
+    for folder in folders:
+        for entry in os.scandir(folder):
             if entry.is_dir():
                 folders.append(entry.path)
             elif entry.name.endswith(".py"):
-                count += 1
-                newest = max(newest, entry.stat().st_mtime_ns)
-    return [_FORMAT, str(Path(__file__)), count, newest]
+                times.append(entry.stat().st_mtime_ns)
+    return [_FORMAT, __file__, len(times), max(times)]
 
 
 def _from_click(path: Sequence[str]) -> Command | None:
@@ -151,16 +135,13 @@ def _from_click(path: Sequence[str]) -> Command | None:
         return None
     # click keeps a command's help option as the first context has it
     parameters = command.get_params(click.Context(command, **command.context_settings))
+    arguments = [one for one in parameters if isinstance(one, click.Argument)]
     said = command.context_settings
     takes_others = said.get("ignore_unknown_options", command.ignore_unknown_options)
     is_mixed = said.get("allow_interspersed_args", command.allow_interspersed_args)
     return Command(
         [_option(one) for one in parameters if isinstance(one, click.Option)],
-        [
-            Argument(str(one.name), _source(one), one.nargs == -1)
-            for one in parameters
-            if isinstance(one, click.Argument)
-        ],
+        [Argument(str(one.name), _source(one), one.nargs == -1) for one in arguments],
         command.all_help_lines() if isinstance(command, LazyGroup) else {},
         bool(is_mixed and not takes_others),
     )
@@ -188,18 +169,3 @@ def _source(parameter: "click.Parameter") -> Source:
         return [[str(choice)] for choice in parameter.type.choices]
     is_file = isinstance(parameter.type, (click.Path, click.File))
     return "files" if is_file else ""
-
-
-def _from_plain(plain: object) -> Command:
-    """A command as it was kept.
-
-    Raises:
-        KeyError, TypeError, AttributeError: It is none.
-    """
-    assert isinstance(plain, dict)
-    return Command(
-        [Option(**option) for option in plain["options"]],
-        [Argument(**argument) for argument in plain["arguments"]],
-        dict(plain["commands"]),
-        plain["is_mixed"],
-    )
