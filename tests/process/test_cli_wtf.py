@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from lcmtools.bus.url import parse_url
 from lcmtools.doctor.evidence import Evidence, Listener, Oddity
 from lcmtools.doctor.saved import save
 from lcmtools.graph.model import Graph, Node
@@ -196,6 +197,42 @@ def test_json_has_each_finding_in_words_and_as_data(judge: Callable[..., Any]) -
             ],
         }
     ]
+
+
+NEARLY_LCM = """
+import socket, struct, sys, time
+datagrams = [
+    b"LC",
+    struct.pack(">4sIIIHH", b"LC03", 1, 3000, 0, 9, 3) + bytes(100),
+    struct.pack(">4sIIIHH", b"LC03", 1, 3000, 2950, 1, 3) + bytes(100),
+    b"LC02" + bytes(4) + b"C" * 100 + bytes(20),
+]
+senders = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in datagrams]
+while True:
+    for sender, datagram in zip(senders, datagrams):
+        sender.sendto(datagram, (sys.argv[1], int(sys.argv[2])))
+    print("sends", flush=True)
+    time.sleep(0.02)
+"""
+
+
+def test_datagrams_that_are_nearly_lcms_are_shown_with_their_process_and_the_reason(
+    cli: Callable[..., Any], bus_url: str, start_python: Callable[..., Any]
+) -> None:
+    url = parse_url(bus_url)
+    program = start_python(NEARLY_LCM, url.host, str(url.port))
+    program.wait_for("sends")
+    result = cli("wtf", "--json", "--wait", "0.3s", "--rule", "malformed")
+    (finding,) = json.loads(result.out)
+    items = sorted(finding["items"], key=lambda item: item.rpartition("): ")[2])
+    reasons = (
+        "fragment: number 9 of 3",
+        "beyond the message's 3000 bytes",
+        "not ended within 63 bytes",
+        "not with LC02 or LC03",
+    )
+    assert all(reason in item for reason, item in zip(reasons, items, strict=True)), items
+    assert all(f"(pid {program.pid}): " in item for item in items)
 
 
 def test_only_one_rule_or_not_another(judge: Callable[..., Any]) -> None:
