@@ -12,26 +12,26 @@ if TYPE_CHECKING:
     from lcmtools import observe as observe
     from lcmtools.errors import LcmtoolsError as LcmtoolsError
     from lcmtools.node.node import Node as Node
-    from lcmtools.node.parameter import Parameter as Parameter
-    from lcmtools.node.parameter import SetParametersResult as SetParametersResult
+    from lcmtools.node.parameters import Parameter as Parameter
+    from lcmtools.node.parameters import SetParametersResult as SetParametersResult
     from lcmtools.node.process import init as init
     from lcmtools.node.process import ok as ok
     from lcmtools.node.process import shutdown as shutdown
-    from lcmtools.node.spin import spin as spin
-    from lcmtools.node.spin import spin_once as spin_once
+    from lcmtools.node.process import spin as spin
+    from lcmtools.node.process import spin_once as spin_once
     from lcmtools.packages import message_class as message_class
 
 _HOMES = {
     "LcmtoolsError": "lcmtools.errors",
     "Node": "lcmtools.node.node",
-    "Parameter": "lcmtools.node.parameter",
-    "SetParametersResult": "lcmtools.node.parameter",
+    "Parameter": "lcmtools.node.parameters",
+    "SetParametersResult": "lcmtools.node.parameters",
     "init": "lcmtools.node.process",
     "message_class": "lcmtools.packages",
     "ok": "lcmtools.node.process",
     "shutdown": "lcmtools.node.process",
-    "spin": "lcmtools.node.spin",
-    "spin_once": "lcmtools.node.spin",
+    "spin": "lcmtools.node.process",
+    "spin_once": "lcmtools.node.process",
 }
 
 __all__ = [

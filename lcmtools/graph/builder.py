@@ -67,7 +67,7 @@ class GraphBuilder:
         count.add(packet)
         return None
 
-    def hear_head(self, head: Head, packet: Packet) -> None:
+    def add_head(self, head: Head, packet: Packet) -> None:
         """Learn from an announcement, decoding it only where more than counters has changed.
 
         Most of the work that following a large bus makes is decoding; the counters of a node that

@@ -1,4 +1,4 @@
-"""Announcing a process's nodes on the bus: each second, on a change, and when asked."""
+"""Announcing a process's nodes on the bus: each second, on a change, and on a probe."""
 
 import contextlib
 import math
@@ -28,8 +28,8 @@ class Announcer:
     """Announces nodes from a thread of its own, so that a busy node stays visible.
 
     Args:
-        bus: Where to announce.
-        describe: Returns what to announce of every node of this process.
+        bus: The bus.
+        describe: Returns the present description of every node of this process.
     """
 
     def __init__(self, bus: Bus, describe: Callable[[], list[Node]]) -> None:
@@ -38,19 +38,19 @@ class Announcer:
         self._changed = threading.Condition()
         self._due = time.monotonic() + _CHANGE_DELAY
         self._rested = 0.0
-        self._asked = math.inf
+        self._answer_due = math.inf
         self._is_behind = True
         self._nonce = 0
         self._closed = False
         self._sending = threading.Lock()
-        bus.subscribe(PROBE_CHANNEL, self._probed)
+        bus.subscribe(PROBE_CHANNEL, self._receive_probe)
         self._thread = threading.Thread(target=self._run, name="announcer", daemon=True)
         self._thread.start()
 
     def announce_soon(self) -> None:
-        """Announce all nodes in a moment, because one has changed.
+        """Announce all nodes in a moment, because one has changed; return at once.
 
-        Nobody waits for it: nodes with hundreds of endpoints rest in between.
+        Nodes with hundreds of endpoints rest in between.
         """
         with self._changed:
             self._is_behind = True
@@ -58,16 +58,16 @@ class Announcer:
             self._changed.notify()
 
     def announce_changes(self) -> None:
-        """Announce what has changed, if it is not announced yet: what is sent next comes after it.
+        """Announce all nodes now if one has changed: messages sent next come after it.
 
-        A simulator that is asked to step must know who listens.
+        A simulator needs the subscriptions before a request to step.
         """
         with self._sending:
             if self._is_behind:
                 self._send_all()
 
     def say_goodbye(self, node: Node) -> None:
-        """Tell the bus that a node ends; the last that is announced of it."""
+        """Announce that a node ends; its last announcement."""
         with self._sending:
             self._send(Announcement(node, leaving=True))
 
@@ -82,19 +82,19 @@ class Announcer:
             self._changed.notify()
         self._thread.join(timeout=1.0)
 
-    def _probed(self, payload: bytes, _time: int) -> None:
-        """Answer a probe: at once to one node, spread a little to all."""
+    def _receive_probe(self, payload: bytes, _time: int) -> None:
+        """Answer a probe: at once for one node, spread a little for all."""
         probe = decode_probe(payload)
         if probe is None:
             return
-        if not probe.target:
-            answer = time.monotonic() + random.uniform(0, ANSWER_SPREAD)  # noqa: S311
-            with self._changed:
-                self._nonce = probe.nonce or self._nonce
-                self._asked = min(self._asked, answer)
-                self._changed.notify()
+        if probe.target:
+            self.answer(probe.target, probe.nonce)
             return
-        self.answer(probe.target, probe.nonce)
+        answer = time.monotonic() + random.uniform(0, ANSWER_SPREAD)  # noqa: S311
+        with self._changed:
+            self._nonce = probe.nonce or self._nonce
+            self._answer_due = min(self._answer_due, answer)
+            self._changed.notify()
 
     def _run(self) -> None:
         while True:
@@ -104,7 +104,7 @@ class Announcer:
                 if self._closed:
                     return
                 began = time.monotonic()
-                self._due, self._asked = began + PERIOD, math.inf
+                self._due, self._answer_due = began + PERIOD, math.inf
                 nonce, self._nonce = self._nonce, 0
             work_began = time.thread_time()  # a busy computer makes no node a large one
             self._announce(nonce)
@@ -112,8 +112,8 @@ class Announcer:
             self._rested = min(time.monotonic() + _REST * worked, began + PERIOD)
 
     def _left(self) -> float:
-        """The time until the next announcement [s]."""
-        return min(self._asked, max(self._due, self._rested)) - time.monotonic()
+        """Return the time until the next announcement [s]."""
+        return min(self._answer_due, max(self._due, self._rested)) - time.monotonic()
 
     def _announce(self, nonce: int, target: str = "") -> None:
         with self._sending:  # so that no node is described before its goodbye and sent after it
@@ -121,13 +121,13 @@ class Announcer:
 
     def _send_all(self, nonce: int = 0, target: str = "") -> None:
         if not target:
-            self._is_behind = False  # before looking: a change from now on sets it again
+            self._is_behind = False  # before describing: a change from now on sets it again
         for node in self._describe():
             if target in ("", node.name):
                 self._send(Announcement(node, answers=nonce))
 
     def _send(self, announcement: Announcement) -> None:
-        # what cannot be announced now is announced a second later; a closing bus takes none
+        # a failure is repaired by the announcement a second later; a closing bus takes none
         payload = encode_announcement(announcement.sent_at(time.time_ns()))
         with contextlib.suppress(BusError):
             self._bus.publish(NODE_CHANNEL, payload)

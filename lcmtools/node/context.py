@@ -1,7 +1,6 @@
 """The context that a process's nodes share: bus, announcer, arguments, shutdown.
 
-Which of a process's contexts is the one that ``init`` made is process.py's business, and so are
-signals.
+The choice among a process's contexts, and signals, are process.py's business.
 """
 
 import itertools
@@ -19,9 +18,9 @@ from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.graph.protocol import SHUTDOWN_CHANNEL, decode_shutdown
 from lcmtools.names import base_name_of, resolve_namespace
 from lcmtools.node.announcer import Announcer
-from lcmtools.node.following import Following
+from lcmtools.node.graph_follower import GraphFollower
 from lcmtools.node.logger import Logger
-from lcmtools.node.wakeup import Wakeup
+from lcmtools.node.wakeup import WakeupEvent
 from lcmtools.settings import usual_namespace
 
 
@@ -29,11 +28,11 @@ class Participant(Protocol):
     """A node as its context sees it; see lcmtools.node.node."""
 
     def describe(self) -> Node:
-        """The announced description."""
+        """Return the announced description."""
         ...
 
     def get_logger(self) -> Logger:
-        """Its log."""
+        """Return its log."""
         ...
 
     def destroy_node(self) -> None:
@@ -46,9 +45,9 @@ class Context:
 
     Args:
         bus: The connection; closed with the context.
-        arguments: What the command line said.
+        arguments: The node arguments of the command line.
         environment: The process's environment variables.
-        records: Where nodes leave their records; None for none.
+        records: The records of the nodes that run; None for none.
         url: The bus; None for a private one.
     """
 
@@ -64,11 +63,11 @@ class Context:
         self.bus = bus
         bus.on_outage = self._warn
         self.arguments = arguments
-        self.wakeup = Wakeup()
+        self.wakeup = WakeupEvent()
         self.declared_parameters: set[str] = set()
         self.notices: list[str] = []
         """Warnings about the command line for the next node to log."""
-        self.on_asked_to_end: Callable[[], None] = self.stop
+        self.on_shutdown_request: Callable[[], None] = self.stop
         """The action on another program's request to shut down."""
         self.host = socket.gethostname()
         self._records = records
@@ -77,12 +76,12 @@ class Context:
         self._participants: list[Participant] = []
         self._stopping = False
         self._closed = False
-        self._is_asked = False
-        self.is_told = False
-        """True if the program has been told to end: what it does from then on is its ending."""
-        self._following = Following(bus, url)
+        self._is_shutdown_requested = False
+        self.is_ending = False
+        """True once the program has seen that it is to end, and may take its time."""
+        self._follower = GraphFollower(bus, url)
         self.announcer = Announcer(bus, self._describe)
-        bus.subscribe(SHUTDOWN_CHANNEL, self._asked_to_end)
+        bus.subscribe(SHUTDOWN_CHANNEL, self._receive_shutdown)
 
     def ok(self) -> bool:
         """Return whether nodes should go on."""
@@ -93,12 +92,12 @@ class Context:
         return self._closed
 
     def stop(self) -> None:
-        """Ask everything that spins to return. Safe in signal handlers."""
+        """Make everything that spins return. Safe in signal handlers."""
         self._stopping = True
         self.wakeup.set()
 
     def add(self, participant: Participant) -> None:
-        """Take a node in: announce it, and record that it runs."""
+        """Add a node: announce it, and record that it runs."""
         self._participants.append(participant)
         node = participant.describe()
         if self._records and not node.tool and (other := self._records.namesake(node)):
@@ -110,7 +109,7 @@ class Context:
         self.announcer.announce_soon()
 
     def remove(self, participant: Participant) -> None:
-        """Let a node go: say goodbye for it."""
+        """Remove a node: say goodbye for it."""
         if participant in self._participants:
             self._participants.remove(participant)
             node = participant.describe()
@@ -124,14 +123,11 @@ class Context:
         return not self._participants
 
     def graph(self) -> Graph:
-        """The announced nodes of the bus; the first call starts listening to them.
-
-        A node's counters are those of when it last changed otherwise.
-        """
-        return self._following.graph()
+        """Return the announced nodes of the bus; see ``GraphFollower``."""
+        return self._follower.graph()
 
     def subscribed_topics(self) -> frozenset[str]:
-        """The topics that nodes announce to listen to."""
+        """Return the topics that nodes announce to subscribe to."""
         return frozenset(
             endpoint.topic
             for node in self.graph().nodes
@@ -140,11 +136,11 @@ class Context:
         )
 
     def has_plain_listeners(self, *, at_once: bool = False) -> bool:
-        """Return whether there can be programs that listen and never announce it: to any topic."""
+        """Return whether there can be programs that listen, to any topic, and never announce it."""
         return bool(self._plain_listeners and self._plain_listeners.possible(at_once=at_once))
 
     def _pids_here(self) -> frozenset[int]:
-        """The processes of this computer that are nodes; this one, before it hears so itself."""
+        """Return the processes of this computer that are nodes, always with this one."""
         others = (node.pid for node in self.graph().nodes if node.host == self.host)
         return frozenset((os.getpid(), *others))
 
@@ -157,12 +153,12 @@ class Context:
         for participant in tuple(self._participants):
             participant.destroy_node()
         self.announcer.close()
-        self._following.close()
+        self._follower.close()
         self.bus.close()
         self.wakeup.close()
 
     def _warn(self, text: str) -> None:
-        """Say what concerns all nodes of the process once; commands say it in their own words."""
+        """Log once what concerns all nodes of the process; commands report it themselves."""
         nodes = (one for one in tuple(self._participants) if not one.describe().tool)
         for node in itertools.islice(nodes, 1):
             node.get_logger().warning(text)
@@ -174,16 +170,16 @@ class Context:
         return nodes
 
     def _record(self, node: Node) -> None:
-        """Leave a node's record, and renew it when it has other topics."""
+        """Write a node's record, again when it has other topics."""
         topics = frozenset((endpoint.topic, endpoint.role) for endpoint in node.endpoints)
         if self._records and self._recorded.get(node.id) != topics:
             self._recorded[node.id] = topics
             self._records.write(node)
 
-    def _asked_to_end(self, payload: bytes, _time: int) -> None:
-        """End this program if one of its nodes is meant; on the receiving thread.
+    def _receive_shutdown(self, payload: bytes, _time: int) -> None:
+        """End this program if the request is for one of its nodes; on the receiving thread.
 
-        Answered before it ends, so that the requester can tell a program that hangs.
+        It answers before it ends, so that the requester can recognize a program that hangs.
         """
         request = decode_shutdown(payload)
         if request is None:
@@ -192,9 +188,9 @@ class Context:
             node = participant.describe()
             if node.id == request.target:
                 self.announcer.answer(node.name, request.nonce)
-                if not self._is_asked:  # who hears no answer asks again
-                    self._is_asked = True
+                if not self._is_shutdown_requested:  # a request without an answer is repeated
+                    self._is_shutdown_requested = True
                     who = f"by {request.requester}" if request.requester else "over the bus"
                     participant.get_logger().warning(f"asked to end {who}")
-                    self.on_asked_to_end()
+                    self.on_shutdown_request()
                 return

@@ -1,6 +1,10 @@
 """The Node class: publishers, subscriptions, timers, services and parameters under one name."""
 
 import contextlib
+import os
+import sys
+import time
+import uuid
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeVar
@@ -10,13 +14,11 @@ from lcmtools.clock import Clock, ManualClock, SystemClock, join_stamp
 from lcmtools.errors import BusError, InvalidName
 from lcmtools.graph import model
 from lcmtools.messages.registry import Message
+from lcmtools.node.base import NodeBase
 from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.context import Context
-from lcmtools.node.identity import identity
 from lcmtools.node.logger import LogEntry, Logger, log_message
-from lcmtools.node.parameters import service_name
-from lcmtools.node.parametric import Parametric
-from lcmtools.node.placed import Placed
+from lcmtools.node.parameters import Parametric, service_name
 from lcmtools.node.process import current_context
 from lcmtools.node.publisher import Publisher
 from lcmtools.node.service import (
@@ -40,7 +42,7 @@ MessageT = TypeVar("MessageT", bound=Message)
 _LOST_MESSAGE_PERIOD = 5.0  # [s] between two complaints about a bus that takes no messages
 
 
-class Node(Placed, Parametric):
+class Node(NodeBase, Parametric):
     """A named participant of the bus.
 
     Names are resolved by the ROS rules: "/a" is global, "a" stands in the node's namespace, "~a"
@@ -48,9 +50,9 @@ class Node(Placed, Parametric):
 
     Args:
         name: The node's own name; ``__name:=`` on the command line wins.
-        namespace: Where it stands; ``__ns:=`` on the command line wins.
+        namespace: Its namespace; ``__ns:=`` on the command line wins.
         tool: It is a command that looks at the bus, not a part of the system.
-        context: What it shares with other nodes; that of ``lcmtools.init`` when None.
+        context: The context shared with other nodes; that of ``lcmtools.init`` when None.
 
     Raises:
         InvalidName: The name or the namespace breaks the naming rules.
@@ -68,24 +70,32 @@ class Node(Placed, Parametric):
         tool: bool = False,
         context: Context | None = None,
     ) -> None:
-        self.__context = context or current_context()
-        said = self.__context.arguments
-        Placed.__init__(self, name, namespace, self.__context)
-        Parametric.__init__(self, self.name, said.parameters, self.__context.declared_parameters)
+        self.__context = context = context or current_context()
+        NodeBase.__init__(self, name, namespace, context)
+        given = context.arguments.parameters
+        Parametric.__init__(self, self.name, given, context.declared_parameters)
         self.__publishers: list[Publisher[Message]] = []
         self.__clients: list[Client[Message, Message]] = []
-        self.__identity = identity(self.name, self.__context.host, tool=tool)
+        self.__identity = model.Node(
+            name=self.name,
+            id=uuid.uuid4().hex,
+            host=context.host,
+            pid=os.getpid(),
+            start_time=time.time_ns(),
+            command=" ".join(sys.argv),
+            tool=tool,
+        )
         self.__logger = Logger(self.name, SystemClock(), self.__forward_log)
-        self.__callbacks = Callbacks(self.__logger, self.__context.ok)
+        self.__callbacks = Callbacks(self.__logger, context.ok)
         self.__rosout = None if tool else self.create_publisher(Log, "/rosout", 100)
         if self.__rosout:
             self.__rosout.on_failure = lambda _: None  # the line has been printed all the same
         self.__keep_time()
         if not tool:
             self.__serve_parameters()
-        self.__context.add(self)
-        while self.__context.notices:
-            self.__logger.warning(self.__context.notices.pop())
+        context.add(self)
+        while context.notices:
+            self.__logger.warning(context.notices.pop())
 
     def __enter__(self) -> "Node":
         """Use the node as a context manager."""
@@ -98,12 +108,12 @@ class Node(Placed, Parametric):
     def create_publisher(
         self, message_type: type[MessageT], topic: str, depth: int = 10, *, literal: bool = False
     ) -> Publisher[MessageT]:
-        """A publisher of one type on one topic.
+        """Return a publisher of one type on one topic.
 
         Args:
             message_type: The messages' class.
             topic: The topic's name, to be resolved.
-            depth: Kept for rclpy's sake and announced; LCM sends at once.
+            depth: Announced, as in rclpy; LCM sends at once.
             literal: The topic is an LCM channel to the letter, not to be resolved.
 
         Raises:
@@ -127,14 +137,14 @@ class Node(Placed, Parametric):
         group: str = "",
         literal: bool = False,
     ) -> Subscription:
-        """A subscription; its callback runs on the thread that spins.
+        """Return a subscription; its callback runs on the thread that spins.
 
         Args:
             message_type: The messages' class, or several: each message is decoded as the one
                 whose fingerprint it carries. The first is the declared type.
             topic: The topic's name, to be resolved.
-            callback: Called with each message. What it raises is logged, and the node goes on.
-            depth: How many messages wait at most; the newest are kept.
+            callback: Called with each message. Its exceptions are logged, and the node goes on.
+            depth: The number of messages that wait at most; the newest are kept.
             group: Subscriptions of this node with the same group are alternatives: one that is
                 connected is enough.
             literal: The topic is an LCM channel to the letter, not to be resolved.
@@ -149,7 +159,7 @@ class Node(Placed, Parametric):
         subscription.on_ready = self.__wake
         self.__context.bus.subscribe(resolved, subscription.receive)
         self.__callbacks.subscriptions.append(subscription)
-        self.__wake()  # what came before it stood there
+        self.__wake()  # messages may have come before
         self.__context.announcer.announce_soon()
         return subscription
 
@@ -179,15 +189,15 @@ class Node(Placed, Parametric):
         service = Service(self.__context.bus, service_type, resolved, callback)
         service.on_ready = self.__wake
         self.__context.bus.subscribe(request_channel(resolved), service.receive)
-        self.__callbacks.services.append(service)  # type: ignore[arg-type] # run by what they have in common
-        self.__wake()  # what came before it stood there
+        self.__callbacks.services.append(service)  # type: ignore[arg-type] # their message types differ
+        self.__wake()  # messages may have come before
         self.__context.announcer.announce_soon()
         return service
 
     def create_client(
         self, service_type: ServiceType[RequestT, ResponseT], name: str
     ) -> Client[RequestT, ResponseT]:
-        """A client of a service.
+        """Return a client of a service.
 
         Raises:
             InvalidName: The service's name breaks the naming rules.
@@ -198,7 +208,7 @@ class Node(Placed, Parametric):
         client.is_interrupted = lambda: not self.__context.ok()
         client.before_call = self.__context.announcer.announce_changes
         self.__context.bus.subscribe(reply_channel(resolved), client.receive)
-        self.__clients.append(client)  # type: ignore[arg-type] # run by what they have in common
+        self.__clients.append(client)  # type: ignore[arg-type] # their message types differ
         self.__context.announcer.announce_soon()
         return client
 
@@ -211,11 +221,11 @@ class Node(Placed, Parametric):
             self.__logger.warning(f"there is no parameter '{name}'{f'; {hint}' if hint else ''}")
 
     def get_logger(self) -> Logger:
-        """The node's log."""
+        """Return the node's log."""
         return self.__logger
 
     def get_clock(self) -> Clock:
-        """The node's time: the computer's, or ``/clock`` with ``_use_sim_time:=true``."""
+        """Return the node's clock: the computer's, or ``/clock`` with ``_use_sim_time:=true``."""
         return self.__callbacks.clock
 
     def destroy_publisher(self, publisher: Publisher[MessageT]) -> None:
@@ -225,7 +235,7 @@ class Node(Placed, Parametric):
             self.__context.announcer.announce_soon()
 
     def destroy_subscription(self, subscription: Subscription) -> None:
-        """Receive nothing more by it, not even what waits. Does nothing the second time."""
+        """Receive nothing more by it, no waiting messages either. Does nothing the second time."""
         subscription.close()
         if subscription in self.__callbacks.subscriptions:
             self.__callbacks.subscriptions.remove(subscription)
@@ -252,7 +262,7 @@ class Node(Placed, Parametric):
         self.__callbacks.clear()
 
     def describe(self) -> model.Node:
-        """The announced description of this node."""
+        """Return the announced description of this node."""
         endpoints = (
             *(publisher.endpoint() for publisher in tuple(self.__publishers)),
             *(subscription.endpoint() for subscription in tuple(self.__callbacks.subscriptions)),
@@ -269,8 +279,8 @@ class Node(Placed, Parametric):
         return self.__callbacks
 
     def __wake(self) -> None:
-        """Let the spinning thread run what has come; called on the receiving thread."""
-        self.__callbacks.note_news()  # before the thread wakes, which looks for nothing else
+        """Let the spinning thread run callbacks; called on the receiving thread."""
+        self.__callbacks.note_news()  # before the thread wakes, which checks this alone
         self.__context.wakeup.set()
 
     def __log_lost_message(self, error: BusError) -> None:

@@ -1,183 +1,265 @@
-"""The parameters of one node: declared, read, and changed by itself or over the bus.
+"""A node's parameters, in rclpy's shape: declared, read, and changed, over the bus too.
 
-The bus reaches them by a hidden service of the node, ``<node>/_parameters``. What a node is beyond
-its name is not known here.
+The bus reaches them by a hidden service of the node, ``<node>/_parameters``. A node's other parts
+are not known here.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Generic, TypeVar, cast
 
 from lcmtools.errors import LcmtoolsError, UsageError
-from lcmtools.messages.setting import check_setting, read_setting, write_setting
+from lcmtools.messages.setting import Setting as ParameterValue
+from lcmtools.messages.setting import check_setting, kind_of, read_setting, write_setting
 from lcmtools.names import did_you_mean
-from lcmtools.node.parameter import (
-    Parameter,
-    ParameterDescriptor,
-    ParameterValue,
-    SetParametersResult,
-)
 from lcmtools.types import lcmtools_msgs as msgs
 
+ValueT = TypeVar("ValueT", bound=ParameterValue)
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter(Generic[ValueT]):
+    """A setting of a node.
+
+    Attributes:
+        name: Its name, without the node's.
+        value: A boolean, a number, a text, a list of these, or None; of its default's type.
+    """
+
+    name: str
+    value: ValueT
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterDescriptor:
+    """The description of a parameter.
+
+    Attributes:
+        kind: Its type, fixed by its default: see lcmtools.messages.setting.kind_of.
+        description: Its meaning, with the unit.
+        minimum: Smallest number that it may be; None for any.
+        maximum: Largest number that it may be; None for any.
+        read_only: It cannot change while the node runs.
+    """
+
+    kind: str
+    description: str = ""
+    minimum: float | None = None
+    maximum: float | None = None
+    read_only: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class SetParametersResult:
+    """The result of setting parameters, or a callback's verdict on it.
+
+    Attributes:
+        successful: They were set; from a callback: they may be.
+        reason: The reason why not.
+    """
+
+    successful: bool = True
+    reason: str = ""
+
+
 ParametersCallback = Callable[[list[Parameter[ParameterValue]]], SetParametersResult | None]
-"""Called with parameters as they are to be; says whether they may."""
+"""Called with parameters as they are to be; may refuse them."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Declared:
-    """A parameter with what was said when it was declared."""
-
     value: ParameterValue
     descriptor: ParameterDescriptor
 
+    def message(self, name: str) -> msgs.Parameter:
+        message, descriptor = msgs.Parameter(), self.descriptor
+        message.name, message.type = name, descriptor.kind
+        message.value, message.description = write_setting(self.value), descriptor.description
+        message.minimum, message.maximum = _limit(descriptor.minimum), _limit(descriptor.maximum)
+        message.read_only = descriptor.read_only
+        return message
+
 
 def service_name(node: str) -> str:
-    """The hidden service that a node's parameters are asked for and changed by."""
+    """Return the name of the hidden service of a node's parameters."""
     return f"{node}/_parameters"
 
 
-class Parameters:
-    """The parameters of a node.
+class Parametric:
+    """A mixin for objects with parameters.
 
     Args:
-        node: The node's full name, for messages.
+        name: Its full name, for messages.
         given: The command line's texts, by parameter.
+        known: Collects the names of all declared parameters.
     """
 
-    def __init__(self, node: str, given: Mapping[str, str]) -> None:
-        self._node = node
-        self._given = given
-        self._declared: dict[str, _Declared] = {}
-        self.callbacks: list[ParametersCallback] = []
-        """Asked before a change, the newest first."""
+    # Private names begin with two underscores, as in Node.
 
-    def declare(
-        self, name: str, default: ParameterValue, descriptor: ParameterDescriptor
-    ) -> ParameterValue:
-        """Take a parameter in; return its value, which is the default unless one was given.
+    def __init__(self, name: str, given: Mapping[str, str], known: set[str]) -> None:
+        self.__name = name
+        self.__given = given
+        self.__known = known
+        self.__declared: dict[str, _Declared] = {}
+        self.__on_set: list[ParametersCallback] = []
+
+    def declare_parameter(
+        self,
+        name: str,
+        default: ValueT,
+        description: str = "",
+        *,
+        minimum: float | None = None,
+        maximum: float | None = None,
+        read_only: bool = False,
+    ) -> Parameter[ValueT]:
+        """Declare a setting with its default; ``_name:=value`` on the command line wins.
+
+        It can be changed while the node runs, over the bus too: ``get_parameter`` has its value.
+
+        Args:
+            name: Its name, without the node's.
+            default: Its default, whose type all values have.
+            description: Its meaning, with the unit.
+            minimum: Smallest number that it may be; None for any.
+            maximum: Largest number that it may be; None for any.
+            read_only: It cannot change while the node runs.
 
         Raises:
-            UsageError: It is declared already, or a value is of another type or out of range.
+            UsageError: The command line's value is not of the default's type or out of range, or
+                the parameter is declared already.
         """
-        if name in self._declared:
-            raise UsageError(f"{self._node} declares its parameter '{name}' twice")
+        if name in self.__declared:
+            raise UsageError(f"{self.__name} declares its parameter '{name}' twice")
         if not name:
-            raise UsageError(f"{self._node} declares a parameter without a name")
-        text, path = self._given.get(name), f"parameter {name}"
-        value = check_setting(default, descriptor.kind, path)
-        if text is not None:
-            value = read_setting(text, descriptor.kind, path)
-        check_range(name, value, descriptor)
-        self._declared[name] = _Declared(value, descriptor)
-        return value
+            raise UsageError(f"{self.__name} declares a parameter without a name")
+        descriptor = ParameterDescriptor(kind_of(default), description, minimum, maximum, read_only)
+        value = check_setting(default, descriptor.kind, f"parameter {name}")
+        if name in self.__given:
+            value = read_setting(self.__given[name], descriptor.kind, f"parameter {name}")
+        _check_range(name, value, descriptor)
+        self.__declared[name] = _Declared(value, descriptor)
+        self.__known.add(name)
+        return Parameter(name, cast("ValueT", value))  # of the default's own type, as checked
 
-    def __contains__(self, name: str) -> bool:
-        """Return whether a parameter of this name is declared."""
-        return name in self._declared
+    def has_parameter(self, name: str) -> bool:
+        """Return whether a parameter is declared."""
+        return name in self.__declared
 
-    def get(self, name: str) -> Parameter[ParameterValue]:
-        """A parameter as it is now.
-
-        Raises:
-            UsageError: It was not declared.
-        """
-        return Parameter(name, self._find(name).value)
-
-    def descriptor(self, name: str) -> ParameterDescriptor:
-        """The description of a parameter.
+    def get_parameter(self, name: str) -> Parameter[ParameterValue]:
+        """Return a declared parameter as it is now.
 
         Raises:
             UsageError: It was not declared.
         """
-        return self._find(name).descriptor
+        return Parameter(name, self.__find(name).value)
 
-    def change(self, wanted: Sequence[Parameter[ParameterValue]]) -> SetParametersResult:
-        """Set all of these parameters, or none of them.
+    def describe_parameter(self, name: str) -> ParameterDescriptor:
+        """Return the description given when a parameter was declared.
 
-        What a callback raises goes on to the caller; an LcmtoolsError of it is a refusal.
+        Raises:
+            UsageError: It was not declared.
+        """
+        return self.__find(name).descriptor
+
+    def set_parameters(
+        self, parameters: Sequence[Parameter[ParameterValue]]
+    ) -> list[SetParametersResult]:
+        """Change parameters one by one; return the result of each."""
+        return [self.set_parameters_atomically([parameter]) for parameter in parameters]
+
+    def set_parameters_atomically(
+        self, parameters: Sequence[Parameter[ParameterValue]]
+    ) -> SetParametersResult:
+        """Change all of these parameters, or none of them.
+
+        An exception of a callback goes on to the caller; an LcmtoolsError of it is a refusal.
         """
         try:
-            checked = [self._checked(parameter) for parameter in wanted]
-            for callback in reversed(self.callbacks):
+            checked = [self.__checked(parameter) for parameter in parameters]
+            for callback in reversed(self.__on_set):
                 result = callback(list(checked))
                 if result is not None and not result.successful:
                     return replace(result, reason=result.reason or "the node refuses it")
         except LcmtoolsError as error:
             return SetParametersResult(successful=False, reason=str(error))
-        changed = {p.name: replace(self._declared[p.name], value=p.value) for p in checked}
-        self._declared = {**self._declared, **changed}  # in one step, for other threads that read
+        changed = {p.name: replace(self.__declared[p.name], value=p.value) for p in checked}
+        self.__declared = {**self.__declared, **changed}  # in one step, for threads that read
         return SetParametersResult()
 
-    def answer(
+    def add_on_set_parameters_callback(self, callback: ParametersCallback) -> None:
+        """Call ``callback`` before parameters change, on the thread that spins; the newest first.
+
+        It gets the parameters as they are to be, and refuses them by returning
+        SetParametersResult(False, reason) or by raising an LcmtoolsError.
+        """
+        self.__on_set.append(callback)
+
+    def remove_on_set_parameters_callback(self, callback: ParametersCallback) -> None:
+        """Call ``callback`` no more.
+
+        Raises:
+            ValueError: It was not added.
+        """
+        self.__on_set.remove(callback)
+
+    def answer_parameters(
         self, request: msgs.Parameters_Request, response: msgs.Parameters_Response
     ) -> msgs.Parameters_Response:
-        """Serve the bus: change what is asked for, all or nothing, and tell all parameters."""
+        """Serve the bus: make the requested changes, all or none, and return all parameters."""
         errors: list[str] = []
-        wanted = [parameter for c in request.changes for parameter in self._read(c, errors)]
-        if wanted and not errors:
-            result = self.change(wanted)
+        requested = [parameter for c in request.changes for parameter in self.__read(c, errors)]
+        if requested and not errors:
+            result = self.set_parameters_atomically(requested)
             errors = [] if result.successful else [result.reason]
         response.errors = errors
-        response.parameters = [_message(*item) for item in sorted(self._declared.items())]
+        response.parameters = [one.message(name) for name, one in sorted(self.__declared.items())]
         return response
 
-    def _read(
+    def __read(
         self, change: msgs.Parameter, errors: list[str]
     ) -> Iterator[Parameter[ParameterValue]]:
-        """The parameter that a change means, or none and why."""
+        """Yield the parameter that a change means, or add the reason why there is none."""
         try:
-            kind = self._find(change.name).descriptor.kind
+            kind = self.__find(change.name).descriptor.kind
             value = read_setting(change.value, kind, f"parameter {change.name}")
         except UsageError as error:
             errors.append(str(error))
         else:
             yield Parameter(change.name, value)
 
-    def _checked(self, wanted: Parameter[ParameterValue]) -> Parameter[ParameterValue]:
-        """A parameter of the declared type, within its range."""
-        declared = self._find(wanted.name)
-        path, descriptor = f"parameter {wanted.name}", declared.descriptor
-        value = check_setting(wanted.value, descriptor.kind, path)
-        if descriptor.read_only and value != declared.value:
+    def __checked(self, parameter: Parameter[ParameterValue]) -> Parameter[ParameterValue]:
+        """Return a parameter with its value in the declared type, within its range."""
+        name = parameter.name
+        declared = self.__find(name)
+        value = check_setting(parameter.value, declared.descriptor.kind, f"parameter {name}")
+        if declared.descriptor.read_only and value != declared.value:
             raise UsageError(
-                f"{path} cannot change while the node runs",
-                f"start it again with _{wanted.name}:={write_setting(value)}",
+                f"parameter {name} cannot change while the node runs",
+                f"start it again with _{name}:={write_setting(value)}",
             )
-        check_range(wanted.name, value, descriptor)
-        return Parameter(wanted.name, value)
+        _check_range(name, value, declared.descriptor)
+        return Parameter(name, value)
 
-    def _find(self, name: str) -> _Declared:
-        if name not in self._declared:
+    def __find(self, name: str) -> _Declared:
+        if name not in self.__declared:
             raise UsageError(
-                f"{self._node} has no parameter '{name}'",
-                did_you_mean(name, self._declared) or f"it has {', '.join(self._declared)}",
+                f"{self.__name} has no parameter '{name}'",
+                did_you_mean(name, self.__declared) or f"it has {', '.join(self.__declared)}",
             )
-        return self._declared[name]
+        return self.__declared[name]
 
 
-def check_range(name: str, value: ParameterValue, descriptor: ParameterDescriptor) -> None:
-    """Refuse numbers out of a parameter's range; what is not a number is in none.
-
-    Raises:
-        UsageError: The value, or an element of it, is too small or too large.
-    """
+def _check_range(name: str, value: ParameterValue, descriptor: ParameterDescriptor) -> None:
+    """Refuse a value, or an element of it, out of range; NaN is in none."""
     low, high = descriptor.minimum, descriptor.maximum
-    numbers = value if isinstance(value, (list, tuple)) else [value]
-    for number in numbers:
+    for number in value if isinstance(value, (list, tuple)) else [value]:
         if isinstance(number, bool) or not isinstance(number, (int, float)):
             continue
         if low is not None and not number >= low:
             raise UsageError(f"parameter {name}: {number} is less than {low}")
         if high is not None and not number <= high:
             raise UsageError(f"parameter {name}: {number} is more than {high}")
-
-
-def _message(name: str, declared: _Declared) -> msgs.Parameter:
-    message, descriptor = msgs.Parameter(), declared.descriptor
-    message.name, message.type = name, descriptor.kind
-    message.value, message.description = write_setting(declared.value), descriptor.description
-    message.minimum, message.maximum = _limit(descriptor.minimum), _limit(descriptor.maximum)
-    message.read_only = descriptor.read_only
-    return message
 
 
 def _limit(limit: float | None) -> str:

@@ -1,4 +1,4 @@
-"""The one context of this process: ``init``, ``ok`` and ``shutdown``, as in rclpy, and signals."""
+"""The context of this process and its signals: ``init``, ``ok``, ``spin`` and ``shutdown``."""
 
 import atexit
 import contextlib
@@ -6,9 +6,11 @@ import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Sequence
 from functools import partial
 from types import FrameType
+from typing import TYPE_CHECKING
 
 from lcmtools.arguments import NodeArguments, looks_special, misspelt, split_arguments
 from lcmtools.bus.base import Bus
@@ -19,6 +21,9 @@ from lcmtools.messages.type_source import has_supply
 from lcmtools.node.context import Context
 from lcmtools.packages import provide_user_types
 from lcmtools.settings import read_user_file
+
+if TYPE_CHECKING:
+    from lcmtools.node.node import Node
 
 _GRACE = 0.5
 """Seconds that a running callback gets to return after Ctrl-C before it is interrupted."""
@@ -91,7 +96,7 @@ def open_context(url: BusUrl, arguments: NodeArguments) -> Context:
     """
     records = NodeRecords(url, os.environ)
     context = Context(_open_bus(url), arguments, os.environ, records, url)
-    context.on_asked_to_end = partial(_end_as_by_signal, context)
+    context.on_shutdown_request = partial(_end_as_by_signal, context)
     return context
 
 
@@ -111,7 +116,7 @@ def ok() -> bool:
     context = _process.context
     if context is None:
         return False
-    context.is_told = not context.ok()
+    context.is_ending = not context.ok()
     return context.ok()
 
 
@@ -127,7 +132,7 @@ def current_context() -> Context:
 
 
 def _leave_to_parent() -> None:
-    """In a forked process: the threads are the parent's, and so are the nodes and the goodbye."""
+    """Give up the context in a forked process: threads, nodes and the goodbye are the parent's."""
     if _process.context is not None:
         _process.context = None
         _give_back_signals()
@@ -145,7 +150,7 @@ def _give_back_signals() -> None:
 
 
 def _open_bus(url: BusUrl) -> Bus:
-    from lcmtools.bus.liblcm import LcmBus
+    from lcmtools.bus.lcm_bus import LcmBus
 
     if url.provider == "file" and url.options.get("mode", "r") == "r":
         raise UsageError(
@@ -156,7 +161,7 @@ def _open_bus(url: BusUrl) -> Bus:
 
 
 def _interrupted(number: int, _frame: FrameType | None) -> None:
-    """A signal to end: ask everything to return; interrupt what does not within half a second."""
+    """Make everything return, as a signal demands; interrupt what does not within half a second."""
     context = _process.context
     if context is None or context.is_closed():
         return
@@ -171,7 +176,7 @@ def _interrupted(number: int, _frame: FrameType | None) -> None:
 
 
 def _end_as_by_signal(context: Context) -> None:
-    """Do what SIGTERM would do to this program, if it has an answer to that; from any thread."""
+    """End as by SIGTERM, if the program handles that signal; from any thread."""
     main = threading.main_thread().ident
     if main is not None and callable(signal.getsignal(signal.SIGTERM)):
         signal.pthread_kill(main, signal.SIGTERM)
@@ -180,12 +185,46 @@ def _end_as_by_signal(context: Context) -> None:
 
 
 def _interrupt_again(context: Context) -> None:
-    """A callback is still running: break it off, as a second Ctrl-C would.
+    """Interrupt a callback that still runs, as a second Ctrl-C would.
 
-    A program that has been told may take its time: to stop a robot, for example.
+    A program that is ending may take its time: to stop a robot, for example.
     """
     main = threading.main_thread().ident
-    if main is None or context.is_told or context.is_closed():
+    if main is None or context.is_ending or context.is_closed():
         return
     if _process.context is context:
         signal.pthread_kill(main, signal.SIGINT)
+
+
+def spin(*nodes: "Node") -> None:
+    """Run the nodes' callbacks until Ctrl-C, SIGTERM or ``shutdown``."""
+    context = nodes[0].context if nodes else current_context()
+    for node in nodes[:1]:
+        node.warn_of_unknown_parameters()
+    with contextlib.suppress(KeyboardInterrupt):
+        while context.ok():
+            _run_once(context, nodes, None)
+    context.is_ending = not context.ok()
+
+
+def spin_once(node: "Node", timeout: float | None = 0.0) -> None:
+    """Wait for something to do, for ``timeout`` seconds at most (None: without end); do all of it.
+
+    Returns as soon as callbacks have run, or when the time is over or the program should end.
+    """
+    if timeout == 0 and node.context.ok():  # a simulator does this in each of its steps
+        node.callbacks.run_ready()
+    else:
+        _run_once(node.context, (node,), timeout)
+
+
+def _run_once(context: Context, nodes: "tuple[Node, ...]", timeout: float | None) -> None:
+    deadline = None if timeout is None else time.monotonic() + timeout
+    while context.ok():
+        if sum(node.callbacks.run_ready() for node in nodes):
+            return
+        left = None if deadline is None else deadline - time.monotonic()
+        if left is not None and left <= 0:
+            return
+        waits = [node.callbacks.time_to_timer() for node in nodes]
+        context.wakeup.wait(min((w for w in (left, *waits) if w is not None), default=None))

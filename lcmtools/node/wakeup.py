@@ -1,4 +1,4 @@
-"""Waking a thread that waits, from other threads and from signal handlers."""
+"""An event that wakes a thread, set by other threads and by signal handlers."""
 
 import contextlib
 import os
@@ -9,14 +9,13 @@ _ONE = (1).to_bytes(8, "little")  # any number but 0, in eight bytes, as eventfd
 _MUCH = 4096  # bytes: all that a pipe can have taken meanwhile, and more
 
 
-class Wakeup:
-    """A flag that one thread waits for.
+class WakeupEvent:
+    """An event that one thread waits for.
 
     A file descriptor and not a threading.Event: an Event set by a signal handler can deadlock with
-    the very thread that the signal interrupted while it waited.
-
-    On Linux it is an eventfd(2). Who waits for a pipe or a socket is often woken on the processor
-    of who writes, to run when that one rests: there this costs a fifth of a callback's latency.
+    the very thread that the signal interrupted while it waited. On Linux it is an eventfd(2): a
+    reader of a pipe or socket is often woken on the writer's processor, and runs only when that is
+    free, which costs a fifth of a callback's latency.
     """
 
     def __init__(self) -> None:

@@ -16,8 +16,13 @@ from lcmtools.messages.documents import parse
 from lcmtools.messages.fill import Value
 from lcmtools.messages.setting import read_setting, text_of
 from lcmtools.names import did_you_mean
-from lcmtools.node.remote import RefusedParameters
-from lcmtools.publish.parameters import Answers, ParameterClient, Parameters, pick
+from lcmtools.publish.parameters import (
+    Answers,
+    ParameterClient,
+    Parameters,
+    RefusedParameters,
+    pick,
+)
 
 _EVERY_NODE = "/**"
 _ROS2_KEY = "ros__parameters"

@@ -10,14 +10,64 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from lcmtools.bus.url import BusUrl
-from lcmtools.errors import LcmtoolsError, ServiceError, UsageError
+from lcmtools.errors import (
+    LcmtoolsError,
+    ServiceError,
+    ServiceTimeout,
+    UsageError,
+    ValueMismatch,
+)
 from lcmtools.graph.model import Graph, Node, Role
+from lcmtools.messages.setting import Setting, read_setting
 from lcmtools.names import MAX_CHANNEL_BYTES, did_you_mean
+from lcmtools.node import node as nodes
 from lcmtools.node.parameters import service_name
-from lcmtools.node.remote import RemoteParameter, RemoteParameters
-from lcmtools.node.service import request_channel
+from lcmtools.node.service import Client, request_channel
 from lcmtools.observe.find import find_node
 from lcmtools.publish.own_node import own_node
+from lcmtools.types import lcmtools_msgs as msgs
+
+ServiceClient: TypeAlias = Client[msgs.Parameters_Request, msgs.Parameters_Response]
+
+
+@dataclass(frozen=True, slots=True)
+class RemoteParameter:
+    """A parameter as its node reports it; texts are "" where the node gives none.
+
+    Attributes:
+        name: Its name, without the node's.
+        kind: Its type: see lcmtools.messages.setting.kind_of.
+        text: Its value as YAML in one line.
+        description: Its meaning.
+        minimum: Its smallest value as YAML.
+        maximum: Its largest value as YAML.
+        read_only: It cannot change while the node runs.
+    """
+
+    name: str
+    kind: str
+    text: str
+    description: str = ""
+    minimum: str = ""
+    maximum: str = ""
+    read_only: bool = False
+
+    def value(self) -> Setting:
+        """Return the value; the text of one that this version cannot read."""
+        try:
+            return read_setting(self.text, self.kind, self.name)
+        except (ValueMismatch, KeyError):
+            return self.text
+
+
+class RefusedParameters(LcmtoolsError):  # noqa: N818 - named for the event, as in errors.py
+    """A node has not changed its parameters; ``reasons`` has one for each that is wrong."""
+
+    def __init__(self, node: str, reasons: tuple[str, ...]) -> None:
+        text = "; ".join(reasons)
+        super().__init__(text if text.startswith(f"{node} ") else f"{node} refuses: {text}")
+        self.reasons = reasons
+
 
 Parameters: TypeAlias = Mapping[str, RemoteParameter]
 """A node's parameters by name."""
@@ -40,7 +90,7 @@ class ParameterClient:
         if not nodes:
             return {}, []
         with own_node("param", self.url) as own, ThreadPoolExecutor(_AT_ONCE) as pool:
-            clients = [RemoteParameters(own, node.name) for node in nodes]
+            clients = [parameter_client(own, node.name) for node in nodes]
             try:
                 found = list(pool.map(self._get, clients))
             except BaseException:
@@ -53,7 +103,7 @@ class ParameterClient:
     def get(self, node: str) -> Parameters:
         """Return the parameters of one node; raise ServiceError if it does not answer."""
         with own_node("param", self.url) as own:
-            return RemoteParameters(own, node).get(self.timeout)
+            return request_parameters(parameter_client(own, node), self.timeout)
 
     def set(self, node: str, texts: Mapping[str, str]) -> Parameters:
         """Change parameters of one node, all or none; return all that it has.
@@ -63,13 +113,53 @@ class ParameterClient:
             ServiceError: It did not answer.
         """
         with own_node("param", self.url) as own:
-            return RemoteParameters(own, node).set(texts, self.timeout)
+            return request_parameters(parameter_client(own, node), self.timeout, texts)
 
-    def _get(self, remote: RemoteParameters) -> Parameters | ServiceError:
+    def _get(self, client: ServiceClient) -> Parameters | ServiceError:
         try:
-            return remote.get(self.timeout)
+            return request_parameters(client, self.timeout)
         except ServiceError as error:
             return error
+
+
+def parameter_client(own: nodes.Node, target: str) -> ServiceClient:
+    """Return a client, of the node ``own``, of the target node's parameters."""
+    return own.create_client(msgs.Parameters, service_name(target))
+
+
+def request_parameters(
+    client: ServiceClient, timeout: float, texts: Mapping[str, str] | None = None
+) -> Parameters:
+    """Change parameters, all or none, if texts are given (YAML, by name); return all, sorted.
+
+    Raises:
+        RefusedParameters: The node has changed nothing.
+        ServiceTimeout: It has not answered within ``timeout`` seconds.
+    """
+    node = client.name.removesuffix(service_name(""))
+    request = msgs.Parameters_Request()
+    for name, text in (texts or {}).items():
+        change = msgs.Parameter()
+        change.name, change.value = name, text
+        request.changes.append(change)
+    try:
+        response = client.call(request, timeout)
+    except ServiceTimeout:
+        raise ServiceTimeout(
+            f"{node} did not answer within {timeout:g} s",
+            "it is busy or does not spin; lcmtools wtf looks closer",
+        ) from None
+    except ServiceError as error:
+        raise ServiceError(error.what.replace(client.name, node, 1)) from None
+    if response.errors:
+        raise RefusedParameters(node, tuple(response.errors))
+    return {one.name: _remote(one) for one in response.parameters}
+
+
+def _remote(p: msgs.Parameter) -> RemoteParameter:
+    return RemoteParameter(
+        p.name, p.type, p.value, p.description, p.minimum, p.maximum, bool(p.read_only)
+    )
 
 
 def has_parameters(node: Node) -> bool:

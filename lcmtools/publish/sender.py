@@ -12,8 +12,8 @@ from typing import TypeAlias
 from lcmtools.errors import BusError, UsageError
 from lcmtools.messages.registry import Message
 from lcmtools.node.node import Node
+from lcmtools.node.process import spin_once
 from lcmtools.node.publisher import Publisher
-from lcmtools.node.spin import spin_once
 from lcmtools.publish.incoming import Incoming, Notify, Template
 from lcmtools.publish.schedule import Schedule, due_times
 

@@ -11,11 +11,11 @@ from lcmtools.errors import ServiceError, ServiceTimeout
 from lcmtools.graph.model import Graph, Node, Staleness
 from lcmtools.messages.plain import plain_json
 from lcmtools.messages.setting import write_setting
-from lcmtools.node.remote import RemoteParameter
 from lcmtools.publish.parameters import (
     Answers,
     ParameterClient,
     Parameters,
+    RemoteParameter,
     nodes_with_parameters,
 )
 

@@ -6,8 +6,7 @@ from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.param.common import look, record, timeout_option
-from lcmtools.node.remote import RemoteParameter
-from lcmtools.publish.parameters import find_target, pick
+from lcmtools.publish.parameters import RemoteParameter, find_target, pick
 
 
 @click.command("describe", context_settings=CONTEXT)

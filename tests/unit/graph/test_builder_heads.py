@@ -37,7 +37,7 @@ def decoded(monkeypatch: pytest.MonkeyPatch) -> list[bytes]:
 
 def _hear(graph: GraphBuilder, node: Node, time: int, *, leaving: bool = False) -> None:
     payload = encode_announcement(Announcement(node, leaving))
-    graph.hear_head(head_of(payload), Packet(NODE_CHANNEL, payload, time))
+    graph.add_head(head_of(payload), Packet(NODE_CHANNEL, payload, time))
 
 
 def _counted(messages: int) -> Node:
@@ -83,7 +83,7 @@ def test_a_node_that_was_forgotten_is_decoded_again(decoded: list[bytes]) -> Non
 def test_what_is_broken_is_passed_over() -> None:
     graph = GraphBuilder()
     payload = encode_announcement(Announcement(_NODE))[:-1]
-    graph.hear_head(head_of(payload), Packet(NODE_CHANNEL, payload, 1))
+    graph.add_head(head_of(payload), Packet(NODE_CHANNEL, payload, 1))
     assert graph.snapshot(2).nodes == ()
 
 

@@ -6,18 +6,15 @@ import pytest
 
 from lcmtools import Node
 from lcmtools.errors import UsageError
-from lcmtools.messages.setting import kind_of
 from lcmtools.node.context import Context
-from lcmtools.node.parameter import ParameterDescriptor, ParameterValue
-from lcmtools.node.parameters import Parameters
+from lcmtools.node.parameters import ParameterValue, Parametric
 
 Begin = Callable[..., Context]
 
 
 def _given(text: str, default: ParameterValue) -> ParameterValue:
     """What a parameter is that the command line gives this text."""
-    given = Parameters("/a", {"p": text})
-    return given.declare("p", default, ParameterDescriptor(kind_of(default)))
+    return Parametric("/a", {"p": text}, set()).declare_parameter("p", default).value
 
 
 @pytest.mark.parametrize(

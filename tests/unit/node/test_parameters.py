@@ -1,17 +1,24 @@
 """Parameters while the node runs: changed by itself and by others, all or none, or refused."""
 
 from collections.abc import Callable
+from functools import partial
 
 import pytest
 
 from lcmtools import Node
 from lcmtools.errors import LcmtoolsError, ServiceError, ServiceTimeout, UsageError
 from lcmtools.node.context import Context
-from lcmtools.node.parameter import Parameter, ParameterValue, SetParametersResult
-from lcmtools.node.remote import RefusedParameters, RemoteParameters
+from lcmtools.node.parameters import Parameter, ParameterValue, SetParametersResult
+from lcmtools.publish.parameters import (
+    Parameters,
+    RefusedParameters,
+    parameter_client,
+    request_parameters,
+)
 
 Begin = Callable[..., Context]
 Serve = Callable[[Node], None]
+Remote = Callable[..., Parameters]
 
 
 @pytest.fixture
@@ -26,10 +33,10 @@ def node(begin: Begin) -> Node:
 
 
 @pytest.fixture
-def remote(node: Node, serve: Serve) -> RemoteParameters:
+def remote(node: Node, serve: Serve) -> Remote:
     """The same node's parameters, seen from another one."""
     serve(node)
-    return RemoteParameters(Node("other", tool=True), "/driver")
+    return partial(request_parameters, parameter_client(Node("other", tool=True), "/driver"))
 
 
 def test_a_changed_parameter_is_what_get_gives(node: Node) -> None:
@@ -107,8 +114,8 @@ def test_a_parameter_is_declared_once_and_within_its_range(begin: Begin) -> None
         node.declare_parameter("use_sim_time", default=False)
 
 
-def test_another_node_sees_all_parameters_in_order(remote: RemoteParameters) -> None:
-    found = remote.get(5.0)
+def test_another_node_sees_all_parameters_in_order(remote: Remote) -> None:
+    found = remote(5.0)
     assert list(found) == ["gain", "name", "steps", "use_sim_time"]
     gain = found["gain"]
     assert (gain.kind, gain.text, gain.value()) == ("float", "1.0", 1.0)
@@ -117,12 +124,12 @@ def test_another_node_sees_all_parameters_in_order(remote: RemoteParameters) -> 
     assert found["use_sim_time"].read_only
 
 
-def test_another_node_changes_all_or_none(node: Node, remote: RemoteParameters) -> None:
-    found = remote.set({"gain": "2.5", "name": "on", "steps": "[3, 0x4]"}, 5.0)
+def test_another_node_changes_all_or_none(node: Node, remote: Remote) -> None:
+    found = remote(5.0, {"gain": "2.5", "name": "on", "steps": "[3, 0x4]"})
     assert (found["gain"].text, found["name"].value()) == ("2.5", "on")
     assert node.get_parameter("steps").value == [3, 4]
     with pytest.raises(RefusedParameters) as caught:
-        remote.set({"gain": "3", "name": "x", "steps": "[a]", "gian": "1"}, 5.0)
+        remote(5.0, {"gain": "3", "name": "x", "steps": "[a]", "gian": "1"})
     assert caught.value.reasons == (
         "parameter steps[0]: expected an integer, got 'a'",
         "/driver has no parameter 'gian'; did you mean gain?",
@@ -133,7 +140,7 @@ def test_another_node_changes_all_or_none(node: Node, remote: RemoteParameters) 
 
 def test_a_callback_that_raises_is_told_to_who_asked_and_logged(
     node: Node,
-    remote: RemoteParameters,
+    remote: Remote,
     logged: Callable[[str], bool],
     wait_until: Callable[..., None],
 ) -> None:
@@ -142,15 +149,15 @@ def test_a_callback_that_raises_is_told_to_who_asked_and_logged(
 
     node.add_on_set_parameters_callback(fail)
     with pytest.raises(ServiceError, match=r"/driver: RuntimeError\('broken'\)"):
-        remote.set({"gain": "2"}, 5.0)
+        remote(5.0, {"gain": "2"})
     assert node.get_parameter("gain").value == 1.0
     wait_until(lambda: logged("raised RuntimeError: broken"))
 
 
 def test_a_node_that_does_not_spin_does_not_answer(node: Node) -> None:
-    remote = RemoteParameters(Node("other", tool=True), node.name)
+    client = parameter_client(Node("other", tool=True), node.name)
     with pytest.raises(ServiceTimeout, match=r"/driver did not answer within 0\.05 s") as caught:
-        remote.get(0.05)
+        request_parameters(client, 0.05)
     assert caught.value.exit_code == 4
 
 

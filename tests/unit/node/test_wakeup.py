@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from lcmtools.node.wakeup import Wakeup
+from lcmtools.node.wakeup import WakeupEvent
 
 
 @pytest.fixture(autouse=True, params=["as it is", "without eventfd"])
@@ -22,7 +22,7 @@ def system(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> N
 def test_a_set_flag_makes_the_next_wait_return_at_once_and_only_that(
     stopwatch: Callable[[], Any],
 ) -> None:
-    wakeup = Wakeup()
+    wakeup = WakeupEvent()
     for _ in range(3):
         wakeup.set()
     watch = stopwatch()
@@ -37,7 +37,7 @@ def test_a_set_flag_makes_the_next_wait_return_at_once_and_only_that(
 @pytest.mark.timing
 def test_no_wake_up_is_lost_between_threads() -> None:
     """Work that is ready before the flag is set is always found without waiting long."""
-    wakeup, work, done = Wakeup(), [], threading.Event()
+    wakeup, work, done = WakeupEvent(), [], threading.Event()
 
     def produce() -> None:
         for number in range(5000):
@@ -60,7 +60,7 @@ def test_no_wake_up_is_lost_between_threads() -> None:
 
 def test_a_closed_wakeup_may_be_set_and_frees_its_files() -> None:
     before = sorted(Path("/proc/self/fd").iterdir())
-    wakeup = Wakeup()
+    wakeup = WakeupEvent()
     wakeup.close()
     wakeup.set()
     assert sorted(Path("/proc/self/fd").iterdir()) == before

@@ -1,6 +1,6 @@
-"""A node's place: its name, what other names mean from there, and who else is on the bus.
+"""A node's name, the meaning of other names to it, and its view of the bus.
 
-What it sends, receives and runs is not known here.
+Its endpoints and callbacks are not known here.
 """
 
 from lcmtools import names
@@ -8,17 +8,17 @@ from lcmtools.graph import model
 from lcmtools.node.context import Context
 
 
-class Placed:
+class NodeBase:
     """A mixin for objects with a name in a process's context.
 
     Args:
         name: Its own name; ``__name:=`` on the command line wins, for the first of a process.
-        namespace: Where it stands; ``__ns:=`` on the command line wins.
-        context: What it shares with others.
+        namespace: Its namespace; ``__ns:=`` on the command line wins.
+        context: The context that it shares with others.
 
     Attributes:
         name: Its full name.
-        namespace: Where it stands.
+        namespace: Its namespace.
 
     Raises:
         InvalidName: The name or the namespace breaks the naming rules.
@@ -28,13 +28,13 @@ class Placed:
 
     def __init__(self, name: str, namespace: str, context: Context) -> None:
         self.__context = context
-        said = context.arguments
-        own_name = said.name if said.name and context.is_first() else name
+        arguments = context.arguments
+        own_name = arguments.name if arguments.name and context.is_first() else name
         names.check_base_name(own_name)
-        given = said.namespace or namespace
+        given = arguments.namespace or namespace
         self.namespace = names.resolve_namespace(given) if given else context.default_namespace
         self.name = names.check_length(names.resolve(f"{self.namespace}/{own_name}"))
-        self.__names = names.Resolver(self.namespace, self.name, tuple(said.remaps))
+        self.__names = names.Resolver(self.namespace, self.name, tuple(arguments.remaps))
 
     @property
     def context(self) -> Context:
@@ -42,7 +42,7 @@ class Placed:
         return self.__context
 
     def resolve_name(self, name: str) -> str:
-        """The topic or service that a name means for this node, remapped.
+        """Return the topic or service that a name means for this node, remapped.
 
         Raises:
             InvalidName: The name breaks the naming rules.
@@ -50,11 +50,11 @@ class Placed:
         return self.__names.resolve(name)
 
     def graph(self) -> model.Graph:
-        """The announced nodes of the bus; the first call starts listening to them."""
+        """Return the announced nodes of the bus; the first call subscribes to announcements."""
         return self.__context.graph()
 
     def subscribed_topics(self) -> frozenset[str]:
-        """The topics that nodes announce to listen to, so that others need not be computed."""
+        """Return the topics with announced subscriptions, so that others need not be computed."""
         return self.__context.subscribed_topics()
 
     def has_plain_listeners(self, *, at_once: bool = False) -> bool:
