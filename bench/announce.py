@@ -19,11 +19,11 @@ from multiprocessing.connection import Connection
 from common import Child, bus, child, isolate, parser, show
 
 import lcmtools
-from lcmtools.bus.liblcm import LcmBus
+from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
-from lcmtools.node.following import Following
+from lcmtools.node.graph_follower import GraphFollower
 from lcmtools.types.fingerprints import FINGERPRINTS
 
 _BUSES = _EMPTY, _FULL = bus(7794), bus(7795)
@@ -44,7 +44,7 @@ def node(connection: Connection, asks: str, url: str) -> None:
     """Child: one node that spins."""
     if asks == _WOKEN:
         # what it would find where there are no filters
-        Following._open_mailbox = lambda _: None  # type: ignore[method-assign] # noqa: SLF001
+        GraphFollower._open_socket = lambda _: None  # type: ignore[method-assign] # noqa: SLF001
     lcmtools.init([], url=url)
     measured = lcmtools.Node("measured", namespace="/robot0")
     if asks != _NEVER:

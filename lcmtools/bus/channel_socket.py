@@ -7,9 +7,9 @@ what does not fit into the socket's buffer between two reads, the newest are los
 
 import contextlib
 
-from lcmtools.bus.kernel import ANCILLARY_BYTES, SELECTIVE, arrival, mark, request_arrival
+from lcmtools.bus.kernel import ANCILLARY_BYTES, SELECTIVE, arrival, attach, mark, request_arrival
 from lcmtools.bus.multicast import receiving_socket
-from lcmtools.bus.socket_filter import attach, one_channel
+from lcmtools.bus.socket_filter import one_channel
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire.datagram import (

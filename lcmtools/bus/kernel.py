@@ -1,6 +1,8 @@
-"""The Linux kernel's data on received datagrams, and marks on sockets that others can see.
+"""The Linux kernel's part in receiving: options of sockets, and its table of all UDP sockets.
 
-Elsewhere than on Linux the present serves as the receive time, and sockets stay unmarked.
+Everything here has a fallback for other systems, where the present serves as the receive time,
+nothing is filtered or marked, and the answer to a question is None or empty. Processes are in
+``processes``.
 """
 
 import contextlib
@@ -8,16 +10,21 @@ import socket
 import struct
 import sys
 import time
+from array import array
+from collections.abc import Iterator
+from pathlib import Path
+
+from lcmtools.bus.socket_filter import Program
 
 ANCILLARY_BYTES = 64
-"""Room for the ancillary data that ``recvmsg`` is to return."""
+"""Size of the ancillary data that ``recvmsg`` is to return."""
 ANNOUNCED = 0x5C
 """Mark of a socket whose subscriptions are announced, or that only observes.
 
-What lcmtools' nodes and commands subscribe to is announced; what a plain LCM program subscribes to
-is unknown. A process may be both, so the socket is marked: by its type of service, which means
-nothing on a socket that never sends, and which the kernel shows every user (sock_diag(7), see
-``socket_diag``). The values are for local use (RFC 2474, 6: code points that end in 11).
+The subscriptions of lcmtools' nodes and commands are announced; those of a plain LCM program are
+unknown. A process may be both, so the socket is marked: by its type of service, which means nothing
+on a socket that never sends, and which the kernel shows every user. The values are for local use
+(RFC 2474, 6: code points that end in 11).
 """
 SELECTIVE = 0x4C
 """Mark of an announced socket whose filter drops most datagrams on purpose.
@@ -25,14 +32,28 @@ SELECTIVE = 0x4C
 The kernel counts what a filter drops and what a full buffer drops together.
 """
 
-_SO_TIMESTAMPNS = 35  # asm-generic/socket.h; Python's socket module does not name these
-_RECVTTL = 12  # linux/in.h
+# asm-generic/socket.h and linux/in.h; Python's socket module does not name these
+_SO_ATTACH_FILTER, _SO_TIMESTAMPNS, _SO_MEMINFO, _IP_RECVTTL = 26, 35, 55, 12
+_MEMORY_LIMIT, _MEMORY_DROPS = 1, 8  # places among its numbers (linux/sock_diag.h)
+_IS_LINUX = sys.platform == "linux"
 _TIMESPEC = struct.Struct("@qq")
+
+_NETLINK_SOCK_DIAG, _SOCK_DIAG_BY_FAMILY = 4, 20
+_REQUEST_DUMP = 0x301  # NLM_F_REQUEST | NLM_F_DUMP
+_ERROR, _DONE = 2, 3
+_TYPE_OF_SERVICE, _MEMORY = 5, 7  # INET_DIAG_TOS, INET_DIAG_SKMEMINFO
+_ALL_STATES = 0xFFFFFFFF
+_HEADER = struct.Struct("=IHHII")  # struct nlmsghdr
+_ATTRIBUTE = struct.Struct("=HH")
+_REQUEST = struct.Struct("=BBBBI48x")  # struct inet_diag_req_v2
+_MESSAGE_BYTES, _INODE_OFFSET = 72, 68  # of struct inet_diag_msg
+_TIMEOUT = 0.2  # [s]
 
 
 def request_arrival(receiver: socket.socket) -> None:
     """Request each datagram's receive time and time to live as ancillary data (ip(7))."""
-    for level, option in ((socket.SOL_SOCKET, _SO_TIMESTAMPNS), (socket.IPPROTO_IP, _RECVTTL)):
+    options = ((socket.SOL_SOCKET, _SO_TIMESTAMPNS), (socket.IPPROTO_IP, _IP_RECVTTL))
+    for level, option in options if _IS_LINUX else ():
         with contextlib.suppress(OSError):
             receiver.setsockopt(level, option, 1)
 
@@ -56,3 +77,109 @@ def mark(receiver: socket.socket, value: int) -> None:
     """Mark a socket that receives and never sends; unmarked it counts as a plain program's."""
     with contextlib.suppress(OSError):
         receiver.setsockopt(socket.IPPROTO_IP, socket.IP_TOS, value)
+
+
+def attach(receiver: socket.socket, program: Program) -> bool:
+    """Attach a filter to a socket; return False where the system has no filters."""
+    if not _IS_LINUX:
+        return False
+    rows = (struct.pack("=HBBI", i.code, i.if_true, i.if_false, i.k) for i in program)
+    code = array("B", b"".join(rows))  # struct sock_filter
+    # struct sock_fprog: the number of instructions and their address
+    argument = struct.pack("@HP", len(program), code.buffer_info()[0])
+    with contextlib.suppress(OSError):
+        receiver.setsockopt(socket.SOL_SOCKET, _SO_ATTACH_FILTER, argument)
+        return True
+    return False
+
+
+def dropped(receiver: socket.socket) -> int | None:
+    """Return the number of datagrams that a socket's filter or full buffer dropped, if known."""
+    with contextlib.suppress(OSError, IndexError):
+        numbers = receiver.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, 4 * (_MEMORY_DROPS + 1))
+        return memoryview(numbers).cast("I")[_MEMORY_DROPS]
+    return None
+
+
+def granted_buffer(wanted: int) -> int:
+    """Return how much of a receive buffer [byte] this system grants without asking root."""
+    try:
+        return min(wanted, int(Path("/proc/sys/net/core/rmem_max").read_text()))
+    except (OSError, ValueError):
+        return wanted  # setsockopt clamps or refuses by itself
+
+
+def open_descriptors() -> set[int]:
+    """Return the file descriptors of this process."""
+    try:
+        return {int(entry.name) for entry in Path("/proc/self/fd").iterdir()}
+    except OSError:
+        return set()
+
+
+def own_network() -> int:
+    """Return the number of this thread's network namespace; 0 where the system has none."""
+    try:
+        return Path("/proc/thread-self/ns/net").stat().st_ino
+    except OSError:
+        return 0
+
+
+def receive_buffers() -> dict[int, int]:
+    """Return the size of each UDP socket's receive buffer [byte] by its inode."""
+    start = 4 * _MEMORY_LIMIT
+    return {
+        inode: size
+        for inode, numbers in _attributes(_MEMORY)
+        if (size := int.from_bytes(numbers[start : start + 4], sys.byteorder))
+    }
+
+
+def selective_sockets() -> frozenset[int]:
+    """Return the inodes of the sockets that drop most datagrams on purpose."""
+    return _marked(SELECTIVE)
+
+
+def announced_sockets() -> frozenset[int]:
+    """Return the inodes of the sockets with which lcmtools itself receives."""
+    return _marked(ANNOUNCED, SELECTIVE)
+
+
+def _marked(*marks: int) -> frozenset[int]:
+    return frozenset(
+        inode for inode, value in _attributes(_TYPE_OF_SERVICE) if value and value[0] in marks
+    )
+
+
+def _attributes(kind: int) -> Iterator[tuple[int, bytes]]:
+    """Yield the inode and the attribute of every UDP socket of this network that has it.
+
+    One request by sock_diag(7), answered with every socket; any user may send it.
+    """
+    if not hasattr(socket, "AF_NETLINK"):
+        return
+    with (
+        contextlib.suppress(OSError, struct.error),
+        socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, _NETLINK_SOCK_DIAG) as kernel,
+    ):
+        kernel.settimeout(_TIMEOUT)
+        request = _REQUEST.pack(socket.AF_INET, socket.IPPROTO_UDP, 1 << (kind - 1), 0, _ALL_STATES)
+        size = _HEADER.size + len(request)
+        kernel.send(_HEADER.pack(size, _SOCK_DIAG_BY_FAMILY, _REQUEST_DUMP, 1, 0) + request)
+        while data := kernel.recv(1 << 16):
+            for answer, body in _records(data, _HEADER):
+                if answer in (_DONE, _ERROR):
+                    return
+                value = dict(_records(body, _ATTRIBUTE, _MESSAGE_BYTES)).get(kind)
+                if value is not None:
+                    yield struct.unpack_from("=I", body, _INODE_OFFSET)[0], value
+
+
+def _records(data: bytes, header: struct.Struct, start: int = 0) -> Iterator[tuple[int, bytes]]:
+    """Yield kind and body of netlink's messages or attributes, whose headers begin alike."""
+    while start + header.size <= len(data):
+        size, kind, *_ = header.unpack_from(data, start)
+        if size < header.size:
+            return
+        yield kind, data[start + header.size : start + size]
+        start += (size + 3) & ~3

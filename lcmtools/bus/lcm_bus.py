@@ -1,24 +1,12 @@
-"""The lcm package, and its sharp edges. The only module that imports it.
+"""The bus of nodes: an LCM instance with a receiving thread.
 
-What the binding does not forgive, and is therefore kept here:
-
-- ``subscribe`` freezes the whole process for ten seconds where multicast does not work, and then
-  returns None: the bus is checked before (``lcmtools.bus.preflight``).
-- Channel names are regular expressions there: they are escaped.
-- Malformed datagrams can crash it: a filter keeps them out (``lcmtools.bus.datagram_filter``).
-- ``.*`` on udpm can crash on a malformed datagram: never used there (the tap is).
-- ``unsubscribe`` while another thread handles crashes: both happen on the receiving thread only.
-- ``handle_timeout`` crashes with file descriptors from 1024 on: refused before.
-- A subscription's queue keeps the oldest messages: it is drained at once, into queues that keep
-  the newest.
-- On tcpq, two threads that publish or subscribe at once mix up their bytes: a lock keeps them
-  apart.
-- A tcpq connection that breaks is closed by the first thread that notices, and its subscriptions
-  are gone: the receiving thread makes a new instance, and subscribes again.
-- ``handle`` turns Ctrl-C into OSError: the thread waits in ``select`` instead.
+Subscribing, unsubscribing and receiving happen on that thread only. It drains the library at once,
+into queues of the subscribers that keep the newest messages. A lock keeps threads that publish or
+subscribe apart.
 """
 
 import contextlib
+import math
 import os
 import queue
 import re
@@ -27,32 +15,22 @@ import threading
 import time
 from collections.abc import Callable
 
-import lcm
-
 from lcmtools.bus.base import Handler
-from lcmtools.bus.datagram_filter import open_descriptors, protect
-from lcmtools.bus.multicast import receive_buffer_bytes
+from lcmtools.bus.liblcm import QUEUE_CAPACITY, Connection, Instance, Subscription
 from lcmtools.bus.paced import PACED_ABOVE_BYTES, PacedSender
-from lcmtools.bus.preflight import check_bus
-from lcmtools.bus.reconnect import ReconnectBackoff
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.names import check_channel
 
-Instance = lcm.LCM
-"""For the types of those who must not import the package."""
-QUEUE_CAPACITY = 10_000
-"""Messages that liblcm may hold while Python does not get to run."""
 _BATCH = 100  # messages handled before a request to subscribe is served
-_LOOK_PERIOD = 0.5  # [s] between looks whether a connection broke while something was sent
+_CHECK_PERIOD = 0.5  # [s] between checks for a connection that broke in sending
 _REQUEST_TIMEOUT = 15.0  # [s]; above liblcm's own ten seconds
 
 
 class LcmBus:
-    """One LCM instance with one receiving thread.
+    """A connection with one receiving thread.
 
-    Publishing is safe from any thread. Handlers run on the receiving thread and must be quick. A
-    connection to a server (tcpq) that is lost is made again when the server is back.
+    Publishing is safe from any thread. Handlers run on the receiving thread and must be quick.
 
     Args:
         url: The bus.
@@ -64,17 +42,19 @@ class LcmBus:
     def __init__(self, url: BusUrl) -> None:
         self.url = url
         self.on_outage: Callable[[str], None] = lambda _: None
-        self._lcm: lcm.LCM | None = open_lcm(url)
-        self._can_come_back = url.provider == "tcpq"
-        self._backoff = ReconnectBackoff()
-        self._is_broken = False  # as somebody found who tried to send
-        self._paced = PacedSender(url) if url.is_multicast else None
         self._handlers: dict[str, list[Handler]] = {}
-        self._subscriptions: dict[str, lcm.LCMSubscription] = {}
+        self._subscriptions: dict[str, Subscription] = {}
+        self._sending = threading.RLock()  # not Lock: a signal handler may publish too
+        self._connection = Connection(
+            url, self._subscribe_all, lambda text, _trouble: self.on_outage(text)
+        )
+        self._can_break = url.provider == "tcpq"
+        self._broken: Instance | None = None  # as found in sending
+        self._has_ended = False  # as a log does
+        self._paced = PacedSender(url) if url.is_multicast else None
         self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._wake_read, self._wake_write = os.pipe()
-        self._asking = threading.Lock()
-        self._sending = threading.RLock()  # not Lock: a signal handler may publish too
+        self._requesting = threading.Lock()
         self._closed = False
         self._thread = threading.Thread(target=self._run, name="lcm receiver", daemon=True)
         self._thread.start()
@@ -101,7 +81,7 @@ class LcmBus:
             with self._sending:
                 instance.publish(channel, payload)
         except OSError as error:
-            self._is_broken = instance is self._lcm
+            self._broken = instance
             raise BusError(f"cannot publish on {channel}: {error.strerror or error}") from error
 
     def subscribe(self, channel: str, handler: Handler) -> None:
@@ -121,7 +101,7 @@ class LcmBus:
 
     def close(self) -> None:
         """Send what waits, stop the receiving thread and leave the bus."""
-        with self._asking:
+        with self._requesting:
             if self._closed:
                 return
             self._closed = True
@@ -132,10 +112,10 @@ class LcmBus:
         os.close(self._wake_read)
         os.close(self._wake_write)
         self._subscriptions.clear()
-        self._lcm = None  # a thread that publishes at this moment keeps it a moment longer
+        self._connection.close()  # a thread that publishes now keeps the instance a moment longer
 
-    def _instance(self) -> "lcm.LCM":
-        instance = self._lcm
+    def _instance(self) -> Instance:
+        instance = self._connection.instance
         if self._closed:
             raise BusError("the bus is closed")
         if instance is None:
@@ -156,10 +136,10 @@ class LcmBus:
             try:
                 work()
                 done.put(None)
-            except Exception as error:  # noqa: BLE001 - raised where it was asked for
+            except Exception as error:  # noqa: BLE001 - raised by the requester
                 done.put(error)
 
-        with self._asking:
+        with self._requesting:
             if self._closed:
                 raise BusError("the bus is closed")
             self._requests.put(run)
@@ -172,13 +152,18 @@ class LcmBus:
             raise error
 
     def _subscribe(self, channel: str, handler: Handler) -> None:
-        if channel not in self._subscriptions and not self._backoff.is_on:
-            self._listen_to(channel)
+        if channel not in self._subscriptions and not self._connection.is_lost:
+            self._subscribe_channel(self._instance(), channel)
         self._handlers.setdefault(channel, []).append(handler)
 
-    def _listen_to(self, channel: str) -> None:
+    def _subscribe_all(self, instance: Instance) -> None:
+        self._subscriptions.clear()
+        for channel in (name for name, handlers in self._handlers.items() if handlers):
+            self._subscribe_channel(instance, channel)
+
+    def _subscribe_channel(self, instance: Instance, channel: str) -> None:
         with self._sending:
-            subscription = self._instance().subscribe(re.escape(channel), self._dispatch)
+            subscription = instance.subscribe(re.escape(channel), self._dispatch)
         if subscription is None:
             raise BusError(f"LCM refuses to subscribe to '{channel}'")
         subscription.set_queue_capacity(QUEUE_CAPACITY)
@@ -198,76 +183,51 @@ class LcmBus:
             handler(payload, now)
 
     def _run(self) -> None:
-        """The receiving thread: wait, drain the library, do what was asked."""
-        instance = self._lcm
-        descriptor = None if instance is None else int(instance.fileno())
-        del instance  # it is let go of where the connection breaks
+        """Wait, drain the library and serve requests, on the receiving thread."""
         while not self._closed:
-            descriptor = self._turn(descriptor)
-        self._do_requests()  # what was asked while it closed
+            self._turn(None if self._has_ended else self._connection.instance)
+        self._serve_requests()  # those made while it closed
 
-    def _turn(self, descriptor: int | None) -> int | None:
-        """Wait, and do what there is to do; None where nothing comes, for good or for now."""
-        works, readable = self._wait(descriptor)
+    def _turn(self, instance: Instance | None) -> None:
+        """Wait for messages, requests and attempts to connect, and handle them."""
+        works, readable = self._wait(instance)
         if self._wake_read in readable:
             os.read(self._wake_read, 4096)
-            self._do_requests()
-        if descriptor is not None:
-            if works and descriptor in readable:
-                works = self._handle()
-            if works and not (self._is_broken and self._can_come_back):
-                return descriptor
-            if self._can_come_back and not self._closed:
-                self._lose()
-            return None  # requests are served still
-        if self._backoff.left(time.monotonic()) == 0.0:
-            return self._reconnect()
-        return None
+            self._serve_requests()
+        if instance is None:
+            if self._connection.left() == 0.0:
+                self._connection.try_again()
+            return
+        if works and len(readable) > readable.count(self._wake_read):
+            works = self._handle(instance)
+        if works and not (self._can_break and self._broken is instance):
+            return
+        if not self._can_break:
+            self._has_ended = True  # requests are served still
+        elif not self._closed:
+            with self._sending:
+                self._subscriptions.clear()
+            self._broken = None
+            self._connection.lose()
 
-    def _wait(self, descriptor: int | None) -> tuple[bool, list[int]]:
-        """Wait for messages, requests and attempts; whether that works, and what can be read."""
-        sources = [self._wake_read, *([] if descriptor is None else [descriptor])]
-        is_watched = self._can_come_back and descriptor is not None
-        longest = _LOOK_PERIOD if is_watched else self._backoff.left(time.monotonic())
+    def _wait(self, instance: Instance | None) -> tuple[bool, list[int]]:
+        """Return whether the connection works, and the descriptors that can be read, if any."""
+        sources, longest = [self._wake_read], self._connection.left()
         try:
-            return True, select.select(sources, [], [], longest)[0]
-        except OSError:  # a connection that broke was closed by the publishing thread
+            if instance is not None:
+                sources.append(instance.fileno())
+                longest = _CHECK_PERIOD if self._can_break else math.inf
+            timeout = None if longest == math.inf else longest
+            return True, select.select(sources, [], [], timeout)[0]
+        except (OSError, ValueError):  # closed by the publishing thread, when it broke
             return False, []
 
-    def _lose(self) -> None:
-        """Let go of a connection that broke."""
-        self._backoff.begin(time.monotonic())
-        with self._sending:
-            self._subscriptions.clear()
-            self._lcm = None
-        self.on_outage(f"the connection to {self.url} is lost; it is tried again until it is back")
-
-    def _reconnect(self) -> int | None:
-        """Try to make the connection again; what to wait for, None where it is not back."""
-        try:
-            instance = open_lcm(self.url)
-            with self._sending:
-                self._lcm, self._is_broken = instance, False
-                for channel in (name for name, handlers in self._handlers.items() if handlers):
-                    self._listen_to(channel)
-        except (BusError, OSError):
-            self._subscriptions.clear()
-            self._lcm = None
-            self._backoff.put_off(time.monotonic())
-            return None
-        self._backoff.end()
-        self.on_outage(f"the connection to {self.url} is back")
-        return int(instance.fileno())
-
-    def _do_requests(self) -> None:
+    def _serve_requests(self) -> None:
         while not self._requests.empty():
             self._requests.get()()
 
-    def _handle(self) -> bool:
-        """Hand on messages that wait; False at the end of a log or a connection."""
-        instance = self._lcm
-        if instance is None:
-            return False
+    def _handle(self, instance: Instance) -> bool:
+        """Deliver waiting messages; return False at the end of a log or a connection."""
         try:
             for _ in range(_BATCH):
                 if self._closed or not instance.handle_timeout(0):
@@ -275,25 +235,3 @@ class LcmBus:
         except OSError:
             return False
         return True
-
-
-def open_lcm(url: BusUrl) -> "lcm.LCM":
-    """Make an LCM instance, after checking what would make liblcm hang or print.
-
-    Raises:
-        BusError: The bus cannot be reached, with what to do.
-    """
-    check_bus(url)
-    if url.provider in ("udpm", "mpudpm"):
-        url = url.with_option("ttl", "0")
-    if url.is_multicast:
-        url = url.with_option("recv_buf_size", str(receive_buffer_bytes()))
-    known = open_descriptors()
-    try:
-        instance = lcm.LCM(str(url))
-        instance.fileno()  # only now are the receiving sockets made
-    except (RuntimeError, OSError) as error:
-        raise BusError(f"LCM cannot open {url}") from error
-    if url.is_multicast:
-        protect(url, known)
-    return instance

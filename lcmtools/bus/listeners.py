@@ -7,8 +7,8 @@ and computers do not show at all.
 import time
 from collections.abc import Callable, Collection
 
+from lcmtools.bus.kernel import announced_sockets
 from lcmtools.bus.processes import Process, owners, udp_sockets
-from lcmtools.bus.socket_diag import announced_sockets
 from lcmtools.bus.url import BusUrl
 
 _LOOK_PERIOD = 1.0  # [s] between two looks at the socket table

@@ -11,7 +11,7 @@ import struct
 import time
 from pathlib import Path
 
-from lcmtools.bus.kernel import ANNOUNCED, mark
+from lcmtools.bus.kernel import ANNOUNCED, granted_buffer, mark
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire.datagram import short_message
@@ -20,17 +20,13 @@ SELF_TEST_CHANNEL = "LCM_SELF_TEST"
 """The channel of liblcm's own self test; everybody knows to ignore it."""
 
 WANTED_BUFFER_BYTES = 8 << 20
-_RMEM_MAX = Path("/proc/sys/net/core/rmem_max")
 _LOOPBACK_ROUTE = "sudo ip link set lo up multicast on && sudo ip route add 224.0.0.0/4 dev lo"
 _LOOPBACK_TIMEOUT = 0.4  # [s]; it normally takes well under a millisecond
 
 
 def receive_buffer_bytes() -> int:
-    """The largest receive buffer that this system grants without asking root, in bytes."""
-    try:
-        return min(WANTED_BUFFER_BYTES, int(_RMEM_MAX.read_text()))
-    except (OSError, ValueError):
-        return WANTED_BUFFER_BYTES  # not Linux: setsockopt clamps or refuses by itself
+    """Return the largest receive buffer that this system grants without asking root [byte]."""
+    return granted_buffer(WANTED_BUFFER_BYTES)
 
 
 def sending_socket(url: BusUrl) -> socket.socket:

@@ -11,8 +11,9 @@ import time
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
+from lcmtools.bus.kernel import attach
 from lcmtools.bus.multicast import receiving_socket, sending_socket
-from lcmtools.bus.socket_filter import attach, whole_on
+from lcmtools.bus.socket_filter import whole_on
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 

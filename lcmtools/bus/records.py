@@ -13,6 +13,7 @@ from collections.abc import Container, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from lcmtools.bus.kernel import own_network
 from lcmtools.bus.processes import process_of
 from lcmtools.bus.url import BusUrl
 from lcmtools.graph.model import Node, Role, Staleness
@@ -47,7 +48,7 @@ class NodeRecords:
             "start_time": node.start_time,
             "command": node.command,
             "start_ticks": process.start_ticks if process else 0,
-            "network": _own_network(),
+            "network": own_network(),
             "publishes": [one.topic for one in node.having(Role.PUBLISHER)],
             "subscribes": [one.topic for one in node.having(Role.SUBSCRIBER)],
         }
@@ -97,7 +98,7 @@ class NodeRecords:
             for path in sorted(folder.glob("*.json")):
                 with contextlib.suppress(OSError, ValueError, AttributeError):
                     record = json.loads(path.read_text())
-                    if record.get("network", _own_network()) == _own_network():
+                    if record.get("network", own_network()) == own_network():
                         yield record
 
 
@@ -114,14 +115,6 @@ def _node(record: Mapping[str, object]) -> Node:
         command=str(record["command"]),
     )
     return replace(node, stale=Staleness.HANGS if alive else Staleness.ENDED)
-
-
-def _own_network() -> int:
-    """The number of this thread's network namespace; 0 where the system has none."""
-    try:
-        return Path("/proc/thread-self/ns/net").stat().st_ino
-    except OSError:
-        return 0
 
 
 def _base_folders(environment: Mapping[str, str]) -> list[Path]:

@@ -1,13 +1,9 @@
-"""Socket filters that the Linux kernel runs (classic BPF, socket(7) SO_ATTACH_FILTER).
+"""Programs of socket filters, which the Linux kernel runs (classic BPF); see ``kernel.attach``.
 
-A filter is a small program that sees each datagram, after its UDP header, before it is queued. It
-returns how many bytes are kept, UDP header included: 0 drops the datagram, and so does a load from
-beyond its end. All of lcmtools' filters are here; elsewhere than on Linux there are none.
+A filter sees each datagram, with its UDP header, before it is queued. It returns the number of
+bytes to keep, UDP header included: 0 drops the datagram, and so does a load from beyond its end.
 """
 
-import socket
-import struct
-from array import array
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -27,7 +23,6 @@ _JUMP, _JUMP_EQUAL, _JUMP_GREATER, _JUMP_GREATER_EQUAL = 0x05, 0x15, 0x25, 0x35
 _JUMP_GREATER_EQUAL_X = 0x3D
 _RETURN = 0x06
 
-_SO_ATTACH_FILTER = 26  # asm-generic/socket.h
 _UDP_HEADER = 8  # bytes that a UDP socket's filter sees before the datagram
 _SHORT, _FRAGMENT = (int.from_bytes(magic, "big") for magic in (MAGIC_SHORT, MAGIC_FRAGMENT))
 _CHANNEL = _UDP_HEADER + SHORT_HEADER_BYTES  # offset of the channel in a short message
@@ -48,19 +43,6 @@ class Instruction(NamedTuple):
 
 Program = Sequence[Instruction]
 _ACCEPT, _DROP = Instruction(_RETURN, 0xFFFFFFFF), Instruction(_RETURN, 0)
-
-
-def attach(receiver: socket.socket, program: Program) -> bool:
-    """Attach a filter to a socket; return False where the system has no filters."""
-    rows = (struct.pack("=HBBI", i.code, i.if_true, i.if_false, i.k) for i in program)
-    code = array("B", b"".join(rows))  # struct sock_filter
-    # struct sock_fprog: the number of instructions and their address
-    argument = struct.pack("@HP", len(program), code.buffer_info()[0])
-    try:
-        receiver.setsockopt(socket.SOL_SOCKET, _SO_ATTACH_FILTER, argument)
-    except OSError:
-        return False
-    return True
 
 
 def well_formed() -> Program:

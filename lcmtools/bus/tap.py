@@ -10,18 +10,17 @@ costs next to nothing to watch.
 
 import contextlib
 import select
-import socket
 import time
 from collections.abc import Mapping
 
-from lcmtools.bus.kernel import ANCILLARY_BYTES, arrival, request_arrival
+from lcmtools.bus.kernel import ANCILLARY_BYTES, arrival, attach, dropped, request_arrival
 from lcmtools.bus.multicast import (
     SELF_TEST_CHANNEL,
     check_multicast,
     receiving_socket,
     sending_socket,
 )
-from lcmtools.bus.socket_filter import attach, heads_only
+from lcmtools.bus.socket_filter import heads_only
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.names import check_length
@@ -30,8 +29,6 @@ from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.reader import TALK, Reader
 from lcmtools.wire.sequence import Sequence
 
-_SO_MEMINFO = 55  # asm-generic/socket.h; Python's socket module does not name it
-_DROPS = 8  # the place of the dropped datagrams among its numbers (linux/sock_diag.h)
 _MAX_DATAGRAM = 65536
 _BATCH = 256  # datagrams taken at once before the caller is served
 _STREAM, _STREAM_GAP, _NAP = 8, 0.005, 0.01
@@ -124,12 +121,7 @@ class Tap:
 
         None where the kernel does not tell, or counts those that its filter drops among them.
         """
-        if self._filtered:
-            return None
-        with contextlib.suppress(OSError, IndexError):
-            numbers = self._receiver.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, 4 * (_DROPS + 1))
-            return memoryview(numbers).cast("I")[_DROPS]
-        return None
+        return None if self._filtered else dropped(self._receiver)
 
     def send(self, channel: str, payload: bytes) -> None:
         """Publish one message, as an LCM instance of its own.

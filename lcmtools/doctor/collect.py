@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from lcmtools.bus.kernel import receive_buffers, selective_sockets
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import Process, is_local
 from lcmtools.bus.records import NodeRecords
-from lcmtools.bus.socket_diag import receive_buffers, selective_sockets
 from lcmtools.bus.url import BusUrl
 from lcmtools.doctor import host as computer
 from lcmtools.doctor.evidence import (

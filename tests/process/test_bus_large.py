@@ -13,7 +13,7 @@ from typing import Any
 import lcm
 import pytest
 
-from lcmtools.bus.liblcm import LcmBus
+from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.multicast import receiving_socket
 from lcmtools.bus.paced import PACED_ABOVE_BYTES, PacedSender
 from lcmtools.bus.processes import udp_sockets

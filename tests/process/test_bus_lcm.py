@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from lcmtools.bus.liblcm import LcmBus
+from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError, InvalidName
 

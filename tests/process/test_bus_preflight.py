@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from lcmtools.bus.liblcm import LcmBus
+from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.multicast import (
     check_loopback,
     check_multicast,
@@ -155,7 +155,7 @@ def test_a_process_with_over_a_thousand_files_is_told(
     program = start_python(
         """
 import os, resource, sys
-from lcmtools.bus.liblcm import LcmBus
+from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError
 resource.setrlimit(resource.RLIMIT_NOFILE, (4096, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))

@@ -12,8 +12,8 @@ from typing import Any
 import lcm
 import pytest
 
+from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.lcm_listener import LcmListener
-from lcmtools.bus.liblcm import LcmBus
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError

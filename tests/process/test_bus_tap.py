@@ -11,7 +11,7 @@ from typing import Any
 import lcm
 import pytest
 
-from lcmtools.bus.liblcm import LcmBus
+from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.processes import (
     Senders,
     senders_of_port,

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from lcmtools.bus.liblcm import LcmBus
+from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError
 

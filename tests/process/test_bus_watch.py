@@ -14,7 +14,7 @@ import pytest
 
 from lcmtools import Node
 from lcmtools.arguments import split_arguments
-from lcmtools.bus.liblcm import LcmBus
+from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.model import Role
 from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement

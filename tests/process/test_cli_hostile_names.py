@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from lcmtools.bus.liblcm import LcmBus
+from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.graph.protocol import (

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
+from lcmtools.bus.kernel import receive_buffers
 from lcmtools.bus.multicast import receiving_socket
 from lcmtools.bus.processes import owners, udp_sockets
-from lcmtools.bus.socket_diag import receive_buffers
 from lcmtools.bus.url import parse_url
 from lcmtools.doctor import self_test
 from lcmtools.doctor.firewall import firewall

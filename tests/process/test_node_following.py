@@ -11,10 +11,10 @@ import pytest
 from lcmtools import Node
 from lcmtools.arguments import split_arguments
 from lcmtools.bus.channel_socket import ChannelSocket
-from lcmtools.bus.liblcm import LcmBus
+from lcmtools.bus.kernel import selective_sockets
+from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import udp_sockets
-from lcmtools.bus.socket_diag import selective_sockets
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.model import Endpoint, Role
 from lcmtools.graph.protocol import (

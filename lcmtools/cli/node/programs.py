@@ -2,7 +2,7 @@
 
 import socket
 
-from lcmtools.bus.socket_diag import receive_buffers
+from lcmtools.bus.kernel import receive_buffers
 from lcmtools.graph.model import Traffic
 from lcmtools.messages.registry import candidates
 from lcmtools.observe.describe import UNKNOWN, candidates_text

@@ -1,0 +1,143 @@
+"""The lcm package, and its sharp edges. The only module that imports it.
+
+The binding's pitfalls, and the way around each:
+
+- ``subscribe`` freezes the whole process for ten seconds where multicast does not work, and then
+  returns None: the bus is checked before (``lcmtools.bus.preflight``).
+- A datagram that ends within its channel's name makes liblcm read another message's bytes from the
+  same buffer, and the process may die: on Linux a filter in the kernel drops malformed datagrams.
+- ``.*`` on udpm can crash on a malformed datagram: never used there (the tap is).
+- ``handle_timeout`` crashes with file descriptors from 1024 on: refused before.
+- ``handle`` turns Ctrl-C into OSError: the caller waits in ``select`` instead.
+- A tcpq connection that breaks is closed by the first thread that notices, and its subscriptions
+  are gone: ``Connection`` makes a new instance, and subscribes again.
+- Channel names are regular expressions, and a queue keeps the oldest messages; ``unsubscribe``
+  while another thread handles crashes, and on tcpq two threads that publish or subscribe at once
+  mix up their bytes: see ``lcmtools.bus.lcm_bus``.
+"""
+
+import contextlib
+import math
+import os
+import socket
+import stat
+import time
+from collections.abc import Callable
+
+import lcm
+
+from lcmtools.bus.kernel import ANNOUNCED, attach, mark, open_descriptors
+from lcmtools.bus.multicast import receive_buffer_bytes
+from lcmtools.bus.preflight import check_bus
+from lcmtools.bus.socket_filter import well_formed
+from lcmtools.bus.url import BusUrl
+from lcmtools.errors import BusError
+
+Instance = lcm.LCM
+Subscription = lcm.LCMSubscription
+QUEUE_CAPACITY = 10_000
+"""Messages that liblcm may hold while Python does not get to run."""
+_FIRST_PAUSE, _LONGEST_PAUSE = 0.2, 2.0  # [s] before an attempt to connect again
+
+
+class Connection:
+    """An LCM instance; one to a server (tcpq) that is lost is made again when the server is back.
+
+    For one thread, but ``instance`` may be read by any.
+
+    Args:
+        url: The bus.
+        subscribe: Makes the subscriptions of an instance: of the first one, and of each new one.
+        on_outage: Called when the connection is lost or back, with a text and the present trouble,
+            "" for none.
+
+    Attributes:
+        instance: None when the connection is lost, or a log has ended.
+
+    Raises:
+        BusError: The bus cannot be reached.
+    """
+
+    def __init__(
+        self,
+        url: BusUrl,
+        subscribe: Callable[[Instance], None],
+        on_outage: Callable[[str, str], None],
+    ) -> None:
+        self._url = url
+        self._subscribe = subscribe
+        self._on_outage = on_outage
+        self._pause = _FIRST_PAUSE
+        self._due = math.inf  # time of the next attempt
+        instance = open_lcm(url)
+        subscribe(instance)
+        self.instance: Instance | None = instance
+
+    @property
+    def is_lost(self) -> bool:
+        """True while the server is tried again."""
+        return self._due < math.inf
+
+    def left(self) -> float:
+        """Return the time until the next attempt [s]; infinite if the connection is not lost."""
+        return max(0.0, self._due - time.monotonic())
+
+    def close(self) -> None:
+        """Let go of the instance."""
+        self.instance, self._due = None, math.inf
+
+    def lose(self) -> None:
+        """Let go of an instance that broke, or of a log that has ended."""
+        self.instance = None
+        if self._url.provider == "tcpq":
+            self._pause = _FIRST_PAUSE
+            self._due = time.monotonic() + self._pause
+            text = f"the connection to {self._url} is lost; it is tried again until it is back"
+            self._on_outage(text, text)
+
+    def try_again(self) -> None:
+        """Try to connect again; each attempt waits twice as long as the one before."""
+        try:
+            instance = open_lcm(self._url)
+            self._subscribe(instance)
+        except (BusError, OSError):
+            self._pause = min(2 * self._pause, _LONGEST_PAUSE)
+            self._due = time.monotonic() + self._pause
+            return
+        self.instance, self._due = instance, math.inf
+        self._on_outage(f"the connection to {self._url} is back", "")
+
+
+def open_lcm(url: BusUrl) -> Instance:
+    """Make an LCM instance, after checking for conditions that make liblcm hang or print.
+
+    Raises:
+        BusError: The bus cannot be reached, with what to do.
+    """
+    check_bus(url)
+    if url.provider in ("udpm", "mpudpm"):
+        url = url.with_option("ttl", "0")
+    if url.is_multicast:
+        url = url.with_option("recv_buf_size", str(receive_buffer_bytes()))
+    known = open_descriptors()
+    try:
+        instance = lcm.LCM(str(url))
+        instance.fileno()  # only now are the receiving sockets made
+    except (RuntimeError, OSError) as error:
+        raise BusError(f"LCM cannot open {url}") from error
+    if url.is_multicast:
+        _protect(url, open_descriptors() - known)
+    return instance
+
+
+def _protect(url: BusUrl, descriptors: set[int]) -> None:
+    """Attach the filter to those of these descriptors that listen to the bus, and mark them."""
+    for descriptor in descriptors:
+        with contextlib.suppress(OSError):  # closed meanwhile
+            if not stat.S_ISSOCK(os.fstat(descriptor).st_mode):
+                continue
+            # a duplicate, because closing the Python object must not close liblcm's socket
+            with socket.socket(fileno=os.dup(descriptor)) as listener:
+                if listener.getsockname() == (url.host, url.port):
+                    attach(listener, well_formed())
+                    mark(listener, ANNOUNCED)
