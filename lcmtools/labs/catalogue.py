@@ -1,4 +1,4 @@
-"""The labs there are: name, world, and what to type in which order."""
+"""The catalogue of the labs: name, world, programs, and the commands to type."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,19 +9,22 @@ from lcmtools.names import did_you_mean
 
 @dataclass(frozen=True, slots=True)
 class Role:
-    """A program that a lab asks a student to write.
+    """A program that a lab has a student write.
 
     Attributes:
-        option: How it is called on the command line of lab check.
-        own: The command line of the model answer.
-        node: The skeleton that a student starts from, "" where there is none.
+        option: Its name on the command line of lab check.
+        node: The model answer and the skeleton, nodes of the same name.
         arguments: Names that connect it; added unless the command line has a := of its own.
     """
 
     option: str
-    own: tuple[str, ...]
     node: str
     arguments: tuple[str, ...] = ()
+
+    @property
+    def answer(self) -> tuple[str, ...]:
+        """The command line of the model answer."""
+        return "lcmtools", "run", self.node
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,12 +32,12 @@ class Lab:
     """A lab.
 
     Attributes:
-        name: As it is typed.
-        title: What it is about, in one line.
+        name: Its name on the command line.
+        title: Its subject, in one line.
         world: The simulator's world.
         simulator: The simulator's node in that world.
         roles: The programs that a student writes.
-        steps: What to type next, in a second terminal.
+        steps: Commands to type next, in a second terminal.
     """
 
     name: str
@@ -53,16 +56,10 @@ _HUSKY = Lab(
     (
         Role(
             "controller",
-            ("lcmtools", "run", "simple_controller"),
             "simple_controller",
             ("__ns:=/husky0", "controlled_velocity:=velocity_cmd"),
         ),
-        Role(
-            "evaluator",
-            ("lcmtools", "run", "evaluate_controller"),
-            "evaluate_controller",
-            ("__ns:=/husky0",),
-        ),
+        Role("evaluator", "evaluate_controller", ("__ns:=/husky0",)),
     ),
     (
         "lcmtools list",
@@ -78,12 +75,8 @@ _PIONEER = Lab(
     "pioneer",
     "/gazebo",
     (
-        Role(
-            "teleop",
-            ("lcmtools", "run", "pioneer_manual_controller"),
-            "pioneer_manual_controller",
-        ),
-        Role("viewer", ("lcmtools", "run", "kinect_viewer"), "kinect_viewer"),
+        Role("teleop", "pioneer_manual_controller"),
+        Role("viewer", "kinect_viewer"),
     ),
     (
         "lcmtools node list",
@@ -100,8 +93,8 @@ _DOLLY = Lab(
     "dolly",
     "/gazebo",
     (
-        Role("mover", ("lcmtools", "run", "moving_robot"), "moving_robot"),
-        Role("reader", ("lcmtools", "run", "reading_laser"), "reading_laser"),
+        Role("mover", "moving_robot"),
+        Role("reader", "reading_laser"),
     ),
     (
         "lcmtools list",
@@ -118,7 +111,7 @@ LABS: Mapping[str, Lab] = {lab.name: lab for lab in (_HUSKY, _PIONEER, _DOLLY)}
 
 
 def find_lab(name: str) -> Lab:
-    """The lab of a name.
+    """Return the lab of a name.
 
     Raises:
         UsageError: There is none.

@@ -148,7 +148,7 @@ def test_keys_that_are_exchanged_and_missing_are_found(
     rows = check("pioneer", "--teleop", source=WRONG_KEYS)
     assert not_ok(rows)[:2] == ["m  backward, clockwise", ".  backward, counter-clockwise"]
     assert "u  after q, both 10 % more" in not_ok(rows)
-    assert not rows["stands at the end"]["ok"]
+    assert not rows["stops at the end"]["ok"]
     assert rows["o  forward to the right"]["ok"]
 
 

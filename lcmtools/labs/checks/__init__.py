@@ -1,1 +1,1 @@
-"""The checks of students' programs: the stage they run on, and what is asked of each."""
+"""The checks of students' programs: the test bench they run on, and what each measures."""

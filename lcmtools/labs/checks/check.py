@@ -1,15 +1,15 @@
-"""Checking a lab: which program is checked by what, on which stage."""
+"""Checking a lab: the check of each program, on a test bench of its own."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from lcmtools.errors import UsageError
 from lcmtools.labs.catalogue import Lab, Role
 from lcmtools.labs.checks import dolly, husky, pioneer
-from lcmtools.labs.checks.programs import split_command
-from lcmtools.labs.checks.row import Row
-from lcmtools.labs.checks.stage import Stage
+from lcmtools.labs.checks.programs import CheckResult, split_command
+from lcmtools.labs.checks.test_bench import TestBench
 
-Check = Callable[[Stage, Sequence[str]], Iterator[Row]]
+Check = Callable[[TestBench, Sequence[str]], Iterator[CheckResult]]
 
 CHECKS: Mapping[str, Check] = {
     "controller": husky.check_controller,
@@ -21,61 +21,53 @@ CHECKS: Mapping[str, Check] = {
 }
 """By the role's option."""
 
-FAST = 4.0
-"""Times real time at which our own programs are checked: they go by the odometry's time."""
-_REAL = 1.0
+_FAST, _REAL = 4.0, 1.0  # simulated seconds per second
 _ALWAYS_FAST = ("mover", "reader", "evaluator")  # what is measured does not depend on it
 
 
-def choose(lab: Lab, programs: Mapping[str, str]) -> list[tuple[Role, list[str], bool]]:
-    """The subject of a check: the role, the command line, and whether it is our own.
+def choose(lab: Lab, programs: Mapping[str, str]) -> list[tuple[Role, list[str], float]]:
+    """Return the roles to be checked, each with a command line and a simulator's rate.
+
+    A student's controller may go by the real clock, and gets real time; the model answers go by the
+    odometry's. The lab's names are added unless a command line has some of its own.
 
     Args:
         lab: The lab.
-        programs: The student's command lines by role; of none, ours are checked, all of them.
+        programs: The student's command lines by role; of none, the model answers are checked.
 
     Raises:
         UsageError: A role is of another lab, or a command line is wrong.
     """
     known = {role.option: role for role in lab.roles}
-    for option in programs:
+    if not programs:
+        return [(role, [*role.answer, *role.arguments], _FAST) for role in lab.roles]
+    chosen = []
+    for option, text in programs.items():
         if option not in known:
             hint = ", ".join(f"--{name}" for name in known)
             raise UsageError(f"--{option} is no program of the lab {lab.name}", f"it has {hint}")
-    if not programs:
-        return [(role, [*role.own, *role.arguments], True) for role in lab.roles]
-    return [
-        (known[option], command_of(known[option], text), False) for option, text in programs.items()
-    ]
-
-
-def command_of(role: Role, text: str) -> list[str]:
-    """A student's command line, with the names that connect it unless it has some of its own.
-
-    Raises:
-        UsageError: It is empty, or a quotation mark is missing.
-    """
-    words = split_command(text)
-    return words if any(":=" in word for word in words) else [*words, *role.arguments]
+        words = split_command(text)
+        if not any(":=" in word for word in words):
+            words += known[option].arguments
+        chosen.append((known[option], words, _FAST if option in _ALWAYS_FAST else _REAL))
+    return chosen
 
 
 def check(
     lab: Lab, programs: Mapping[str, str], rate: float | None = None
-) -> Iterator[tuple[Role, Row]]:
-    """Check programs one after the other, each on a stage of its own.
+) -> Iterator[tuple[Role, CheckResult]]:
+    """Check programs one after the other, each on a test bench of its own.
 
     Args:
         lab: The lab.
-        programs: The student's command lines by role; of none, ours are checked.
-        rate: Times real time; None for what suits: a student's controller may go by the real
-            clock, and is given real time.
+        programs: The student's command lines by role; of none, the model answers are checked.
+        rate: Simulated seconds per second; None for what suits each.
 
     Raises:
         UsageError: A role is of another lab, or a program cannot be started.
         LcmtoolsError: The simulator does not start.
     """
-    for role, words, is_ours in choose(lab, programs):
-        suits = FAST if is_ours or role.option in _ALWAYS_FAST else _REAL
-        with Stage(lab, rate or suits) as stage:
-            for found in CHECKS[role.option](stage, words):
-                yield role, found
+    for role, words, suitable in choose(lab, programs):
+        with TestBench(lab, rate or suitable) as bench:
+            for result in CHECKS[role.option](bench, words):
+                yield role, replace(result, hint="") if result.is_ok else result

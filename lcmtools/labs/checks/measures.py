@@ -18,7 +18,7 @@ _FLAT = 1e-12
 
 @dataclass(frozen=True, slots=True)
 class Response:
-    """The response to a step, with the measures of any control course.
+    """The response to a step, with the usual measures of control engineering.
 
     Attributes:
         reached: Mean of the last second, in the value's unit.
@@ -32,7 +32,7 @@ class Response:
 
 
 def analyse(samples: Sequence[tuple[float, float]], target: float) -> Response:
-    """The response in samples of (time since the step [s], value); there is at least one.
+    """Return the response in samples of (time since the step [s], value), at least one.
 
     Args:
         samples: In order of time.
@@ -60,7 +60,7 @@ def _settled_after(samples: Sequence[tuple[float, float]], target: float) -> flo
 
 
 def fit_radius(points: Sequence[Point]) -> float | None:
-    """The radius of the circle through the points [m]; None for less than a piece of a circle.
+    """Return the radius of the circle through points [m]; None for less than an arc.
 
     Source: I. Kasa, A circle fitting procedure and its error analysis, IEEE Trans. Instrum. Meas.
     25 (1976): the circle is linear in its centre and in r^2 - |centre|^2, so that least squares is
@@ -71,17 +71,11 @@ def fit_radius(points: Sequence[Point]) -> float | None:
     middle_x = statistics.fmean(x for x, _ in points)
     middle_y = statistics.fmean(y for _, y in points)
     centred = [(x - middle_x, y - middle_y) for x, y in points]
-    return _radius(centred)
-
-
-def _radius(points: Sequence[Point]) -> float | None:
-    """The same for points whose mean is 0."""
-    count = len(points)
-    xx = sum(x * x for x, _ in points) / count
-    yy = sum(y * y for _, y in points) / count
-    xy = sum(x * y for x, y in points) / count
-    by_x = sum(x * (x * x + y * y) for x, y in points) / count / 2
-    by_y = sum(y * (x * x + y * y) for x, y in points) / count / 2
+    xx = statistics.fmean(x * x for x, _ in centred)
+    yy = statistics.fmean(y * y for _, y in centred)
+    xy = statistics.fmean(x * y for x, y in centred)
+    by_x = statistics.fmean(x * (x * x + y * y) for x, y in centred) / 2
+    by_y = statistics.fmean(y * (x * x + y * y) for x, y in centred) / 2
     determinant = xx * yy - xy * xy
     if determinant <= _FLAT * max(xx, yy, _FLAT) ** 2:
         return None
@@ -91,7 +85,7 @@ def _radius(points: Sequence[Point]) -> float | None:
 
 
 def explained(depths: Sequence[int], colors: Sequence[Sequence[float]]) -> float:
-    """The part of the variance of the colours that the depths explain, from 0 to 1.
+    """Return the part of the variance of the colours that the depths explain, from 0 to 1.
 
     The correlation ratio (eta squared; K. Pearson, 1905). Any colour map is as good as another:
     pixels of the same depth must look the same. A picture of something else, one upside down or one
@@ -104,25 +98,16 @@ def explained(depths: Sequence[int], colors: Sequence[Sequence[float]]) -> float
     total = _scatter(colors)
     if total <= 0.0:
         return 0.0
-    within = sum(_scatter(piece) for piece in _by_depth(depths, colors))
-    return 1.0 - within / total
-
-
-def _by_depth(
-    depths: Sequence[int], colors: Sequence[Sequence[float]]
-) -> list[list[Sequence[float]]]:
-    """The colours in classes of about equal depth, each with as many pixels."""
     order = sorted(range(len(depths)), key=depths.__getitem__)
-    size = max(1, -(-len(order) // _CLASSES))
+    size = max(1, -(-len(order) // _CLASSES))  # of classes of about equal depth
     pieces = [order[start : start + size] for start in range(0, len(order), size)]
-    return [[colors[pixel] for pixel in piece] for piece in pieces]
+    return 1.0 - sum(_scatter([colors[pixel] for pixel in piece]) for piece in pieces) / total
 
 
 def _scatter(colors: Sequence[Sequence[float]]) -> float:
-    """Sum of squared distances from the mean."""
-    return sum(_scatter_of_channel(channel) for channel in zip(*colors, strict=True))
-
-
-def _scatter_of_channel(values: Sequence[float]) -> float:
-    mean = sum(values) / len(values)
-    return sum((value - mean) ** 2 for value in values)
+    """Return the sum of squared distances from the mean."""
+    total = 0.0
+    for values in zip(*colors, strict=True):
+        mean = sum(values) / len(values)
+        total += sum((value - mean) ** 2 for value in values)
+    return total

@@ -1,14 +1,14 @@
-"""The Pioneer lab: does each key command what the table says, and is the depth picture right."""
+"""The Pioneer lab: the command of each key, and the picture of a depth camera."""
 
+import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from lcmtools.errors import DecodeError
-from lcmtools.labs.checks.keys import DIRECTIONS, FACTORS, STOP, Command, after, changed
 from lcmtools.labs.checks.measures import GOOD, explained
-from lcmtools.labs.checks.programs import CheckedProgram
-from lcmtools.labs.checks.row import Row, ends_on_ctrl_c, fate, row
-from lcmtools.labs.checks.stage import Stage
+from lcmtools.labs.checks.programs import CheckedProgram, CheckResult
+from lcmtools.labs.checks.test_bench import TestBench
+from lcmtools.labs.nodes.driving.motion import Motion
 from lcmtools.labs.nodes.picture.pixels import Kind, Picture, read_file, read_picture
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import Image
@@ -20,150 +20,178 @@ _FIRST, _NEXT = 10.0, 2.0  # [s] until a key's command comes
 _PICTURE = 30.0  # [s] until a picture is whole: a program may take seconds for a PNG
 _AGAIN = 0.5  # [s] the first key is pressed again: a program that starts may throw it away
 _COLUMNS, _ROWS = 160, 120  # so many pixels are compared
+_TOLERANCE = 0.01
+
+DIRECTIONS = {
+    "i": "forward",
+    ",": "backward",
+    "j": "left on the spot",
+    "l": "right on the spot",
+    "u": "forward to the left",
+    "o": "forward to the right",
+    "m": "backward, clockwise",
+    ".": "backward, counter-clockwise",
+    "k": "stop",
+}
+"""Meanings of the keys that drive, which are those of teleop_twist_keyboard."""
+SPEED_CHANGES = {
+    "q": "both 10 % more",
+    "z": "both 10 % less",
+    "w": "speed 10 % more",
+    "x": "speed 10 % less",
+    "e": "turning 10 % more",
+    "c": "turning 10 % less",
+}
+"""Meanings of the keys that change a speed."""
+
+Velocity = tuple[float, float]
+"""Forward speed [m/s] and turn rate [rad/s], positive to the left."""
 
 
 class _Keyboard:
-    """Presses keys, and knows what the robot was told last."""
+    """Presses keys, and records the commands that follow."""
 
-    def __init__(self, stage: Stage, program: CheckedProgram) -> None:
-        self._stage = stage
+    def __init__(self, bench: TestBench, program: CheckedProgram) -> None:
+        self._bench = bench
         self.program = program
-        self.last: Command | None = None
-        stage.listen(Twist, _VELOCITY, self._take)
+        self.commands: list[Twist] = bench.record(Twist, _VELOCITY)
+
+    def last(self) -> Velocity | None:
+        """Return the newest command since the last key."""
+        if not self.commands:
+            return None
+        twist = self.commands[-1]
+        return twist.linear.x, twist.angular.z
+
+    def press(self, key: str) -> None:
+        """Press a key."""
+        self.commands.clear()
+        self.program.press(key)
 
     def is_answered(self, key: str) -> bool:
-        """Return whether pressing a key, again and again, brings a command that moves the robot."""
+        """Return True if pressing a key, again and again, brings a command that moves the robot."""
         for _ in range(round(_FIRST / _AGAIN)):
             self.program.press(key)
-            if self._stage.wait(self._moves, _AGAIN) or self.program.code is not None:
+            if self._bench.wait(self._moves, _AGAIN) or self.program.code is not None:
                 break
         return self._moves()
 
-    def press(self, key: str, wanted: Command) -> bool:
-        """Press a key; whether what is wanted comes in time."""
-        self.last = None
-        self.program.press(key)
-        return self.comes(wanted)
+    def receives(self, wanted: Velocity) -> bool:
+        """Return True if the wanted command comes in time."""
+        return self._bench.wait(lambda: is_alike(self.last(), wanted), _NEXT)
 
-    def comes(self, wanted: Command) -> bool:
-        """Return whether a command comes in time."""
-        return self._stage.wait(lambda: self.last is not None and self.last.is_like(wanted), _NEXT)
+    def settled(self, key: str) -> Velocity:
+        """Press a key; return its command, once no older command is under way."""
+        self.press(key)
+        self._bench.wait(self.last, _NEXT)
+        self._bench.wait(lambda: False, _AGAIN)
+        return self.last() or (0.0, 0.0)
 
-    def settled(self, key: str) -> Command | None:
-        """The command of a key, once no older command is under way."""
-        self.last = None
-        self.program.press(key)
-        self._stage.wait(lambda: self.last is not None, _NEXT)
-        self._stage.wait(lambda: False, _AGAIN)
-        return self.last
-
-    def told(self) -> str:
-        """The last command to the robot, in words."""
-        return str(self.last) if self.last else "nothing comes"
+    def measured(self) -> str:
+        """Return the newest command in words."""
+        velocity = self.last()
+        return _text(velocity) if velocity else "nothing comes"
 
     def _moves(self) -> bool:
-        return self.last is not None and self.last != Command(0.0, 0.0)
-
-    def _take(self, twist: Twist) -> None:
-        self.last = Command(twist.linear.x, twist.angular.z)
+        return any(self.last() or ())
 
 
-def check_teleop(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
-    """Rows about a program that drives by keys."""
-    program = stage.start(command, has_keys=True)
-    keyboard = _Keyboard(stage, program)
-    first = _first_key(keyboard)
-    yield first
-    if not first.is_ok:
-        return
-    ahead, around = keyboard.settled("i"), keyboard.settled("j")
-    speeds = Command(ahead.forward if ahead else 0.0, around.turn_rate if around else 0.0)
-    yield _speeds_row(speeds)
-    for key, (_, _, meaning) in DIRECTIONS.items():
-        yield _key_row(keyboard, key, meaning, after(key, speeds))
-    yield _key_row(keyboard, STOP, "stop", Command(0.0, 0.0))
-    for key, (_, _, meaning) in FACTORS.items():
-        speeds = changed(key, speeds)
-        program.press(key)
-        yield _key_row(keyboard, "u", f"after {key}, {meaning}", after("u", speeds))
-    yield _ending(keyboard)
+def is_alike(velocity: Velocity | None, wanted: Velocity) -> bool:
+    """Return True if both are the same, but for rounding."""
+    return velocity is not None and all(
+        math.isclose(value, target, rel_tol=_TOLERANCE, abs_tol=1e-6)
+        for value, target in zip(velocity, wanted, strict=True)
+    )
 
 
-def _first_key(keyboard: _Keyboard) -> Row:
-    is_ok = keyboard.is_answered("i")
+def check_teleop(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
+    """Check a program that drives by keys."""
+    program = bench.start(command, has_keys=True)
+    keyboard = _Keyboard(bench, program)
     what, wanted = "answers to i", "a Twist"
-    if not is_ok and keyboard.program.code is not None:
-        return fate(what, keyboard.program, wanted)
-    hint = f"read single keys, without Enter (tty.setcbreak), and publish on {_VELOCITY} after each"
-    return row(what, wanted, "it comes" if is_ok else "nothing comes", is_ok=is_ok, hint=hint)
-
-
-def _speeds_row(speeds: Command) -> Row:
-    return row(
+    if not keyboard.is_answered("i"):
+        hint = f"read single keys, without Enter (tty.setcbreak), and publish on {_VELOCITY}"
+        yield program.nothing_within(_FIRST, what, wanted, f"{hint} after each")
+        return
+    yield CheckResult(what, wanted, "it comes", is_ok=True)
+    speed, turn = keyboard.settled("i")[0], keyboard.settled("j")[1]
+    yield CheckResult(
         "speeds of i and j",
         "both above 0",
-        str(speeds),
-        is_ok=speeds.forward > 0 and speeds.turn_rate > 0,
+        _text((speed, turn)),
+        is_ok=speed > 0 and turn > 0,
         hint="i is linear.x above 0, j is angular.z above 0: to the left",
     )
+    motion = Motion(speed, turn)
+    for key, meaning in DIRECTIONS.items():
+        yield _key_result(keyboard, key, f"{key}  {meaning}", motion.after(key))
+    for key, meaning in SPEED_CHANGES.items():
+        motion = motion.after(key)
+        program.press(key)
+        yield _key_result(keyboard, "u", f"u  after {key}, {meaning}", motion.after("u"))
+    yield _stop_at_end(keyboard)
 
 
-def _key_row(keyboard: _Keyboard, key: str, meaning: str, wanted: Command) -> Row:
-    comes = keyboard.press(key, wanted)
-    return row(
-        f"{key}  {meaning}",
-        str(wanted),
-        keyboard.told(),
-        is_ok=comes,
-        hint="compare with the table of keys in the lab",
-    )
+def _key_result(keyboard: _Keyboard, key: str, what: str, motion: Motion) -> CheckResult:
+    wanted = motion.forward, motion.turn_rate
+    keyboard.press(key)
+    is_ok = keyboard.receives(wanted)
+    hint = "compare with the table of keys in the lab"
+    return CheckResult(what, _text(wanted), keyboard.measured(), is_ok, hint)
 
 
-def _ending(keyboard: _Keyboard) -> Row:
+def _stop_at_end(keyboard: _Keyboard) -> CheckResult:
+    what = "stops at the end"
     if keyboard.program.code is not None:
-        return fate("stands at the end", keyboard.program)
+        return keyboard.program.early_end(what)
     keyboard.settled("i")
-    keyboard.last = None
+    keyboard.commands.clear()
     keyboard.program.ends_on_interrupt()
-    stands = keyboard.comes(Command(0.0, 0.0))
-    return row(
-        "stands at the end",
+    stops = keyboard.receives((0.0, 0.0))
+    return CheckResult(
+        what,
         "a Twist of 0 at last",
-        "it comes" if stands else keyboard.told(),
-        is_ok=stands,
+        "it comes" if stops else keyboard.measured(),
+        is_ok=stops,
         hint="publish a last Twist of 0 in a finally: the robot keeps its last command",
     )
 
 
+def _text(velocity: Velocity) -> str:
+    return "{:+.3f} m/s, {:+.3f} rad/s".format(*velocity)
+
+
 def viewer_command(words: Sequence[str], picture: str) -> list[str]:
-    """A viewer's command line, with the file that it is to save."""
+    """Return a viewer's command line, with the file that it is to save."""
     if any(PICTURE in word for word in words):
         return [word.replace(PICTURE, picture) for word in words]
     return [*words, "--save", picture]
 
 
-def check_viewer(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
-    """Rows about a program that saves the Kinect's picture as a PNG file."""
-    truths: list[Image] = []
-    stage.listen(Image, _DEPTH, truths.append)
-    file = stage.folder / "picture.png"
-    program = stage.start(viewer_command(command, str(file)))
+def check_viewer(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
+    """Check a program that saves the Kinect's picture as a PNG file."""
+    truths = bench.record(Image, _DEPTH)
+    file = bench.folder / "picture.png"
+    program = bench.start(viewer_command(command, str(file)))
     seen: list[Picture] = []  # a viewer may rewrite the file with each message
 
     def has_come() -> bool:
         seen.extend(filter(None, [_read(file)]))
         return bool(seen)
 
-    stage.wait(lambda: has_come() or program.code is not None, _PICTURE)
-    picture = seen[0] if has_come() else None
+    bench.wait(lambda: has_come() or program.code is not None, _PICTURE)
     what, wanted = "saves a picture", "a PNG file"
-    if picture is None:
-        yield _no_picture(what, wanted, file, program)
+    if not has_come() and file.exists():
+        hint = "save it as PNG or JPEG"
+        yield CheckResult(what, wanted, "a file that is no picture", is_ok=False, hint=hint)
         return
-    yield row(what, wanted, "{} x {} pixels".format(*picture.image.size), is_ok=True, hint="")
-    truth_came = stage.wait(lambda: truths, _PICTURE)
-    part = _likeness(truths[-1], picture) if truth_came else 0.0
-    yield row(
+    if not seen:
+        hint = f"does it subscribe to {_DEPTH}, and save what comes where --save or {PICTURE} says?"
+        yield program.nothing_within(_PICTURE, what, wanted, hint)
+        return
+    yield CheckResult(what, wanted, "{} x {} pixels".format(*seen[0].image.size), is_ok=True)
+    part = _likeness(truths[-1], seen[0]) if bench.wait(lambda: truths, _PICTURE) else 0.0
+    yield CheckResult(
         "shows the depth",
         f"{GOOD:.0%} or more alike",
         f"{part:.0%}",
@@ -172,21 +200,11 @@ def check_viewer(stage: Stage, command: Sequence[str]) -> Iterator[Row]:
         " first, in mm, 0 for none; rows from the top",
     )
     if program.code is None:
-        yield ends_on_ctrl_c(program)
-
-
-def _no_picture(what: str, wanted: str, file: Path, program: CheckedProgram) -> Row:
-    if file.exists():
-        hint = "save it as PNG or JPEG"
-        return Row(what, wanted, "a file that is no picture", is_ok=False, hint=hint)
-    if program.code is not None:
-        return fate(what, program, wanted)
-    hint = f"does it subscribe to {_DEPTH}, and save what comes where --save or {PICTURE} says?"
-    return Row(what, wanted, f"none within {_PICTURE:g} s", is_ok=False, hint=hint)
+        yield program.check_ctrl_c()
 
 
 def _read(file: Path) -> Picture | None:
-    """The picture; None while it is not there, or not whole."""
+    """Return the picture; None while it is not there, or not whole."""
     try:
         return read_file(file.read_bytes())
     except (OSError, DecodeError):
@@ -194,7 +212,7 @@ def _read(file: Path) -> Picture | None:
 
 
 def _likeness(truth: Image, picture: Picture) -> float:
-    """The part of the picture's colours that the true depths explain, at points of a grid."""
+    """Return the part of the colours that the true depths explain, at points of a grid."""
     depths = _sampled(read_picture(truth)).values()
     shown = _sampled(picture)
     if shown.kind is not Kind.COLOR:

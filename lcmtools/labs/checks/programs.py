@@ -1,12 +1,14 @@
-"""Programs that are checked: started on the stage's bus, watched, and certain to end.
+"""Programs that are checked, whatever their language, and the results of a check.
 
-A program may be anything that can be started; what it prints goes into a file, and keys reach it
-through a terminal of its own.
+A program runs on the test bench's bus and is certain to end; what it prints goes into a file, and
+keys reach it through a terminal of its own.
 """
 
 import shlex
+import signal
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from shutil import which
 
@@ -20,19 +22,23 @@ _LONGEST_LINE = 200
 _MOST_BYTES = 1 << 28  # of a file: a program that prints without end must not fill the disk
 
 
-def split_command(text: str) -> list[str]:
-    """Return the words of a command line, split as a shell does.
+@dataclass(frozen=True, slots=True)
+class CheckResult:
+    """The result of checking one requirement.
 
-    Raises:
-        UsageError: It is empty, or a quotation mark is missing.
+    Attributes:
+        what: The requirement, in a few words.
+        wanted: The value that the lab specifies, with its unit.
+        measured: The value that was measured, with its unit.
+        is_ok: True if the requirement is met.
+        hint: What to look at next if it is not.
     """
-    try:
-        words = shlex.split(text)
-    except ValueError:
-        raise UsageError(f"a quotation mark is missing in: {text}") from None
-    if not words:
-        raise UsageError("the command line is empty", 'for example "python my_controller.py"')
-    return words
+
+    what: str
+    wanted: str
+    measured: str
+    is_ok: bool
+    hint: str = ""
 
 
 class CheckedProgram(ChildProcess):
@@ -58,12 +64,11 @@ class CheckedProgram(ChildProcess):
         *,
         has_keys: bool = False,
     ) -> None:
+        words = [which(command[0], path=environment.get("PATH")) or command[0], *command[1:]]
+        if command[0] == "lcmtools":  # the one that runs now, wherever it is installed
+            words[:1] = [sys.executable, "-m", "lcmtools"]
         start = Start(
-            _found(command, environment),
-            environment,
-            has_keyboard=has_keys,
-            output=output,
-            most_bytes=_MOST_BYTES,
+            words, environment, has_keyboard=has_keys, output=output, most_bytes=_MOST_BYTES
         )
         try:
             super().__init__(start, guard, _TIMEOUTS)
@@ -77,7 +82,7 @@ class CheckedProgram(ChildProcess):
         """Return what it has printed, the end of it where it is long."""
         return self.output(_TAIL_BYTES)
 
-    def last_words(self) -> str:
+    def last_line(self) -> str:
         """Return the last line that it has printed, or ""."""
         lines = [line.strip() for line in self.printed().splitlines() if line.strip()]
         return lines[-1][:_LONGEST_LINE] if lines else ""
@@ -86,9 +91,44 @@ class CheckedProgram(ChildProcess):
         """Press Ctrl-C; return True if it ends in time."""
         return self.interrupt(_TIMEOUTS.interrupt)
 
+    def check_ctrl_c(self) -> CheckResult:
+        """Check that Ctrl-C ends it; it has ended afterwards."""
+        what = "ends on Ctrl-C"
+        if self.code is not None:
+            return self.early_end(what)
+        ends = self.ends_on_interrupt()
+        hint = "let the loop end when lcmtools.ok() is false, or catch KeyboardInterrupt"
+        return CheckResult(what, "within 4 s", "it ends" if ends else "it goes on", ends, hint)
 
-def _found(command: Sequence[str], environment: Mapping[str, str]) -> list[str]:
-    """Return the command, with the lcmtools that runs now, wherever it is installed."""
-    if command[0] == "lcmtools":
-        return [sys.executable, "-m", "lcmtools", *command[1:]]
-    return [which(command[0], path=environment.get("PATH")) or command[0], *command[1:]]
+    def early_end(self, what: str, wanted: str = "it runs") -> CheckResult:
+        """Return the failure of a program that has ended while it was needed."""
+        code = self.code or 0
+        how = (
+            f"was ended by {signal.Signals(-code).name}"
+            if code < 0
+            else f"ended with exit code {code}"
+        )
+        line = self.last_line()
+        hint = f"its last line: {line}" if line else "it printed nothing"
+        return CheckResult(what, wanted, f"it {how}", is_ok=False, hint=hint)
+
+    def nothing_within(self, seconds: float, what: str, wanted: str, hint: str) -> CheckResult:
+        """Return the failure of a program from which nothing has come in time."""
+        if self.code is not None:
+            return self.early_end(what, wanted)
+        return CheckResult(what, wanted, f"none within {seconds:g} s", is_ok=False, hint=hint)
+
+
+def split_command(text: str) -> list[str]:
+    """Return the words of a command line, split as a shell does.
+
+    Raises:
+        UsageError: It is empty, or a quotation mark is missing.
+    """
+    try:
+        words = shlex.split(text)
+    except ValueError:
+        raise UsageError(f"a quotation mark is missing in: {text}") from None
+    if not words:
+        raise UsageError("the command line is empty", 'for example "python my_controller.py"')
+    return words

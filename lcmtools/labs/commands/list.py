@@ -25,11 +25,6 @@ def command(*, as_json: bool) -> None:
 
 
 def _plain(lab: Lab) -> dict[str, object]:
-    programs = {role.option: " ".join((*role.own, *role.arguments)) for role in lab.roles}
-    return {
-        "name": lab.name,
-        "title": lab.title,
-        "world": lab.world,
-        "programs": programs,
-        "steps": [*lab.steps],
-    }
+    programs = {role.option: " ".join((*role.answer, *role.arguments)) for role in lab.roles}
+    plain = {"name": lab.name, "title": lab.title, "world": lab.world}
+    return {**plain, "programs": programs, "steps": [*lab.steps]}

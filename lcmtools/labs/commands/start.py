@@ -7,7 +7,7 @@ from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.options import CONTEXT, bus_options, open_monitor
 from lcmtools.cli.output import talk
 from lcmtools.errors import LcmtoolsError
-from lcmtools.labs.catalogue import Lab, find_lab
+from lcmtools.labs.catalogue import find_lab
 
 
 @click.command("start", context_settings={**CONTEXT, "ignore_unknown_options": True})
@@ -21,7 +21,7 @@ from lcmtools.labs.catalogue import Lab, find_lab
 )
 @click.pass_context
 def command(ctx: click.Context, name: str, arguments: tuple[str, ...]) -> int:
-    """Run a lab's simulator until Ctrl-C, and say what to type next.
+    """Run a lab's simulator until Ctrl-C, and show what to type next.
 
     ARGUMENTS are the simulator's: --rate 4, --gui, and what lcmtools run sim --help shows.
 
@@ -31,18 +31,6 @@ def command(ctx: click.Context, name: str, arguments: tuple[str, ...]) -> int:
       lcmtools lab start pioneer --gui
     """  # noqa: D301 - \b is click's mark
     lab = find_lab(name)
-    _check_alone(lab)
-    talk(_welcome(lab))
-    words = ("--world", lab.world, *arguments)
-    return int(ctx.invoke(run.command, name="sim", arguments=words, show_list=False, as_json=False))
-
-
-def _check_alone(lab: Lab) -> None:
-    """Refuse where a lab runs already: two simulators would speak over each other.
-
-    Raises:
-        LcmtoolsError: One does.
-    """
     with open_monitor("lab_start") as monitor:
         nodes = {node.name for node in monitor.settle(foreign=False).nodes if not node.stale}
     if lab.simulator in nodes:
@@ -50,8 +38,7 @@ def _check_alone(lab: Lab) -> None:
             f"{lab.simulator} runs on this bus already",
             "end it with Ctrl-C where it runs, or take a bus of your own: --domain 3",
         )
-
-
-def _welcome(lab: Lab) -> str:
     steps = "\n".join(f"  {step}" for step in lab.steps)
-    return f"{lab.title}\nIn a second terminal, type:\n{steps}\nCtrl-C ends the simulator."
+    talk(f"{lab.title}\nIn a second terminal, type:\n{steps}\nCtrl-C ends the simulator.")
+    words = ("--world", lab.world, *arguments)
+    return int(ctx.invoke(run.command, name="sim", arguments=words, show_list=False, as_json=False))

@@ -5,7 +5,6 @@ knows, and files in a folder that goes away.
 """
 
 import contextlib
-import math
 import os
 import socket
 import sys
@@ -25,44 +24,45 @@ from lcmtools.processes.process_guard import ProcessGuard
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.sim_msgs import SetPose
 
-_START = 30.0
+_START_TIMEOUT = 30.0
 """Time that a simulator has to start [s]."""
 _GROUP = "239.255.76.67"
-_TURN = 0.05
+_SPIN_TIME = 0.05
 _OTHER_BUSES = ("LCMTOOLS_DOMAIN", "LCMTOOLS_NAMESPACE")
 
 MessageT = TypeVar("MessageT", bound=Message)
 
 
-class Stage:
+class TestBench:
     """A simulator with a lab's world, on a bus of its own.
 
     Args:
-        lab: Which.
-        rate: Times real time.
+        lab: The lab.
+        rate: Simulated seconds per second.
 
     Attributes:
-        node: What watches, and commands the robot.
-        folder: For files of the check; it goes away with the stage.
+        node: The observer, which also commands the robot.
+        folder: For files of the check; it goes away with the bench.
         time: Simulated time [s].
     """
 
     node: Node
+    folder: Path
 
     def __init__(self, lab: Lab, rate: float) -> None:
         self.lab = lab
         self.rate = rate
         self.time = 0.0
-        self.url = f"udpm://{_GROUP}:{_free_port()}?ttl=0"
+        self._url = f"udpm://{_GROUP}:{_free_port()}?ttl=0"
         self._owned = contextlib.ExitStack()
         self._programs = 0
 
-    def __enter__(self) -> "Stage":
+    def __enter__(self) -> "TestBench":
         """Start the simulator and wait until it runs.
 
         Raises:
             MissingExtra: The simulator is not installed.
-            LcmtoolsError: It does not start, with what it says.
+            LcmtoolsError: It does not start, with its last line.
         """
         try:
             self._set_up()
@@ -76,22 +76,19 @@ class Stage:
         self._owned.close()
 
     def start(self, command: Sequence[str], *, has_keys: bool = False) -> CheckedProgram:
-        """Start a program on this bus; it ends with the stage at the latest.
+        """Start a program on this bus; it ends with the bench at the latest.
 
         Raises:
             UsageError: It cannot be started.
         """
         self._programs += 1
+        output = self.folder / f"output_{self._programs}"
         program = CheckedProgram(
-            command,
-            self._environment(),
-            self.folder / f"output_{self._programs}",
-            self._guard,
-            has_keys=has_keys,
+            command, self._environment(), output, self._guard, has_keys=has_keys
         )
         return self._owned.enter_context(program)
 
-    def listen(
+    def subscribe(
         self,
         message_type: type[MessageT] | tuple[type[MessageT], ...],
         topic: str,
@@ -100,29 +97,31 @@ class Stage:
         """Have a callback called with each message of a topic, while ``wait`` runs."""
         self.node.create_subscription(message_type, topic, callback, 100)
 
+    def record(self, message_type: type[MessageT], topic: str) -> list[MessageT]:
+        """Return a list to which each message of a topic is appended, while ``wait`` runs."""
+        messages: list[MessageT] = []
+        self.subscribe(message_type, topic, messages.append)
+        return messages
+
     def wait(self, condition: Callable[[], object], timeout: float) -> bool:
-        """Let callbacks run until a condition is true; whether it was within so many seconds."""
+        """Call callbacks until a condition is true; return False if it was not in time [s]."""
         deadline = time.monotonic() + timeout
         while not condition():
             left = deadline - time.monotonic()
             if left <= 0:
                 return False
-            lcmtools.spin_once(self.node, min(left, _TURN))
+            lcmtools.spin_once(self.node, min(left, _SPIN_TIME))
         return True
 
-    def put(self, robot: str, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> None:
-        """Put a robot somewhere, at rest: [m], [rad].
+    def reset_pose(self, robot: str) -> None:
+        """Put a robot at the origin, at rest.
 
         Raises:
             LcmtoolsError: The simulator does not do it.
         """
         request = SetPose.Request()
         request.robot = robot
-        request.pose.position.x, request.pose.position.y = x, y
-        request.pose.orientation.z, request.pose.orientation.w = (
-            math.sin(yaw / 2),
-            math.cos(yaw / 2),
-        )
+        request.pose.orientation.w = 1.0
         response = self._set_pose.call(request, 5.0)
         if not response.success:
             raise LcmtoolsError(f"{self.lab.simulator}: {response.message}")
@@ -131,38 +130,32 @@ class Stage:
         folder = tempfile.TemporaryDirectory(prefix="lcmtools-lab-")
         self.folder = Path(self._owned.enter_context(folder))
         self._guard = self._owned.enter_context(ProcessGuard())
-        lcmtools.init([], url=self.url, handle_signals=False)
+        lcmtools.init([], url=self._url, handle_signals=False)
         self._owned.callback(lcmtools.shutdown)
         self.node = self._owned.enter_context(Node(f"_lcmtools_lab_{os.getpid()}", tool=True))
         self._set_pose = self.node.create_client(SetPose, f"{self.lab.simulator}/set_pose")
-        self.listen(Clock, "/clock", self._tick)
+        self.subscribe(Clock, "/clock", self._take_clock)
         world = ("--world", self.lab.world, "--rate", f"{self.rate:g}")
         simulator = self.start(("lcmtools", "run", "sim", *world))
-        self.wait(lambda: self.time > 0.0 or simulator.code is not None, _START)
+        self.wait(lambda: self.time > 0.0 or simulator.code is not None, _START_TIMEOUT)
         if not self.time > 0.0:
-            raise _no_start(simulator)
+            reason = simulator.last_line() or f"it printed nothing for {_START_TIMEOUT:g} s"
+            is_missing = simulator.code == MissingExtra.exit_code
+            error = MissingExtra if is_missing else LcmtoolsError
+            raise error(f"the simulator did not start: {reason}")
 
-    def _tick(self, clock: Clock) -> None:
+    def _take_clock(self, clock: Clock) -> None:
         self.time = clock.clock.sec + clock.clock.nsec / 1e9
 
     def _environment(self) -> dict[str, str]:
-        """The environment of programs: this bus, this Python first, unbuffered output."""
+        """Return a program's environment: this bus, this Python first, unbuffered output."""
         here = {name: text for name, text in os.environ.items() if name not in _OTHER_BUSES}
         path = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))
-        ours = {"LCM_DEFAULT_URL": self.url, "PATH": path, "PYTHONUNBUFFERED": "1"}
+        ours = {"LCM_DEFAULT_URL": self._url, "PATH": path, "PYTHONUNBUFFERED": "1"}
         return {**here, **ours, "NO_COLOR": "1"}
 
 
-def _no_start(simulator: CheckedProgram) -> LcmtoolsError:
-    """The error of a simulator that does not start."""
-    says = simulator.last_words() or f"it said nothing for {_START:g} s"
-    what = f"the simulator did not start: {says}"
-    is_missing = simulator.code == MissingExtra.exit_code
-    return MissingExtra(what) if is_missing else LcmtoolsError(what)
-
-
 def _free_port() -> int:
-    """A free UDP port."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("", 0))
         return int(probe.getsockname()[1])
