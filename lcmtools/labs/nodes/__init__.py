@@ -1,4 +1,4 @@
-"""The labs' nodes, one file each: what the three labs ask for, in the shortest form that is good.
+"""The labs' nodes, one file each: the model answers, in the shortest form that is good.
 
 They use the public node API only and know nothing of the command line ``lcmtools``, so that they
 can be copied and changed. A file's docstring is also what its ``--help`` prints.
@@ -21,21 +21,21 @@ Every node also takes:
 
 
 def check_command_line(args: Sequence[str] | None, help_text: str) -> bool:
-    """Look at the command line of a node that has no arguments of its own, before there is a bus.
+    """Check the command line of a node that has no arguments of its own, before there is a bus.
 
     Args:
-        args: The command line without the program's name; ``sys.argv`` when None.
-        help_text: What ``--help`` prints of the node: what it does, its topics, an example.
+        args: The command line without the program's name; None for ``sys.argv``.
+        help_text: The node's own help: its purpose, its topics, an example.
 
     Returns:
-        Whether the node is to run: False when its help was asked for, and printed.
+        True if the node is to run; False if ``--help`` was given, and the help printed.
 
     Raises:
-        UsageError: There is an argument that no node takes, or one that is wrong.
+        UsageError: An argument is wrong, or one that no node takes.
     """
     words = sys.argv[1:] if args is None else args
     if "--help" in words or "-h" in words:
-        print(help_text.strip(), _EVERY_NODE_TAKES, sep="\n\n")  # noqa: T201 - what was asked for
+        print(help_text.strip(), _EVERY_NODE_TAKES, sep="\n\n")  # noqa: T201 - a node's own output
         return False
     _, unknown = split_arguments(words)
     if unknown:

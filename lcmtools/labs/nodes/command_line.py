@@ -1,8 +1,4 @@
-"""Reading the command line of a node that has arguments of its own.
-
-What such a node takes, it says by an argument parser; names, parameters and the bus it does not
-need to know: they are for every node. Nothing is known here of what the arguments mean.
-"""
+"""The command lines of nodes that have arguments of their own, read before there is a bus."""
 
 import argparse
 import sys
@@ -16,35 +12,25 @@ from lcmtools.names import did_you_mean
 
 
 class NodeParser(argparse.ArgumentParser):
-    """A parser whose complaints are one line, and whose help is the node's own text."""
+    """A parser of a node's own arguments whose errors are one line."""
 
     def __init__(self) -> None:
         super().__init__(add_help=False, allow_abbrev=False)
 
     def error(self, message: str) -> NoReturn:
-        """Say what is wrong.
-
-        Raises:
-            UsageError: Always.
-        """
+        """Raise a UsageError."""
         raise UsageError(message.removeprefix("argument "), "--help shows what this node takes")
 
 
 def read_command_line(
     args: Sequence[str] | None, help_text: str, parser: argparse.ArgumentParser
 ) -> argparse.Namespace | None:
-    """A node's own arguments, read before there is a bus.
+    """Return a node's own arguments; None if ``--help`` was given, and the help printed.
 
-    Args:
-        args: The command line without the program's name; ``sys.argv`` when None.
-        help_text: What ``--help`` prints; see ``check_command_line``.
-        parser: What the node takes.
-
-    Returns:
-        The arguments, or None when help was asked for, and printed.
+    The other arguments are those of ``check_command_line``.
 
     Raises:
-        UsageError: Something on it is wrong.
+        UsageError: An argument is wrong.
     """
     words = list(sys.argv[1:] if args is None else args)
     if "--help" in words or "-h" in words:
@@ -52,20 +38,16 @@ def read_command_line(
         return None
     options, unknown = parser.parse_known_args(split_arguments(words)[1])
     if unknown:
-        hint = misspelt(words, unknown[0]) or did_you_mean(unknown[0], flags_of(parser))
+        flags = [flag for action in parser._actions for flag in action.option_strings]  # noqa: SLF001 - argparse has no other way
+        hint = misspelt(words, unknown[0]) or did_you_mean(unknown[0], flags)
         raise UsageError(
             f"unknown argument '{unknown[0]}'", hint or "--help shows what this node takes"
         )
     return options
 
 
-def flags_of(parser: argparse.ArgumentParser) -> list[str]:
-    """The options that a parser takes."""
-    return [flag for action in parser._actions for flag in action.option_strings]  # noqa: SLF001 - argparse tells by no other way
-
-
 def one_of(choices: Sequence[str]) -> Callable[[str], str]:
-    """Reads one of some words."""
+    """Return a reader of one of some words."""
 
     def read(text: str) -> str:
         if text not in choices:
@@ -76,7 +58,7 @@ def one_of(choices: Sequence[str]) -> Callable[[str], str]:
 
 
 def at_least(minimum: float, wanted: str) -> Callable[[str], float]:
-    """Reads a number that is at least so large; ``wanted`` says what is expected."""
+    """Return a reader of a number that is at least so large; ``wanted`` describes it."""
 
     def read(text: str) -> float:
         try:

@@ -1,7 +1,7 @@
-"""A terminal that hands over keys and pictures, and is surely given back as it was.
+"""A terminal that hands over keys and pictures, and is given back as it was.
 
 Whatever ends the program, Ctrl-Z too, the terminal's settings and its cursor are restored: when
-the block ends, and once more when the process does. What is shown or typed is not known here.
+the block ends, and once more when the process does. The meaning of keys and text is not known here.
 """
 
 import atexit
@@ -13,43 +13,32 @@ import termios
 import tty
 from collections.abc import Callable, Iterator
 from types import FrameType
-from typing import Protocol, TextIO
+from typing import TextIO
 
-ENDING_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
-"""What a person, a script, a closed terminal and Ctrl-\\ end a program with."""
+from lcmtools import Node
 
-
-class Stoppable(Protocol):
-    """An object that a signal stops: a node's context."""
-
-    def ok(self) -> bool:
-        """Return whether nothing has stopped it yet."""
-        ...
-
-    def stop(self) -> None:
-        """Ask everything that spins to return."""
-        ...
+_ENDING_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 
 
 @contextlib.contextmanager
-def ended_by_signals(context: Stoppable) -> Iterator[None]:
-    """Let every signal that ends a program stop the context, and nothing else.
+def ended_by_signals(node: Node) -> Iterator[None]:
+    """Let every signal that ends a program stop the node's context, and nothing else.
 
     A second signal interrupts nothing: what a program does to end, as stopping its robot, is done
     in full. It takes a moment only.
     """
 
     def end(_number: int, _frame: FrameType | None) -> None:
-        context.stop()
+        node.context.stop()
 
-    before = {number: signal.signal(number, end) for number in ENDING_SIGNALS}
+    before = {number: signal.signal(number, end) for number in _ENDING_SIGNALS}
     try:
         yield
     finally:
         for number, handler in before.items():
-            # a terminal that is closed is told twice, by the kernel and by the shell
-            is_told_twice = number == signal.SIGHUP and not context.ok()
-            signal.signal(number, signal.SIG_IGN if is_told_twice else handler)
+            # the end of a terminal is reported twice, by the kernel and by the shell
+            is_repeated = number == signal.SIGHUP and not node.context.ok()
+            signal.signal(number, signal.SIG_IGN if is_repeated else handler)
 
 
 class Terminal:
@@ -57,8 +46,8 @@ class Terminal:
 
     Args:
         keys: Keys are handed over one by one and not shown; a terminal is at standard input.
-        opening: What is written to set up the screen.
-        closing: What undoes that.
+        opening: The text that sets up the screen.
+        closing: The text that undoes that.
         on_suspend: Called before Ctrl-Z stops the program.
     """
 
@@ -82,8 +71,8 @@ class Terminal:
         if self._keys is not None:
             self._saved = termios.tcgetattr(self._keys)
         self._handlers = {
-            signal.SIGTSTP: signal.signal(signal.SIGTSTP, self._ask_to_suspend),
-            signal.SIGCONT: signal.signal(signal.SIGCONT, self._note_resumption),
+            signal.SIGTSTP: signal.signal(signal.SIGTSTP, self._take_suspension),
+            signal.SIGCONT: signal.signal(signal.SIGCONT, self._take_resumption),
         }
         atexit.register(self._restore)
         self._apply()
@@ -96,26 +85,13 @@ class Terminal:
         self._restore()
         atexit.unregister(self._restore)
 
-    def _apply(self) -> None:
-        with contextlib.suppress(termios.error):  # gone already: reading it will tell
-            if self._keys is not None:
-                tty.setcbreak(self._keys, termios.TCSANOW)
-                _never_halt_output(self._keys)
-        self._write(self._opening)
-
-    def _restore(self) -> None:
-        self._write(self._closing)
-        if self._keys is not None and self._saved is not None:
-            with contextlib.suppress(termios.error):
-                termios.tcsetattr(self._keys, termios.TCSANOW, self._saved)
-
     def obey(self) -> bool:
         """Suspend the program if Ctrl-Z was pressed; to be called some times a second.
 
         A signal's handler may not do it: it can interrupt a message or a line that is half sent.
 
         Returns:
-            Whether the program was suspended: what is on the screen is no longer there.
+            True if the program was suspended: what was on the screen is no longer there.
         """
         if self._is_to_suspend:
             self._is_to_suspend = False
@@ -125,35 +101,43 @@ class Terminal:
             self._apply()
         return is_resumed
 
+    def _apply(self) -> None:
+        with contextlib.suppress(termios.error):  # gone already: reading it will show that
+            if self._keys is not None:
+                tty.setcbreak(self._keys, termios.TCSANOW)
+                # Ctrl-S is a key like any other: a program that cannot write drives no robot
+                attributes = termios.tcgetattr(self._keys)
+                attributes[0] &= ~termios.IXON
+                termios.tcsetattr(self._keys, termios.TCSANOW, attributes)
+        _write(self._opening)
+
+    def _restore(self) -> None:
+        _write(self._closing)
+        if self._keys is not None and self._saved is not None:
+            with contextlib.suppress(termios.error):
+                termios.tcsetattr(self._keys, termios.TCSANOW, self._saved)
+
     def _suspend(self) -> None:
         """Give the terminal back, and stop as if the signal had not been caught."""
         self._on_suspend()
         self._restore()
         handler = signal.signal(signal.SIGTSTP, signal.SIG_DFL)
         os.kill(os.getpid(), signal.SIGTSTP)
-        signal.signal(signal.SIGTSTP, handler)  # here somebody has let it go on
+        signal.signal(signal.SIGTSTP, handler)  # here the program goes on
         self._is_resumed = True
 
-    def _ask_to_suspend(self, _number: int, _frame: FrameType | None) -> None:
+    def _take_suspension(self, _number: int, _frame: FrameType | None) -> None:
         self._is_to_suspend = True
 
-    def _note_resumption(self, _number: int, _frame: FrameType | None) -> None:
+    def _take_resumption(self, _number: int, _frame: FrameType | None) -> None:
         self._is_resumed = True
 
-    @staticmethod
-    def _write(text: str) -> None:
-        if not text:
-            return
+
+def _write(text: str) -> None:
+    if text:
         with contextlib.suppress(OSError, ValueError):  # the terminal is closed
             sys.stdout.write(text)
             sys.stdout.flush()
-
-
-def _never_halt_output(descriptor: int) -> None:
-    """Make Ctrl-S a key like any other: who waits for output to go on drives no robot."""
-    attributes = termios.tcgetattr(descriptor)
-    attributes[0] &= ~termios.IXON
-    termios.tcsetattr(descriptor, termios.TCSANOW, attributes)
 
 
 def is_terminal(stream: TextIO) -> bool:

@@ -24,30 +24,19 @@ _KEY_TIME = 0.02
 """Longest wait for a key [s], after which timers have their turn."""
 
 
-class Motion(Protocol):
-    """The state of driving; its text is the status line."""
+class _DrivingState(Protocol):
+    """The velocity that keys set [m/s], [rad/s]; its text is the status line."""
 
     @property
-    def forward(self) -> float:
-        """Commanded forward speed [m/s]."""
-        ...
-
+    def forward(self) -> float: ...
     @property
-    def turn_rate(self) -> float:
-        """Commanded turn rate [rad/s], positive to the left."""
-        ...
-
-    def after(self, key: str) -> "Motion":
-        """The state once a key is pressed."""
-        ...
-
-    def stopped(self) -> "Motion":
-        """The same at rest."""
-        ...
+    def turn_rate(self) -> float: ...
+    def after(self, key: str) -> "_DrivingState": ...
+    def stopped(self) -> "_DrivingState": ...
 
 
 class Driver(Node, ABC):
-    """A node that commands a velocity.
+    """A node that commands a velocity by keys.
 
     Args:
         name: The node's own name.
@@ -58,7 +47,7 @@ class Driver(Node, ABC):
     """
 
     key_help = ""
-    motion: Motion
+    motion: _DrivingState
 
     def __init__(self, name: str) -> None:
         super().__init__(name)
@@ -71,7 +60,7 @@ class Driver(Node, ABC):
         """Publish a command: forward speed [m/s], turn rate [rad/s]."""
 
     def press(self, key: str) -> None:
-        """Change the motion as a key says, and command it."""
+        """Change the motion by a key, and command it."""
         self.motion = self.motion.after(key)
         self.command()
 
@@ -92,17 +81,15 @@ class Driver(Node, ABC):
     def show_status(self) -> None:
         """Write the status line: on a terminal in place of the one before it."""
         status = str(self.motion)
-        with contextlib.suppress(OSError, ValueError):  # the terminal is closed
-            if is_terminal(sys.stderr):
-                width = shutil.get_terminal_size().columns - 1
-                sys.stderr.write(f"\r{status[:width]}\x1b[K")
-            elif status != self._status:
-                sys.stderr.write(f"{status}\n")
-            sys.stderr.flush()
+        if is_terminal(sys.stderr):
+            width = shutil.get_terminal_size().columns - 1
+            _write(f"\r{status[:width]}\x1b[K")
+        elif status != self._status:
+            _write(f"{status}\n")
         self._status = status
 
     def _repeat(self) -> None:
-        """Repeat a command that moves the robot; a stop some times, and then no more."""
+        """Repeat a command that moves the robot; a stop a few times only."""
         if self.motion.forward or self.motion.turn_rate:
             self.send(self.motion.forward, self.motion.turn_rate)
         elif self._stops_to_send > 0:
@@ -116,18 +103,21 @@ def drive(driver: Driver) -> None:
     Ctrl-C, SIGTERM, a closed terminal, the end of the input and any error end it.
     """
     try:
-        with ended_by_signals(driver.context):
+        with ended_by_signals(driver):
             try:
                 with open_keyboard(driver.halt) as keyboard:
-                    _greet(driver)
                     _follow(keyboard, driver)
             finally:
                 driver.halt()
     finally:
-        _end_line()
+        if is_terminal(sys.stderr):
+            _write("\n")  # a shell's prompt comes below the status line
 
 
 def _follow(keyboard: Keyboard, driver: Driver) -> None:
+    if is_terminal(sys.stdin):
+        _write(f"{driver.key_help}\n\n")
+        driver.show_status()
     driver.warn_of_unknown_parameters()
     while lcmtools.ok() and not keyboard.is_over:
         for key in keyboard.read(_KEY_TIME):
@@ -135,17 +125,7 @@ def _follow(keyboard: Keyboard, driver: Driver) -> None:
         lcmtools.spin_once(driver)
 
 
-def _greet(driver: Driver) -> None:
-    """Show what the keys mean to a person at the keyboard."""
-    if is_terminal(sys.stdin):
-        with contextlib.suppress(OSError):
-            sys.stderr.write(f"{driver.key_help}\n\n")
-        driver.show_status()
-
-
-def _end_line() -> None:
-    """Leave the status line, so that a shell's prompt does not stand behind it."""
-    with contextlib.suppress(OSError, ValueError):
-        if is_terminal(sys.stderr):
-            sys.stderr.write("\n")
-            sys.stderr.flush()
+def _write(text: str) -> None:
+    with contextlib.suppress(OSError, ValueError):  # the terminal is closed
+        sys.stderr.write(text)
+        sys.stderr.flush()

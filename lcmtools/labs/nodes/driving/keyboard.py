@@ -20,22 +20,18 @@ _AT_ONCE = 4096
 
 
 class Keyboard(Protocol):
-    """A source of keys.
-
-    Attributes:
-        is_over: No more will come.
-    """
+    """A source of keys; no more will come once it is over."""
 
     is_over: bool
 
     def read(self, seconds: float) -> list[str]:
-        """The keys that have come; waits for the first one at most so long."""
+        """Return the keys that have come; wait for the first one at most so long."""
         ...
 
 
 @contextlib.contextmanager
 def open_keyboard(on_suspend: Callable[[], object]) -> Iterator[Keyboard]:
-    """The keyboard of standard input's terminal, or the script that is piped in."""
+    """Yield the keyboard of standard input's terminal, or the script that is piped in."""
     if not is_terminal(sys.stdin):
         yield PipedKeys()
         return
@@ -44,11 +40,7 @@ def open_keyboard(on_suspend: Callable[[], object]) -> Iterator[Keyboard]:
 
 
 class TerminalKeys:
-    """Keys as they are pressed.
-
-    Args:
-        terminal: Standard input's, set to hand over single keys.
-    """
+    """The keys that are pressed at standard input's terminal, which hands over single ones."""
 
     def __init__(self, terminal: Terminal) -> None:
         self.is_over = False
@@ -56,7 +48,7 @@ class TerminalKeys:
         self._rest = b""
 
     def read(self, seconds: float) -> list[str]:
-        """See Keyboard."""
+        """Return the keys that have come."""
         self._terminal.obey()
         if not _is_readable(_ESCAPE_TIME if self._rest else seconds):
             keys, self._rest = split_keys(self._rest, is_complete=True)
@@ -79,22 +71,17 @@ class PipedKeys:
         self._has_ended = False
 
     def read(self, seconds: float) -> list[str]:
-        """See Keyboard."""
+        """Return the keys that have come."""
         if self._has_ended:
             time.sleep(0 if self._script.is_over(time.monotonic()) else seconds)
         elif _is_readable(seconds):
-            self._take(_read())
+            data = _read()
+            self._has_ended = not data
+            self._script.feed(data, is_last=not data)
         now = time.monotonic()
         keys = self._script.due(now)
         self.is_over = self._script.is_over(now)
         return keys
-
-    def _take(self, data: bytes) -> None:
-        if data:
-            self._script.feed(data)
-        else:
-            self._script.finish()
-            self._has_ended = True
 
 
 def _is_readable(seconds: float) -> bool:
@@ -102,7 +89,7 @@ def _is_readable(seconds: float) -> bool:
 
 
 def _read() -> bytes:
-    """The input that has come; empty at the end, and where the terminal is gone."""
+    """Return the input that has come; empty at the end, and where the terminal is gone."""
     # not sys.stdin.read(): what waits in its buffer is hidden from select
     try:
         return os.read(sys.stdin.fileno(), _AT_ONCE)

@@ -25,7 +25,7 @@ _UNFINISHED = re.compile(r"\x1b(\[M.{0,2}|\[[0-?]*[ -/]*|O)?\Z", re.DOTALL)
 
 
 def split_keys(data: bytes, *, is_complete: bool) -> tuple[list[str], bytes]:
-    """The keys in what a terminal has sent: characters, and the names above.
+    """Return the keys in the bytes of a terminal: characters, and the names above.
 
     Escape sequences other than the arrows' (function keys, mouse, focus) are left out; what is
     typed with Alt counts as the character alone.
@@ -35,21 +35,17 @@ def split_keys(data: bytes, *, is_complete: bool) -> tuple[list[str], bytes]:
         is_complete: No more belongs to them: an escape character at the end is the Escape key.
 
     Returns:
-        The keys, and the bytes that are the beginning of another one.
+        The keys, and the bytes of the beginning of another one.
     """
     text = data.decode("utf-8", "surrogateescape")
-    rest = "" if is_complete else _unfinished(text)
+    unfinished = None if is_complete else _UNFINISHED.search(text)
+    rest = unfinished.group() if unfinished else ""
     found = (_key(match) for match in _SEQUENCE.finditer(text.removesuffix(rest)))
     return [key for key in found if key], rest.encode("utf-8", "surrogateescape")
 
 
-def _unfinished(text: str) -> str:
-    match = _UNFINISHED.search(text)
-    return match.group() if match else ""
-
-
 def _key(match: re.Match[str]) -> str:
-    """One key's name; "" for a sequence that is none."""
+    """Return a key's name; "" for a sequence that is none."""
     text = match.group()
     if len(text) == 1:
         return _CONTROLS.get(text, text)
@@ -64,7 +60,8 @@ _WORDS = re.compile(
     r"|(?P<seconds>\d+(?:\.\d+)?|(?<!\S)\.\d+)|(?P<arrow>\x1b[\[O][A-D])|(?P<key>.)",
     re.DOTALL | re.ASCII,
 )
-_UNFINISHED_NUMBER = re.compile(r"(\d+(\.\d*)?|(?<!\S)\.\d+)\Z", re.ASCII)
+# digits and comments at the end of a piece: more of them may follow
+_UNFINISHED_WORD = re.compile(r"(\d+(\.\d*)?|(?<!\S)\.\d+|#[^\n]*)\Z", re.ASCII)
 _LONGEST_WAIT = 1e6  # [s]
 
 
@@ -73,31 +70,26 @@ class KeyScript:
 
     def __init__(self) -> None:
         self._steps: deque[str | float] = deque()
-        self._number = ""  # digits at the end of a piece: more of them may follow
-        self._is_comment = False
+        self._rest = ""
         self._wait_until: float | None = None
         self._is_ended = False
 
-    def feed(self, data: bytes) -> None:
+    def feed(self, data: bytes, *, is_last: bool = False) -> None:
         """Take the next piece."""
-        text = self._number + data.decode("utf-8", "replace")
-        if self._is_comment:
-            _, newline, text = text.partition("\n")
-            self._is_comment = not newline
-        digits = _UNFINISHED_NUMBER.search(text)
-        self._number = digits.group() if digits and not self._is_comment else ""
-        text = text.removesuffix(self._number)
-        self._is_comment = self._is_comment or "#" in text.rpartition("\n")[2]
-        self._take(text)
-
-    def finish(self) -> None:
-        """There is no more."""
-        self._take(self._number)
-        self._number = ""
-        self._is_ended = True
+        text = self._rest + data.decode("utf-8", "replace")
+        unfinished = None if is_last else _UNFINISHED_WORD.search(text)
+        self._rest = unfinished.group() if unfinished else ""
+        self._is_ended = is_last
+        for match in _WORDS.finditer(text.removesuffix(self._rest)):
+            if match["seconds"]:
+                self._steps.append(min(float(match["seconds"]), _LONGEST_WAIT))
+            elif match["arrow"]:
+                self._steps.extend(split_keys(match["arrow"].encode(), is_complete=True)[0])
+            elif not match["skip"]:
+                self._steps.append(_NAMES.get(match.group(), match.group()))
 
     def due(self, now: float) -> list[str]:
-        """The keys that are to be pressed until ``now`` [s], and were not yet."""
+        """Return the keys that are due by ``now`` [s], each once."""
         keys: list[str] = []
         while self._steps and not self._is_waiting(now):
             step = self._steps.popleft()
@@ -116,14 +108,3 @@ class KeyScript:
 
     def _is_waiting(self, now: float) -> bool:
         return self._wait_until is not None and now < self._wait_until
-
-    def _take(self, text: str) -> None:
-        for match in _WORDS.finditer(text):
-            if match["skip"]:
-                continue
-            if match["seconds"]:
-                self._steps.append(min(float(match["seconds"]), _LONGEST_WAIT))
-            elif match["arrow"]:
-                self._steps.extend(split_keys(match["arrow"].encode(), is_complete=True)[0])
-            else:
-                self._steps.append(_NAMES.get(match.group(), match.group()))

@@ -54,7 +54,7 @@ class Motion:
     rotation: int = 0
 
     def after(self, key: str) -> "Motion":
-        """The motion once a key is pressed; a key without a meaning stops the robot."""
+        """Return the motion once a key is pressed; a key without a meaning stops the robot."""
         key = key if len(key) > 1 else key.lower()
         if key in SPEED_CHANGES:
             speed_factor, turn_factor = SPEED_CHANGES[key]
@@ -63,11 +63,11 @@ class Motion:
         return replace(self, direction=direction, rotation=rotation)
 
     def with_speeds(self, speed: float, turn: float) -> "Motion":
-        """The same with other speeds, within the limits."""
+        """Return the same with other speeds, within the limits."""
         return replace(self, speed=min(speed, self.speed_limit), turn=min(turn, self.turn_limit))
 
     def stopped(self) -> "Motion":
-        """The same standing."""
+        """Return the same at rest."""
         return replace(self, direction=0, rotation=0)
 
     @property
@@ -81,7 +81,7 @@ class Motion:
         return self.rotation * self.turn
 
     def __str__(self) -> str:
-        """One line: what is commanded, what the keys command, and the limits."""
+        """Return one line: the command, the speeds that are set, and the limits."""
         return (
             f"v {self.forward:+.2f} m/s  \N{GREEK SMALL LETTER OMEGA} {self.turn_rate:+.2f} rad/s"
             f"   speed {_with_limit(self.speed, self.speed_limit)}"
@@ -94,9 +94,9 @@ def _with_limit(value: float, limit: float) -> str:
 
 
 class HeldKey:
-    """A key that is held down, as far as a terminal shows it.
+    """A key that is held down, as far as a terminal reports it.
 
-    A terminal reports only that a key came. A held key comes again: the second time after a quarter
+    No terminal reports a release. A held key comes again: the second time after a quarter
     to two thirds of a second, as the system is configured, then many times a second.
     """
 

@@ -46,7 +46,7 @@ class Sliders:
     most_turn_rate: float = 3.0
 
     def after(self, key: str) -> "Sliders":
-        """The sliders once a key is pressed."""
+        """Return the sliders once a key is pressed."""
         if key in STEPS:
             faster, more_left = STEPS[key]
             return replace(
@@ -61,11 +61,11 @@ class Sliders:
         return self.stopped()
 
     def stopped(self) -> "Sliders":
-        """Both in the middle."""
+        """Return both in the middle."""
         return replace(self, forward=0.0, turn_rate=0.0)
 
     def __str__(self) -> str:
-        """One line; the slider of the turn rate shows left at the left."""
+        """Return one line; the slider of the turn rate shows left at the left."""
         forward = _slider(self.forward / self.most_forward)
         turn = _slider(-self.turn_rate / self.most_turn_rate)
         return (
@@ -79,7 +79,6 @@ def _within(value: float, most: float) -> float:
 
 
 def _slider(position: float) -> str:
-    """A slider at a position from -1 to 1."""
     cells = list("-" * _WIDTH)
     cells[_WIDTH // 2] = "|"
     cells[round((position + 1) / 2 * (_WIDTH - 1))] = "O"

@@ -13,7 +13,9 @@ Color = tuple[int, int, int]
 """Red, green and blue, from 0 to 255."""
 
 _NO_READING: Color = (0, 0, 0)
-_ROUNDING = 500  # [mm] the ends of a scale are rounded, so that it stands still while things move
+_ROUNDING = (
+    500  # [mm] the ends of a scale are rounded, so that it does not change while things move
+)
 _LEVELS = 255
 COLOR_MAPS: dict[str, tuple[Color, ...]] = {
     "warm": (
@@ -69,27 +71,23 @@ class ColoredPicture:
 
 
 def colored(picture: Picture, options: ColorOptions) -> ColoredPicture:
-    """The colours of a picture, in its own size."""
+    """Return the colours of a picture, in its own size."""
     if picture.kind is Kind.COLOR or picture.image.mode == "L":
         return ColoredPicture(picture.image.convert("RGB"))
     values = picture.values()
     if picture.kind is Kind.GREY:
-        levels = _levels(values, min(values), max(values))
+        levels = _levels(values, min(values), max(values), _LEVELS)
         return ColoredPicture(_image(levels, picture).convert("RGB"))
     near, far = _scale([value for value in values if value] or [0], options)
-    shown = _image(
-        [
-            1 + n if v else 0
-            for n, v in zip(_levels(values, near, far, _LEVELS - 1), values, strict=True)
-        ],
-        picture,
-    )
-    shown.putpalette(_palette(options.color_map), "RGB")
+    levels = _levels(values, near, far, _LEVELS - 1)
+    shown = _image([1 + n if v else 0 for n, v in zip(levels, values, strict=True)], picture)
+    steps = (mix(options.color_map, level / (_LEVELS - 1)) for level in range(_LEVELS))
+    shown.putpalette([channel for color in (_NO_READING, *steps) for channel in color], "RGB")
     return ColoredPicture(shown.convert("RGB"), near, far)
 
 
 def mix(colors: Sequence[Color], position: float) -> Color:
-    """The colour at a position from 0 to 1 in a row of colours that are evenly apart."""
+    """Return the colour at a position from 0 to 1 in a row of colours that are evenly apart."""
     place = position * (len(colors) - 1)
     index = min(int(place), len(colors) - 2)
     share = place - index
@@ -101,13 +99,13 @@ def mix(colors: Sequence[Color], position: float) -> Color:
 
 
 def facts(picture: Picture) -> dict[str, object]:
-    """Size, encoding, and min, max and middle in m, or in grey; None for no reading."""
-    size: dict[str, object] = {"width": picture.image.width, "height": picture.image.height}
-    size["encoding"] = picture.encoding
+    """Return size, encoding, and min, max and middle in m, or in grey; None for no reading."""
+    width, height = picture.image.size
+    size: dict[str, object] = {"width": width, "height": height, "encoding": picture.encoding}
     if picture.kind is Kind.COLOR:
         return size
     values = picture.values()
-    middle = values[picture.image.height // 2 * picture.image.width + picture.image.width // 2]
+    middle = values[height // 2 * width + width // 2]
     if picture.kind is Kind.GREY:
         return {**size, "min": min(values), "max": max(values), "middle": middle}
     readings = [value for value in values if value] or [0]
@@ -116,7 +114,7 @@ def facts(picture: Picture) -> dict[str, object]:
 
 
 def sentence(known: Mapping[str, object]) -> str:
-    """The facts in one line."""
+    """Return the facts in one line."""
     size = f"{known['width']} x {known['height']} {known['encoding']}"
     if "min" not in known:
         return size
@@ -138,16 +136,10 @@ def _scale(readings: Sequence[int], options: ColorOptions) -> tuple[int, int]:
     return near, max(far, near + 1)
 
 
-def _levels(values: Sequence[int], least: int, most: int, levels: int = _LEVELS) -> list[int]:
+def _levels(values: Sequence[int], least: int, most: int, levels: int) -> list[int]:
     factor = levels / max(1, most - least)
     return [min(levels, max(0, round((value - least) * factor))) for value in values]
 
 
 def _image(levels: Sequence[int], picture: Picture) -> PIL.Image.Image:
     return PIL.Image.frombytes("L", picture.image.size, bytes(levels))
-
-
-def _palette(color_map: Sequence[Color]) -> list[int]:
-    """Level 0 for no reading, the others from near to far."""
-    colors = [_NO_READING, *(mix(color_map, level / (_LEVELS - 1)) for level in range(_LEVELS))]
-    return [channel for color in colors for channel in color]

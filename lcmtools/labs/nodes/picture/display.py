@@ -6,7 +6,6 @@ import re
 import sys
 from array import array
 from pathlib import Path
-from typing import Protocol
 
 import PIL.Image
 
@@ -18,37 +17,34 @@ _NUMBER = re.compile(r"%(0?\d{0,2})[di]")
 _COMPRESSION = 1  # of PNG files: a tenth larger than the usual 6, and several times faster
 
 
-class Display(Protocol):
+class Display:
     """Something that shows one picture after the other.
 
     Attributes:
         is_over: True once the person has closed it.
     """
 
-    is_over: bool
+    is_over = False
 
     def open(self, title: str) -> None:
         """Get ready; the title is the topic."""
-        ...
 
     def show(self, picture: Picture) -> None:
         """Show a picture in place of the one before."""
-        ...
+        raise NotImplementedError
 
-    def say(self, text: str) -> None:
+    def show_text(self, text: str) -> None:
         """Show a reason in place of a picture."""
-        ...
+        raise NotImplementedError
 
     def attend(self) -> None:
         """Handle keys and a change of size; called many times a second."""
-        ...
 
     def close(self) -> None:
         """Leave everything as it was."""
-        ...
 
 
-class LineDisplay:
+class LineDisplay(Display):
     """A line for each picture: its size, encoding, nearest, farthest and middle.
 
     Args:
@@ -56,34 +52,27 @@ class LineDisplay:
     """
 
     def __init__(self, *, as_json: bool = False) -> None:
-        self.is_over = False
         self._as_json = as_json
-        self._said = ""
-
-    def open(self, title: str) -> None:
-        """Do nothing."""
+        self._text = ""
 
     def show(self, picture: Picture) -> None:
         """Print the line."""
+        self.describe(picture)
+
+    def describe(self, picture: Picture, file: str = "") -> None:
+        """Print a line about a picture, and the file that it has been saved in."""
         known = facts(picture)
-        self.print(json.dumps(known) if self._as_json else sentence(known))
-
-    def say(self, text: str) -> None:
-        """Print it on standard error, unless it was the last text."""
-        if text != self._said:
-            print(text, file=sys.stderr, flush=True)  # noqa: T201 - a node's own output
-        self._said = text
-
-    def attend(self) -> None:
-        """Do nothing."""
-
-    def close(self) -> None:
-        """Do nothing."""
-
-    @staticmethod
-    def print(line: str) -> None:
-        """Print a line of data at once."""
+        if self._as_json:
+            line = json.dumps({"file": file, **known} if file else known)
+        else:
+            line = f"saved {file}  {sentence(known)}" if file else sentence(known)
         print(line, flush=True)  # noqa: T201 - a node's own output
+
+    def show_text(self, text: str) -> None:
+        """Print it on standard error, unless it was the last text."""
+        if text != self._text:
+            print(text, file=sys.stderr, flush=True)  # noqa: T201 - a node's own output
+        self._text = text
 
 
 class FileDisplay(LineDisplay):
@@ -104,38 +93,34 @@ class FileDisplay(LineDisplay):
         self._file = file
         self._options = options
         self._as_values = as_values
-        self._as_json = as_json
         self._count = 0
 
     def show(self, picture: Picture) -> None:
         """Write the file and print the line."""
         path = numbered(self._file, self._count)
         has_values = self._as_values and picture.kind is not Kind.COLOR
-        write_png(path, values_of(picture) if has_values else colored(picture, self._options).image)
+        _write_png(
+            path, values_of(picture) if has_values else colored(picture, self._options).image
+        )
         self._count += 1
-        known = {"file": path, **facts(picture)}
-        self.print(json.dumps(known) if self._as_json else f"saved {path}  {sentence(known)}")
+        self.describe(picture, path)
 
 
 def numbered(file: str, number: int) -> str:
-    """A file's name with a number in place of its %d."""
+    """Return a file's name with a number in place of its %d."""
     return _NUMBER.sub(lambda match: f"{number:{match[1]}d}", file)
 
 
 def values_of(picture: Picture) -> PIL.Image.Image:
-    """Depth in 16-bit millimetres, or grey; 0 for what 16 bits cannot hold."""
+    """Return depth in 16-bit millimetres, or grey; 0 for what 16 bits cannot hold."""
     values = array("H", (value if value < 1 << 16 else 0 for value in picture.values()))
     if sys.byteorder == "big":
         values.byteswap()  # Pillow's I;16 is little-endian
     return PIL.Image.frombytes("I;16", picture.image.size, values.tobytes())
 
 
-def write_png(path: str, image: PIL.Image.Image) -> None:
-    """Write a file as a whole: a reader never sees half of it.
-
-    Raises:
-        LcmtoolsError: It cannot be written.
-    """
+def _write_png(path: str, image: PIL.Image.Image) -> None:
+    """Write a file as a whole: a reader never sees half of it."""
     part = Path(f"{path}.part")
     try:
         image.save(part, "PNG", compress_level=_COMPRESSION)

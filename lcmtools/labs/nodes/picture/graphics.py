@@ -39,7 +39,7 @@ def query(*, answers: bool) -> tuple[str, CellSize]:
     It must hand over keys one by one; what is typed meanwhile is lost.
 
     Args:
-        answers: False for a terminal that cannot be read from: it has blocks.
+        answers: False for a terminal that cannot be read from: blocks are for all.
 
     Returns:
         The best of GRAPHICS that it has, and the size of a character [pixels].
@@ -55,7 +55,7 @@ def query(*, answers: bool) -> tuple[str, CellSize]:
 
 
 def graphics_in(answer: bytes) -> str:
-    """The best graphics that a terminal's answers name."""
+    """Return the best graphics that a terminal's answers name."""
     if _KITTY_YES in answer:
         return "kitty"
     attributes = _ATTRIBUTES.search(answer)

@@ -63,7 +63,7 @@ class Picture:
     kind: Kind
 
     def fitted(self, width: int, height: int) -> "Picture":
-        """The picture in its own proportions, as large as a width and a height [pixels] allow.
+        """Return the picture in its own proportions, as large as a room [pixels] allows.
 
         The nearest pixel is taken: a mean of depths would show what is not there, between a thing
         and the background.
@@ -74,7 +74,7 @@ class Picture:
         return Picture(shown, self.encoding, self.kind)
 
     def values(self) -> list[int]:
-        """Depth in mm, 0 where there is none, or grey, row by row.
+        """Return depth in mm, 0 where there is none, or grey, row by row.
 
         Raises:
             ValueError: The picture is of colours.
@@ -133,18 +133,14 @@ def _raw(message: Image) -> Picture:
     what = f"{message.width} x {message.height} {message.encoding}"
     _check_size(message.width, message.height, message.encoding)
     row_bytes = message.width * pixel_bytes
-    if (
-        message.step < row_bytes
-        or len(message.data) < message.step * (message.height - 1) + row_bytes
-    ):
+    least = message.step * (message.height - 1) + row_bytes  # the last row may be short
+    if message.step < row_bytes or len(message.data) < least:
         raise DecodeError(
             f"{what} does not fit its data: {len(message.data)} bytes in rows of {message.step}"
         )
     raw_mode = big if message.is_bigendian else little
     size = message.width, message.height
-    data = bytes(message.data).ljust(
-        message.step * message.height, b"\0"
-    )  # a last row may be short
+    data = bytes(message.data).ljust(message.step * message.height, b"\0")
     image = PIL.Image.frombytes(mode, size, data, "raw", raw_mode, message.step)
     return Picture(image, message.encoding, kind)
 

@@ -11,6 +11,7 @@ from lcmtools.color import stream_wants_color
 from lcmtools.labs.nodes.driving.keyboard import TerminalKeys
 from lcmtools.labs.nodes.driving.keys import ESCAPE
 from lcmtools.labs.nodes.picture.colors import ColoredPicture, ColorOptions, colored, mix
+from lcmtools.labs.nodes.picture.display import Display
 from lcmtools.labs.nodes.picture.graphics import (
     GRAPHICS,
     CellSize,
@@ -31,17 +32,16 @@ _LEGEND_WIDTH = 24
 _LEGEND_COLUMNS = _LEGEND_WIDTH + len("near 00.5 m  00.5 m far")
 
 
-class ScreenDisplay:
+class ScreenDisplay(Display):
     """Shows pictures on the terminal's other screen, or one of them among the text.
 
     Args:
         options: The colours.
-        graphics: One of GRAPHICS, or "auto" for the best that the terminal says it has.
+        graphics: One of GRAPHICS, or "auto" for the best that the terminal has.
         is_single: One picture is shown, and stays.
     """
 
     def __init__(self, options: ColorOptions, graphics: str, *, is_single: bool) -> None:
-        self.is_over = False
         self._options = options
         self._is_single = is_single
         self._graphics = graphics
@@ -59,7 +59,7 @@ class ScreenDisplay:
             opening, closing = _OTHER_SCREEN + opening, closing + _OWN_SCREEN
         self._terminal = Terminal(keys=self._has_keys, opening=opening, closing=closing)
         self._keys = TerminalKeys(self._terminal)
-        self._size = screen_size()
+        self._size = _screen_size()
         self._title = ""
         self._cell = CellSize(8, 16)
         self._shown: Picture | str = ""
@@ -75,14 +75,14 @@ class ScreenDisplay:
         if chosen == "blocks" and not self._has_color:
             self._drawing = UnicodeImage
         if not self._is_single:
-            self.say("waiting for a picture")
+            self.show_text("waiting for a picture")
 
     def show(self, picture: Picture) -> None:
         """Draw a picture."""
         self._shown = picture
         self._draw()
 
-    def say(self, text: str) -> None:
+    def show_text(self, text: str) -> None:
         """Write a reason in place of the picture."""
         self._shown = text
         self._draw()
@@ -93,7 +93,7 @@ class ScreenDisplay:
         if self._has_keys:
             pressed = self._keys.read(0.0)
             self.is_over = self._keys.is_over or bool({"q", "Q", ESCAPE} & set(pressed))
-        if not self._is_single and (is_resumed or screen_size() != self._size):
+        if not self._is_single and (is_resumed or _screen_size() != self._size):
             self._draw(begin=_CLEAR)
 
     def close(self) -> None:
@@ -103,7 +103,7 @@ class ScreenDisplay:
         self._terminal.__exit__()
 
     def _draw(self, begin: str = "") -> None:
-        self._console.size = self._size = screen_size()
+        self._console.size = self._size = _screen_size()
         before, self._drawn = self._drawn, None
         with self._console.capture() as capture:
             if isinstance(self._shown, str):
@@ -137,7 +137,7 @@ class ScreenDisplay:
     def _fitted(
         self, picture: Picture, columns: int, lines: int
     ) -> tuple[ColoredPicture, tuple[int, int]]:
-        """The pixels that are shown, in colour, and their size in characters."""
+        """Return the pixels that are shown, in colour, and their size in characters."""
         if self._drawing in (HalfcellImage, UnicodeImage):
             small = picture.fitted(columns, 2 * lines)
             width, height = small.image.size
@@ -146,12 +146,11 @@ class ScreenDisplay:
         full = picture.fitted(columns * cell.width, lines * cell.height)
         width, height = full.image.size
         used = max(1, width // cell.width), max(1, height // cell.height)
-        return colored(
-            full.fitted(min(width, _MOST_WIDTH), min(height, _MOST_HEIGHT)), self._options
-        ), used
+        small = full.fitted(min(width, _MOST_WIDTH), min(height, _MOST_HEIGHT))
+        return colored(small, self._options), used
 
     def _legend(self, shown: ColoredPicture, columns: int) -> Text:
-        """The colours of depth with the depths at their ends."""
+        """Return the colours of depth with the depths at their ends."""
         if shown.near is None:
             return Text()
         near, far = shown.legend_ends
@@ -164,8 +163,8 @@ class ScreenDisplay:
         return bar.append(f" {far} far")
 
 
-def screen_size() -> ConsoleDimensions:
-    """The size of the terminal; rich would take COLUMNS and LINES, which do not change."""
+def _screen_size() -> ConsoleDimensions:
+    """Return the size of the terminal; rich would take COLUMNS and LINES, which do not change."""
     try:
         return ConsoleDimensions(*map(max, os.get_terminal_size(sys.stdout.fileno()), (1, 1)))
     except (OSError, ValueError):

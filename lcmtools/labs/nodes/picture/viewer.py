@@ -1,7 +1,4 @@
-"""Deciding when a picture is shown, and until when; the loop that runs a viewing node.
-
-Which topic the pictures come from is the node's business, and where they are shown the display's.
-"""
+"""The choice of a display, the time for each picture, and the loop that runs a viewing node."""
 
 import argparse
 import os
@@ -20,13 +17,13 @@ from lcmtools.messages.registry import Message
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
 _TURN = 0.03
-"""Longest time without looking after the display [s]."""
+"""Longest time between two calls of the display's ``attend`` [s]."""
 _RATE, _LINES_RATE = 10.0, 1.0
 _GRAPHICS = ("auto", "blocks", "sixel", "kitty")
 
 
 def viewer_parser() -> argparse.ArgumentParser:
-    """The options of a node that shows pictures; OPTIONS_HELP says what they are for."""
+    """Return a parser of the options of a node that shows pictures."""
     positive = at_least(1e-3, "a number above 0")
     parser = NodeParser()
     parser.add_argument("--save", metavar="FILE")
@@ -44,14 +41,14 @@ def viewer_parser() -> argparse.ArgumentParser:
 
 
 class Viewer:
-    """Shows the newest of the pictures that it is given.
+    """Shows the newest of the pictures that it takes.
 
     Args:
-        options: What ``viewer_parser`` has read.
+        options: As read by ``viewer_parser``.
 
     Raises:
         UsageError: Options contradict each other.
-        MissingExtra: A window is wanted, and there is no tkinter.
+        MissingExtra: A package for the display is not installed.
     """
 
     def __init__(self, options: argparse.Namespace) -> None:
@@ -79,7 +76,7 @@ class Viewer:
         """
         self._last_time = time.monotonic()
         node.warn_of_unknown_parameters()
-        with ended_by_signals(node.context):
+        with ended_by_signals(node):
             try:
                 self._display.open(topic)
                 while lcmtools.ok() and not (self.is_over or self._display.is_over):
@@ -101,7 +98,7 @@ class Viewer:
         except DecodeError as error:
             if self._is_single:
                 raise
-            self._display.say(str(error))
+            self._display.show_text(str(error))
             return
         self._display.show(picture)
         self.is_over = self._is_single
@@ -111,7 +108,7 @@ class Viewer:
         if self._timeout is not None and waited > self._timeout and not self.is_over:
             raise NothingReceived(
                 f"no picture came on {topic} within {self._timeout:g} s",
-                f"lcmtools info {topic} shows who publishes it",
+                f"lcmtools info {topic} shows its publishers",
             )
 
 
@@ -127,12 +124,9 @@ def _choose_display(options: argparse.Namespace) -> Display:
         from lcmtools.labs.nodes.picture.window import WindowDisplay
 
         return WindowDisplay(colors)
-    if options.json or not _is_screen():
+    is_screen = is_terminal(sys.stdout) and os.environ.get("TERM", "dumb") != "dumb"
+    if options.json or not is_screen:
         return LineDisplay(as_json=options.json)
-    return _screen(colors, options)
-
-
-def _screen(colors: ColorOptions, options: argparse.Namespace) -> Display:
     try:
         from lcmtools.labs.nodes.picture.screen import ScreenDisplay
     except ImportError as error:
@@ -143,12 +137,8 @@ def _screen(colors: ColorOptions, options: argparse.Namespace) -> Display:
     return ScreenDisplay(colors, options.graphics, is_single=options.once)
 
 
-def _is_screen() -> bool:
-    return is_terminal(sys.stdout) and os.environ.get("TERM", "dumb") != "dumb"
-
-
 def options_help(text: str) -> str:
-    """A node's help with the options of its viewer in it."""
+    """Return a node's help with the options of its viewer in it."""
     return f"{text.strip()}\n\n{_OPTIONS_HELP}"
 
 

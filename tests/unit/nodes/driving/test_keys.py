@@ -34,7 +34,7 @@ def test_beginning_of_a_sequence_waits_for_its_rest(end: bytes) -> None:
 def test_script_gives_keys_in_its_time() -> None:
     script = KeyScript()
     script.feed(b"i 2 jk # l 5\n.5 left up 1")
-    script.finish()
+    script.feed(b"", is_last=True)
     assert script.due(10.0) == ["i"]
     assert script.due(11.99) == []
     assert script.due(12.0) == ["j", "k"]
