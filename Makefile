@@ -7,8 +7,9 @@
 # pybullet has wheels for Python 3.9 to 3.11; an interpreter that it fits is preferred
 PYTHON ?= $(shell command -v python3.11 || command -v python3.10 || command -v python3)
 VENV ?= .venv
-# how many tests run at a time: more than processors, for many of them wait
+# how many tests run at a time: more than processors, for many of them wait; simulators do not
 JOBS ?= 4
+SLOW_JOBS ?= 3
 # -e: sources are used in place; empty: what is installed is what a user would get
 EDITABLE ?= -e
 BIN := $(VENV)/bin
@@ -27,7 +28,7 @@ test: $(VENV)/.installed-dev
 	$(BIN)/pytest -m timing $(FAST) $(ARGS)
 
 test-slow: $(VENV)/.installed-dev
-	$(BIN)/pytest -n $(JOBS) --dist worksteal $(SLOW) $(ARGS)
+	$(BIN)/pytest -n $(SLOW_JOBS) --dist worksteal $(SLOW) $(ARGS)
 
 check: $(VENV)/.installed-dev
 	$(BIN)/python lcm_types/generate.py --check

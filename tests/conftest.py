@@ -3,31 +3,27 @@
 Nothing here waits for luck: every wait has a condition and a deadline.
 """
 
-import ctypes
 import itertools
 import os
-import queue
-import shutil
 import signal
 import socket
 import subprocess
 import sys
 import sysconfig
-import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, suppress
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+import hypothesis
 import pytest
+from fixtures import networks
 from fixtures.command import Result, call
 from fixtures.nodes import LiveNode
+from fixtures.programs import Program, Stopwatch
 
-_CLONE_NEWNET = 0x40000000
-_PORTS = range(20_000, 30_000)  # below the ephemeral range
-_PORTS_A_WORKER = 500
 COMMAND = str(Path(sysconfig.get_path("scripts")) / "lcmtools")
 _INHERITED = (
     *("LCM_DEFAULT_URL", "LCM_DBG", "NO_COLOR", "FORCE_COLOR", "CLICOLOR_FORCE"),
@@ -52,6 +48,8 @@ def pytest_configure(config: pytest.Config) -> None:
     """
     for name in ("PYTHONDONTWRITEBYTECODE", "PYTHONUNBUFFERED"):
         os.environ.pop(name, None)
+    hypothesis.settings.register_profile("no deadline", deadline=None)
+    hypothesis.settings.load_profile("no deadline")  # how long an example takes is no matter
     if config.getoption("numprocesses", None):
         return  # the workers do the rest, who start the processes
     for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM):
@@ -100,133 +98,6 @@ def _shares_with(item: pytest.Item) -> str:
     return item.nodeid if _folder(item) in _ALONE else str(item.path)
 
 
-class Stopwatch:
-    """How long something takes, whatever else keeps the computer busy.
-
-    It stands still while the thread that has started it, or the first thread of a process, is ready
-    to run and gets no processor. Waiting for anything else counts, as everybody would wait for it.
-
-    Args:
-        pid: The process.
-    """
-
-    def __init__(self, pid: int | None = None) -> None:
-        self._pid = pid
-        self._begin = self._now()
-
-    def seconds(self) -> float:
-        """Since it was made."""
-        return self._now() - self._begin
-
-    def until_end(self, timeout: float = 30.0) -> float:
-        """Seconds until the process has ended; it is still there to be waited for."""
-        deadline = time.monotonic() + timeout
-        options = os.WEXITED | os.WNOHANG | os.WNOWAIT
-        while os.waitid(os.P_PID, self._pid or 0, options) is None:
-            if time.monotonic() > deadline:
-                pytest.fail(f"process {self._pid} still runs after {timeout} s")
-            time.sleep(0.002)
-        return self.seconds()
-
-    def _now(self) -> float:
-        denied = _denied("thread-self") + (_denied(str(self._pid)) if self._pid else 0.0)
-        return time.monotonic() - denied
-
-
-def _denied(process: str) -> float:
-    """How long it has waited for a processor [s]; 0 where the system does not tell."""
-    try:
-        return int(Path(f"/proc/{process}/schedstat").read_text().split()[1]) / 1e9
-    except (OSError, IndexError):
-        return 0.0
-
-
-class Program:
-    """A process of a test, whose lines are read as they come.
-
-    Args:
-        command: What runs.
-        directory: Where.
-        environment: Its environment, besides the tests' own.
-        popen: What starts it.
-
-    Attributes:
-        lines: Everything it has written so far, standard output and error together.
-    """
-
-    def __init__(
-        self,
-        command: Sequence[str],
-        directory: Path,
-        environment: dict[str, str],
-        popen: Callable[..., subprocess.Popen[str]] = subprocess.Popen,
-    ) -> None:
-        self._process = popen(
-            command,
-            cwd=directory,
-            env={**os.environ, "PYTHONUNBUFFERED": "1", **environment},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            errors="replace",
-            start_new_session=True,
-        )
-        self.pid = self._process.pid
-        self.lines: list[str] = []
-        self._arriving: queue.SimpleQueue[str | None] = queue.SimpleQueue()
-        self._reader = threading.Thread(target=self._read, daemon=True)
-        self._reader.start()
-
-    @property
-    def output(self) -> str:
-        """Everything it has written so far."""
-        return "\n".join(self.lines)
-
-    def wait_for(self, text: str, timeout: float = 40.0) -> str:
-        """The next line that contains ``text``; fails the test when none comes in time."""
-        deadline = time.monotonic() + timeout
-        while (left := deadline - time.monotonic()) > 0:
-            try:
-                line = self._arriving.get(timeout=left)
-            except queue.Empty:
-                break
-            if line is None:
-                break
-            if text in line:
-                return line
-        pytest.fail(f"no line with '{text}' within {timeout} s; there is:\n{self.output}")
-
-    def send_signal(self, number: int) -> None:
-        """Send a signal to the process."""
-        self._process.send_signal(number)
-
-    def wait(self, timeout: float = 30.0) -> int:
-        """Its exit code; fails the test when it does not end in time."""
-        try:
-            code = self._process.wait(timeout)
-        except subprocess.TimeoutExpired:
-            pytest.fail(f"still running after {timeout} s; it wrote:\n{self.output}")
-        self._reader.join(timeout)
-        return code
-
-    def end(self) -> None:
-        """End it and all that it has started, whatever state it is in."""
-        with suppress(ProcessLookupError):
-            os.killpg(self.pid, signal.SIGKILL)
-        self._process.wait(10)
-        self._reader.join(10)
-        assert self._process.stdout is not None
-        self._process.stdout.close()
-
-    def _read(self) -> None:
-        assert self._process.stdout is not None
-        for line in self._process.stdout:
-            self.lines.append(line.rstrip("\n"))
-            self._arriving.put(self.lines[-1])
-        self._arriving.put(None)
-
-
 _FOLDERS = itertools.count()
 
 
@@ -253,7 +124,7 @@ def free_port() -> Iterator[Callable[[], int]]:
     held: list[socket.socket] = []
 
     def take() -> int:
-        held.append(_reserve_any())
+        held.append(networks.reserve_port())
         return int(held[-1].getsockname()[1])
 
     yield take
@@ -319,15 +190,15 @@ def bare_network() -> Iterator[None]:
 
     The test's thread is in it, with all processes and threads that it starts.
     """
-    with _own_network():
+    with networks.own_network():
         yield
 
 
 @pytest.fixture
 def private_network() -> Iterator[None]:
     """A network of the test's own where multicast works: for floods and malformed datagrams."""
-    with _own_network():
-        _let_multicast_work()
+    with networks.own_network():
+        networks.let_multicast_work()
         yield
 
 
@@ -336,64 +207,15 @@ def quiet_network() -> Iterator[None]:
     """The same where it is permitted, else the computer's: for what looks at all that goes on."""
     with ExitStack() as stack:
         with suppress(pytest.skip.Exception):
-            stack.enter_context(_own_network())
-            _let_multicast_work()
+            stack.enter_context(networks.own_network())
+            networks.let_multicast_work()
         yield
 
 
 @pytest.fixture
 def ip() -> Callable[..., None]:
     """``ip("route", "del", ...)``: changes the network of ``private_network``."""
-    return _ip
-
-
-def _let_multicast_work() -> None:
-    _ip("link", "set", "lo", "up")
-    _ip("route", "add", "224.0.0.0/4", "dev", "lo")
-
-
-def _ip(*arguments: str) -> None:
-    subprocess.run([shutil.which("ip") or "ip", *arguments], check=True)
-
-
-@contextmanager
-def _own_network() -> Iterator[None]:
-    libc = ctypes.CDLL(None, use_errno=True)
-    if not hasattr(libc, "unshare") or shutil.which("ip") is None:
-        pytest.skip("network namespaces need Linux and iproute2")
-    home = os.open("/proc/thread-self/ns/net", os.O_RDONLY)
-    try:
-        if libc.unshare(_CLONE_NEWNET) != 0:
-            pytest.skip("network namespaces are not permitted; run the tests as root")
-        try:
-            yield
-        finally:
-            assert libc.setns(home, _CLONE_NEWNET) == 0, os.strerror(ctypes.get_errno())
-    finally:
-        os.close(home)
-
-
-def _reserve_any() -> socket.socket:
-    worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
-    start = (worker * _PORTS_A_WORKER) % len(_PORTS)
-    for port in (*_PORTS[start:], *_PORTS[:start]):
-        lock = _reserve(port)
-        if lock is not None:
-            return lock
-    pytest.fail("no free port")
-
-
-def _reserve(port: int) -> socket.socket | None:
-    """Hold the TCP port of the same number, which every test asks for first, if UDP is free too."""
-    lock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    try:
-        lock.bind(("127.0.0.1", port))
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            probe.bind(("", port))  # without SO_REUSEADDR: fails where anybody has it
-    except OSError:
-        lock.close()
-        return None
-    return lock
+    return networks.ip
 
 
 @pytest.fixture(scope="session")
@@ -487,7 +309,7 @@ def lcm_program() -> Callable[[str], str]:
 @pytest.fixture(scope="module")
 def module_bus_url() -> Iterator[str]:
     """A bus that the tests of a module share."""
-    with _reserve_any() as lock:
+    with networks.reserve_port() as lock:
         yield f"udpm://239.255.76.67:{lock.getsockname()[1]}?ttl=0"
 
 

@@ -63,9 +63,11 @@ shared_server = pytest.mark.usefixtures("use_module_bus", "server")
 
 
 @shared_server
-def test_list_names_services_with_types_and_nodes(cli: Cli) -> None:
+def test_list_names_services_with_types_and_nodes(
+    cli: Cli, wait_until: Callable[..., None]
+) -> None:
     plain = ["/fail", "/reset", "/server/slow", "/switch"]
-    assert cli("service", "list").out.splitlines() == plain
+    wait_until(lambda: cli("service", "list").out.splitlines() == plain)
     everything = cli("service", "list", "-a").out.splitlines()
     assert everything == sorted([*plain, "/_inner", "/server/_parameters"])
     assert "/switch [std_srvs/SetBool] /server\n" in (cli("service", "list", "-t", "-n").out)

@@ -91,6 +91,7 @@ def test_a_node_that_does_not_spin_is_told(
     assert "spin" in found["queue-drops"]["remedies"][0]
 
 
+@pytest.mark.timing
 def test_info_shows_how_long_callbacks_take(start_python: Start, lcmtools: Run) -> None:
     start_python(_NODE, "10", "0.02", "0").wait_for("hears")
     assert " ms mean, 2" in lcmtools("info", "/chatter").stdout

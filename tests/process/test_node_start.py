@@ -78,7 +78,7 @@ def test_a_closed_terminal_ends_a_node_with_a_goodbye(start_python: Start, bus_u
     node.send_signal(signal.SIGHUP)
     node.send_signal(signal.SIGHUP)  # the shell, and the terminal
     node.wait_for("ended")
-    assert node.wait() == 0
+    assert node.wait() in (0, -signal.SIGHUP)  # the second one may come after shutdown
     assert list(records.read()) == []
 
 

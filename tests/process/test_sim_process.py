@@ -158,10 +158,12 @@ def test_subscribers_receive_each_requested_step(
 def _stands_still(published: Callable[[], dict[str, int]]) -> bool:
     """Return whether no picture is published while the clock goes on."""
     first = published()
+    if "/clock" not in first:  # the look was over before the simulator had answered
+        return False
     deadline = time.monotonic() + 40
-    while (second := published())["/clock"] < first["/clock"] + 50:
+    while (second := published()).get("/clock", 0) < first["/clock"] + 50:
         assert time.monotonic() < deadline
-    return first[DEPTH] == second[DEPTH]
+    return first.get(DEPTH) == second.get(DEPTH)
 
 
 @pytest.mark.parametrize("moment", ["at its start", "while it runs", "while it is paused"])
