@@ -1,7 +1,7 @@
-"""The command line that LCM never had, and the robot labs that run on it.
+"""A command line, a node library and robot labs for LCM.
 
-The public names of the node API are here, and ``observe``, imported when first used: the command
-line starts without them.
+The public names of the node API are here, and ``observe`` and ``publish``. They are imported when
+first used: the command line starts without them.
 """
 
 from typing import TYPE_CHECKING
@@ -10,6 +10,7 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from lcmtools import observe as observe
+    from lcmtools import publish as publish
     from lcmtools.errors import LcmtoolsError as LcmtoolsError
     from lcmtools.node.node import Node as Node
     from lcmtools.node.parameters import Parameter as Parameter
@@ -44,6 +45,7 @@ __all__ = [
     "message_class",
     "observe",
     "ok",
+    "publish",
     "shutdown",
     "spin",
     "spin_once",
@@ -54,8 +56,8 @@ def __getattr__(name: str) -> object:
     """Import a public name when it is first used (PEP 562)."""
     from importlib import import_module
 
-    if name == "observe":
-        return import_module("lcmtools.observe")
+    if name in ("observe", "publish"):
+        return import_module(f"lcmtools.{name}")
     if name not in _HOMES:
         raise AttributeError(f"module 'lcmtools' has no attribute '{name}'")
     return getattr(import_module(_HOMES[name]), name)

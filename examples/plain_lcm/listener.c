@@ -1,6 +1,6 @@
-/* Prints every velocity that comes on /cmd_vel, on plain LCM in C.
+/* Subscribes to /cmd_vel and prints each velocity, with plain LCM in C.
  *
- *     ./listener                   then, elsewhere:
+ *     ./listener                   and in another terminal:
  *     lcmtools pub /cmd_vel geometry_msgs/Twist "linear: [0.5, 0, 0]"
  */
 
@@ -10,8 +10,8 @@
 
 #include "geometry_msgs_Twist.h"
 
-static void take(const lcm_recv_buf_t *packet, const char *channel,
-                 const geometry_msgs_Twist *twist, void *user)
+static void print_velocity(const lcm_recv_buf_t *packet, const char *channel,
+                           const geometry_msgs_Twist *twist, void *user)
 {
     (void) packet;
     (void) user;
@@ -21,12 +21,12 @@ static void take(const lcm_recv_buf_t *packet, const char *channel,
 
 int main(void)
 {
-    lcm_t *bus = lcm_create(NULL); /* LCM_DEFAULT_URL says where */
+    lcm_t *bus = lcm_create(NULL); /* at LCM_DEFAULT_URL */
     if (bus == NULL) {
-        fprintf(stderr, "listener: there is no bus; see: lcmtools wtf\n");
+        fprintf(stderr, "listener: cannot open the bus; see: lcmtools wtf\n");
         return 1;
     }
-    geometry_msgs_Twist_subscribe(bus, "/cmd_vel", take, NULL);
+    geometry_msgs_Twist_subscribe(bus, "/cmd_vel", print_velocity, NULL);
     printf("listening\n");
     fflush(stdout);
     while (lcm_handle(bus) == 0) {
