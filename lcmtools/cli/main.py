@@ -47,13 +47,13 @@ Examples:
   lcmtools pub /chatter std_msgs/String "data: hello"
 
 \b
-Exit codes: 0 done, 1 failed, 2 wrong usage, 3 an extra is missing, 4 nothing came within
---timeout, 130 Ctrl-C, 143 SIGTERM. A node that is asked to end exits with 0.
+Exit codes: 0 success, 1 failure, 2 wrong usage, 3 an extra is missing, 4 nothing received within
+--timeout, 130 Ctrl-C, 143 SIGTERM. A node that is ended by node kill exits with 0.
 
 \b
 Environment: LCM_DEFAULT_URL, LCMTOOLS_DOMAIN, LCMTOOLS_NAMESPACE, LCMTOOLS_TIMEOUT,
-LCMTOOLS_TYPE_PATH, LCMTOOLS_COLOR, NO_COLOR; most can stand in a file: lcmtools config shows
-which counts.
+LCMTOOLS_TYPE_PATH, LCMTOOLS_COLOR, NO_COLOR. Most can also be set in a file; lcmtools config
+shows the values and their sources.
 """
 
 
@@ -80,7 +80,7 @@ def _print_version(ctx: click.Context, _parameter: click.Parameter, value: bool)
     help="Print the versions of lcmtools, lcm and Python.",
 )
 def root() -> None:
-    """See and speak to every program on an LCM bus: topics, nodes, messages, and what is wrong."""
+    """Inspect and use an LCM bus: topics, nodes, messages, services, and diagnosis of faults."""
 
 
 root.params += manner_options(hidden=False)
@@ -114,7 +114,7 @@ _CREATE = "create air_lab0 --deps nav_msgs geometry_msgs"
 pkg = _group("pkg", PKG_COMMANDS, _PKG, _CREATE, "list", has_bus=False)
 _SRV = "Look at service types."
 srv = _group("srv", SRV_COMMANDS, _SRV, "list", "show std_srvs/Trigger", has_bus=False)
-_SERVICE = "Look at services and call them."
+_SERVICE = "List and call services."
 service = _group("service", SERVICE_COMMANDS, _SERVICE, "list", 'call /switch "data: true"')
 _PARAM = "Look at nodes' parameters and change them while the nodes run."
 _SET = "set simple_controller kp 0.5"

@@ -59,7 +59,7 @@ def bus_options(command: CommandT) -> CommandT:
         metavar="N",
         callback=_remember,
         expose_value=False,
-        help="The bus on port 7667 + N (else LCMTOOLS_DOMAIN). A URL wins over it.",
+        help="The bus on port 7667 + N (else LCMTOOLS_DOMAIN). A URL takes precedence.",
     )
     return url(domain(command))
 
@@ -109,7 +109,7 @@ def looking_options(command: CommandT) -> CommandT:
         shell_complete=complete("programs:remaps"),
         callback=_remember_names,
         expose_value=False,
-        help="Look at TO in place of FROM; as FROM:=TO.",
+        help="Use TO in place of FROM; as FROM:=TO.",
     )
     return ns(remap(bus_options(command)))
 
@@ -152,7 +152,7 @@ def manner_options(*, hidden: bool) -> list[click.Option]:
             callback=_choose_color,
             expose_value=False,
             hidden=hidden,
-            help="Colour: auto, always or never (else LCMTOOLS_COLOR; NO_COLOR counts).",
+            help="Colour: auto, always or never (else LCMTOOLS_COLOR, NO_COLOR).",
         ),
         click.Option(
             ["--no-color"],

@@ -157,11 +157,11 @@ def test_root_help_names_exit_codes_and_environment(capsys: Captured) -> None:
     main(["--help"])
     text = capsys.readouterr().out
     for code in (
-        "0 done",
-        "1 failed",
+        "0 success",
+        "1 failure",
         "2 wrong usage",
         "3 an extra",
-        "4 nothing came",
+        "4 nothing received",
         "130",
         "143",
     ):

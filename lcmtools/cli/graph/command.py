@@ -69,7 +69,7 @@ _MEASURED = 1.0  # [s]
     shell_complete=complete("bus:names"),
 )
 @click.option("--group", "is_grouped", is_flag=True, help="Draw a frame around each namespace.")
-@click.option("--hz", is_flag=True, help="Measure for a second how often messages come.")
+@click.option("--hz", is_flag=True, help="Measure rates for a second.")
 @click.option(
     "--wait", type=duration, help="Listen so long for programs that are not lcmtools nodes."
 )

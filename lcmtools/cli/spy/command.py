@@ -29,8 +29,8 @@ _WAIT = 1.2  # [s] a little more than one period at 1 Hz
 
 @click.command("spy", context_settings=CONTEXT)
 @click.argument("topics", metavar="[TOPIC]...", nargs=-1, shell_complete=complete("bus:names"))
-@click.option("--once", is_flag=True, help="Listen for a moment, print the table, and end.")
-@click.option("--wait", type=duration, help="With --once: listen so long (else 1.2 s).")
+@click.option("--once", is_flag=True, help="Observe for a moment, print the table, and exit.")
+@click.option("--wait", type=duration, help="With --once: observe for this long (else 1.2 s).")
 @click.option(
     "--sort",
     "column",
@@ -39,13 +39,13 @@ _WAIT = 1.2  # [s] a little more than one period at 1 Hz
     default="channel",
     help=f"Sort by this column: {', '.join(COLUMNS)}.",
 )
-@click.option("-r", "--reverse", is_flag=True, help="Sort the other way round.")
+@click.option("-r", "--reverse", is_flag=True, help="Reverse the order.")
 @click.option(
     "--filter",
     "text",
     default="",
     metavar="TEXT",
-    help="Only rows that have this in channel, type, sender or listener.",
+    help="Only rows with this text in channel, type, sender or listener.",
 )
 @all_option
 @json_option
@@ -61,16 +61,16 @@ def command(  # noqa: PLR0913 - one parameter an option
     show_all: bool,
     as_json: bool,
 ) -> int:
-    """Watch what goes on on the bus, live: channels, types, rates, loss, senders, listeners.
+    """Watch the channels of the bus, live: type, rate, jitter, bandwidth, loss, senders, listeners.
 
-    TOPIC keeps the channels that are it or stand below it, or match it: '/husky*'. Enter shows the
-    chosen channel's messages, decoded, their numbers as curves; F1 shows the keys. --once prints
-    the table; it and --json need no textual.
+    TOPIC selects a channel, the channels in a namespace, or those that match a pattern ('/husky*').
+    Enter shows the selected channel's messages, decoded, with plots of their numbers; F1 lists the
+    keys. --once prints the table; it and --json do not need textual.
 
-    Jitter is the longest recent interval less the shortest. Loss is that of a channel's senders,
-    whose messages LCM numbers whatever the channel; what this computer is too busy to take counts
-    too. A type with "+2" may be two others, which have the same fingerprint. Nodes that publish
-    only for subscribers begin to.
+    Jitter is the longest recent interval minus the shortest. Loss is that of a channel's senders,
+    because LCM numbers a sender's messages across channels; messages that this computer was too
+    busy to receive count as lost. A type with "+2" may be one of two others with the same
+    fingerprint. Nodes that publish only for subscribers start publishing.
 
     \b
     Examples:

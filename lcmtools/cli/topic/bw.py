@@ -37,10 +37,10 @@ def command(
     wall_time: bool,
     as_json: bool,
 ) -> None:
-    """Measure the bandwidth of topics, once a second until Ctrl-C.
+    """Measure the bandwidth of topics; report once a second until Ctrl-C.
 
-    Counted are the bytes of the messages, without what the network adds; a KB is 1000 of them.
-    Seconds are simulated ones where a simulator publishes /clock. A log is read at once.
+    This counts the bytes of messages without network headers; 1 KB is 1000 bytes. Time is simulated
+    if a simulator publishes /clock. A log is read at once.
 
     \b
     Examples:

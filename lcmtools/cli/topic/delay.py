@@ -38,10 +38,10 @@ def command(
     wall_time: bool,
     as_json: bool,
 ) -> None:
-    """Measure how long after its header's stamp a message arrives, once a second until Ctrl-C.
+    """Measure the delay from header stamp to arrival; report once a second until Ctrl-C.
 
-    Both times are clock time: between two computers, what their clocks differ by counts too. Where
-    a simulator publishes /clock, both are simulated. A log is read at once.
+    Between two computers the offset of their clocks adds to the delay. Both times are simulated if
+    a simulator publishes /clock. A log is read at once.
 
     \b
     Examples:

@@ -45,9 +45,9 @@ _CLEAR = "\033[2J\033[;H"  # the screen, and the cursor to its corner
     nargs=-1,
     shell_complete=complete("messages:topics_and_fields"),
 )
-@click.option("-n", "count", metavar="N", type=whole_number(1), help="Stop after so many messages.")
+@click.option("-n", "count", metavar="N", type=whole_number(1), help="Stop after N messages.")
 @click.option("-1", "--once", is_flag=True, help="Stop after one message.")
-@click.option("--timeout", type=duration, help="Give up (exit code 4) when none comes so long.")
+@click.option("--timeout", type=duration, help="Exit with code 4 when none comes in time.")
 @click.option(
     "--field",
     "fields",
@@ -56,8 +56,8 @@ _CLEAR = "\033[2J\033[;H"  # the screen, and the cursor to its corner
     help="Show this field; may be repeated.",
     shell_complete=complete("messages:fields"),
 )
-@click.option("--filter", "condition", metavar="EXPR", help="Show messages for which this is true.")
-@click.option("--noarr", "--no-arr", is_flag=True, help="Show only type and length of arrays.")
+@click.option("--filter", "condition", metavar="EXPR", help="Only messages for which this is true.")
+@click.option("--noarr", "--no-arr", is_flag=True, help="Show only the type and length of arrays.")
 @click.option("--nostr", "--no-str", is_flag=True, help="Show only the length of strings.")
 @click.option(
     "-l",
@@ -65,22 +65,20 @@ _CLEAR = "\033[2J\033[;H"  # the screen, and the cursor to its corner
     "longest",
     metavar="N",
     type=whole_number(1),
-    help="Cut longer arrays and strings after N elements.",
+    help="Truncate arrays and strings to N elements.",
 )
-@click.option("-f", "--full-length", is_flag=True, help="Cut nothing, as it is without -l.")
+@click.option("-f", "--full-length", is_flag=True, help="Do not truncate (the default).")
 @click.option("--offset", is_flag=True, help="Show times relative to the message's arrival.")
-@click.option(
-    "-w", "width", metavar="N", type=whole_number(2), help="Give all numbers the width N."
-)
+@click.option("-w", "width", metavar="N", type=whole_number(2), help="Print numbers with width N.")
 @click.option("-p", "--csv", "as_csv", is_flag=True, help="Print comma-separated values.")
-@click.option("--flow-style", "as_flow", is_flag=True, help="Print each message in one line.")
+@click.option("--flow-style", "as_flow", is_flag=True, help="Print each message on one line.")
 @click.option("--raw", is_flag=True, help="Print the payload in hexadecimal.")
 @click.option("-c", "--clear", is_flag=True, help="Clear a terminal before each message.")
 @click.option(
     "-b",
     "--bag",
     metavar="FILE",
-    help="Read an LCM log, at once, in place of the bus.",
+    help="Read an LCM log instead of the bus.",
     shell_complete=complete_files,
 )
 @click.option("-a", "--all", "all_topics", is_flag=True, help="All topics of the log (with -b).")
@@ -108,18 +106,18 @@ def command(  # noqa: PLR0913 - one parameter an option
     all_topics: bool,
     as_json: bool,
 ) -> None:
-    """Print the messages of topics as they come, as rostopic does.
+    """Print the messages of topics, as rostopic does.
 
-    TOPIC may end in a field's path: dots or slashes, [0] or [0:5] for arrays. In quotes it may be a
-    pattern: * is anything but /, ** anything, ? one character; topics that come later count too.
-    Where there may be several topics, each message says its own: in a line such as # /chatter, as
-    "topic" beside "message" in --json, in a column of --csv. TYPE is needed only where two types
-    have the same fields.
+    TOPIC may end in a field path: dots or slashes, [0] or [0:5] for arrays. In quotes it may be a
+    pattern: * is any characters but /, ** any characters, ? one; topics that appear later are
+    included. With several topics each message is labelled with its own: by a line such as #
+    /chatter, by "topic" beside "message" in --json, by a column in --csv. TYPE is needed only if
+    two types have the same fields.
 
-    In --filter, m is the message; there are comparisons, arithmetic, and, or, not, in, and
-    functions as len and hypot. A message of an unknown type is shown in hexadecimal. Times in
-    --csv are nanoseconds; %time is the header's stamp, else the arrival. Text that is not UTF-8 is
-    !!binary in YAML and has \\udcXX for a byte in --json; pub takes back either, to the bit.
+    In --filter, m is the message. Available are comparisons, arithmetic, and, or, not, in, and
+    functions such as len and hypot. A message of an unknown type is shown in hexadecimal. Times in
+    --csv are nanoseconds; %time is the header's stamp, else the time of arrival. Text that is not
+    UTF-8 is !!binary in YAML and has \\udcXX for a byte in --json; pub accepts both without loss.
 
     \b
     Examples:

@@ -13,12 +13,12 @@ from lcmtools.observe.settled import settled
 
 @click.command("find", context_settings=CONTEXT)
 @click.argument("type_", metavar="TYPE", shell_complete=complete("messages:types"))
-@click.option("-c", "--count-topics", is_flag=True, help="Print only how many topics there are.")
+@click.option("-c", "--count-topics", is_flag=True, help="Print only the number of topics.")
 @all_option
 @json_option
 @looking_options
 def command(type_: str, *, count_topics: bool, show_all: bool, as_json: bool) -> None:
-    """List the topics of a type: announced, or by the fingerprint of what plain programs send.
+    """List the topics of a type: announced by nodes, or by fingerprint for plain LCM programs.
 
     TYPE is geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or Twist.
 

@@ -27,7 +27,7 @@ _HEADER = ("topic", "rate", "min_delta", "max_delta", "std_dev", "window")
 )
 @window_option(least=2, usual=50_000)
 @click.option(
-    "--filter", "condition", metavar="EXPR", help="Count messages for which this is true."
+    "--filter", "condition", metavar="EXPR", help="Count only messages for which this is true."
 )
 @measuring_options
 @json_option
@@ -42,10 +42,10 @@ def command(  # noqa: PLR0913 - one parameter an option
     wall_time: bool,
     as_json: bool,
 ) -> None:
-    """Measure how often messages come on topics, once a second until Ctrl-C.
+    """Measure the rate of topics; report once a second until Ctrl-C.
 
-    Times are the kernel's, or, where a simulator publishes /clock, simulated ones. A message need
-    not be of a known type. A log is read at once, by its own times.
+    Times of arrival are the kernel's, or simulated time if a simulator publishes /clock. The type
+    need not be known. A log is read at once, with its recorded times.
 
     \b
     Examples:

@@ -23,18 +23,16 @@ from lcmtools.observe.losses import Loss
 
 @click.command("info", context_settings=CONTEXT)
 @click.argument("topics", nargs=-1, required=True, shell_complete=complete("bus:topics"))
-@click.option(
-    "--wait", type=duration, help="Measure rates for so long (else half a second at most)."
-)
+@click.option("--wait", type=duration, help="Measure rates for this long (else up to 0.5 s).")
 @click.option("-v", "--verbose", is_flag=True, help="Show fingerprints and command lines too.")
 @json_option
 @looking_options
 def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_json: bool) -> None:
-    """Show a topic's type, who publishes it and who subscribes to it: node, host and process.
+    """Show a topic's type, publishers and subscribers: node, host and process.
 
-    Below each are its counters: messages, bytes, messages that a full queue pushed out, the queue's
-    depth, the rate, and when the last message was. Of a program that is no node, what was seen. Of
-    publishers also how many messages did not arrive here, by their own numbers.
+    Counters for each: messages, bytes, messages dropped from a full queue, queue depth, rate, and
+    time of the last message. For plain LCM programs these are observed values. For publishers also
+    the number of messages lost on the way here, by sequence numbers.
 
     \b
     Examples:

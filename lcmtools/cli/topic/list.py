@@ -55,12 +55,10 @@ class _ListOptions:
 @click.option("-p", "published", is_flag=True, help="Only topics that are published.")
 @click.option("-s", "subscribed", is_flag=True, help="Only topics that are subscribed to.")
 @click.option("-t", "--show-types", is_flag=True, help="Show each topic's type.")
-@click.option("--hz", is_flag=True, help="Measure for a second how often messages come.")
+@click.option("--hz", is_flag=True, help="Measure rates for a second.")
 @click.option("--host", "by_hosts", is_flag=True, help="Group the topics by computer.")
-@click.option("-c", "--count-topics", is_flag=True, help="Print only how many topics there are.")
-@click.option(
-    "--wait", type=duration, help="Listen so long for programs that are no lcmtools nodes."
-)
+@click.option("-c", "--count-topics", is_flag=True, help="Print only the number of topics.")
+@click.option("--wait", type=duration, help="Observe plain LCM programs for this long.")
 @all_option
 @json_option
 @looking_options
@@ -78,10 +76,10 @@ def command(  # noqa: PLR0913 - one parameter an option
     show_all: bool,
     as_json: bool,
 ) -> None:
-    """List the topics on the bus: those of nodes at once, and what other LCM programs publish.
+    """List the topics on the bus: those of nodes, and the channels of plain LCM programs.
 
-    NAMESPACE keeps the topics that are it or stand below it. In quotes it may be a pattern: * is
-    anything but /, ** anything, ? one character.
+    NAMESPACE selects a topic or the topics in a namespace. In quotes it may be a pattern: * is any
+    characters but /, ** any characters, ? one.
 
     \b
     Examples:

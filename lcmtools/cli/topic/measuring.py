@@ -23,13 +23,13 @@ _GAP = "   "
 def measuring_options(command: CommandT) -> CommandT:
     """Add ``--timeout``, ``-n`` and ``--wall-time``, which are ``ListenOptions``."""
     timeout = click.option(
-        "--timeout", type=duration, help="Give up (exit code 4) when none comes so long."
+        "--timeout", type=duration, help="Exit with code 4 when none comes in time."
     )
     count = click.option(
-        "-n", "count", metavar="N", type=whole_number(1), help="Stop after so many reports."
+        "-n", "count", metavar="N", type=whole_number(1), help="Stop after N reports."
     )
     wall_time = click.option(
-        "--wall-time", is_flag=True, help="Go by real time where a simulator publishes /clock."
+        "--wall-time", is_flag=True, help="Use real time even if a simulator publishes /clock."
     )
     return timeout(count(wall_time(command)))
 
@@ -43,7 +43,7 @@ def window_option(*, least: int, usual: int) -> Callable[[CommandT], CommandT]:
         type=whole_number(least),
         default=usual,
         show_default=True,
-        help="Messages to average over.",
+        help="The number of messages to average over.",
     )
 
 

@@ -23,12 +23,12 @@ from lcmtools.publish.schedule import Schedule
 @click.argument("topic", shell_complete=complete("bus:topics"))
 @click.argument("type_", metavar="TYPE", shell_complete=complete("messages:types"))
 @click.argument("values", nargs=-1, shell_complete=complete("messages:prototypes"))
-@click.option("-r", "--rate", type=rate_option, help="Publish so many times a second until Ctrl-C.")
-@click.option("-1", "--once", is_flag=True, help="Publish once, or the first of several, and end.")
+@click.option("-r", "--rate", type=rate_option, help="Publish at this rate [Hz] until Ctrl-C.")
+@click.option("-1", "--once", is_flag=True, help="Publish one message and exit.")
 @click.option(
-    "-t", "--times", metavar="N", type=whole_number(1), help="Publish N times; 1 Hz or -r."
+    "-t", "--times", metavar="N", type=whole_number(1), help="Publish N times, at 1 Hz or -r."
 )
-@click.option("-l", "--latch", is_flag=True, help="Stay; send the last to each new subscriber.")
+@click.option("-l", "--latch", is_flag=True, help="Keep running; latch the last message.")
 @click.option("-f", "--file", type=click.Path(), help="Read a file ('-': standard input).")
 @click.option(
     "-w",
@@ -37,26 +37,28 @@ from lcmtools.publish.schedule import Schedule
     "subscribers",
     metavar="N",
     type=whole_number(0),
-    help="Wait until N nodes subscribe, before the first message.",
+    help="Wait for N subscribers before the first message.",
 )
 @click.option(
     "--timeout",
     "--max-wait",
     "--max-wait-time-secs",
     type=duration,
-    help="Give up (exit code 4) when they take longer.",
+    help="Exit with code 4 if that takes longer.",
 )
-@click.option("--keep-alive", type=duration, help="Stay so long after the last, latching it.")
+@click.option("--keep-alive", type=duration, help="Keep latching the last message for this long.")
 @click.option("-v", "--verbose", is_flag=True, help="Print every message to standard error.")
-@click.option("-s", "--substitute-keywords", is_flag=True, help="As rostopic; always done.")
+@click.option(
+    "-s", "--substitute-keywords", is_flag=True, help="Accepted as in rostopic; always on."
+)
 @click.option(
     "--use-rostime", "--use-sim-time", "simulated", is_flag=True, help="Take stamps from /clock."
 )
-@click.option("--literal", is_flag=True, help="TOPIC is the LCM channel, to the letter.")
+@click.option("--literal", is_flag=True, help="TOPIC is the exact LCM channel.")
 @click.option(
     "--ns",
     metavar="NAME",
-    help="The namespace that TOPIC stands in; as __ns:=NAME.",
+    help="The namespace of a relative TOPIC; as __ns:=NAME.",
     shell_complete=complete("bus:namespaces"),
 )
 @click.option(
@@ -66,7 +68,7 @@ from lcmtools.publish.schedule import Schedule
     "--remap",
     metavar="FROM:=TO",
     multiple=True,
-    help="Another topic in place of FROM.",
+    help="Use TO in place of FROM; as FROM:=TO.",
     shell_complete=complete("programs:remaps"),
 )
 @bus_options
@@ -91,19 +93,20 @@ def command(  # noqa: PLR0913 - one parameter an option
     name: str | None,
     remap: tuple[str, ...],
 ) -> None:
-    """Publish messages on a topic; VALUES are YAML or JSON, as rostopic takes them.
+    """Publish messages on a topic; VALUES are YAML or JSON, as for rostopic.
 
-    One value that is a dict names fields; otherwise values are the fields in order. Fields that
-    are left out keep their defaults. A time may be "now", and a header "auto": each message is
-    stamped when it is sent. Without -r, -1 and -t the message is sent once and again to each
-    new subscriber, until Ctrl-C. While the network is gone, what repeats waits for it.
+    A single dict sets fields by name; otherwise VALUES are the fields in order. Omitted fields keep
+    their defaults. A time may be "now", a header "auto": the message is stamped when it is sent.
+    Without -r, -1 or -t the message is sent once, and again to each new subscriber until Ctrl-C.
+    Repeated publishing pauses while the network is down.
 
-    The first message waits up to a second for a subscriber, or for as many as -w says. -1 ends at
-    once after that; to stay three seconds longer, as rostopic does, add --keep-alive 3s.
+    The first message waits up to a second for a subscriber, or for the number given by -w. -1 then
+    sends and exits; to keep latching for three seconds, as rostopic does, add --keep-alive 3s.
 
-    Several messages stand in a file (-f) with a line of --- between them, as echo prints them, or
-    as JSON. A file is checked before anything is sent, and goes at 10 Hz or -r; one message is
-    repeated. In place of VALUES, "-" is standard input: each message goes as soon as it is whole.
+    A file (-f) may contain several messages, separated by lines of --- as echo prints them, or as
+    JSON. It is checked before anything is sent, and published at 10 Hz or the rate of -r; a single
+    message is repeated. "-" in place of VALUES is standard input: each message is sent as soon as
+    it is complete.
 
     \b
     Examples:

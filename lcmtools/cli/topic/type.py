@@ -22,7 +22,7 @@ from lcmtools.observe.settled import settled
 def command(topic: str, *, as_json: bool) -> None:
     """Print the type of a topic, or of a field of its messages.
 
-    Of a field it prints, as rostopic does, the topic's type, the field and the field's type.
+    For a field it prints the topic's type, the field and the field's type, as rostopic does.
 
     \b
     Examples:

@@ -100,7 +100,7 @@ class Overview(Page[None]):
         self._show(self.view.moved(step))
 
     def action_invert(self) -> None:
-        """Sort the other way round."""
+        """Reverse the order."""
         self._show(self.view.sorted_by(self.view.column))
 
     def action_choose_column(self) -> None:
