@@ -5,12 +5,13 @@ import os
 import click
 
 from lcmtools.bus.url import choose_url
-from lcmtools.cli.options import COLOR, CONTEXT, bus_choice, bus_options, json_option
+from lcmtools.cli.declare import subcommand
+from lcmtools.cli.options import COLOR, bus_choice, bus_options, json_option
 from lcmtools.cli.output import columns, show
 from lcmtools.settings import SETTINGS, read_user_file, said
 
 
-@click.command("config", context_settings=CONTEXT)
+@subcommand("config")
 @json_option
 @bus_options
 def command(*, as_json: bool) -> None:
@@ -23,7 +24,7 @@ def command(*, as_json: bool) -> None:
     Examples:
       lcmtools config
       lcmtools config --domain 3 --json
-    """  # noqa: D301 - \b is click's mark
+    """
     file = read_user_file(os.environ)
     choice = bus_choice()
     url, source = choose_url(choice.url, choice.domain, os.environ, file)

@@ -2,16 +2,13 @@
 
 import click
 
-from lcmtools.cli.completion.completer import complete
+from lcmtools.cli.declare import argument, subcommand
 from lcmtools.cli.lazy import COMMAND
-from lcmtools.cli.options import CONTEXT
 from lcmtools.cli.output import data
 
 
-@click.command("help", context_settings=CONTEXT)
-@click.argument(
-    "words", metavar="[COMMAND...]", nargs=-1, shell_complete=complete("programs:commands")
-)
+@subcommand("help")
+@argument("words", metavar="[COMMAND...]", nargs=-1, completer="programs:commands")
 @click.pass_context
 def command(ctx: click.Context, words: tuple[str, ...]) -> None:
     """Show the help of a command, as COMMAND --help does.
@@ -20,7 +17,7 @@ def command(ctx: click.Context, words: tuple[str, ...]) -> None:
     Examples:
       lcmtools help echo
       lcmtools help node info
-    """  # noqa: D301 - \b is click's mark
+    """
     context = ctx.find_root()
     for word in words:
         group = context.command

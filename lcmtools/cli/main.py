@@ -20,6 +20,7 @@ from lcmtools.cli.commands import (
     SRV_COMMANDS,
     TOPIC_COMMANDS,
 )
+from lcmtools.cli.declare import CONTEXT, option
 from lcmtools.cli.ending import (
     BY_SIGNAL,
     end_at_once,
@@ -32,7 +33,7 @@ from lcmtools.cli.ending import (
     writable,
 )
 from lcmtools.cli.lazy import COMMAND, Entry, LazyGroup
-from lcmtools.cli.options import CONTEXT, bus_options, manner_options
+from lcmtools.cli.options import bus_options, manner_options
 from lcmtools.messages.type_source import set_supply
 from lcmtools.packages import provide_user_types
 
@@ -71,7 +72,7 @@ def _print_version(ctx: click.Context, _parameter: click.Parameter, value: bool)
     cls=LazyGroup, entries=COMMANDS, context_settings=CONTEXT, epilog=_EPILOG, name="lcmtools"
 )
 @bus_options
-@click.option(
+@option(
     "--version",
     is_flag=True,
     expose_value=False,

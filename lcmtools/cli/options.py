@@ -2,27 +2,23 @@
 
 import os
 import signal
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import click
 from click.core import ParameterSource
 
 from lcmtools.arguments import NodeArguments, is_assignment, split_arguments
-from lcmtools.cli.completion.completer import complete
+from lcmtools.cli.declare import CommandT, option
 from lcmtools.cli.output import talk
 from lcmtools.errors import UsageError
 from lcmtools.names import Pattern, Resolver, has_wildcard, resolve_namespace, spellings
-from lcmtools.settings import COLORS, parse_duration, read_user_file, usual_namespace
+from lcmtools.settings import COLORS, read_user_file, usual_namespace
 
 if TYPE_CHECKING:  # lcmtools --help and usage errors do without the bus
     from lcmtools.bus.url import BusUrl
     from lcmtools.observe.monitor import BusMonitor
-
-CommandT = TypeVar("CommandT", bound=Callable[..., object])
-
-CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 COLOR = "lcmtools.color"
 """The key of a click context's ``meta`` for the value of ``--color``."""
@@ -46,15 +42,15 @@ def _remember(ctx: click.Context, parameter: click.Parameter, value: str | None)
 
 def bus_options(command: CommandT) -> CommandT:
     """Add ``--lcm-url`` and ``--domain``; ``chosen_url`` reads them."""
-    url = click.option(
+    url = option(
         "--lcm-url",
         metavar="URL",
         callback=_remember,
         expose_value=False,
-        shell_complete=complete("bus:urls"),
+        completer="bus:urls",
         help="The bus, for example 'udpm://239.255.76.67:7667?ttl=0' (else LCM_DEFAULT_URL).",
     )
-    domain = click.option(
+    domain = option(
         "--domain",
         metavar="N",
         callback=_remember,
@@ -94,19 +90,19 @@ def looking_options(command: CommandT) -> CommandT:
 
     ``LazyGroup`` takes ``__ns:=`` and ``a:=b`` out of the words of the commands that have these.
     """
-    ns = click.option(
+    ns = option(
         "--ns",
         metavar="NAME",
-        shell_complete=complete("bus:namespaces"),
+        completer="bus:namespaces",
         callback=_remember_names,
         expose_value=False,
         help="The namespace of relative names; as __ns:=NAME.",
     )
-    remap = click.option(
+    remap = option(
         "--remap",
         metavar="FROM:=TO",
         multiple=True,
-        shell_complete=complete("programs:remaps"),
+        completer="programs:remaps",
         callback=_remember_names,
         expose_value=False,
         help="Use TO in place of FROM; as FROM:=TO.",
@@ -119,8 +115,8 @@ def is_looking(command: click.Command) -> bool:
     return any(option.name == "ns" and not option.expose_value for option in command.params)
 
 
-json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-all_option = click.option(
+json_option = option("--json", "as_json", is_flag=True, help="Print JSON.")
+all_option = option(
     "-a", "--all", "show_all", is_flag=True, help="Show hidden names too (a part starts with '_')."
 )
 
@@ -155,11 +151,7 @@ def manner_options(*, hidden: bool) -> list[click.Option]:
             help="Colour: auto, always or never (else LCMTOOLS_COLOR, NO_COLOR).",
         ),
         click.Option(
-            ["--no-color"],
-            is_flag=True,
-            callback=_never_color,
-            expose_value=False,
-            hidden=True,
+            ["--no-color"], is_flag=True, callback=_never_color, expose_value=False, hidden=True
         ),
         click.Option(
             ["--debug"],
@@ -170,37 +162,6 @@ def manner_options(*, hidden: bool) -> list[click.Option]:
             help="Show the traceback of an error.",
         ),
     ]
-
-
-def duration(value: str | float) -> float:
-    """Parse a time span into seconds: ``2``, ``2s``, ``500ms`` or ``1m``; for ``type=``."""
-    try:
-        return parse_duration(str(value))
-    except UsageError as error:
-        raise click.BadParameter(str(error)) from None
-
-
-def rate(value: str | float) -> float:
-    """Parse a rate in Hz, which is positive; for ``type=``."""
-    try:
-        number = float(value)
-    except ValueError:
-        raise click.BadParameter(f"'{value}' is not a number") from None
-    if not 0 < number < float("inf"):
-        raise click.BadParameter("the rate must be greater than zero")
-    return number
-
-
-def whole_number(lowest: int) -> Callable[[str | int], int]:
-    """Return a parser of whole numbers from ``lowest`` on, for ``type=``."""
-
-    def read(value: str | int) -> int:
-        text = str(value)
-        if not (text.isascii() and text.isdigit() and int(text) >= lowest):
-            raise click.BadParameter(f"'{value}' is not a whole number from {lowest} on")
-        return int(text)
-
-    return read
 
 
 def bus_choice() -> BusChoice:

@@ -8,9 +8,9 @@ import click
 
 import lcmtools
 from lcmtools.arguments import NodeArguments
-from lcmtools.cli.completion.completer import complete
+from lcmtools.cli.declare import argument, option, subcommand
 from lcmtools.cli.lazy import COMMAND
-from lcmtools.cli.options import CONTEXT, bus_choice, bus_options, json_option
+from lcmtools.cli.options import bus_choice, bus_options, json_option
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.cli.summaries import summary
 from lcmtools.errors import LcmtoolsError, UsageError
@@ -18,16 +18,12 @@ from lcmtools.packages.nodes import OWN, Runnable, find_node, runnables
 from lcmtools.packages.workspace import workspace
 
 
-@click.command("run", context_settings={**CONTEXT, "allow_interspersed_args": False})
-@click.option("-l", "--list", "show_list", is_flag=True, help="List the nodes that can be run.")
+@subcommand("run", allow_interspersed_args=False)
+@option("-l", "--list", "show_list", is_flag=True, help="List the nodes that can be run.")
 @json_option
 @bus_options
-@click.argument(
-    "name", required=False, metavar="[PACKAGE] NAME", shell_complete=complete("programs:programs")
-)
-@click.argument(
-    "arguments", nargs=-1, type=click.UNPROCESSED, shell_complete=complete("programs:arguments")
-)
+@argument("name", required=False, metavar="[PACKAGE] NAME", completer="programs:programs")
+@argument("arguments", nargs=-1, type=click.UNPROCESSED, completer="programs:arguments")
 def command(name: str | None, arguments: tuple[str, ...], *, show_list: bool, as_json: bool) -> int:
     """Run a node by its name, with names, remaps and parameters as ROS writes them.
 
@@ -41,7 +37,7 @@ def command(name: str | None, arguments: tuple[str, ...], *, show_list: bool, as
       lcmtools run simple_controller __ns:=/husky0 controlled_velocity:=velocity_cmd
       lcmtools run air_lab0 simple_controller __ns:=/husky0
       lcmtools run --list
-    """  # noqa: D301 - \b is click's mark
+    """
     if show_list and name:
         raise UsageError("--list takes no node's name", f"type lcmtools run {name}, or only --list")
     known = runnables(Path.cwd())

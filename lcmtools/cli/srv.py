@@ -1,14 +1,12 @@
 """``lcmtools srv list`` and ``show``."""
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.options import json_option
 from lcmtools.cli.output import show
 from lcmtools.messages.registry import service_class, service_name, service_names
 
 
-@click.command("list", context_settings=CONTEXT)
+@subcommand("list")
 @json_option
 def list_types(*, as_json: bool) -> None:
     """List the service types that lcmtools knows.
@@ -17,13 +15,13 @@ def list_types(*, as_json: bool) -> None:
     Examples:
       lcmtools srv list
       lcmtools srv list --json
-    """  # noqa: D301 - \b is click's mark
+    """
     show(service_names(), service_names(), as_json=as_json)
 
 
-@click.command("show", context_settings=CONTEXT)
-@click.argument("type_", metavar="TYPE", shell_complete=complete("messages:service_types"))
-@click.option("-r", "--raw", is_flag=True, help="Show the .lcm files, with the comments.")
+@subcommand("show")
+@argument("type_", metavar="TYPE", completer="messages:service_types")
+@option("-r", "--raw", is_flag=True, help="Show the .lcm files, with the comments.")
 @json_option
 def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
     """Show the fields of a service type: the request's, a line of dashes, the response's.
@@ -34,7 +32,7 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
     Examples:
       lcmtools srv show std_srvs/SetBool
       lcmtools srv show Trigger --json
-    """  # noqa: D301 - \b is click's mark
+    """
     from lcmtools.cli.msg.show import source_text  # list does without it
     from lcmtools.messages.definition import definition
 

@@ -10,7 +10,8 @@ from pathlib import Path
 import click
 
 from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, bus_choice, bus_options, chosen_url, duration, json_option
+from lcmtools.cli.declare import duration, option, subcommand
+from lcmtools.cli.options import bus_choice, bus_options, chosen_url, json_option
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.color import BOLD, RED, YELLOW, paint, stream_wants_color
 from lcmtools.doctor import report, saved
@@ -40,23 +41,23 @@ def _known(_: click.Context, __: click.Parameter, value: Sequence[str] | str | N
 
 def _rule_option(*names: str, text: str, multiple: bool) -> Callable[..., Callable[..., object]]:
     rules = complete("programs:rules", is_fixed=True)
-    return click.option(
+    return option(
         *names, metavar="ID", multiple=multiple, callback=_known, help=text, shell_complete=rules
     )
 
 
-@click.command("wtf", context_settings=CONTEXT)
-@click.option("--wait", type=duration, default=1.0, help="Listen so long to the traffic (else 1s).")
+@subcommand("wtf")
+@option("--wait", type=duration, default=1.0, help="Listen so long to the traffic (else 1s).")
 @_rule_option("--rule", "only", text="Only this rule; repeatable.", multiple=True)
 @_rule_option("--ignore", text="Not this rule; repeatable.", multiple=True)
-@click.option("--list", "list_rules", is_flag=True, help="List the rules.")
+@option("--list", "list_rules", is_flag=True, help="List the rules.")
 @_rule_option("--explain", text="Explain a rule, and what helps.", multiple=False)
-@click.option("-w", "--watch", is_flag=True, help="Go on, and show what appears and clears.")
-@click.option("--save", "save_to", type=_FILE, help="Write the evidence to a file as well.")
-@click.option("--from", "load_from", type=_FILE, help="Judge the evidence in a file; needs no bus.")
+@option("-w", "--watch", is_flag=True, help="Go on, and show what appears and clears.")
+@option("--save", "save_to", type=_FILE, help="Write the evidence to a file as well.")
+@option("--from", "load_from", type=_FILE, help="Judge the evidence in a file; needs no bus.")
 @json_option
 @bus_options
-def command(  # noqa: PLR0913 - one parameter an option
+def command(
     *,
     wait: float,
     only: Sequence[Rule],
@@ -82,7 +83,7 @@ def command(  # noqa: PLR0913 - one parameter an option
       lcmtools wtf --watch
       lcmtools wtf --save evidence.json
       lcmtools wtf --from evidence.json
-    """  # noqa: D301 - \b is click's mark
+    """
     if list_rules or explain:
         shown = [explain] if explain else RULES
         if as_json:

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import click
 import pytest
 
+from lcmtools.cli.declare import duration
 from lcmtools.cli.main import main, root
-from lcmtools.cli.options import duration
 
 Path = tuple[str, ...]
 

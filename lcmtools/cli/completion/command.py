@@ -2,25 +2,17 @@
 
 import os
 
-import click
-
-from lcmtools.cli.completion.completer import complete_words
 from lcmtools.cli.completion.install import install, plan, script, shell_named, uninstall
 from lcmtools.cli.completion.tree import Tree
-from lcmtools.cli.options import CONTEXT
+from lcmtools.cli.declare import argument, option, subcommand
 from lcmtools.cli.output import data, talk
 from lcmtools.errors import UsageError
 
 
-@click.command("completion", context_settings=CONTEXT)
-@click.argument(
-    "shell",
-    metavar="[bash|zsh|fish]",
-    required=False,
-    shell_complete=complete_words("bash", "zsh", "fish"),
-)
-@click.option("--install", "is_install", is_flag=True, help="Turn completion on for good.")
-@click.option("--uninstall", "is_uninstall", is_flag=True, help="Undo --install.")
+@subcommand("completion")
+@argument("shell", metavar="[bash|zsh|fish]", required=False, completer=("bash", "zsh", "fish"))
+@option("--install", "is_install", is_flag=True, help="Turn completion on for good.")
+@option("--uninstall", "is_uninstall", is_flag=True, help="Undo --install.")
 def command(shell: str | None, *, is_install: bool, is_uninstall: bool) -> None:
     """Complete commands, topics, types, fields, messages and more with the TAB key.
 
@@ -32,7 +24,7 @@ def command(shell: str | None, *, is_install: bool, is_uninstall: bool) -> None:
       lcmtools completion --install
       lcmtools completion zsh --install
       lcmtools completion bash > lcmtools.bash
-    """  # noqa: D301 - \b is click's mark
+    """
     if is_install and is_uninstall:
         raise UsageError("--install and --uninstall exclude each other", "use one of them")
     name = shell_named(shell, os.environ)

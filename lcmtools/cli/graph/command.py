@@ -4,16 +4,9 @@ from dataclasses import replace
 
 import click
 
-from lcmtools.cli.completion.completer import complete, complete_files
+from lcmtools.cli.declare import argument, duration, option, subcommand
 from lcmtools.cli.graph.written import FORMATS, STDOUT, chosen
-from lcmtools.cli.options import (
-    CONTEXT,
-    duration,
-    in_names,
-    json_option,
-    looking_options,
-    open_monitor,
-)
+from lcmtools.cli.options import in_names, json_option, looking_options, open_monitor
 from lcmtools.cli.output import talk
 from lcmtools.errors import UsageError
 from lcmtools.graph.drawing.diagram import Diagram
@@ -25,57 +18,55 @@ from lcmtools.observe.settled import Rates, settled
 _MEASURED = 1.0  # [s]
 
 
-@click.command("graph", context_settings=CONTEXT)
-@click.argument("namespace", nargs=-1, shell_complete=complete("bus:names"))
-@click.option(
+@subcommand("graph")
+@argument("namespace", nargs=-1, completer="bus:names")
+@option(
     "--format",
     "format_",
     type=click.Choice(FORMATS),
     help="The format (else text, or by -o); svg needs Graphviz.",
 )
-@click.option(
+@option(
     "-o",
     "--output",
     "file",
     metavar="FILE",
     help="Write into this file: .svg, .dot, .gv, .mmd, .md, .json or .txt.",
-    shell_complete=complete_files,
+    completer="files",
 )
-@click.option("--force", is_flag=True, help="Overwrite a file that is there.")
-@click.option("--nodes-only", is_flag=True, help="Connect nodes directly, without topics.")
-@click.option("--leaf-topics", is_flag=True, help="Show topics that only one side uses, too.")
-@click.option("--services", "with_services", is_flag=True, help="Show services, too.")
-@click.option("--tools", is_flag=True, help="Show commands that look on, too, as echo.")
-@click.option(
+@option("--force", is_flag=True, help="Overwrite a file that is there.")
+@option("--nodes-only", is_flag=True, help="Connect nodes directly, without topics.")
+@option("--leaf-topics", is_flag=True, help="Show topics that only one side uses, too.")
+@option("--services", "with_services", is_flag=True, help="Show services, too.")
+@option("--tools", is_flag=True, help="Show commands that look on, too, as echo.")
+@option(
     "-a",
     "--all",
     "show_all",
     is_flag=True,
     help="Show hidden names, tools, leaf topics, /clock and the like.",
 )
-@click.option(
+@option(
     "--topics",
     metavar="TOPIC",
     multiple=True,
     help="Only topics and services that are or match this, and who uses them.",
-    shell_complete=complete("bus:topics"),
+    completer="bus:topics",
 )
-@click.option(
+@option(
     "--exclude",
     "excluded",
     metavar="NAME",
     multiple=True,
     help="Leave out what is this, stands below it or matches it.",
-    shell_complete=complete("bus:names"),
+    completer="bus:names",
 )
-@click.option("--group", "is_grouped", is_flag=True, help="Draw a frame around each namespace.")
-@click.option("--hz", is_flag=True, help="Measure rates for a second.")
-@click.option(
-    "--wait", type=duration, help="Listen so long for programs that are not lcmtools nodes."
-)
+@option("--group", "is_grouped", is_flag=True, help="Draw a frame around each namespace.")
+@option("--hz", is_flag=True, help="Measure rates for a second.")
+@option("--wait", type=duration, help="Listen so long for programs that are not lcmtools nodes.")
 @json_option
 @looking_options
-def command(  # noqa: PLR0913 - one parameter an option
+def command(
     namespace: tuple[str, ...],
     *,
     format_: str | None,
@@ -105,7 +96,7 @@ def command(  # noqa: PLR0913 - one parameter an option
       lcmtools graph
       lcmtools graph --group -o graph.svg
       lcmtools graph --format dot /husky0 | dot -Tpng -o graph.png
-    """  # noqa: D301 - \b is click's mark
+    """
     output = chosen(format_, file, as_json=as_json, force=force)
     if "" in (*namespace, *topics, *excluded):
         raise UsageError("a name is empty", "lcmtools list and node list show the names")

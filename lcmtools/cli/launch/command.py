@@ -4,11 +4,9 @@ import os
 import sys
 from dataclasses import replace
 
-import click
-
 from lcmtools.bus.preflight import wait_for_bus
 from lcmtools.bus.url import domain_url
-from lcmtools.cli.completion.completer import complete
+from lcmtools.cli.declare import argument, duration, option, subcommand
 from lcmtools.cli.launch.answers import (
     Answer,
     arguments_answer,
@@ -17,7 +15,7 @@ from lcmtools.cli.launch.answers import (
     plan_answer,
 )
 from lcmtools.cli.launch.screen import Screen
-from lcmtools.cli.options import CONTEXT, bus_options, chosen_url, duration, json_option
+from lcmtools.cli.options import bus_options, chosen_url, json_option
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import UsageError
 from lcmtools.launch.command_line import read_words
@@ -35,60 +33,57 @@ _QUESTIONS = (
 )
 
 
-@click.command("launch", context_settings=CONTEXT)
-@click.argument(
+@subcommand("launch")
+@argument(
     "words",
     nargs=-1,
     metavar="[PACKAGE] FILE... [NAME:=VALUE]... [__ns:=NAMESPACE]",
-    shell_complete=complete("programs:launch_words"),
+    completer="programs:launch_words",
 )
-@click.option(
-    "--ns",
-    metavar="NAMESPACE",
-    help="The same as __ns:=NAMESPACE.",
-    shell_complete=complete("bus:namespaces"),
+@option(
+    "--ns", metavar="NAMESPACE", help="The same as __ns:=NAMESPACE.", completer="bus:namespaces"
 )
-@click.option("--nodes", "question", flag_value="nodes", help="Only list the nodes' full names.")
-@click.option(
+@option("--nodes", "question", flag_value="nodes", help="Only list the nodes' full names.")
+@option(
     "--args",
     "node",
     metavar="NODE",
     help="Only print a node's command line.",
-    shell_complete=complete("programs:launched_nodes"),
+    completer="programs:launched_nodes",
 )
-@click.option(
+@option(
     "--find-node",
     "sought",
     metavar="NODE",
     help="Only print where a node is written.",
-    shell_complete=complete("programs:launched_nodes"),
+    completer="programs:launched_nodes",
 )
-@click.option(
+@option(
     "--show-args",
     "--ros-args",
     "question",
     flag_value="show-args",
     help="Only list the file's arguments.",
 )
-@click.option(
+@option(
     "--dump-params",
     "question",
     flag_value="dump-params",
     help="Only print the nodes' parameters, as param dump does.",
 )
-@click.option("--files", "question", flag_value="files", help="Only list the files it reads.")
-@click.option("--dry-run", "question", flag_value="dry-run", help="Only print all command lines.")
-@click.option("-l", "--list", "question", flag_value="list", help="List the labs' launch files.")
-@click.option("--screen", "output", flag_value="screen", help="Show the lines of all nodes.")
-@click.option(
+@option("--files", "question", flag_value="files", help="Only list the files it reads.")
+@option("--dry-run", "question", flag_value="dry-run", help="Only print all command lines.")
+@option("-l", "--list", "question", flag_value="list", help="List the labs' launch files.")
+@option("--screen", "output", flag_value="screen", help="Show the lines of all nodes.")
+@option(
     "--log", "output", flag_value="log", help="Show warnings and errors only; the rest is in files."
 )
-@click.option("--wait", is_flag=True, help="Wait until the bus works, and start then.")
-@click.option("--sigint-timeout", type=duration, default=15.0, help="From SIGINT on (else 15s).")
-@click.option("--sigterm-timeout", type=duration, default=2.0, help="From SIGTERM on (else 2s).")
+@option("--wait", is_flag=True, help="Wait until the bus works, and start then.")
+@option("--sigint-timeout", type=duration, default=15.0, help="From SIGINT on (else 15s).")
+@option("--sigterm-timeout", type=duration, default=2.0, help="From SIGTERM on (else 2s).")
 @json_option
 @bus_options
-def command(  # noqa: PLR0913 - one for each option
+def command(
     words: tuple[str, ...],
     *,
     ns: str | None,
@@ -125,7 +120,7 @@ def command(  # noqa: PLR0913 - one for each option
       lcmtools launch simple_controller.launch __ns:=/husky0
       lcmtools launch air_lab0 simple_controller.launch --dry-run
       lcmtools launch robot.yaml robot:=husky1
-    """  # noqa: D301 - \b is click's mark
+    """
     named = {"args": node, "find-node": sought}
     asked = next((name for name, value in named.items() if value is not None), question)
     if as_json and not asked:

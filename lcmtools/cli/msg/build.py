@@ -6,16 +6,17 @@ from pathlib import Path
 
 import click
 
+from lcmtools.cli.declare import argument, subcommand
 from lcmtools.cli.lazy import COMMAND
-from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.options import json_option
 from lcmtools.cli.output import complain, show
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.messages.type_source import shown
 from lcmtools.packages.user_types import compile_folders, user_types
 
 
-@click.command("build", context_settings=CONTEXT)
-@click.argument("folder", metavar="[DIR]", required=False, type=click.Path())
+@subcommand("build")
+@argument("folder", metavar="[DIR]", required=False, type=click.Path())
 @json_option
 def command(folder: str | None, *, as_json: bool) -> int:
     """Check and compile the .lcm files in DIR, or in LCMTOOLS_TYPE_PATH and the workspace.
@@ -27,7 +28,7 @@ def command(folder: str | None, *, as_json: bool) -> int:
     Examples:
       lcmtools msg build
       lcmtools msg build air_lab0/msg
-    """  # noqa: D301 - \b is click's mark
+    """
     chosen = [Path(folder).absolute()] if folder else user_types().near_folders()
     if folder and not chosen[0].is_dir():
         raise UsageError(f"there is no folder {folder}")

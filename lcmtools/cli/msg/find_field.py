@@ -1,8 +1,7 @@
 """``lcmtools msg find-field``."""
 
-import click
-
-from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.declare import argument, subcommand
+from lcmtools.cli.options import json_option
 from lcmtools.cli.output import show
 from lcmtools.errors import LcmtoolsError
 from lcmtools.messages.definition import declaration
@@ -11,8 +10,8 @@ from lcmtools.messages.registry import message_class, type_names
 from lcmtools.names import did_you_mean
 
 
-@click.command("find-field", context_settings=CONTEXT)
-@click.argument("name")
+@subcommand("find-field")
+@argument("name")
 @json_option
 def command(name: str, *, as_json: bool) -> None:
     """Find the message types that have a field of this name themselves, not in a nested type.
@@ -21,7 +20,7 @@ def command(name: str, *, as_json: bool) -> None:
     Examples:
       lcmtools msg find-field covariance
       lcmtools msg find-field header --json
-    """  # noqa: D301 - \b is click's mark
+    """
     known = [(t, field) for t in type_names() for field in visible_fields(message_class(t))]
     found = [(type_, declaration(field)) for type_, field in known if field.name == name]
     if not found:

@@ -1,15 +1,13 @@
 """``lcmtools msg fingerprint``."""
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.declare import argument, subcommand
+from lcmtools.cli.options import json_option
 from lcmtools.cli.output import show
 from lcmtools.messages.registry import fingerprint, message_class, type_name, type_names
 
 
-@click.command("fingerprint", context_settings=CONTEXT)
-@click.argument("type_", metavar="TYPE", shell_complete=complete("messages:types"))
+@subcommand("fingerprint")
+@argument("type_", metavar="TYPE", completer="messages:types")
 @json_option
 def command(type_: str, *, as_json: bool) -> None:
     """Print a type's fingerprint: the first 8 bytes of its messages, in hexadecimal.
@@ -21,7 +19,7 @@ def command(type_: str, *, as_json: bool) -> None:
     Examples:
       lcmtools msg fingerprint geometry_msgs/Twist
       lcmtools msg md5 Twist
-    """  # noqa: D301 - \b is click's mark
+    """
     named = [name for name in type_names() if name.rpartition("/")[2] == type_]
     kinds = map(message_class, named or [type_])
     found = {type_name(kind): f"{fingerprint(kind):016x}" for kind in kinds}

@@ -4,17 +4,17 @@ from pathlib import Path
 
 import click
 
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.options import json_option
 from lcmtools.cli.output import show, talk
 from lcmtools.packages.languages import LANGUAGES, generate
 from lcmtools.packages.user_types import sources_of
 
 
-@click.command("generate", context_settings=CONTEXT)
-@click.option("--lang", required=True, type=click.Choice(LANGUAGES), help="The language.")
-@click.argument("folder", metavar="DIR", type=click.Path())
-@click.argument("types", nargs=-1, shell_complete=complete("messages:types"))
+@subcommand("generate")
+@option("--lang", required=True, type=click.Choice(LANGUAGES), help="The language.")
+@argument("folder", metavar="DIR", type=click.Path())
+@argument("types", nargs=-1, completer="messages:types")
 @json_option
 def command(*, lang: str, folder: str, types: tuple[str, ...], as_json: bool) -> None:
     """Write code for message types into DIR with lcm-gen, for programs on plain LCM.
@@ -26,7 +26,7 @@ def command(*, lang: str, folder: str, types: tuple[str, ...], as_json: bool) ->
     Examples:
       lcmtools msg generate --lang cpp generated geometry_msgs/Twist std_msgs/String
       lcmtools msg generate --lang c generated air_lab0
-    """  # noqa: D301 - \b is click's mark
+    """
     written = list(map(str, generate(sources_of(types), lang, Path(folder).expanduser())))
     show(written, written, as_json=as_json)
     if not as_json:

@@ -1,20 +1,18 @@
 """``lcmtools msg list``, ``msg package`` and ``msg packages``."""
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.options import json_option
 from lcmtools.cli.output import show, talk
 from lcmtools.errors import UnknownType
 from lcmtools.messages.registry import packages, problems, type_names
 from lcmtools.names import did_you_mean
 
-_single_line_option = click.option(
+_single_line_option = option(
     "-s", "--single-line", is_flag=True, help="All in one line, with blanks between."
 )
 
 
-@click.command("list", context_settings=CONTEXT)
+@subcommand("list")
 @json_option
 def command(*, as_json: bool) -> None:
     """List the message types that lcmtools knows.
@@ -23,14 +21,14 @@ def command(*, as_json: bool) -> None:
     Examples:
       lcmtools msg list
       lcmtools msg list --json
-    """  # noqa: D301 - \b is click's mark
+    """
     for problem in problems():
         talk(str(problem.error()), "lcmtools msg list")
     show(type_names(), type_names(), as_json=as_json)
 
 
-@click.command("package", context_settings=CONTEXT)
-@click.argument("package", shell_complete=complete("messages:packages"))
+@subcommand("package")
+@argument("package", completer="messages:packages")
 @_single_line_option
 @json_option
 def package_command(package: str, *, single_line: bool, as_json: bool) -> None:
@@ -40,7 +38,7 @@ def package_command(package: str, *, single_line: bool, as_json: bool) -> None:
     Examples:
       lcmtools msg package geometry_msgs
       lcmtools msg package std_msgs --json
-    """  # noqa: D301 - \b is click's mark
+    """
     found = [name for name in type_names() if name.startswith(f"{package}/")]
     if not found:
         hint = did_you_mean(package, packages()) or "see: lcmtools msg packages"
@@ -48,7 +46,7 @@ def package_command(package: str, *, single_line: bool, as_json: bool) -> None:
     show(found, [" ".join(found)] if single_line else found, as_json=as_json)
 
 
-@click.command("packages", context_settings=CONTEXT)
+@subcommand("packages")
 @_single_line_option
 @json_option
 def packages_command(*, single_line: bool, as_json: bool) -> None:
@@ -58,6 +56,6 @@ def packages_command(*, single_line: bool, as_json: bool) -> None:
     Examples:
       lcmtools msg packages
       lcmtools msg packages --json
-    """  # noqa: D301 - \b is click's mark
+    """
     found = packages()
     show(found, [" ".join(found)] if single_line else found, as_json=as_json)

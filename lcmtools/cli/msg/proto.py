@@ -1,17 +1,15 @@
 """``lcmtools msg proto``."""
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.declare import argument, subcommand
+from lcmtools.cli.options import json_option
 from lcmtools.cli.output import data
 from lcmtools.messages.definition import prototype
 from lcmtools.messages.plain import to_json
 from lcmtools.messages.registry import message_class
 
 
-@click.command("proto", context_settings=CONTEXT)
-@click.argument("type_", metavar="TYPE", shell_complete=complete("messages:types"))
+@subcommand("proto")
+@argument("type_", metavar="TYPE", completer="messages:types")
 @json_option
 def command(type_: str, *, as_json: bool) -> None:
     """Print a message of a type to fill in: YAML of all fields with their defaults, for pub.
@@ -20,6 +18,6 @@ def command(type_: str, *, as_json: bool) -> None:
     Examples:
       lcmtools msg proto geometry_msgs/Twist
       lcmtools msg proto sensor_msgs/Joy > joy.yaml
-    """  # noqa: D301 - \b is click's mark
+    """
     kind = message_class(type_)
     data(to_json(kind()) if as_json else prototype(kind))

@@ -3,10 +3,8 @@
 import sys
 from pathlib import Path
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.options import json_option
 from lcmtools.cli.output import data, document
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.messages.definition import definition
@@ -22,9 +20,9 @@ from lcmtools.packages.type_files import shipped_folder
 _EXAMPLE = "for example lcmtools msg show geometry_msgs/Twist"
 
 
-@click.command("show", context_settings=CONTEXT)
-@click.argument("type_", metavar="[TYPE]", default="-", shell_complete=complete("messages:types"))
-@click.option("-r", "--raw", is_flag=True, help="Show its .lcm file, with the comments.")
+@subcommand("show")
+@argument("type_", metavar="[TYPE]", default="-", completer="messages:types")
+@option("-r", "--raw", is_flag=True, help="Show its .lcm file, with the comments.")
 @json_option
 def command(type_: str, *, raw: bool, as_json: bool) -> None:
     """Show the fields of a message type, nested ones expanded.
@@ -37,7 +35,7 @@ def command(type_: str, *, raw: bool, as_json: bool) -> None:
       lcmtools msg show geometry_msgs/Twist
       lcmtools msg show -r sensor_msgs/LaserScan
       lcmtools type /husky0/odometry | lcmtools msg show
-    """  # noqa: D301 - \b is click's mark
+    """
     type_ = _piped() if type_ == "-" else type_
     kind = message_class(type_)
     name, text = type_name(kind), (source_text if raw else definition)(kind)

@@ -1,16 +1,13 @@
 """``lcmtools node cleanup``."""
 
-import click
-
-from lcmtools.cli.options import CONTEXT, bus_options, json_option, open_monitor
+from lcmtools.cli.declare import option, subcommand
+from lcmtools.cli.options import bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.graph.model import Staleness
 
 
-@click.command("cleanup", context_settings=CONTEXT)
-@click.option(
-    "-y", "--yes", is_flag=True, expose_value=False, help="Changes nothing: nothing is asked."
-)
+@subcommand("cleanup")
+@option("-y", "--yes", is_flag=True, expose_value=False, help="Changes nothing: nothing is asked.")
 @json_option
 @bus_options
 def command(*, as_json: bool) -> None:
@@ -22,7 +19,7 @@ def command(*, as_json: bool) -> None:
     Examples:
       lcmtools node cleanup
       lcmtools node cleanup --domain 3
-    """  # noqa: D301 - \b is click's mark
+    """
     with open_monitor("node_cleanup") as monitor:
         nodes = monitor.settle(foreign=False).nodes
         ended = [node for node in nodes if node.stale is Staleness.ENDED]

@@ -2,12 +2,10 @@
 
 import time
 
-import click
-
-from lcmtools.cli.completion.completer import complete
+from lcmtools.cli.declare import argument, option, subcommand
 from lcmtools.cli.node import sections
 from lcmtools.cli.node.programs import program_record, program_sections
-from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options, open_monitor
+from lcmtools.cli.options import in_names, json_option, looking_options, open_monitor
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.param.common import block, json_values
 from lcmtools.errors import LcmtoolsError, UsageError
@@ -22,10 +20,10 @@ from lcmtools.publish.parameters import Answers, ParameterClient, has_parameters
 _TIMEOUT = 0.5  # [s] for parameters: the rest of the answer does not wait for a busy node
 
 
-@click.command("info", context_settings=CONTEXT)
-@click.argument("nodes", nargs=-1, required=True, shell_complete=complete("bus:nodes"))
-@click.option("-q", "--quiet", is_flag=True, help="Only publications, subscriptions and services.")
-@click.option("-a", "--include-hidden", "show_hidden", is_flag=True, help="Show hidden names too.")
+@subcommand("info")
+@argument("nodes", nargs=-1, required=True, completer="bus:nodes")
+@option("-q", "--quiet", is_flag=True, help="Only publications, subscriptions and services.")
+@option("-a", "--include-hidden", "show_hidden", is_flag=True, help="Show hidden names too.")
 @json_option
 @looking_options
 def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: bool) -> None:
@@ -37,7 +35,7 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
     Examples:
       lcmtools node info simple_controller
       lcmtools node info /husky0/simple_controller lcm-source
-    """  # noqa: D301 - \b is click's mark
+    """
     with open_monitor("node_info") as monitor:
         graph = monitor.settle(foreign=False)
         found = [one for word in nodes for one in _find(monitor, graph, word)]

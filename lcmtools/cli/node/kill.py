@@ -4,26 +4,19 @@ import sys
 
 import click
 
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import (
-    CONTEXT,
-    duration,
-    in_names,
-    json_option,
-    looking_options,
-    open_monitor,
-)
+from lcmtools.cli.declare import argument, duration, option, subcommand
+from lcmtools.cli.options import in_names, json_option, looking_options, open_monitor
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Node
 from lcmtools.observe.nodes import NodeEnd, end_nodes, node_to_end, nodes_to_end
 
 
-@click.command("kill", context_settings=CONTEXT)
-@click.argument("nodes", nargs=-1, shell_complete=complete("bus:nodes"))
-@click.option("-a", "--all", "kill_all", is_flag=True, help="All nodes; asks first.")
-@click.option("-y", "--yes", is_flag=True, help="Do not ask.")
-@click.option("--timeout", type=duration, default=3.0, help="Wait so long for the end (else 3s).")
+@subcommand("kill")
+@argument("nodes", nargs=-1, completer="bus:nodes")
+@option("-a", "--all", "kill_all", is_flag=True, help="All nodes; asks first.")
+@option("-y", "--yes", is_flag=True, help="Do not ask.")
+@option("--timeout", type=duration, default=3.0, help="Wait so long for the end (else 3s).")
 @json_option
 @looking_options
 def command(
@@ -39,7 +32,7 @@ def command(
     Examples:
       lcmtools node kill simple_controller
       lcmtools node kill --all --yes
-    """  # noqa: D301 - \b is click's mark
+    """
     if kill_all and nodes:
         raise UsageError("--all takes no node's name", "leave out one of them")
     if not (kill_all or nodes or sys.stdin.isatty()):  # there is nobody to choose from a list

@@ -3,19 +3,9 @@
 import contextlib
 from collections import Counter, deque
 
-import click
-
-from lcmtools.cli.completion.completer import complete
+from lcmtools.cli.declare import argument, duration, option, subcommand
 from lcmtools.cli.node.programs import program_record, program_rows
-from lcmtools.cli.options import (
-    CONTEXT,
-    duration,
-    in_names,
-    json_option,
-    looking_names,
-    looking_options,
-    open_monitor,
-)
+from lcmtools.cli.options import in_names, json_option, looking_names, looking_options, open_monitor
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.graph.model import Node
 from lcmtools.names import Pattern
@@ -25,18 +15,18 @@ from lcmtools.observe.programs import programs
 _HEADING = "Programs that are no nodes (seen on the bus):"
 
 
-@click.command("list", context_settings=CONTEXT)
-@click.argument("namespace", default="", shell_complete=complete("bus:namespaces"))
-@click.option(
+@subcommand("list")
+@argument("namespace", default="", completer="bus:namespaces")
+@option(
     "-a",
     "--all",
     "show_all",
     is_flag=True,
     help="Show host, pid and up-time, hidden nodes, and programs that are no nodes.",
 )
-@click.option("-u", "--uri", is_flag=True, help="Print the nodes' addresses, as rosnode list -u.")
-@click.option("-c", "--count-nodes", "count", is_flag=True, help="Print how many nodes there are.")
-@click.option("--wait", type=duration, help="With -a: listen so long for other programs.")
+@option("-u", "--uri", is_flag=True, help="Print the nodes' addresses, as rosnode list -u.")
+@option("-c", "--count-nodes", "count", is_flag=True, help="Print how many nodes there are.")
+@option("--wait", type=duration, help="With -a: listen so long for other programs.")
 @json_option
 @looking_options
 def command(
@@ -51,7 +41,7 @@ def command(
     Examples:
       lcmtools node list
       lcmtools node list -a /husky0
-    """  # noqa: D301 - \b is click's mark
+    """
     with open_monitor("node_list") as monitor:
         graph = monitor.settle(foreign=show_all and wait is None)
         if show_all and wait is not None:

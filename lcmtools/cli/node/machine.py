@@ -2,10 +2,8 @@
 
 import socket
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, all_option, bus_options, json_option, open_monitor
+from lcmtools.cli.declare import argument, subcommand
+from lcmtools.cli.options import all_option, bus_options, json_option, open_monitor
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Node
@@ -14,8 +12,8 @@ from lcmtools.observe.computers import Computers
 from lcmtools.observe.describe import listed_node
 
 
-@click.command("machine", context_settings=CONTEXT)
-@click.argument("host", required=False, shell_complete=complete("bus:hosts"))
+@subcommand("machine")
+@argument("host", required=False, completer="bus:hosts")
 @all_option
 @json_option
 @bus_options
@@ -28,7 +26,7 @@ def command(host: str | None, *, show_all: bool, as_json: bool) -> None:
     Examples:
       lcmtools node machine
       lcmtools node machine husky0-pc
-    """  # noqa: D301 - \b is click's mark
+    """
     with open_monitor("node_machine") as monitor:
         graph, url = monitor.settle(foreign=False), monitor.url
     nodes = [node for node in graph.nodes if show_all or not node.is_hidden]

@@ -4,16 +4,8 @@ from itertools import islice
 
 import click
 
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import (
-    CONTEXT,
-    duration,
-    in_names,
-    json_option,
-    looking_options,
-    open_monitor,
-    whole_number,
-)
+from lcmtools.cli.declare import argument, duration, option, subcommand, whole_number
+from lcmtools.cli.options import in_names, json_option, looking_options, open_monitor
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.errors import NothingReceived, UsageError
 from lcmtools.graph.model import Node, Staleness
@@ -22,11 +14,11 @@ from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.nodes import ping, pings
 
 
-@click.command("ping", context_settings=CONTEXT)
-@click.argument("node", required=False, shell_complete=complete("bus:nodes"))
-@click.option("-a", "--all", "ping_all", is_flag=True, help="Ping every node once.")
-@click.option("-c", "--count", metavar="N", type=whole_number(1), help="Stop after so many pings.")
-@click.option("--timeout", type=duration, default=3.0, help="Wait so long for an answer (else 3s).")
+@subcommand("ping")
+@argument("node", required=False, completer="bus:nodes")
+@option("-a", "--all", "ping_all", is_flag=True, help="Ping every node once.")
+@option("-c", "--count", metavar="N", type=whole_number(1), help="Stop after so many pings.")
+@option("--timeout", type=duration, default=3.0, help="Wait so long for an answer (else 3s).")
 @json_option
 @looking_options
 def command(
@@ -40,7 +32,7 @@ def command(
     Examples:
       lcmtools node ping simple_controller
       lcmtools node ping --all
-    """  # noqa: D301 - \b is click's mark
+    """
     if node is None and not ping_all:
         raise click.MissingParameter(param_hint="'NODE'", param_type="argument")
     if ping_all and node is not None:

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 
 import click
 
-from lcmtools.cli.options import duration, open_monitor
+from lcmtools.cli.declare import duration, option
+from lcmtools.cli.options import open_monitor
 from lcmtools.cli.output import talk
 from lcmtools.errors import ServiceError, ServiceTimeout
 from lcmtools.graph.model import Graph, Node, Staleness
@@ -19,7 +20,7 @@ from lcmtools.publish.parameters import (
     nodes_with_parameters,
 )
 
-timeout_option = click.option(
+timeout_option = option(
     "--timeout", type=duration, default=3.0, help="Wait so long for a node's answer (else 3s)."
 )
 

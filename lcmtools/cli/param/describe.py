@@ -1,17 +1,15 @@
 """``lcmtools param describe``."""
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options
+from lcmtools.cli.declare import argument, subcommand
+from lcmtools.cli.options import in_names, json_option, looking_options
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.param.common import look, record, timeout_option
 from lcmtools.publish.parameters import RemoteParameter, find_target, pick
 
 
-@click.command("describe", context_settings=CONTEXT)
-@click.argument("node", shell_complete=complete("bus:parameters"))
-@click.argument("name", default="", shell_complete=complete("bus:parameters"))
+@subcommand("describe")
+@argument("node", completer="bus:parameters")
+@argument("name", default="", completer="bus:parameters")
 @timeout_option
 @json_option
 @looking_options
@@ -22,7 +20,7 @@ def command(node: str, name: str, *, timeout: float, as_json: bool) -> None:
     Examples:
       lcmtools param describe simple_controller kp
       lcmtools param describe /husky0/simple_controller
-    """  # noqa: D301 - \b is click's mark
+    """
     graph, client = look(timeout)
     target = find_target(graph, [in_names(node), name] if name else [in_names(node)])
     full = target.node.name

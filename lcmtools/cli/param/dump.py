@@ -4,10 +4,8 @@ import contextlib
 from collections.abc import Sequence
 from pathlib import Path
 
-import click
-
-from lcmtools.cli.completion.completer import complete, complete_files
-from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options
+from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.options import in_names, json_option, looking_options
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.param.common import (
     complain_of,
@@ -24,13 +22,9 @@ from lcmtools.publish.parameters import find_target
 _MOST_WORDS = 2
 
 
-@click.command("dump", context_settings=CONTEXT)
-@click.argument(
-    "words", metavar="[FILE] [NODE]", nargs=-1, shell_complete=complete("bus:nodes_and_files")
-)
-@click.option(
-    "-o", "--output", metavar="FILE", help="Write into this file.", shell_complete=complete_files
-)
+@subcommand("dump")
+@argument("words", metavar="[FILE] [NODE]", nargs=-1, completer="bus:nodes_and_files")
+@option("-o", "--output", metavar="FILE", help="Write into this file.", completer="files")
 @timeout_option
 @json_option
 @looking_options
@@ -44,7 +38,7 @@ def command(words: tuple[str, ...], *, output: str | None, timeout: float, as_js
       lcmtools param dump simple_controller
       lcmtools param dump gains.yaml /husky0
       lcmtools param dump -o all.yaml
-    """  # noqa: D301 - \b is click's mark
+    """
     graph, client = look(timeout)
     file, nodes = _meant(graph, words, output)
     answers, errors = client.get_all(nodes)

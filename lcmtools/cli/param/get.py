@@ -1,9 +1,7 @@
 """``lcmtools param get``."""
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options
+from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.options import in_names, json_option, looking_options
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.param.common import (
     block,
@@ -17,11 +15,11 @@ from lcmtools.cli.param.common import (
 from lcmtools.publish.parameters import find_target, pick
 
 
-@click.command("get", context_settings=CONTEXT)
-@click.argument("node", shell_complete=complete("bus:parameters"))
-@click.argument("name", default="", shell_complete=complete("bus:parameters"))
-@click.option("-p", "--pretty", "is_pretty", is_flag=True, help="Print a text without quotes.")
-@click.option("--hide-type", is_flag=True, hidden=True, help="As it is here anyway.")
+@subcommand("get")
+@argument("node", completer="bus:parameters")
+@argument("name", default="", completer="bus:parameters")
+@option("-p", "--pretty", "is_pretty", is_flag=True, help="Print a text without quotes.")
+@option("--hide-type", is_flag=True, hidden=True, help="As it is here anyway.")
 @timeout_option
 @json_option
 @looking_options
@@ -37,7 +35,7 @@ def command(
       lcmtools param get simple_controller kp
       lcmtools param get /husky0/simple_controller/kp
       lcmtools param get /husky0
-    """  # noqa: D301 - \b is click's mark
+    """
     del hide_type
     graph, client = look(timeout)
     target = find_target(graph, [in_names(node), name] if name else [in_names(node)])

@@ -1,30 +1,22 @@
 """``lcmtools param list``."""
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, all_option, in_names, json_option, looking_options
+from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.options import all_option, in_names, json_option, looking_options
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.cli.param.common import complain_of, living_nodes, look, record, timeout_option
 from lcmtools.publish.parameters import find_target
 
 
-@click.command("list", context_settings=CONTEXT)
-@click.argument("node", default="", shell_complete=complete("bus:nodes"))
-@click.option("-t", "--show-types", is_flag=True, help="Show each parameter's type.")
-@click.option("-v", "--values", "show_values", is_flag=True, help="Show each parameter's value.")
+@subcommand("list")
+@argument("node", default="", completer="bus:nodes")
+@option("-t", "--show-types", is_flag=True, help="Show each parameter's type.")
+@option("-v", "--values", "show_values", is_flag=True, help="Show each parameter's value.")
 @timeout_option
 @all_option
 @json_option
 @looking_options
 def command(
-    node: str,
-    *,
-    show_types: bool,
-    show_values: bool,
-    timeout: float,
-    show_all: bool,
-    as_json: bool,
+    node: str, *, show_types: bool, show_values: bool, timeout: float, show_all: bool, as_json: bool
 ) -> int:
     """List the parameters of the nodes on the bus, by their full names.
 
@@ -34,7 +26,7 @@ def command(
     Examples:
       lcmtools param list
       lcmtools param list simple_controller -v
-    """  # noqa: D301 - \b is click's mark
+    """
     graph, client = look(timeout)
     if node:
         nodes = list(find_target(graph, [in_names(node)]).nodes)

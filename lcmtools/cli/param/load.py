@@ -4,10 +4,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, in_names, looking_options
+from lcmtools.cli.declare import argument, subcommand
+from lcmtools.cli.options import in_names, looking_options
 from lcmtools.cli.output import talk
 from lcmtools.cli.param.common import look, timeout_option
 from lcmtools.errors import InvalidFile, UsageError
@@ -18,14 +16,8 @@ from lcmtools.publish.parameters import nodes_with_parameters, require_parameter
 _MOST_WORDS = 2
 
 
-@click.command("load", context_settings=CONTEXT)
-@click.argument(
-    "words",
-    metavar="FILE [NODE]",
-    nargs=-1,
-    required=True,
-    shell_complete=complete("bus:nodes_after_file"),
-)
+@subcommand("load")
+@argument("words", metavar="FILE [NODE]", nargs=-1, required=True, completer="bus:nodes_after_file")
 @timeout_option
 @looking_options
 def command(words: tuple[str, ...], *, timeout: float) -> None:
@@ -38,7 +30,7 @@ def command(words: tuple[str, ...], *, timeout: float) -> None:
     Examples:
       lcmtools param load gains.yaml
       lcmtools param load gains.yaml /husky0/simple_controller
-    """  # noqa: D301 - \b is click's mark
+    """
     file, name = _meant(words)
     found = read_leaves(_read(file), "standard input" if file == "-" else file)
     if not found:

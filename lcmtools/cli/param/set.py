@@ -2,10 +2,8 @@
 
 from collections.abc import Mapping
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, in_names, looking_options
+from lcmtools.cli.declare import argument, subcommand
+from lcmtools.cli.options import in_names, looking_options
 from lcmtools.cli.output import talk
 from lcmtools.cli.param.common import look, timeout_option
 from lcmtools.cli.words import CommandWithWords
@@ -17,10 +15,8 @@ from lcmtools.publish.parameters import ParameterClient, Target, find_target
 _EXAMPLE = "for example: lcmtools param set /husky0/simple_controller kp 0.5"
 
 
-@click.command("set", cls=CommandWithWords, context_settings=CONTEXT)
-@click.argument(
-    "words", metavar="NODE NAME VALUE", nargs=-1, shell_complete=complete("bus:parameters")
-)
+@subcommand("set", cls=CommandWithWords)
+@argument("words", metavar="NODE NAME VALUE", nargs=-1, completer="bus:parameters")
 @timeout_option
 @looking_options
 def command(words: tuple[str, ...], *, timeout: float) -> None:
@@ -34,7 +30,7 @@ def command(words: tuple[str, ...], *, timeout: float) -> None:
       lcmtools param set simple_controller kp 0.5
       lcmtools param set /husky0/simple_controller/kp 0.5
       lcmtools param set simple_controller "{kp: 0.5, ki: 3.3}"
-    """  # noqa: D301 - \b is click's mark
+    """
     if len(words) not in (2, 3):
         problem = "the value is missing" if len(words) < 2 else "there are more words than a value"  # noqa: PLR2004
         hint = _EXAMPLE if len(words) < 2 else "put the value in quotes"  # noqa: PLR2004 - name and value

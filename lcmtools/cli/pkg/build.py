@@ -2,19 +2,17 @@
 
 from pathlib import Path
 
-import click
-
-from lcmtools.cli.completion.completer import complete
+from lcmtools.cli.declare import argument, subcommand
 from lcmtools.cli.msg.build import build_folders
-from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.options import json_option
 from lcmtools.cli.output import talk
 from lcmtools.cli.pkg.list import unknown_package
 from lcmtools.errors import LcmtoolsError
 from lcmtools.packages.workspace import workspace
 
 
-@click.command("build", context_settings=CONTEXT)
-@click.argument("name", required=False, shell_complete=complete("programs:packages"))
+@subcommand("build")
+@argument("name", required=False, completer="programs:packages")
 @json_option
 def command(name: str | None, *, as_json: bool) -> int:
     """Check and compile the messages of the workspace's packages, or of one.
@@ -26,7 +24,7 @@ def command(name: str | None, *, as_json: bool) -> int:
     Examples:
       lcmtools pkg build
       lcmtools pkg build air_lab0
-    """  # noqa: D301 - \b is click's mark
+    """
     found = workspace(Path.cwd()).packages
     chosen = [one for one in found if name in (None, one.name)]
     if not chosen and name:

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import click
 
-from lcmtools.cli.completion.completer import complete, complete_words
-from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.options import json_option
 from lcmtools.cli.output import show, talk
 from lcmtools.errors import UsageError
 from lcmtools.messages.registry import packages
@@ -32,33 +32,31 @@ class _SeveralDeps(click.Command):
         return super().parse_args(ctx, spread)
 
 
-@click.command("create", cls=_SeveralDeps, context_settings=CONTEXT)
-@click.argument("name")
-@click.argument("folder", metavar="[DIR]", default=".", type=click.Path())
-@click.option(
+@subcommand("create", cls=_SeveralDeps)
+@argument("name")
+@argument("folder", metavar="[DIR]", default=".", type=click.Path())
+@option(
     _DEPS,
     "--dependencies",
     "dependencies",
     multiple=True,
     metavar="PACKAGE...",
     help="Packages of messages.",
-    shell_complete=complete("messages:packages"),
+    completer="messages:packages",
 )
-@click.option("--node", metavar="NAME", help="Its node's name (else NAME_node).")
-@click.option("--msg", "message", metavar="NAME", default="", help="A message of its own.")
-@click.option(
+@option("--node", metavar="NAME", help="Its node's name (else NAME_node).")
+@option("--msg", "message", metavar="NAME", default="", help="A message of its own.")
+@option(
     "--license",
     "license_",
     metavar="SPDX",
     default="",
     help="For example MIT.",
-    shell_complete=complete_words(
-        "Apache-2.0", "BSD-3-Clause", "GPL-3.0-only", "LGPL-2.1-only", "MIT"
-    ),
+    completer=("Apache-2.0", "BSD-3-Clause", "GPL-3.0-only", "LGPL-2.1-only", "MIT"),
 )
-@click.option("--force", is_flag=True, help="Overwrite files that are there.")
+@option("--force", is_flag=True, help="Overwrite files that are there.")
 @json_option
-def command(  # noqa: PLR0913 - one parameter an option
+def command(
     *,
     name: str,
     folder: str,
@@ -78,7 +76,7 @@ def command(  # noqa: PLR0913 - one parameter an option
     Examples:
       lcmtools pkg create air_lab0 --deps nav_msgs geometry_msgs --node simple_controller
       lcmtools pkg create air_lab0 ~/labs --msg ControllerEvaluationStat
-    """  # noqa: D301 - \b is click's mark
+    """
     wanted = [one for word in dependencies for one in word.split(",") if one]
     new = NewPackage(
         name, node or f"{name}_node", message, tuple(dict.fromkeys(wanted)), license_.strip()

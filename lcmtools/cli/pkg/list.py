@@ -4,10 +4,8 @@ from collections.abc import Iterable
 from importlib.util import find_spec
 from pathlib import Path
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.declare import argument, subcommand
+from lcmtools.cli.options import json_option
 from lcmtools.cli.output import columns, show, talk
 from lcmtools.errors import UsageError
 from lcmtools.names import did_you_mean
@@ -15,7 +13,7 @@ from lcmtools.packages.nodes import OWN, installed_packages, runnables
 from lcmtools.packages.workspace import workspace
 
 
-@click.command("list", context_settings=CONTEXT)
+@subcommand("list")
 @json_option
 def command(*, as_json: bool) -> None:
     """List the packages of the workspace and those that are installed, with their folders.
@@ -26,7 +24,7 @@ def command(*, as_json: bool) -> None:
     Examples:
       lcmtools pkg list
       lcmtools pkg list --json
-    """  # noqa: D301 - \b is click's mark
+    """
     found = _folders()
     for problem in workspace(Path.cwd()).problems:
         talk(str(problem), "lcmtools pkg list")
@@ -44,8 +42,8 @@ def command(*, as_json: bool) -> None:
     show(record, columns(rows), as_json=as_json)
 
 
-@click.command("find", context_settings=CONTEXT)
-@click.argument("name", shell_complete=complete("programs:packages"))
+@subcommand("find")
+@argument("name", completer="programs:packages")
 @json_option
 def find_command(name: str, *, as_json: bool) -> None:
     """Print the folder of a package.
@@ -54,7 +52,7 @@ def find_command(name: str, *, as_json: bool) -> None:
     Examples:
       lcmtools pkg find air_lab0
       lcmtools pkg prefix air_lab0 --json
-    """  # noqa: D301 - \b is click's mark
+    """
     found = _folders()
     if name not in found:
         raise unknown_package(name, found)

@@ -4,16 +4,8 @@ import math
 
 import click
 
-from lcmtools.cli.completion.completer import complete, complete_files
-from lcmtools.cli.options import (
-    CONTEXT,
-    bus_options,
-    duration,
-    json_option,
-    open_monitor,
-    whole_number,
-)
-from lcmtools.cli.options import rate as rate_option
+from lcmtools.cli.declare import argument, duration, option, rate, subcommand, whole_number
+from lcmtools.cli.options import bus_options, json_option, open_monitor
 from lcmtools.cli.output import data, talk
 from lcmtools.cli.words import WITHOUT_END, CommandWithWords
 from lcmtools.messages.plain import to_json
@@ -32,30 +24,26 @@ def _wait(value: str | float) -> float:
     return math.inf if value == WITHOUT_END else duration(value)
 
 
-@click.command("call", cls=_Call, context_settings=CONTEXT)
-@click.argument("service", shell_complete=complete("bus:services"))
-@click.argument(
-    "words", metavar="[TYPE] [VALUES]...", nargs=-1, shell_complete=complete("messages:requests")
-)
-@click.option("--timeout", type=duration, default=3.0, help="Wait so long for an answer (else 3s).")
-@click.option(
-    "--wait", type=_wait, metavar="[=DURATION]", help="Wait until a node offers the service."
-)
-@click.option(
+@subcommand("call", cls=_Call)
+@argument("service", completer="bus:services")
+@argument("words", metavar="[TYPE] [VALUES]...", nargs=-1, completer="messages:requests")
+@option("--timeout", type=duration, default=3.0, help="Wait so long for an answer (else 3s).")
+@option("--wait", type=_wait, metavar="[=DURATION]", help="Wait until a node offers the service.")
+@option(
     "-f",
     "--file",
     metavar="FILE",
     help="Read requests from a YAML file ('-': standard input).",
-    shell_complete=complete_files,
+    completer="files",
 )
-@click.option("-r", "--rate", type=rate_option, help="Call so many times a second until Ctrl-C.")
-@click.option(
+@option("-r", "--rate", type=rate, help="Call so many times a second until Ctrl-C.")
+@option(
     "-t", "--times", metavar="N", type=whole_number(1), help="Call N times and end; 1 Hz or -r."
 )
-@click.option("-v", "--verbose", is_flag=True, help="Print which node is called.")
+@option("-v", "--verbose", is_flag=True, help="Print which node is called.")
 @json_option
 @bus_options
-def command(  # noqa: PLR0913 - one parameter an option
+def command(
     service: str,
     words: tuple[str, ...],
     *,
@@ -84,7 +72,7 @@ def command(  # noqa: PLR0913 - one parameter an option
       lcmtools service call /switch "data: true"
       lcmtools service call --wait=10s /add '{a: 1, b: -2}' --timeout 500ms
       lcmtools service call -r 2 /switch true
-    """  # noqa: D301 - \b is click's mark
+    """
     full_service_name(service)  # an empty name is wrong whatever is on the bus
     with open_monitor("service_call") as monitor:
         monitor.settle(foreign=False)

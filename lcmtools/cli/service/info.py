@@ -1,23 +1,15 @@
 """``lcmtools service info``."""
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options, open_monitor
+from lcmtools.cli.declare import argument, subcommand
+from lcmtools.cli.options import in_names, json_option, looking_options, open_monitor
 from lcmtools.cli.output import document, lines
 from lcmtools.graph.model import Endpoint, Node
 from lcmtools.observe.describe import callback_record, callback_times, listed_node, node_record
 from lcmtools.observe.services import OfferedService, find_service
 
 
-@click.command("info", context_settings=CONTEXT)
-@click.argument(
-    "services",
-    metavar="SERVICE...",
-    nargs=-1,
-    required=True,
-    shell_complete=complete("bus:services"),
-)
+@subcommand("info")
+@argument("services", metavar="SERVICE...", nargs=-1, required=True, completer="bus:services")
 @json_option
 @looking_options
 def command(services: tuple[str, ...], *, as_json: bool) -> None:
@@ -27,7 +19,7 @@ def command(services: tuple[str, ...], *, as_json: bool) -> None:
     Examples:
       lcmtools service info /reset
       lcmtools service info /reset --json
-    """  # noqa: D301 - \b is click's mark
+    """
     with open_monitor("service_info") as monitor:
         graph = monitor.settle(foreign=False)
     found = [find_service(graph, in_names(name)) for name in services]

@@ -1,25 +1,16 @@
 """``lcmtools service list`` and ``find``."""
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import (
-    CONTEXT,
-    all_option,
-    in_names,
-    json_option,
-    looking_options,
-    open_monitor,
-)
+from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.options import all_option, in_names, json_option, looking_options, open_monitor
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.messages.registry import service_name
 from lcmtools.observe.services import OfferedService, offered_services
 
 
-@click.command("list", context_settings=CONTEXT)
-@click.argument("namespace", default="", shell_complete=complete("bus:namespaces"))
-@click.option("-t", "--show-types", is_flag=True, help="Show each service's type.")
-@click.option("-n", "--nodes", "show_nodes", is_flag=True, help="Show the nodes that answer.")
+@subcommand("list")
+@argument("namespace", default="", completer="bus:namespaces")
+@option("-t", "--show-types", is_flag=True, help="Show each service's type.")
+@option("-n", "--nodes", "show_nodes", is_flag=True, help="Show the nodes that answer.")
 @all_option
 @json_option
 @looking_options
@@ -34,7 +25,7 @@ def list_services(
     Examples:
       lcmtools service list
       lcmtools service list -t /husky0
-    """  # noqa: D301 - \b is click's mark
+    """
     with open_monitor("service_list") as monitor:
         graph, url = monitor.settle(foreign=False), monitor.url
     services = offered_services(graph, in_names(namespace), show_all=show_all)
@@ -66,8 +57,8 @@ def _record(service: OfferedService) -> dict[str, object]:
     }
 
 
-@click.command("find", context_settings=CONTEXT)
-@click.argument("type_", metavar="TYPE", shell_complete=complete("messages:service_types"))
+@subcommand("find")
+@argument("type_", metavar="TYPE", completer="messages:service_types")
 @all_option
 @json_option
 @looking_options
@@ -80,7 +71,7 @@ def find(type_: str, *, show_all: bool, as_json: bool) -> None:
     Examples:
       lcmtools service find std_srvs/Trigger
       lcmtools service find SetBool --json
-    """  # noqa: D301 - \b is click's mark
+    """
     name = service_name(type_)
     with open_monitor("service_find") as monitor:
         graph, url = monitor.settle(foreign=False), monitor.url

@@ -1,17 +1,15 @@
 """``lcmtools service type`` and ``args``."""
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, in_names, json_option, looking_options, open_monitor
+from lcmtools.cli.declare import argument, subcommand
+from lcmtools.cli.options import in_names, json_option, looking_options, open_monitor
 from lcmtools.cli.output import data, document, lines
 from lcmtools.errors import LcmtoolsError
 from lcmtools.messages.fields import visible_fields
 from lcmtools.observe.services import find_service
 
 
-@click.command("type", context_settings=CONTEXT)
-@click.argument("service", shell_complete=complete("bus:services"))
+@subcommand("type")
+@argument("service", completer="bus:services")
 @json_option
 @looking_options
 def type_(service: str, *, as_json: bool) -> None:
@@ -21,7 +19,7 @@ def type_(service: str, *, as_json: bool) -> None:
     Examples:
       lcmtools service type /reset
       lcmtools srv show $(lcmtools service type /reset)
-    """  # noqa: D301 - \b is click's mark
+    """
     with open_monitor("service_type") as monitor:
         found = find_service(monitor.settle(foreign=False), in_names(service))
     if as_json:
@@ -32,8 +30,8 @@ def type_(service: str, *, as_json: bool) -> None:
         lines([found.type_text])
 
 
-@click.command("args", context_settings=CONTEXT)
-@click.argument("service", shell_complete=complete("bus:services"))
+@subcommand("args")
+@argument("service", completer="bus:services")
 @json_option
 @looking_options
 def args(service: str, *, as_json: bool) -> None:
@@ -43,7 +41,7 @@ def args(service: str, *, as_json: bool) -> None:
     Examples:
       lcmtools service args /switch
       lcmtools service args /switch --json
-    """  # noqa: D301 - \b is click's mark
+    """
     with open_monitor("service_args") as monitor:
         found = find_service(monitor.settle(foreign=False), in_names(service))
     names = [field.name for field in visible_fields(found.type_class().Request)]

@@ -2,10 +2,8 @@
 
 from typing import TYPE_CHECKING, TypeVar
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CommandT, bus_options, duration, json_option, open_monitor
+from lcmtools.cli.declare import CommandT, duration, option
+from lcmtools.cli.options import bus_options, json_option, open_monitor
 from lcmtools.cli.output import data, document
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import Message
@@ -17,14 +15,14 @@ if TYPE_CHECKING:
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
 
-_sim_option = click.option(
+_sim_option = option(
     "--sim",
     "name",
     metavar="NODE",
     help="The simulator's node, where several run.",
-    shell_complete=complete("bus:nodes"),
+    completer="bus:nodes",
 )
-_timeout_option = click.option(
+_timeout_option = option(
     "--timeout", type=duration, default=5.0, help="Wait so long for an answer (else 5s)."
 )
 

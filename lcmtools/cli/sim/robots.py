@@ -4,10 +4,7 @@ import math
 import re
 from collections.abc import Sequence
 
-import click
-
-from lcmtools.cli.completion.completer import complete, complete_words
-from lcmtools.cli.options import CONTEXT
+from lcmtools.cli.declare import argument, subcommand
 from lcmtools.cli.output import data
 from lcmtools.cli.sim.common import call, json_sim_options, show
 from lcmtools.cli.words import CommandWithWords
@@ -20,13 +17,13 @@ from lcmtools.types.sim_msgs import Delete, GetState, SetPose, Spawn
 _NUMBER = re.compile(r"(?P<number>.+?)\s*(?P<unit>deg)?")
 _OUTCOME = ("success", "message")
 
-_robot = click.argument("robot", shell_complete=complete("bus:robots"))
+_robot = argument("robot", completer="bus:robots")
 
 
-@click.command("spawn", cls=CommandWithWords, context_settings=CONTEXT)
-@click.argument("model", shell_complete=complete_words("dolly", "husky", "pioneer"))
-@click.argument("robot")
-@click.argument("words", metavar="[X Y [YAW]]", nargs=-1)
+@subcommand("spawn", cls=CommandWithWords)
+@argument("model", completer=("dolly", "husky", "pioneer"))
+@argument("robot")
+@argument("words", metavar="[X Y [YAW]]", nargs=-1)
 @json_sim_options
 def spawn(
     model: str,
@@ -43,12 +40,12 @@ def spawn(
     Examples:
       lcmtools sim spawn husky /husky1 0 3
       lcmtools sim spawn dolly dolly -2 1 180deg
-    """  # noqa: D301 - \b is click's mark
+    """
     pose = _read_pose(words)
     show(call("spawn", Spawn, name, timeout, model=model, robot=robot, pose=pose), as_json=as_json)
 
 
-@click.command("delete", context_settings=CONTEXT)
+@subcommand("delete")
 @_robot
 @json_sim_options
 def delete(robot: str, *, name: str | None, timeout: float, as_json: bool) -> None:
@@ -58,13 +55,13 @@ def delete(robot: str, *, name: str | None, timeout: float, as_json: bool) -> No
     Examples:
       lcmtools sim delete husky1
       lcmtools sim delete /dolly
-    """  # noqa: D301 - \b is click's mark
+    """
     show(call("delete", Delete, name, timeout, robot=robot), as_json=as_json)
 
 
-@click.command("set-pose", cls=CommandWithWords, context_settings=CONTEXT)
+@subcommand("set-pose", cls=CommandWithWords)
 @_robot
-@click.argument("words", metavar="X Y [YAW]", nargs=-1, required=True)
+@argument("words", metavar="X Y [YAW]", nargs=-1, required=True)
 @json_sim_options
 def set_pose(
     robot: str, words: tuple[str, ...], name: str | None, *, timeout: float, as_json: bool
@@ -75,12 +72,12 @@ def set_pose(
     Examples:
       lcmtools sim set-pose husky0 1 -2
       lcmtools sim set-pose /husky0 0 0 90deg
-    """  # noqa: D301 - \b is click's mark
+    """
     pose = _read_pose(words)
     show(call("set_pose", SetPose, name, timeout, robot=robot, pose=pose), as_json=as_json)
 
 
-@click.command("state", context_settings=CONTEXT)
+@subcommand("state")
 @_robot
 @json_sim_options
 def state(robot: str, *, name: str | None, timeout: float, as_json: bool) -> None:
@@ -90,7 +87,7 @@ def state(robot: str, *, name: str | None, timeout: float, as_json: bool) -> Non
     Examples:
       lcmtools sim state husky0
       lcmtools sim state /husky0 --json
-    """  # noqa: D301 - \b is click's mark
+    """
     response = call("get_state", GetState, name, timeout, robot=robot)
     if as_json:
         show(response, as_json=True)

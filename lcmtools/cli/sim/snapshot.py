@@ -4,36 +4,28 @@ from pathlib import Path
 
 import click
 
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, whole_number
+from lcmtools.cli.declare import argument, option, subcommand, whole_number
 from lcmtools.cli.output import talk
 from lcmtools.cli.sim.common import call, sim_options
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.types.sim_msgs import Snapshot
 
 
-@click.command("snapshot", context_settings=CONTEXT)
-@click.argument("file", type=click.Path())
-@click.option(
+@subcommand("snapshot")
+@argument("file", type=click.Path())
+@option(
     "--robot",
     metavar="ROBOT",
     default="",
     help="From behind this robot, not from above.",
-    shell_complete=complete("bus:robots"),
+    completer="bus:robots",
 )
-@click.option("--width", type=whole_number(1), metavar="N", default=800, help="Pixels (else 800).")
-@click.option("--height", type=whole_number(1), metavar="N", default=600, help="Pixels (else 600).")
-@click.option("--force", is_flag=True, help="Overwrite a file that is there.")
+@option("--width", type=whole_number(1), metavar="N", default=800, help="Pixels (else 800).")
+@option("--height", type=whole_number(1), metavar="N", default=600, help="Pixels (else 600).")
+@option("--force", is_flag=True, help="Overwrite a file that is there.")
 @sim_options
-def command(  # noqa: PLR0913 - one parameter an option
-    file: str,
-    *,
-    robot: str,
-    width: int,
-    height: int,
-    force: bool,
-    name: str | None,
-    timeout: float,
+def command(
+    file: str, *, robot: str, width: int, height: int, force: bool, name: str | None, timeout: float
 ) -> None:
     """Write a picture of the world into a PNG FILE ('-': standard output).
 
@@ -41,7 +33,7 @@ def command(  # noqa: PLR0913 - one parameter an option
     Examples:
       lcmtools sim snapshot world.png
       lcmtools sim snapshot --robot husky0 --force husky.png
-    """  # noqa: D301 - \b is click's mark
+    """
     path = Path(file)
     if file != "-" and path.exists() and not force:
         raise UsageError(f"{file} is there already", "--force overwrites it")

@@ -4,7 +4,7 @@ import math
 
 import click
 
-from lcmtools.cli.options import CONTEXT, whole_number
+from lcmtools.cli.declare import argument, subcommand, whole_number
 from lcmtools.cli.sim.common import call, json_sim_options, show
 from lcmtools.errors import UsageError
 from lcmtools.types.sim_msgs import SetRate, Step
@@ -14,7 +14,7 @@ from lcmtools.types.std_srvs import Trigger
 def _trigger(verb: str, about: str, example: str) -> click.Command:
     """Make a command that calls a service without arguments."""
 
-    @click.command(verb, context_settings=CONTEXT)
+    @subcommand(verb)
     @json_sim_options
     def command(*, name: str | None, timeout: float, as_json: bool) -> None:
         show(call(verb, Trigger, name, timeout), as_json=as_json)
@@ -29,8 +29,8 @@ resume = _trigger("resume", "Let simulated time go on.", "--sim /morse")
 reset = _trigger("reset", "Start again: time 0, and every robot where it started.", "--timeout 10s")
 
 
-@click.command("step", context_settings=CONTEXT)
-@click.argument("steps", type=whole_number(1), default=1)
+@subcommand("step")
+@argument("steps", type=whole_number(1), default=1)
 @json_sim_options
 def step(steps: int, *, name: str | None, timeout: float, as_json: bool) -> None:
     """Let a paused simulator do STEPS steps (else one), as fast as it can.
@@ -39,12 +39,12 @@ def step(steps: int, *, name: str | None, timeout: float, as_json: bool) -> None
     Examples:
       lcmtools sim step
       lcmtools sim step 240 --timeout 20s
-    """  # noqa: D301 - \b is click's mark
+    """
     show(call("step", Step, name, timeout, steps=steps), as_json=as_json)
 
 
-@click.command("set-rate", context_settings=CONTEXT)
-@click.argument("rate")
+@subcommand("set-rate")
+@argument("rate")
 @json_sim_options
 def set_rate(rate: str, *, name: str | None, timeout: float, as_json: bool) -> None:
     """Let simulated time pass RATE times as fast as real time; 0: as fast as possible.
@@ -53,7 +53,7 @@ def set_rate(rate: str, *, name: str | None, timeout: float, as_json: bool) -> N
     Examples:
       lcmtools sim set-rate 4
       lcmtools sim set-rate 0
-    """  # noqa: D301 - \b is click's mark
+    """
     show(call("set_rate", SetRate, name, timeout, rate=_read_rate(rate)), as_json=as_json)
 
 

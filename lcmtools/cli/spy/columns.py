@@ -116,7 +116,7 @@ COLUMNS: Mapping[str, Column] = {
         Column(
             "listeners", "e", lambda r: names_text(r.listeners), lambda r: r.listeners or None,
             False, "end", 12, 1,  # noqa: FBT003
-        ),
+        )
     )
 }  # fmt: skip
 

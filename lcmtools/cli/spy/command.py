@@ -6,11 +6,9 @@ import sys
 
 import click
 
-from lcmtools.cli.completion.completer import complete
+from lcmtools.cli.declare import argument, duration, option, subcommand
 from lcmtools.cli.options import (
-    CONTEXT,
     all_option,
-    duration,
     in_names,
     json_option,
     looking_names,
@@ -27,11 +25,11 @@ from lcmtools.observe.channels import ChannelSelection, plain_listeners, survey
 _WAIT = 1.2  # [s] a little more than one period at 1 Hz
 
 
-@click.command("spy", context_settings=CONTEXT)
-@click.argument("topics", metavar="[TOPIC]...", nargs=-1, shell_complete=complete("bus:names"))
-@click.option("--once", is_flag=True, help="Observe for a moment, print the table, and exit.")
-@click.option("--wait", type=duration, help="With --once: observe for this long (else 1.2 s).")
-@click.option(
+@subcommand("spy")
+@argument("topics", metavar="[TOPIC]...", nargs=-1, completer="bus:names")
+@option("--once", is_flag=True, help="Observe for a moment, print the table, and exit.")
+@option("--wait", type=duration, help="With --once: observe for this long (else 1.2 s).")
+@option(
     "--sort",
     "column",
     type=click.Choice(list(COLUMNS)),
@@ -39,8 +37,8 @@ _WAIT = 1.2  # [s] a little more than one period at 1 Hz
     default="channel",
     help=f"Sort by this column: {', '.join(COLUMNS)}.",
 )
-@click.option("-r", "--reverse", is_flag=True, help="Reverse the order.")
-@click.option(
+@option("-r", "--reverse", is_flag=True, help="Reverse the order.")
+@option(
     "--filter",
     "text",
     default="",
@@ -50,7 +48,7 @@ _WAIT = 1.2  # [s] a little more than one period at 1 Hz
 @all_option
 @json_option
 @looking_options
-def command(  # noqa: PLR0913 - one parameter an option
+def command(
     topics: tuple[str, ...],
     *,
     once: bool,
@@ -78,7 +76,7 @@ def command(  # noqa: PLR0913 - one parameter an option
       lcmtools spy --once
       lcmtools spy --once /husky0 --sort bandwidth
       lcmtools spy --once --wait 3s --json
-    """  # noqa: D301 - \b is click's mark
+    """
     selection = ChannelSelection(tuple(map(in_names, topics)), show_all, looking_names().namespace)
     view = View(column, reverse, text)
     if not (once or as_json):

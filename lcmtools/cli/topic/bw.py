@@ -2,10 +2,8 @@
 
 from functools import partial
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, json_option, looking_names, looking_options, open_monitor
+from lcmtools.cli.declare import argument, subcommand
+from lcmtools.cli.options import json_option, looking_names, looking_options, open_monitor
 from lcmtools.cli.topic.measuring import (
     measure,
     measuring_options,
@@ -20,10 +18,8 @@ _KEYS = ("bytes_per_second", "mean_bytes", "min_bytes", "max_bytes", "window")
 _HEADER = ("topic", "average", "mean", "min", "max", "window")
 
 
-@click.command("bw", context_settings=CONTEXT)
-@click.argument(
-    "topics", metavar="TOPIC...", nargs=-1, required=True, shell_complete=complete("bus:topics")
-)
+@subcommand("bw")
+@argument("topics", metavar="TOPIC...", nargs=-1, required=True, completer="bus:topics")
 @window_option(least=2, usual=100)
 @measuring_options
 @json_option
@@ -46,7 +42,7 @@ def command(
     Examples:
       lcmtools bw /husky0/image
       lcmtools bw EXAMPLE /chatter -w 1000
-    """  # noqa: D301 - \b is click's mark
+    """
     options = ListenOptions(timeout, count, wall_time, names=looking_names())
     meters = {topic: BandwidthMeter(window) for topic in topics}
     show = partial(

@@ -2,10 +2,8 @@
 
 from functools import partial
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, json_option, looking_names, looking_options, open_monitor
+from lcmtools.cli.declare import argument, subcommand
+from lcmtools.cli.options import json_option, looking_names, looking_options, open_monitor
 from lcmtools.cli.topic.measuring import (
     measure,
     measuring_options,
@@ -21,10 +19,8 @@ _KEYS = ("delay", "min", "max", "std_dev", "window")
 _HEADER = ("topic", "delay", "min_delay", "max_delay", "std_dev", "window")
 
 
-@click.command("delay", context_settings=CONTEXT)
-@click.argument(
-    "topics", metavar="TOPIC...", nargs=-1, required=True, shell_complete=complete("bus:topics")
-)
+@subcommand("delay")
+@argument("topics", metavar="TOPIC...", nargs=-1, required=True, completer="bus:topics")
 @window_option(least=1, usual=50_000)
 @measuring_options
 @json_option
@@ -47,7 +43,7 @@ def command(
     Examples:
       lcmtools delay /husky0/odometry
       lcmtools delay /husky0/odometry -w 100 --json
-    """  # noqa: D301 - \b is click's mark
+    """
     options = ListenOptions(timeout, count, wall_time, names=looking_names())
     show = partial(
         print_report, keys=_KEYS, header=_HEADER, cells=_cells, text=_text, as_json=as_json

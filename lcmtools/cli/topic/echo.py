@@ -8,16 +8,13 @@ from itertools import islice
 import click
 
 from lcmtools.bus.url import BusUrl
-from lcmtools.cli.completion.completer import complete, complete_files
+from lcmtools.cli.declare import argument, duration, option, subcommand, whole_number
 from lcmtools.cli.options import (
-    CONTEXT,
     bus_choice,
-    duration,
     json_option,
     looking_names,
     looking_options,
     open_monitor,
-    whole_number,
 )
 from lcmtools.cli.output import data
 from lcmtools.cli.topic.echo_format import EchoFormatter
@@ -38,28 +35,23 @@ _ALL_TOPICS = "**"
 _CLEAR = "\033[2J\033[;H"  # the screen, and the cursor to its corner
 
 
-@click.command("echo", context_settings=CONTEXT)
-@click.argument(
-    "words",
-    metavar="TOPIC... [TYPE]",
-    nargs=-1,
-    shell_complete=complete("messages:topics_and_fields"),
-)
-@click.option("-n", "count", metavar="N", type=whole_number(1), help="Stop after N messages.")
-@click.option("-1", "--once", is_flag=True, help="Stop after one message.")
-@click.option("--timeout", type=duration, help="Exit with code 4 when none comes in time.")
-@click.option(
+@subcommand("echo")
+@argument("words", metavar="TOPIC... [TYPE]", nargs=-1, completer="messages:topics_and_fields")
+@option("-n", "count", metavar="N", type=whole_number(1), help="Stop after N messages.")
+@option("-1", "--once", is_flag=True, help="Stop after one message.")
+@option("--timeout", type=duration, help="Exit with code 4 when none comes in time.")
+@option(
     "--field",
     "fields",
     metavar="PATH",
     multiple=True,
     help="Show this field; may be repeated.",
-    shell_complete=complete("messages:fields"),
+    completer="messages:fields",
 )
-@click.option("--filter", "condition", metavar="EXPR", help="Only messages for which this is true.")
-@click.option("--noarr", "--no-arr", is_flag=True, help="Show only the type and length of arrays.")
-@click.option("--nostr", "--no-str", is_flag=True, help="Show only the length of strings.")
-@click.option(
+@option("--filter", "condition", metavar="EXPR", help="Only messages for which this is true.")
+@option("--noarr", "--no-arr", is_flag=True, help="Show only the type and length of arrays.")
+@option("--nostr", "--no-str", is_flag=True, help="Show only the length of strings.")
+@option(
     "-l",
     "--truncate-length",
     "longest",
@@ -67,24 +59,20 @@ _CLEAR = "\033[2J\033[;H"  # the screen, and the cursor to its corner
     type=whole_number(1),
     help="Truncate arrays and strings to N elements.",
 )
-@click.option("-f", "--full-length", is_flag=True, help="Do not truncate (the default).")
-@click.option("--offset", is_flag=True, help="Show times relative to the message's arrival.")
-@click.option("-w", "width", metavar="N", type=whole_number(2), help="Print numbers with width N.")
-@click.option("-p", "--csv", "as_csv", is_flag=True, help="Print comma-separated values.")
-@click.option("--flow-style", "as_flow", is_flag=True, help="Print each message on one line.")
-@click.option("--raw", is_flag=True, help="Print the payload in hexadecimal.")
-@click.option("-c", "--clear", is_flag=True, help="Clear a terminal before each message.")
-@click.option(
-    "-b",
-    "--bag",
-    metavar="FILE",
-    help="Read an LCM log instead of the bus.",
-    shell_complete=complete_files,
+@option("-f", "--full-length", is_flag=True, help="Do not truncate (the default).")
+@option("--offset", is_flag=True, help="Show times relative to the message's arrival.")
+@option("-w", "width", metavar="N", type=whole_number(2), help="Print numbers with width N.")
+@option("-p", "--csv", "as_csv", is_flag=True, help="Print comma-separated values.")
+@option("--flow-style", "as_flow", is_flag=True, help="Print each message on one line.")
+@option("--raw", is_flag=True, help="Print the payload in hexadecimal.")
+@option("-c", "--clear", is_flag=True, help="Clear a terminal before each message.")
+@option(
+    "-b", "--bag", metavar="FILE", help="Read an LCM log instead of the bus.", completer="files"
 )
-@click.option("-a", "--all", "all_topics", is_flag=True, help="All topics of the log (with -b).")
+@option("-a", "--all", "all_topics", is_flag=True, help="All topics of the log (with -b).")
 @json_option
 @looking_options
-def command(  # noqa: PLR0913 - one parameter an option
+def command(
     words: tuple[str, ...],
     *,
     count: int | None,
@@ -129,7 +117,7 @@ def command(  # noqa: PLR0913 - one parameter an option
       lcmtools echo /chatter --filter "m.data == 'hello'"
       lcmtools echo /joint_states --filter "len(position) > 2 and abs(position[0]) < 0.1"
       lcmtools echo -b recorded.log --all --noarr
-    """  # noqa: D301 - \b is click's mark
+    """
     forms = {"--json": as_json, "--csv": as_csv, "--flow-style": as_flow, "--raw": raw}
     changes = {
         "--noarr": noarr,

@@ -1,9 +1,7 @@
 """``lcmtools find``."""
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, all_option, json_option, looking_options, open_monitor
+from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.options import all_option, json_option, looking_options, open_monitor
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.graph.model import Topic
 from lcmtools.messages.registry import candidates, message_class, type_name
@@ -11,9 +9,9 @@ from lcmtools.names import is_hidden
 from lcmtools.observe.settled import settled
 
 
-@click.command("find", context_settings=CONTEXT)
-@click.argument("type_", metavar="TYPE", shell_complete=complete("messages:types"))
-@click.option("-c", "--count-topics", is_flag=True, help="Print only the number of topics.")
+@subcommand("find")
+@argument("type_", metavar="TYPE", completer="messages:types")
+@option("-c", "--count-topics", is_flag=True, help="Print only the number of topics.")
 @all_option
 @json_option
 @looking_options
@@ -26,7 +24,7 @@ def command(type_: str, *, count_topics: bool, show_all: bool, as_json: bool) ->
     Examples:
       lcmtools find geometry_msgs/Twist
       lcmtools find std_msgs.String --json
-    """  # noqa: D301 - \b is click's mark
+    """
     name = type_name(message_class(type_))
     with open_monitor("find") as monitor:
         graph, url = settled(monitor), monitor.url

@@ -2,10 +2,8 @@
 
 from functools import partial
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, json_option, looking_names, looking_options, open_monitor
+from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.options import json_option, looking_names, looking_options, open_monitor
 from lcmtools.cli.topic.measuring import (
     measure,
     measuring_options,
@@ -21,18 +19,14 @@ _KEYS = ("rate", "min", "max", "std_dev", "window")
 _HEADER = ("topic", "rate", "min_delta", "max_delta", "std_dev", "window")
 
 
-@click.command("hz", context_settings=CONTEXT)
-@click.argument(
-    "topics", metavar="TOPIC...", nargs=-1, required=True, shell_complete=complete("bus:topics")
-)
+@subcommand("hz")
+@argument("topics", metavar="TOPIC...", nargs=-1, required=True, completer="bus:topics")
 @window_option(least=2, usual=50_000)
-@click.option(
-    "--filter", "condition", metavar="EXPR", help="Count only messages for which this is true."
-)
+@option("--filter", "condition", metavar="EXPR", help="Count only messages for which this is true.")
 @measuring_options
 @json_option
 @looking_options
-def command(  # noqa: PLR0913 - one parameter an option
+def command(
     topics: tuple[str, ...],
     *,
     window: int,
@@ -52,7 +46,7 @@ def command(  # noqa: PLR0913 - one parameter an option
       lcmtools hz /husky0/odometry
       lcmtools hz EXAMPLE /chatter -w 100
       lcmtools hz /chatter --filter "m.data != ''" -n 1 --timeout 5s
-    """  # noqa: D301 - \b is click's mark
+    """
     wanted = Filter(condition) if condition is not None else None
     options = ListenOptions(timeout, count, wall_time, wanted, looking_names())
     meters = {topic: RateMeter(window) for topic in topics}

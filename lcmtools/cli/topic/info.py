@@ -2,17 +2,8 @@
 
 from collections.abc import Sequence
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import (
-    CONTEXT,
-    duration,
-    json_option,
-    looking_names,
-    looking_options,
-    open_monitor,
-)
+from lcmtools.cli.declare import argument, duration, option, subcommand
+from lcmtools.cli.options import json_option, looking_names, looking_options, open_monitor
 from lcmtools.cli.output import document, lines
 from lcmtools.graph.model import Endpoint, Node, Topic
 from lcmtools.observe.counters import Counters, counted
@@ -21,10 +12,10 @@ from lcmtools.observe.find import find_topic
 from lcmtools.observe.losses import Loss
 
 
-@click.command("info", context_settings=CONTEXT)
-@click.argument("topics", nargs=-1, required=True, shell_complete=complete("bus:topics"))
-@click.option("--wait", type=duration, help="Measure rates for this long (else up to 0.5 s).")
-@click.option("-v", "--verbose", is_flag=True, help="Show fingerprints and command lines too.")
+@subcommand("info")
+@argument("topics", nargs=-1, required=True, completer="bus:topics")
+@option("--wait", type=duration, help="Measure rates for this long (else up to 0.5 s).")
+@option("-v", "--verbose", is_flag=True, help="Show fingerprints and command lines too.")
 @json_option
 @looking_options
 def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_json: bool) -> None:
@@ -38,7 +29,7 @@ def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_js
     Examples:
       lcmtools info /husky0/odometry
       lcmtools info EXAMPLE /chatter --json
-    """  # noqa: D301 - \b is click's mark
+    """
     names = looking_names()
     with open_monitor("info") as monitor:
         graph, counters = counted(monitor, topics, wait, names)

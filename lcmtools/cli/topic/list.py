@@ -3,13 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import click
-
-from lcmtools.cli.completion.completer import complete
+from lcmtools.cli.declare import argument, duration, option, subcommand
 from lcmtools.cli.options import (
-    CONTEXT,
     all_option,
-    duration,
     json_option,
     looking_options,
     looking_pattern,
@@ -49,20 +45,20 @@ class _ListOptions:
         return (self.published and has_publisher) or (self.subscribed and bool(topic.subscribers))
 
 
-@click.command("list", context_settings=CONTEXT)
-@click.argument("namespace", default="", shell_complete=complete("bus:namespaces"))
-@click.option("-v", "--verbose", is_flag=True, help="Show types and counts, as rostopic list -v.")
-@click.option("-p", "published", is_flag=True, help="Only topics that are published.")
-@click.option("-s", "subscribed", is_flag=True, help="Only topics that are subscribed to.")
-@click.option("-t", "--show-types", is_flag=True, help="Show each topic's type.")
-@click.option("--hz", is_flag=True, help="Measure rates for a second.")
-@click.option("--host", "by_hosts", is_flag=True, help="Group the topics by computer.")
-@click.option("-c", "--count-topics", is_flag=True, help="Print only the number of topics.")
-@click.option("--wait", type=duration, help="Observe plain LCM programs for this long.")
+@subcommand("list")
+@argument("namespace", default="", completer="bus:namespaces")
+@option("-v", "--verbose", is_flag=True, help="Show types and counts, as rostopic list -v.")
+@option("-p", "published", is_flag=True, help="Only topics that are published.")
+@option("-s", "subscribed", is_flag=True, help="Only topics that are subscribed to.")
+@option("-t", "--show-types", is_flag=True, help="Show each topic's type.")
+@option("--hz", is_flag=True, help="Measure rates for a second.")
+@option("--host", "by_hosts", is_flag=True, help="Group the topics by computer.")
+@option("-c", "--count-topics", is_flag=True, help="Print only the number of topics.")
+@option("--wait", type=duration, help="Observe plain LCM programs for this long.")
 @all_option
 @json_option
 @looking_options
-def command(  # noqa: PLR0913 - one parameter an option
+def command(
     namespace: str,
     *,
     verbose: bool,
@@ -86,7 +82,7 @@ def command(  # noqa: PLR0913 - one parameter an option
       lcmtools list
       lcmtools list -t /husky0
       lcmtools list --hz '*/odometry'
-    """  # noqa: D301 - \b is click's mark
+    """
     if published and subscribed:
         raise UsageError("-p and -s exclude each other", "leave out both for all topics")
     counted = Rates()

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from lcmtools.cli.options import duration, whole_number
+from lcmtools.cli.declare import duration, option, whole_number
 from lcmtools.cli.output import data, lines, talk
 
 if TYPE_CHECKING:
@@ -22,13 +22,9 @@ _GAP = "   "
 
 def measuring_options(command: CommandT) -> CommandT:
     """Add ``--timeout``, ``-n`` and ``--wall-time``, which are ``ListenOptions``."""
-    timeout = click.option(
-        "--timeout", type=duration, help="Exit with code 4 when none comes in time."
-    )
-    count = click.option(
-        "-n", "count", metavar="N", type=whole_number(1), help="Stop after N reports."
-    )
-    wall_time = click.option(
+    timeout = option("--timeout", type=duration, help="Exit with code 4 when none comes in time.")
+    count = option("-n", "count", metavar="N", type=whole_number(1), help="Stop after N reports.")
+    wall_time = option(
         "--wall-time", is_flag=True, help="Use real time even if a simulator publishes /clock."
     )
     return timeout(count(wall_time(command)))
@@ -36,7 +32,7 @@ def measuring_options(command: CommandT) -> CommandT:
 
 def window_option(*, least: int, usual: int) -> Callable[[CommandT], CommandT]:
     """Add ``--window``, with the smallest window and the usual one in messages."""
-    return click.option(
+    return option(
         "-w",
         "--window",
         metavar="N",
@@ -73,7 +69,7 @@ def measure(
             show(report.found)
 
 
-def print_report(  # noqa: PLR0913 - each is a part of its form
+def print_report(
     found: Mapping[str, Any],
     *,
     keys: Sequence[str],

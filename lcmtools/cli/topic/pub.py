@@ -5,9 +5,8 @@ import math
 import click
 
 from lcmtools.arguments import split_arguments
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, bus_options, chosen_url, duration, whole_number
-from lcmtools.cli.options import rate as rate_option
+from lcmtools.cli.declare import argument, duration, option, rate, subcommand, whole_number
+from lcmtools.cli.options import bus_options, chosen_url
 from lcmtools.cli.output import talk
 from lcmtools.cli.words import CommandWithOnce, ends_in_one
 from lcmtools.errors import UsageError
@@ -19,18 +18,16 @@ from lcmtools.publish.publication import publish
 from lcmtools.publish.schedule import Schedule
 
 
-@click.command("pub", cls=CommandWithOnce, context_settings=CONTEXT)
-@click.argument("topic", shell_complete=complete("bus:topics"))
-@click.argument("type_", metavar="TYPE", shell_complete=complete("messages:types"))
-@click.argument("values", nargs=-1, shell_complete=complete("messages:prototypes"))
-@click.option("-r", "--rate", type=rate_option, help="Publish at this rate [Hz] until Ctrl-C.")
-@click.option("-1", "--once", is_flag=True, help="Publish one message and exit.")
-@click.option(
-    "-t", "--times", metavar="N", type=whole_number(1), help="Publish N times, at 1 Hz or -r."
-)
-@click.option("-l", "--latch", is_flag=True, help="Keep running; latch the last message.")
-@click.option("-f", "--file", type=click.Path(), help="Read a file ('-': standard input).")
-@click.option(
+@subcommand("pub", cls=CommandWithOnce)
+@argument("topic", completer="bus:topics")
+@argument("type_", metavar="TYPE", completer="messages:types")
+@argument("values", nargs=-1, completer="messages:prototypes")
+@option("-r", "--rate", type=rate, help="Publish at this rate [Hz] until Ctrl-C.")
+@option("-1", "--once", is_flag=True, help="Publish one message and exit.")
+@option("-t", "--times", metavar="N", type=whole_number(1), help="Publish N times, at 1 Hz or -r.")
+@option("-l", "--latch", is_flag=True, help="Keep running; latch the last message.")
+@option("-f", "--file", type=click.Path(), help="Read a file ('-': standard input).")
+@option(
     "-w",
     "--wait-subscribers",
     "--wait-matching-subscriptions",
@@ -39,40 +36,38 @@ from lcmtools.publish.schedule import Schedule
     type=whole_number(0),
     help="Wait for N subscribers before the first message.",
 )
-@click.option(
+@option(
     "--timeout",
     "--max-wait",
     "--max-wait-time-secs",
     type=duration,
     help="Exit with code 4 if that takes longer.",
 )
-@click.option("--keep-alive", type=duration, help="Keep latching the last message for this long.")
-@click.option("-v", "--verbose", is_flag=True, help="Print every message to standard error.")
-@click.option(
-    "-s", "--substitute-keywords", is_flag=True, help="Accepted as in rostopic; always on."
-)
-@click.option(
+@option("--keep-alive", type=duration, help="Keep latching the last message for this long.")
+@option("-v", "--verbose", is_flag=True, help="Print every message to standard error.")
+@option("-s", "--substitute-keywords", is_flag=True, help="Accepted as in rostopic; always on.")
+@option(
     "--use-rostime", "--use-sim-time", "simulated", is_flag=True, help="Take stamps from /clock."
 )
-@click.option("--literal", is_flag=True, help="TOPIC is the exact LCM channel.")
-@click.option(
+@option("--literal", is_flag=True, help="TOPIC is the exact LCM channel.")
+@option(
     "--ns",
     metavar="NAME",
     help="The namespace of a relative TOPIC; as __ns:=NAME.",
-    shell_complete=complete("bus:namespaces"),
+    completer="bus:namespaces",
 )
-@click.option(
+@option(
     "-n", "--name", "--node-name", metavar="NAME", help="The name of this node; as __name:=NAME."
 )
-@click.option(
+@option(
     "--remap",
     metavar="FROM:=TO",
     multiple=True,
     help="Use TO in place of FROM; as FROM:=TO.",
-    shell_complete=complete("programs:remaps"),
+    completer="programs:remaps",
 )
 @bus_options
-def command(  # noqa: PLR0913 - one parameter an option
+def command(
     topic: str,
     type_: str,
     values: tuple[str, ...],
@@ -115,7 +110,7 @@ def command(  # noqa: PLR0913 - one parameter an option
       lcmtools pub -1 /goal geometry_msgs/PoseStamped "{header: auto, pose: {position: {x: 1}}}"
       lcmtools pub -1 -w 2 --timeout 10s /start std_msgs/Empty
       lcmtools echo --json /odom | lcmtools pub /odom_copy nav_msgs/Odometry -
-    """  # noqa: D301 - \b is click's mark
+    """
     del substitute_keywords  # stamps are always set on sending
     if once and (rate is not None or times is not None):
         raise UsageError(f"-{'r' if rate else 't'} and -1 exclude each other", "use one of them")

@@ -1,9 +1,7 @@
 """``lcmtools type``."""
 
-import click
-
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, json_option, looking_names, looking_options, open_monitor
+from lcmtools.cli.declare import argument, subcommand
+from lcmtools.cli.options import json_option, looking_names, looking_options, open_monitor
 from lcmtools.cli.output import document, lines
 from lcmtools.errors import LcmtoolsError, UsageError, ValueMismatch
 from lcmtools.graph.model import Graph, Topic
@@ -15,8 +13,8 @@ from lcmtools.observe.find import find_topic, known_spelling
 from lcmtools.observe.settled import settled
 
 
-@click.command("type", context_settings=CONTEXT)
-@click.argument("topic", shell_complete=complete("bus:topics"))
+@subcommand("type")
+@argument("topic", completer="bus:topics")
 @json_option
 @looking_options
 def command(topic: str, *, as_json: bool) -> None:
@@ -29,7 +27,7 @@ def command(topic: str, *, as_json: bool) -> None:
       lcmtools type /husky0/odometry
       lcmtools type /husky0/odometry/pose/covariance
       lcmtools type /chatter | lcmtools msg show
-    """  # noqa: D301 - \b is click's mark
+    """
     looking_names().spellings(topic)  # an empty name is wrong whatever the bus is
     with open_monitor("type") as monitor:
         graph = settled(monitor)

@@ -3,10 +3,8 @@
 import dataclasses
 from collections.abc import Callable
 
-import click
-
-from lcmtools.cli.completion.completer import complete, complete_files
-from lcmtools.cli.options import CONTEXT, json_option, rate
+from lcmtools.cli.declare import argument, option, rate, subcommand
+from lcmtools.cli.options import json_option
 from lcmtools.cli.output import document, lines
 from lcmtools.labs.catalogue import LABS, find_lab
 from lcmtools.labs.checks.programs import CheckResult
@@ -17,19 +15,19 @@ _LINE = "  {:6}  {:34}  {:24}  {}"
 def _role_options(command: Callable[..., int]) -> Callable[..., int]:
     for lab in reversed([*LABS.values()]):
         for role in reversed(lab.roles):
-            command = click.option(
+            command = option(
                 f"--{role.option}",
                 metavar="COMMAND",
                 help=f"Lab {lab.name}: your {role.node}.",
-                shell_complete=complete_files,
+                completer="files",
             )(command)
     return command
 
 
-@click.command("check", context_settings=CONTEXT)
-@click.argument("name", shell_complete=complete("lcmtools.labs.commands.completion:labs"))
+@subcommand("check")
+@argument("name", completer="lcmtools.labs.commands.completion:labs")
 @_role_options
-@click.option("--rate", type=rate, help="Times real time (else 1 for yours, 4 for ours).")
+@option("--rate", type=rate, help="Times real time (else 1 for yours, 4 for ours).")
 @json_option
 def command(name: str, *, rate: float | None, as_json: bool, **programs: str | None) -> int:
     """Check programs against a lab: yours or, if none is given, the model answers.
@@ -44,7 +42,7 @@ def command(name: str, *, rate: float | None, as_json: bool, **programs: str | N
       lcmtools lab check husky
       lcmtools lab check husky --controller "python my_controller.py"
       lcmtools lab check pioneer --teleop ./my_teleop --viewer "./my_viewer {picture}"
-    """  # noqa: D301 - \b is click's mark
+    """
     from lcmtools.labs.checks.check import check
 
     chosen = {option: text for option, text in programs.items() if text is not None}

@@ -1,13 +1,12 @@
 """``lcmtools lab list``."""
 
-import click
-
-from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.declare import subcommand
+from lcmtools.cli.options import json_option
 from lcmtools.cli.output import document, lines
 from lcmtools.labs.catalogue import LABS, Lab
 
 
-@click.command("list", context_settings=CONTEXT)
+@subcommand("list")
 @json_option
 def command(*, as_json: bool) -> None:
     """List the labs.
@@ -16,7 +15,7 @@ def command(*, as_json: bool) -> None:
     Examples:
       lcmtools lab list
       lcmtools lab list --json
-    """  # noqa: D301 - \b is click's mark
+    """
     if as_json:
         document([_plain(lab) for lab in LABS.values()])
         return

@@ -4,21 +4,19 @@ from pathlib import Path
 
 import click
 
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, json_option
+from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.options import json_option
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import UsageError
 from lcmtools.labs.skeletons import NAMES, copy_skeleton
 
 
-@click.command("skeleton", context_settings=CONTEXT)
-@click.option("-l", "--list", "show_list", is_flag=True, help="List the skeletons.")
-@click.option("--force", is_flag=True, help="Overwrite a file that is there.")
+@subcommand("skeleton")
+@option("-l", "--list", "show_list", is_flag=True, help="List the skeletons.")
+@option("--force", is_flag=True, help="Overwrite a file that is there.")
 @json_option
-@click.argument(
-    "name", required=False, shell_complete=complete("lcmtools.labs.commands.completion:skeletons")
-)
-@click.argument("folder", metavar="DIR", default=".", type=click.Path(path_type=Path))
+@argument("name", required=False, completer="lcmtools.labs.commands.completion:skeletons")
+@argument("folder", metavar="DIR", default=".", type=click.Path(path_type=Path))
 def command(name: str | None, folder: Path, *, show_list: bool, force: bool, as_json: bool) -> None:
     """Copy a lab's node with TODOs in it into DIR (else here), to be filled in.
 
@@ -28,7 +26,7 @@ def command(name: str | None, folder: Path, *, show_list: bool, force: bool, as_
     Examples:
       lcmtools lab skeleton simple_controller
       lcmtools lab skeleton kinect_viewer my_lab
-    """  # noqa: D301 - \b is click's mark
+    """
     if show_list and name:
         raise UsageError("--list takes no skeleton's name", "leave out one of them")
     if show_list:

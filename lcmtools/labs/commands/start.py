@@ -3,8 +3,8 @@
 import click
 
 from lcmtools.cli import run
-from lcmtools.cli.completion.completer import complete
-from lcmtools.cli.options import CONTEXT, bus_options, open_monitor
+from lcmtools.cli.declare import CONTEXT, argument
+from lcmtools.cli.options import bus_options, open_monitor
 from lcmtools.cli.output import talk
 from lcmtools.errors import LcmtoolsError
 from lcmtools.labs.catalogue import find_lab
@@ -12,12 +12,12 @@ from lcmtools.labs.catalogue import find_lab
 
 @click.command("start", context_settings={**CONTEXT, "ignore_unknown_options": True})
 @bus_options
-@click.argument("name", shell_complete=complete("lcmtools.labs.commands.completion:labs"))
-@click.argument(
+@argument("name", completer="lcmtools.labs.commands.completion:labs")
+@argument(
     "arguments",
     nargs=-1,
     type=click.UNPROCESSED,
-    shell_complete=complete("lcmtools.labs.commands.completion:simulator_arguments"),
+    completer="lcmtools.labs.commands.completion:simulator_arguments",
 )
 @click.pass_context
 def command(ctx: click.Context, name: str, arguments: tuple[str, ...]) -> int:
@@ -29,7 +29,7 @@ def command(ctx: click.Context, name: str, arguments: tuple[str, ...]) -> int:
     Examples:
       lcmtools lab start husky
       lcmtools lab start pioneer --gui
-    """  # noqa: D301 - \b is click's mark
+    """
     lab = find_lab(name)
     with open_monitor("lab_start") as monitor:
         nodes = {node.name for node in monitor.settle(foreign=False).nodes if not node.stale}

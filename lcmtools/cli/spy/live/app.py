@@ -72,7 +72,7 @@ class HelpScreen(ModalScreen[None], Page[None]):
     """The keys, and the meaning of the columns."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape,q,enter,f1,h,question_mark", "back", "Back", show=False),
+        Binding("escape,q,enter,f1,h,question_mark", "back", "Back", show=False)
     ]
 
     def compose(self) -> ComposeResult:

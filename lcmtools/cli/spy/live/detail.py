@@ -45,10 +45,7 @@ class Detail(Page[None]):
     ]
 
     def __init__(
-        self,
-        study: Study,
-        row: Callable[[], Row],
-        follow: Callable[[Study], Callable[[], None]],
+        self, study: Study, row: Callable[[], Row], follow: Callable[[Study], Callable[[], None]]
     ) -> None:
         super().__init__()
         self.study = study

@@ -85,10 +85,7 @@ class RowTable(DataTable[Cell | CurveCell]):
             self.move_cursor(row=self._keys.index(key))
 
     def show(
-        self,
-        headings: Sequence[tuple[str, int]],
-        keys: list[str],
-        cells: Callable[[str], Cells],
+        self, headings: Sequence[tuple[str, int]], keys: list[str], cells: Callable[[str], Cells]
     ) -> None:
         """Show rows in the order of their keys.
 
