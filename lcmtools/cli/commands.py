@@ -8,9 +8,9 @@ TOPIC_COMMANDS = {
     "info": Entry(f"{_TOPIC}.info:command", "Show a topic's type, publishers and subscribers."),
     "echo": Entry(f"{_TOPIC}.echo:command", "Print the messages of a topic."),
     "pub": Entry(f"{_TOPIC}.pub:command", "Publish messages written in YAML."),
-    "hz": Entry(f"{_TOPIC}.hz:command", "Measure the rate of topics."),
-    "bw": Entry(f"{_TOPIC}.bw:command", "Measure the bandwidth of topics."),
-    "delay": Entry(f"{_TOPIC}.delay:command", "Measure the delay of a topic's messages."),
+    "hz": Entry(f"{_TOPIC}.rates:hz", "Measure the rate of topics."),
+    "bw": Entry(f"{_TOPIC}.rates:bw", "Measure the bandwidth of topics."),
+    "delay": Entry(f"{_TOPIC}.rates:delay", "Measure the delay of a topic's messages."),
     "type": Entry(f"{_TOPIC}.type:command", "Print a topic's type."),
     "find": Entry(f"{_TOPIC}.find:command", "List the topics of a type."),
 }

@@ -212,6 +212,11 @@ def open_monitor(tool: str, *, whole: bool = False, plays: bool = False) -> "Bus
     )
 
 
+def notify(text: str) -> None:
+    """Tell the person something in the name of the command that runs."""
+    talk(f"{click.get_current_context().command_path}: {text}")
+
+
 def end_as_asked() -> None:
     """End this program as SIGTERM does, because another one asks for it."""
     signal.raise_signal(signal.SIGTERM)

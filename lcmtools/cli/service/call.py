@@ -2,10 +2,8 @@
 
 import math
 
-import click
-
 from lcmtools.cli.declare import argument, duration, option, rate, subcommand, whole_number
-from lcmtools.cli.options import bus_options, json_option, open_monitor
+from lcmtools.cli.options import bus_options, json_option, notify, open_monitor
 from lcmtools.cli.output import data, talk
 from lcmtools.cli.words import WITHOUT_END, CommandWithWords
 from lcmtools.messages.plain import to_json
@@ -77,7 +75,7 @@ def command(
     with open_monitor("service_call") as monitor:
         monitor.settle(foreign=False)
         if wait is not None:
-            wait_for_service(monitor, service, wait, _notify)
+            wait_for_service(monitor, service, wait, notify)
         found = find_service(monitor.graph(), service)
     pair, values = split_type(found, words)
     requests = read_requests(pair.Request, values, file, talk)
@@ -93,16 +91,12 @@ def command(
     return code
 
 
-def _notify(text: str) -> None:
-    talk(f"{click.get_current_context().command_path}: {text}")
-
-
 def _tell_server(service: OfferedService, *, verbose: bool) -> None:
     names = [node_text(node) for node, _ in service.servers]
     if len(names) > 1:
-        _notify(
+        notify(
             f"{len(names)} nodes offer {service.name}: {', '.join(names)}; each"
             " does what is asked, and the first answer counts"
         )
     elif verbose:
-        _notify(f"asking {names[0]} ({service.type_text})")
+        notify(f"asking {names[0]} ({service.type_text})")

@@ -11,27 +11,20 @@ Cut = Literal["", "start", "middle", "end"]
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column.
+    """A column of the table."""
 
-    Attributes:
-        name: Its name on the command line and in the heading.
-        letter: The key that sorts by it.
-        text: Its text for a row.
-        key: Its sort key for a row; None for an empty cell.
-        is_number: Numbers stand to the right and are sorted from the largest.
-        cut: The place where a long text is cut; "" for never.
-        least: The least width that it is cut to, in characters.
-        leaves: The order in which columns are left out; 0 for never.
-    """
-
-    name: str
-    letter: str
+    name: str  # on the command line and in the heading
+    letter: str  # the key that sorts by it
     text: Callable[[Row], str]
-    key: Callable[[Row], object]
-    is_number: bool = True
-    cut: Cut = ""
-    least: int = 0
-    leaves: int = 0
+    key: Callable[[Row], object]  # to sort by; None for an empty cell
+    leaves: int = 0  # the order in which columns are left out; 0 for never
+    cut: Cut = ""  # the place where a long text is cut; "" for a number
+    least: int = 0  # the least width that it is cut to, in characters
+
+    @property
+    def is_number(self) -> bool:
+        """True for columns at the right, sorted from the largest."""
+        return not self.cut
 
 
 def size_text(value: float | None) -> str:
@@ -93,6 +86,14 @@ def type_text(row: Row) -> str:
     return f"{row.types[0]} +{others}" if others else row.types[0]
 
 
+def _senders(row: Row) -> object:
+    return row.senders or None
+
+
+def _listeners(row: Row) -> object:
+    return row.listeners or None
+
+
 def names_text(names: Sequence[str]) -> str:
     """Several names, "-" for none."""
     return ", ".join(names) or "-"
@@ -101,24 +102,18 @@ def names_text(names: Sequence[str]) -> str:
 COLUMNS: Mapping[str, Column] = {
     column.name: column
     for column in (
-        Column("channel", "n", lambda r: r.channel, lambda r: r.channel, False, "middle", 24),  # noqa: FBT003
-        Column("type", "t", type_text, lambda r: r.types or None, False, "start", 12, 6),  # noqa: FBT003
-        Column("messages", "m", lambda r: str(r.messages), lambda r: r.messages, leaves=3),
+        Column("channel", "n", lambda r: r.channel, lambda r: r.channel, 0, "middle", 24),
+        Column("type", "t", type_text, lambda r: r.types or None, 6, "start", 12),
+        Column("messages", "m", lambda r: str(r.messages), lambda r: r.messages, 3),
         Column("rate", "r", lambda r: rate_text(r.rate), lambda r: r.rate),
-        Column("jitter", "j", lambda r: jitter_text(r.jitter), lambda r: r.jitter, leaves=5),
+        Column("jitter", "j", lambda r: jitter_text(r.jitter), lambda r: r.jitter, 5),
         Column("bandwidth", "b", lambda r: bandwidth_text(r.bandwidth), lambda r: r.bandwidth),
-        Column("loss", "l", lambda r: loss_text(r.loss), lambda r: r.loss, leaves=7),
-        Column("age", "a", lambda r: age_text(r.age), lambda r: r.age, leaves=2),
-        Column(
-            "senders", "s", lambda r: names_text(r.senders), lambda r: r.senders or None,
-            False, "end", 12, 4,  # noqa: FBT003
-        ),
-        Column(
-            "listeners", "e", lambda r: names_text(r.listeners), lambda r: r.listeners or None,
-            False, "end", 12, 1,  # noqa: FBT003
-        )
+        Column("loss", "l", lambda r: loss_text(r.loss), lambda r: r.loss, 7),
+        Column("age", "a", lambda r: age_text(r.age), lambda r: r.age, 2),
+        Column("senders", "s", lambda r: names_text(r.senders), _senders, 4, "end", 12),
+        Column("listeners", "e", lambda r: names_text(r.listeners), _listeners, 1, "end", 12),
     )
-}  # fmt: skip
+}
 
 
 def heading(column: Column) -> str:
@@ -128,25 +123,17 @@ def heading(column: Column) -> str:
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """The order and the filter of the table.
-
-    Attributes:
-        column: The name of the column that rows are sorted by.
-        inverted: True for numbers from the smallest, and texts from Z.
-        text: A text that a row must have in channel, type, sender or listener; "" for any.
-    """
+    """The order and the filter of the table."""
 
     column: str = "channel"
-    inverted: bool = False
-    text: str = ""
+    inverted: bool = False  # numbers from the smallest, and texts from Z
+    text: str = ""  # that a row must have in channel, type, sender or listener
 
     def rows(self, rows: Sequence[Row], *, steady: bool = False) -> list[Row]:
         """Return the rows that are shown, in their order.
 
-        Args:
-            rows: All rows.
-            steady: Numbers that differ by a percent or two count as equal and are sorted by
-                channel, or rows would change places all the time.
+        In a steady view numbers that differ by a percent or two count as equal and are sorted by
+        channel, or rows would change places all the time.
         """
         column = COLUMNS[self.column]
 
@@ -168,7 +155,3 @@ class View:
         names = list(COLUMNS)
         place = (names.index(self.column) + step) % len(names)
         return replace(self, column=names[place], inverted=False)
-
-    def filtered(self, text: str) -> "View":
-        """The same with another filter."""
-        return replace(self, text=text)

@@ -9,7 +9,7 @@ from lcmtools.graph.drawing.labels import printable
 from lcmtools.observe.channels import Row
 
 _DOTS = "…"
-_GAPS = (2, 1)  # characters between two columns: usually, and where there is little room
+_WIDE_GAP, _NARROW_GAP = 2, 1  # characters between two columns; where there is little room
 _LATEST = ("age",)  # columns that say nothing in a table that does not go on
 
 
@@ -17,7 +17,7 @@ def table(rows: Sequence[Row], room: int | None) -> list[str]:
     """Return the lines of the table, ``room`` characters wide; None for any width."""
     columns = [column for name, column in COLUMNS.items() if name not in _LATEST]
     found = layout(columns, natural_widths(rows, columns), room)
-    cells = [found.header(), *map(found.row, rows)]
+    cells = [found.row(), *map(found.row, rows)]
     return [found.gap.join(line).rstrip() for line in cells]
 
 
@@ -49,28 +49,19 @@ class Layout:
     widths: tuple[int, ...]
     gap: str
 
-    def header(self) -> list[str]:
-        """The cells above the rows, each as wide as its column."""
-        return self._fitted(map(heading, self.columns))
-
-    def row(self, row: Row) -> list[str]:
-        """The cells of a row, each as wide as its column."""
-        return self._fitted(printable(column.text(row)) for column in self.columns)
-
-    def _fitted(self, cells: Iterable[str]) -> list[str]:
-        pairs = zip(self.columns, self.widths, cells, strict=True)
-        return [fit(cell, width, column) for column, width, cell in pairs]
+    def row(self, row: Row | None = None) -> list[str]:
+        """The cells of a row, or those above all rows, each as wide as its column."""
+        return [
+            _fit(heading(column) if row is None else printable(column.text(row)), width, column)
+            for column, width in zip(self.columns, self.widths, strict=True)
+        ]
 
 
 def natural_widths(rows: Iterable[Row], columns: Iterable[Column]) -> dict[str, int]:
     """The widths of the columns that cut nothing, by their names."""
     shown = list(rows)
-    return {
-        column.name: max(
-            width_of(heading(column)), *(width_of(printable(column.text(row))) for row in shown), 0
-        )
-        for column in columns
-    }
+    texts = {c.name: [heading(c), *(printable(c.text(row)) for row in shown)] for c in columns}
+    return {name: max(map(width_of, column)) for name, column in texts.items()}
 
 
 def layout(columns: Sequence[Column], widths: Mapping[str, int], room: int | None) -> Layout:
@@ -78,8 +69,10 @@ def layout(columns: Sequence[Column], widths: Mapping[str, int], room: int | Non
 
     Texts are cut first, the longest most; then columns are left out. ``widths`` cut nothing.
     """
-    gap = _gap([widths[column.name] for column in columns], room)
     kept = list(columns)
+    gap = _WIDE_GAP
+    if room is not None and sum(widths[c.name] + gap for c in kept) - gap > room:
+        gap = _NARROW_GAP
     while room is not None and _least(kept, widths, gap) > room:
         leaving = [column for column in kept if column.leaves]
         if not leaving:
@@ -89,11 +82,6 @@ def layout(columns: Sequence[Column], widths: Mapping[str, int], room: int | Non
     if room is not None:
         _shrink(kept, fitted, room - gap * (len(kept) - 1))
     return Layout(tuple(kept), tuple(fitted), " " * gap)
-
-
-def _gap(widths: Sequence[int], room: int | None) -> int:
-    wide, narrow = _GAPS
-    return wide if room is None or sum(widths) + wide * (len(widths) - 1) <= room else narrow
 
 
 def _least(columns: Sequence[Column], widths: Mapping[str, int], gap: int) -> int:
@@ -113,8 +101,7 @@ def _shrink(columns: Sequence[Column], widths: list[int], room: int) -> None:
             widths[max(can, key=widths.__getitem__)] -= 1
 
 
-def fit(text: str, width: int, column: Column) -> str:
-    """A text in exactly so many characters."""
+def _fit(text: str, width: int, column: Column) -> str:
     text = cut(text, width, column.cut or "end")
     padding = " " * (width - width_of(text))
     return padding + text if column.is_number else text + padding
@@ -149,10 +136,7 @@ def width_of(text: str) -> int:
     """The number of a terminal's places that a text takes."""
     if text.isascii():
         return len(text)
-    return sum(_width(character) for character in text)
-
-
-def _width(character: str) -> int:
-    if unicodedata.combining(character):
-        return 0
-    return 2 if unicodedata.east_asian_width(character) in "WF" else 1
+    return sum(
+        0 if unicodedata.combining(one) else 1 + (unicodedata.east_asian_width(one) in "WF")
+        for one in text
+    )

@@ -14,12 +14,12 @@ from lcmtools.cli.options import (
     json_option,
     looking_names,
     looking_options,
+    notify,
     open_monitor,
 )
 from lcmtools.cli.output import data
 from lcmtools.cli.topic.echo_format import EchoFormatter
 from lcmtools.cli.topic.echo_options import display_options
-from lcmtools.cli.topic.measuring import notify
 from lcmtools.errors import UsageError
 from lcmtools.messages.plain import View
 from lcmtools.messages.registry import message_class, packages

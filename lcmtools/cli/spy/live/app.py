@@ -33,17 +33,11 @@ class Source(Protocol):
     """The source of what is shown: a ``Feed``."""
 
     @property
-    def latest(self) -> Snapshot:
-        """The bus as it is now; another object when anything is new."""
-        ...
+    def latest(self) -> Snapshot: ...
 
-    def clear(self) -> None:
-        """Count from zero again."""
-        ...
+    def clear(self) -> None: ...
 
-    def follow(self, channel: str, take: Callable[[Packet], None]) -> Callable[[], None]:
-        """Give a channel's messages to ``take``; return what ends that."""
-        ...
+    def follow(self, channel: str, take: Callable[[Packet], None]) -> Callable[[], None]: ...
 
 
 _HELP = f"""\
@@ -76,7 +70,6 @@ class HelpScreen(ModalScreen[None], Page[None]):
     ]
 
     def compose(self) -> ComposeResult:
-        """The text."""
         text = VerticalScroll(Static(Text(_HELP)))
         text.border_title = "keys and columns"
         yield text
@@ -92,17 +85,14 @@ class TerminalFile:
         self._file = file
 
     def write(self, text: str) -> None:
-        """Write a text."""
         with suppress(OSError):
             self._file.write(text)
 
     def flush(self) -> None:
-        """Write all of it."""
         with suppress(OSError):
             self._file.flush()
 
     def __getattr__(self, name: str) -> object:
-        """Whatever else the stream has."""
         return getattr(self._file, name)
 
 
@@ -151,7 +141,6 @@ class SpyApp(App[int]):
         self.overview = Overview(bus, view, lambda: source.latest, self._look)
 
     def on_mount(self) -> None:
-        """Show the table; end on signals."""
         self.push_screen(self.overview)
         loop = asyncio.get_running_loop()
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -159,25 +148,21 @@ class SpyApp(App[int]):
                 loop.add_signal_handler(number, self.exit, BY_SIGNAL + number)
 
     async def on_event(self, event: Event) -> None:
-        """Drop the keys that come while the screens are taken down."""
+        # keys that come while the screens are taken down are dropped
         if self.screen_stack or not isinstance(event, InputEvent):
             await super().on_event(event)
 
     def action_explain(self) -> None:
-        """Show the keys."""
         if not isinstance(self.screen, HelpScreen):
             self.push_screen(HelpScreen())
 
     def action_clear(self) -> None:
-        """Count from zero again."""
         self._source.clear()
 
     def action_leave(self) -> None:
-        """End: all was seen."""
         self.exit(0)
 
     def action_interrupt(self) -> None:
-        """End, as by Ctrl-C."""
         self.exit(INTERRUPTED)
 
     def action_suspend(self) -> None:

@@ -7,7 +7,7 @@ from rich.text import Text
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal
-from textual.widgets import DataTable, Footer, Label, Sparkline, Static
+from textual.widgets import DataTable, Footer, Label, Sparkline
 
 from lcmtools.cli.spy.details import (
     BARS,
@@ -17,8 +17,7 @@ from lcmtools.cli.spy.details import (
     number_text,
     properties,
 )
-from lcmtools.cli.spy.live.overview import PERIOD
-from lcmtools.cli.spy.live.rows import Cell, Cells, CurveCell, Page, RowTable
+from lcmtools.cli.spy.live.rows import Cell, Cells, CurveCell, LivePage, RowTable
 from lcmtools.graph.drawing.labels import printable
 from lcmtools.observe.channels import Row
 from lcmtools.observe.study import Study, curve
@@ -28,14 +27,8 @@ _SPANS = (2, 5, 10, 20, 40, 120, 600)  # [s]
 _USUAL = 3
 
 
-class Detail(Page[None]):
-    """One channel.
-
-    Args:
-        study: Its messages.
-        row: Gives its row in the table.
-        follow: Makes the study take messages; returns what ends that.
-    """
+class Detail(LivePage):
+    """One channel; ``follow`` makes the study take messages, and returns what ends that."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,q,left", "back", "Back"),
@@ -49,54 +42,36 @@ class Detail(Page[None]):
     ) -> None:
         super().__init__()
         self.study = study
-        self.is_paused = False
         self._row, self._read_row, self._follow = row(), row, follow
         self._unfollow: Callable[[], None] = lambda: None
         self._state = study.state()
         self._lines: dict[str, DetailLine] = {}
-        self.top, self.table = Static(id="title"), RowTable("message")
+        self.table = RowTable("message")
 
     def compose(self) -> ComposeResult:
-        """The parts of the screen, from above."""
         self.table.show_header = False
         yield self.top
         yield self.table
         yield Footer()
 
-    def on_mount(self) -> None:
-        """Begin to look at the messages."""
+    def on_mount(self) -> None:  # and its base's
         self._unfollow = self._follow(self.study)
         self.table.focus()
-        self._draw()
-        self.set_interval(PERIOD, self.update)
 
     def on_unmount(self) -> None:
-        """Look no more."""
         self._unfollow()
 
-    def on_resize(self) -> None:
-        """Make it fit."""
-        self.call_after_refresh(self._draw)
-
     def update(self) -> None:
-        """Show what is known now, unless paused."""
         if not self.is_paused:
             self._row = self._read_row()
             self.study.announced(self._row.types if self._row.is_announced else ())
             self._state = self.study.state()
-            self._draw()
-
-    def action_pause(self) -> None:
-        """Stop the display, or let it go on."""
-        self.is_paused = not self.is_paused
-        self._draw()
+            self.draw()
 
     def action_clear(self) -> None:
-        """Forget the history of the numbers."""
         self.study.clear()
 
     def on_data_table_row_selected(self, event: DataTable.RowSelected) -> None:
-        """Show the curve of a number; open or close anything else."""
         line = self._lines.get(event.row_key.value or "")
         if line is None or not self.is_active:
             return
@@ -105,9 +80,9 @@ class Detail(Page[None]):
         else:
             self.study.toggle(line.key)
             self._state = self.study.state()
-            self._draw()
+            self.draw()
 
-    def _draw(self) -> None:
+    def draw(self) -> None:
         width = self.table.size.width - 1  # beside the scroll bar
         if width < 1:
             return
@@ -134,7 +109,7 @@ class Detail(Page[None]):
         self.table.show([("", name), ("", width - name)], list(self._lines), cells)
 
 
-class CurveScreen(Page[None]):
+class CurveScreen(LivePage):
     """A number over time, as large as the screen."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -146,43 +121,24 @@ class CurveScreen(Page[None]):
 
     def __init__(self, study: Study, path: str) -> None:
         super().__init__()
-        self.is_paused = False
         self._study = study
         self._path = path
         self._span = _USUAL
-        self.top, self._bars = Static(id="title"), Sparkline(id="curve")
+        self._bars = Sparkline(id="curve")
         self._high, self._low = Label(id="high"), Label(id="low")
 
     def compose(self) -> ComposeResult:
-        """The parts of the screen, from above."""
         yield self.top
         yield self._high
         yield Horizontal(self._bars)
         yield self._low
         yield Footer()
 
-    def on_mount(self) -> None:
-        """Draw what is known, from now on."""
-        self.draw()
-        self.set_interval(PERIOD, self.update)
-
-    def update(self) -> None:
-        """Draw what is known now, unless paused."""
-        if not self.is_paused:
-            self.draw()
-
     def action_span(self, step: int) -> None:
-        """Show more time, or less."""
         self._span = max(0, min(len(_SPANS) - 1, self._span + step))
         self.draw()
 
-    def action_pause(self) -> None:
-        """Stop the display, or let it go on."""
-        self.is_paused = not self.is_paused
-        self.draw()
-
     def draw(self) -> None:
-        """Draw the curve."""
         samples = self._study.samples(self._path)
         width = self.size.width
         if not samples or not width:

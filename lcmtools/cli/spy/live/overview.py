@@ -1,29 +1,28 @@
 """The table of channels on the screen, and its keys."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import ClassVar
 
 from rich.text import Text
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.screen import ModalScreen
-from textual.widgets import DataTable, Footer, Input, OptionList, Static
+from textual.widgets import DataTable, Footer, Input, OptionList
 from textual.widgets.option_list import Option
 
 from lcmtools.cli.spy.columns import COLUMNS, Column, View, bandwidth_text, heading, rate_text
-from lcmtools.cli.spy.live.rows import Cell, Cells, Page, RowTable
+from lcmtools.cli.spy.live.rows import Cell, Cells, LivePage, Page, RowTable
 from lcmtools.cli.spy.table import Layout, layout, natural_widths
 from lcmtools.graph.drawing.labels import printable
 from lcmtools.observe.channels import Row
 from lcmtools.observe.feed import Snapshot
 
-PERIOD = 0.2
-"""Time between two looks at what is new [s]."""
 _MUCH_LOSS = 0.01  # of what is sent
 _SEARCH, _FILTER = "Search", "Filter"
 
 
-class Overview(Page[None]):
+class Overview(LivePage):
     """The table of channels."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -49,7 +48,6 @@ class Overview(Page[None]):
     ) -> None:
         super().__init__()
         self.view = view
-        self.is_paused = False
         self._bus = bus
         self._latest = latest
         self._look = look
@@ -58,104 +56,78 @@ class Overview(Page[None]):
         self._layout = Layout((), (), "")
         self._widest: dict[str, int] = {}
         self._purpose = ""
-        self.top, self.table = Static(id="title"), RowTable("table")
+        self.table = RowTable("table")
         self.prompt = Input(id="prompt", compact=True)
 
     def compose(self) -> ComposeResult:
-        """The parts of the screen, from above."""
         yield self.top
         yield self.table
         yield self.prompt
         yield Footer()
 
-    def on_mount(self) -> None:
-        """Begin to look at what is new."""
+    def on_mount(self) -> None:  # and its base's
         self.prompt.display = False
         self.table.focus()
-        self._draw()
-        self.set_interval(PERIOD, self.update)
-
-    def on_resize(self) -> None:
-        """Make the columns fit."""
-        self.call_after_refresh(self._draw)
 
     def on_screen_resume(self) -> None:
-        """Show what has changed meanwhile."""
-        self._draw()
+        self.draw()
 
     def update(self) -> None:
-        """Show what is new, if this screen is seen and not paused."""
         latest = self._latest()
         is_seen = self.is_active or self.app.screen.is_modal
         if latest is not self._snapshot and is_seen and (not self.is_paused or latest.is_over):
             self._snapshot = latest
-            self._draw()
+            self.draw()
 
     def action_sort(self, column: str) -> None:
-        """Sort by a column; by the same again, the other way round."""
         self._show(self.view.sorted_by(column))
 
     def action_next_column(self, step: int) -> None:
-        """Sort by the next column."""
         self._show(self.view.moved(step))
 
     def action_invert(self) -> None:
-        """Reverse the order."""
         self._show(self.view.sorted_by(self.view.column))
 
     def action_choose_column(self) -> None:
-        """Choose the column to sort by."""
 
         def chosen(column: str | None) -> None:
-            if column is not None and column != self.view.column:
-                self.action_sort(column)
+            if column not in (None, self.view.column):
+                self.action_sort(str(column))
 
         if self.is_active:
             self.app.push_screen(SortScreen(self.view.column), chosen)
 
-    def action_pause(self) -> None:
-        """Stop the display, or let it go on."""
-        self.is_paused = not self.is_paused
-        self._draw()
-
     def action_search(self) -> None:
-        """Type a text to look for; while it is typed, go to the next row."""
         if self.prompt.display and self._purpose == _SEARCH:
             self._find(self.prompt.value, 1)
         else:
             self._ask(_SEARCH, "")
 
     def action_filter(self) -> None:
-        """Type a text that rows must have."""
         self._ask(_FILTER, self.view.text)
 
     def action_leave_prompt(self) -> None:
-        """Leave the prompt, or show all rows again; a filter that is given up is none."""
         if not self.prompt.display or self._purpose == _FILTER:
-            self._show(self.view.filtered(""))
+            self._show(replace(self.view, text=""))
         self.on_input_submitted()
 
     def on_input_changed(self, event: Input.Changed) -> None:
-        """Search or filter while it is typed."""
         if not self.prompt.display:
             return
         if self._purpose == _FILTER:
-            self._show(self.view.filtered(event.value))
+            self._show(replace(self.view, text=event.value))
         else:
             self._find(event.value, 0)
 
     def on_input_submitted(self) -> None:
-        """Go back to the table."""
         self.prompt.display = False
         self.table.focus()
 
     def on_data_table_row_selected(self, event: DataTable.RowSelected) -> None:
-        """Look closely at a channel."""
         if self.is_active and event.row_key.value is not None:
             self._look(event.row_key.value)
 
     def on_data_table_header_selected(self, event: DataTable.HeaderSelected) -> None:
-        """Sort by the column that was clicked on."""
         self.action_sort(self._layout.columns[event.column_index].name)
 
     def _ask(self, purpose: str, text: str) -> None:
@@ -167,7 +139,7 @@ class Overview(Page[None]):
 
     def _show(self, view: View) -> None:
         self.view = view
-        self._draw()
+        self.draw()
 
     def _find(self, text: str, step: int) -> None:
         """Put the cursor on the next row with a text in its channel."""
@@ -179,7 +151,7 @@ class Overview(Page[None]):
                 self.table.go_to(name)
                 return
 
-    def _draw(self) -> None:
+    def draw(self) -> None:
         width = self.table.size.width - 1  # beside the scroll bar
         if width < 1:
             return
@@ -201,7 +173,7 @@ class Overview(Page[None]):
         found = []
         gap = len(self._layout.gap)
         for column, width, text in zip(
-            self._layout.columns, self._layout.widths, self._layout.header(), strict=True
+            self._layout.columns, self._layout.widths, self._layout.row(), strict=True
         ):
             arrow = "▼" if column.is_number != self.view.inverted else "▲"
             is_sorted = column.name == self.view.column
@@ -252,7 +224,6 @@ class SortScreen(ModalScreen[str | None], Page[str | None]):
         self._column = column
 
     def compose(self) -> ComposeResult:
-        """The columns, with the cursor on the present one."""
         options = [Option(f"{c.letter}  {heading(c)}", id=c.name) for c in COLUMNS.values()]
         columns = OptionList(*options)
         columns.border_title = "sort by"
@@ -260,5 +231,4 @@ class SortScreen(ModalScreen[str | None], Page[str | None]):
         yield columns
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Return what was chosen."""
         self.dismiss(event.option_id)

@@ -11,8 +11,10 @@ from textual.binding import Binding, BindingType
 from textual.color import Color
 from textual.renderables.sparkline import Sparkline
 from textual.screen import Screen, ScreenResultType
-from textual.widgets import DataTable
+from textual.widgets import DataTable, Static
 
+PERIOD = 0.2
+"""Time between two looks at what is new [s]."""
 CURVE = Color.parse("ansi_cyan").rich_color
 
 
@@ -24,7 +26,6 @@ class Cell(NamedTuple):
     style: str = ""
 
     def __rich__(self) -> Text:
-        """The text."""
         return Text(self.text, self.style, no_wrap=True, overflow="ellipsis")
 
 
@@ -37,7 +38,6 @@ class CurveCell(NamedTuple):
     span: str
 
     def __rich__(self) -> Table:
-        """The three beside each other."""
         grid = Table.grid(padding=(0, 2))
         grid.add_column(width=24, justify="right", no_wrap=True)
         bars = self.bars[-self.width :] if self.width > 0 else ()
@@ -80,19 +80,15 @@ class RowTable(DataTable[Cell | CurveCell]):
         return self._keys[self.cursor_row] if self.cursor_row < len(self._keys) else None
 
     def go_to(self, key: str) -> None:
-        """Put the cursor on a row."""
         if key in self._shown:
             self.move_cursor(row=self._keys.index(key))
 
     def show(
         self, headings: Sequence[tuple[str, int]], keys: list[str], cells: Callable[[str], Cells]
     ) -> None:
-        """Show rows in the order of their keys.
+        """Show rows in the order of their keys; ``headings`` are with widths.
 
-        Args:
-            headings: The headings of the columns, and their widths.
-            keys: The keys of the rows.
-            cells: Gives the cells of a row, when it is seen.
+        ``cells`` gives the cells of a row, when it is seen.
         """
         cursor = self.cursor_key if self.cursor_row else None
         if headings != self._headings or self._shown.keys() - set(keys):
@@ -113,7 +109,6 @@ class RowTable(DataTable[Cell | CurveCell]):
         self._update_seen()
 
     def watch_scroll_y(self, old_value: float, new_value: float) -> None:
-        """Bring rows up to date that come into view."""
         super().watch_scroll_y(old_value, new_value)
         self._update_seen()
 
@@ -130,10 +125,35 @@ class Page(Screen[ScreenResultType]):
     """A screen that is left once, however fast somebody types."""
 
     def dismiss(self, result: ScreenResultType | None = None) -> AwaitComplete:
-        """Leave this screen if it is in front."""
         in_front = self.app.screen_stack[-1:] == [self]
         return super().dismiss(result) if in_front else AwaitComplete()
 
     def action_back(self) -> None:
-        """Leave this screen."""
         self.dismiss()
+
+
+class LivePage(Page[None]):
+    """A screen that is drawn several times a second, unless it is paused."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.is_paused = False
+        self.top = Static(id="title")
+
+    def on_mount(self) -> None:
+        self.draw()
+        self.set_interval(PERIOD, self.update)
+
+    def on_resize(self) -> None:
+        self.call_after_refresh(self.draw)
+
+    def action_pause(self) -> None:
+        self.is_paused = not self.is_paused
+        self.draw()
+
+    def update(self) -> None:
+        if not self.is_paused:
+            self.draw()
+
+    def draw(self) -> None:
+        raise NotImplementedError

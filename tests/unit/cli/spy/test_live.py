@@ -439,8 +439,7 @@ def test_a_screen_is_opened_once_and_left_once_however_fast_somebody_types(
 def test_a_storm_of_keys_and_sizes_leaves_the_table_standing(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("lcmtools.cli.spy.live.overview.PERIOD", 0.01)
-    monkeypatch.setattr("lcmtools.cli.spy.live.detail.PERIOD", 0.01)
+    monkeypatch.setattr("lcmtools.cli.spy.live.rows.PERIOD", 0.01)
     chance = random.Random(seed)  # noqa: S311 - no secret
     keys = ["escape", "left", "enter", "enter", "f1", "h", "f6", "f3", "f4", "x", "plus", "c", "r"]
 

@@ -1,0 +1,249 @@
+"""``lcmtools hz``, ``bw`` and ``delay``: a report a second, as rostopic prints it."""
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import astuple, dataclass, replace
+from functools import reduce, wraps
+from typing import Any
+
+import click
+
+from lcmtools.cli.declare import argument, duration, option, subcommand, whole_number
+from lcmtools.cli.options import json_option, looking_names, looking_options, notify, open_monitor
+from lcmtools.cli.output import data, lines, talk
+from lcmtools.messages.filter import Filter
+from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.measure import (
+    BandwidthMeter,
+    DelayMeter,
+    ListenOptions,
+    Measurement,
+    Meter,
+    RateMeter,
+    lossy_senders,
+)
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.rates import Bandwidth, Delay, Rate
+
+_GAP = "   "
+_KILO = 1e3
+
+
+@dataclass(frozen=True, slots=True)
+class _Form:
+    """The printed form of a measurement."""
+
+    keys: Sequence[str]  # of its fields in JSON
+    columns: Sequence[str]  # of the table, behind the topic
+    text: str  # of its cells or fields, in the lines of rostopic
+    cells: Callable[[Any], list[str]]
+    fields: Callable[[Any], Sequence[object]] = astuple  # that text has
+    nothing: str = "no new messages"
+
+
+@dataclass(frozen=True, slots=True)
+class _Request:
+    """The topics and options of the command line."""
+
+    topics: tuple[str, ...]
+    window: int
+    options: ListenOptions
+    as_json: bool
+
+
+def _measuring(
+    name: str, *more: Callable[..., Any], least: int, usual: int
+) -> Callable[[Callable[..., None]], click.Command]:
+    """Make a function a measuring command, whose smallest and usual windows these are."""
+    parts: list[Callable[..., Any]] = [
+        argument("topics", metavar="TOPIC...", nargs=-1, required=True, completer="bus:topics"),
+        option(
+            "-w",
+            "--window",
+            metavar="N",
+            type=whole_number(least),
+            default=usual,
+            show_default=True,
+            help="The number of messages to average over.",
+        ),
+        *more,
+        option("--timeout", type=duration, help="Exit with code 4 when none comes in time."),
+        option("-n", "count", metavar="N", type=whole_number(1), help="Stop after N reports."),
+        option(
+            "--wall-time", is_flag=True, help="Use real time even if a simulator publishes /clock."
+        ),
+        json_option,
+        looking_options,
+    ]
+
+    def declare(function: Callable[..., None]) -> click.Command:
+        @wraps(function)
+        def run(
+            topics: tuple[str, ...],
+            *,
+            window: int,
+            timeout: float | None,
+            count: int | None,
+            wall_time: bool,
+            as_json: bool,
+            **others: object,
+        ) -> None:
+            options = ListenOptions(timeout, count, wall_time, names=looking_names())
+            function(_Request(topics, window, options, as_json), **others)
+
+        return subcommand(name)(reduce(lambda made, part: part(made), reversed(parts), run))
+
+    return declare
+
+
+def _seconds(value: Rate | Delay) -> list[str]:
+    numbers = (value.mean, value.shortest, value.longest, value.deviation)
+    return [*(f"{number:.4}" for number in numbers), str(value.window)]
+
+
+def _bytes(value: Bandwidth) -> list[str]:
+    """Average, mean, smallest and largest, all in the unit that suits the average."""
+    sizes = ((1.0, "B"), (_KILO, "KB"), (_KILO**2, "MB"))
+    factor, unit = sizes[(value.average >= _KILO) + (value.average >= _KILO**2)]
+    numbers = (value.average, value.mean, value.smallest, value.largest)
+    average, *others = [f"{number / factor:.2f}{unit}" for number in numbers]
+    return [f"{average}/s", *others, str(value.window)]
+
+
+_SPREAD = "\n\tmin: {:.3f}s max: {:.3f}s std dev: {:.5f}s window: {}"
+_RATE = _Form(
+    ("rate", "min", "max", "std_dev", "window"),
+    ("rate", "min_delta", "max_delta", "std_dev", "window"),
+    "average rate: {:.3f}" + _SPREAD,
+    _seconds,
+)
+_DELAY = _Form(
+    ("delay", "min", "max", "std_dev", "window"),
+    ("delay", "min_delay", "max_delay", "std_dev", "window"),
+    "average delay: {:.3f}" + _SPREAD,
+    _seconds,
+)
+_BANDWIDTH = _Form(
+    ("bytes_per_second", "mean_bytes", "min_bytes", "max_bytes", "window"),
+    ("average", "mean", "min", "max", "window"),
+    "average: {}\n\tmean: {} min: {} max: {} window: {}",
+    _bytes,
+    _bytes,
+    nothing="",
+)
+
+
+@_measuring(
+    "hz",
+    option(
+        "--filter", "condition", metavar="EXPR", help="Count only messages for which this is true."
+    ),
+    least=2,
+    usual=50_000,
+)
+def hz(request: _Request, *, condition: str | None) -> None:
+    """Measure the rate of topics; report once a second until Ctrl-C.
+
+    Times of arrival are the kernel's, or simulated time if a simulator publishes /clock. The type
+    need not be known. A log is read at once, with its recorded times.
+
+    \b
+    Examples:
+      lcmtools hz /husky0/odometry
+      lcmtools hz EXAMPLE /chatter -w 100
+      lcmtools hz /chatter --filter "m.data != ''" -n 1 --timeout 5s
+    """
+    wanted = Filter(condition) if condition is not None else None
+    request = replace(request, options=replace(request.options, condition=wanted))
+    meters = {topic: RateMeter(request.window) for topic in request.topics}
+    with open_monitor("hz", whole=condition is not None) as monitor:
+        try:
+            _measure(monitor, meters, request, _RATE)
+        finally:
+            for sentence in lossy_senders(monitor, request.topics, request.options.names):
+                notify(sentence)
+    _tell_single(meters, "rate")
+
+
+@_measuring("bw", least=2, usual=100)
+def bw(request: _Request) -> None:
+    """Measure the bandwidth of topics; report once a second until Ctrl-C.
+
+    This counts the bytes of messages without network headers; 1 KB is 1000 bytes. Time is simulated
+    if a simulator publishes /clock. A log is read at once.
+
+    \b
+    Examples:
+      lcmtools bw /husky0/image
+      lcmtools bw EXAMPLE /chatter -w 1000
+    """
+    meters = {topic: BandwidthMeter(request.window) for topic in request.topics}
+    with open_monitor("bw") as monitor:
+        _measure(monitor, meters, request, _BANDWIDTH)
+    _tell_single(meters, "bandwidth")
+
+
+@_measuring("delay", least=1, usual=50_000)
+def delay(request: _Request) -> None:
+    """Measure the delay from header stamp to arrival; report once a second until Ctrl-C.
+
+    Between two computers the offset of their clocks adds to the delay. Both times are simulated if
+    a simulator publishes /clock. A log is read at once.
+
+    \b
+    Examples:
+      lcmtools delay /husky0/odometry
+      lcmtools delay /husky0/odometry -w 100 --json
+    """
+    with open_monitor("delay", whole=True) as monitor:
+        decoder = Decoder(monitor.types_of)
+        meters = {topic: DelayMeter(request.window, decoder, notify) for topic in request.topics}
+        _measure(monitor, meters, request, _DELAY)
+
+
+def _measure(
+    monitor: BusMonitor, meters: Mapping[str, Meter[Any]], request: _Request, form: _Form
+) -> None:
+    """Measure topics until the options, a log or Ctrl-C end it, and print each report."""
+    measurement = Measurement(monitor, meters, request.options, notify)
+    for channel in measurement.channels:
+        talk(f"subscribed to [{channel}]")
+    if measurement.is_simulated:
+        notify("times are simulated, as /clock says; --wall-time for real ones")
+    for report in measurement.reports():
+        if report.is_reset:
+            talk("time has reset, resetting counters")
+        else:
+            _print(report.found, form, as_json=request.as_json)
+
+
+def _print(found: Mapping[str, Any], form: _Form, *, as_json: bool) -> None:
+    """Print values by topic, None for nothing new: JSON, a table, or one topic's lines."""
+    if as_json:
+        for topic, value in found.items():
+            pairs = zip(form.keys, astuple(value), strict=True) if value else [(form.keys[0], None)]
+            data(json.dumps({"topic": topic, **dict(pairs)}))
+    elif not any(found.values()):
+        lines([form.nothing] * bool(form.nothing))
+    elif len(found) > 1:
+        rows = [[topic, *(form.cells(one) if one else "-----")] for topic, one in found.items()]
+        lines(table(("topic", *form.columns), rows))
+    else:
+        data("\n".join(form.text.format(*form.fields(one)) for one in found.values() if one))
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return a table as rostopic hz prints it: centred header, a rule, rows, an empty line."""
+    widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
+    rule = "=" * (sum(widths) + len(_GAP) * (len(widths) - 1))
+    head, *body = (
+        _GAP.join(f"{cell:{side}{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
+        for side, row in (("^", header), *(("<", row) for row in rows))
+    )
+    return [head, rule, *body, ""]
+
+
+def _tell_single(meters: Mapping[str, RateMeter | BandwidthMeter], noun: str) -> None:
+    for topic, meter in meters.items():
+        if meter.total == 1:
+            notify(f"only one message came on {topic}: a {noun} takes two")
