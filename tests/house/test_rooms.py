@@ -1,11 +1,14 @@
 """The house itself: who may import whom, and what a command costs at its start."""
 
 import json
+import re
 import subprocess
 import sys
 import sysconfig
+from collections import defaultdict
 from pathlib import Path
 
+import grimp
 import pytest
 
 from lcmtools.cli.lazy import LazyGroup
@@ -19,6 +22,50 @@ def test_imports_go_down_only() -> None:
         [lint, "--no-cache"], cwd=ROOT, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+ARCHITECTURE = (ROOT / "ARCHITECTURE.md").read_text()
+
+
+def _imports() -> dict[str, set[str]]:
+    """The packages of lcmtools that each of them imports directly."""
+    graph = grimp.build_graph("lcmtools")
+    rooms = {path.parent.name for path in (ROOT / "lcmtools").glob("*/__init__.py")}
+    found: dict[str, set[str]] = defaultdict(set)
+    for module in graph.modules:
+        room = module.split(".")[1] if "." in module else ""
+        for imported in graph.find_modules_directly_imported_by(module):
+            other = imported.split(".")[1] if "." in imported else ""
+            if {room, other} <= rooms and room != other:
+                found[room].add(other)
+    return found
+
+
+def test_the_picture_of_the_imports_is_true() -> None:
+    imports = _imports()
+
+    def reached(room: str) -> set[str]:
+        return imports[room].union(*(reached(other) for other in tuple(imports[room])))
+
+    needed = {
+        (room, other)
+        for room, others in tuple(imports.items())
+        for other in others
+        if not any(other in reached(between) for between in others - {other})
+    }
+    assert set(re.findall(r"^    (\w+) --> (\w+)$", ARCHITECTURE, re.MULTILINE)) == needed
+
+
+def test_every_module_that_the_architecture_names_is_there() -> None:
+    rooms = "|".join(path.parent.name for path in (ROOT / "lcmtools").glob("*/__init__.py"))
+    named = re.findall(rf"`((?:{rooms})(?:/\w+)+)`", ARCHITECTURE)
+    missing = [
+        name
+        for name in named
+        if not (ROOT / "lcmtools" / f"{name}.py").exists()
+        and not (ROOT / "lcmtools" / name).is_dir()
+    ]
+    assert (len(named) > 20, missing) == (True, [])
 
 
 HEAVY = {"lcm", "yaml", "numpy", "pybullet", "textual", "rich"}
