@@ -63,7 +63,7 @@ def watch(connection: Connection, way: str) -> None:
         start, used = time.monotonic(), time.process_time()
         while (left := start + _SECONDS - time.monotonic()) > 0:
             for packet in tap.receive(left):
-                builder.hear(packet)
+                builder.add(packet)
         share = (time.process_time() - used) / (time.monotonic() - start)
     seen = {traffic.channel: traffic for traffic in builder.snapshot(0).traffic}
     small, images = seen["SMALL"].messages / (_SMALL_RATE * _SECONDS), seen["IMAGE"].bytes

@@ -12,13 +12,10 @@ Handler = Callable[[bytes, int], None]
 
 
 class Bus(Protocol):
-    """A connection to a bus.
-
-    Attributes:
-        on_outage: Told, on the receiving thread, that the connection is lost, and that it is back.
-    """
+    """A connection to a bus."""
 
     on_outage: Callable[[str], None]
+    """Called, on the receiving thread, when the connection is lost, and when it is back."""
 
     @property
     def ports(self) -> list[int]:
@@ -30,7 +27,7 @@ class Bus(Protocol):
         ...
 
     def subscribe(self, channel: str, handler: Handler) -> None:
-        """Have ``handler`` called, on the receiving thread, for each message on the channel."""
+        """Call ``handler``, on the receiving thread, for each message on the channel."""
         ...
 
     def unsubscribe(self, channel: str, handler: Handler) -> None:
@@ -38,7 +35,7 @@ class Bus(Protocol):
         ...
 
     def close(self) -> None:
-        """Send what waits and leave the bus."""
+        """Send waiting messages and leave the bus."""
         ...
 
 
@@ -47,7 +44,7 @@ class FakeBus:
 
     def __init__(self) -> None:
         self.published: list[tuple[str, bytes]] = []
-        """Everything that was sent."""
+        """All messages that were sent."""
         self.on_outage: Callable[[str], None] = lambda _: None
         self._handlers: dict[str, list[Handler]] = {}
         self._closed = False
@@ -58,7 +55,7 @@ class FakeBus:
         return []
 
     def publish(self, channel: str, payload: bytes) -> None:
-        """Hand a message to all subscribers of its channel."""
+        """Deliver a message to all subscribers of its channel."""
         if self._closed:
             raise BusError("the bus is closed")
         check_length(channel)
@@ -67,7 +64,7 @@ class FakeBus:
             handler(payload, time.time_ns())
 
     def subscribe(self, channel: str, handler: Handler) -> None:
-        """Have ``handler`` called for each message on the channel."""
+        """Call ``handler`` for each message on the channel."""
         self._handlers.setdefault(check_length(channel), []).append(handler)
 
     def unsubscribe(self, channel: str, handler: Handler) -> None:

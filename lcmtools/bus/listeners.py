@@ -1,7 +1,7 @@
 """The sockets of this computer that receive from a bus, by the socket table.
 
-Linux only (/proc). Which channels a program listens to does not show, and programs of other users
-and computers do not show at all.
+The table shows neither a program's channels nor programs of other computers. Where there is none,
+there may always be a listener.
 """
 
 import time
@@ -11,15 +11,15 @@ from lcmtools.bus.kernel import announced_sockets
 from lcmtools.bus.processes import Process, owners, udp_sockets
 from lcmtools.bus.url import BusUrl
 
-_LOOK_PERIOD = 1.0  # [s] between two looks at the socket table
-_SECOND_LOOK = 0.5
-"""[s] A node's socket is a stranger's before it has announced itself and after it has said goodbye;
-what is still there after so long is no node's."""
-_SECOND_LOOK_AT_MARKS = 0.05  # [s]: sockets that are marked are so from their first moment
+_READ_PERIOD = 1.0  # [s] between two readings of the socket table
+_SECOND_READING = 0.5
+"""[s] A node's socket counts as foreign before its first announcement and after its goodbye; one
+that is still foreign after so long is no node's."""
+_SECOND_READING_OF_MARKS = 0.05  # [s]: sockets that are marked are so from their first moment
 
 
 def listening_sockets(url: BusUrl) -> frozenset[int]:
-    """The inodes of the sockets of this computer that receive what is sent on a multicast bus."""
+    """Return the inodes of the sockets of this computer that receive from a multicast bus."""
     if not url.is_multicast:
         return frozenset()
     addresses = ("0.0.0.0", url.host)  # noqa: S104 - a comparison
@@ -29,16 +29,16 @@ def listening_sockets(url: BusUrl) -> frozenset[int]:
 
 
 def listening_processes(sockets: frozenset[int]) -> frozenset[Process]:
-    """The processes that hold these sockets, those that this user may look into."""
+    """Return the processes that hold these sockets, of those that this user may look into."""
     return frozenset(owners(sockets).values())
 
 
 class PlainListeners:
-    """True if programs that never announce what they hear can be listening to a bus.
+    """The programs that listen to a bus and announce no subscriptions.
 
     Args:
         url: The bus.
-        nodes: The numbers of the processes that announce what they hear, on this computer.
+        nodes: Returns the pids of the processes on this computer that announce theirs.
         now: A monotonic clock [s].
     """
 
@@ -51,9 +51,9 @@ class PlainListeners:
         self._url = url
         self._nodes = nodes
         self._now = now
-        self._next_look = now()
+        self._next_reading = now()
         self._possible = True
-        self._strangers: frozenset[int] = frozenset()
+        self._foreign: frozenset[int] = frozenset()
         self._sockets: frozenset[int] = frozenset()
         self._holders: dict[int, Process] = {}
 
@@ -64,40 +64,39 @@ class PlainListeners:
         one process.
 
         Args:
-            at_once: As of now. Where sockets cannot be told apart, a socket seen for the first time
-                counts too, though it may turn out to be a node that has not announced itself yet.
+            at_once: As of now. Where sockets are not marked, one seen for the first time counts
+                too, though it may turn out to be a node that has not announced itself yet.
         """
         if self._url.provider == "memq":
             return False
         if not self._url.is_multicast or self._url.ttl:
             return True
-        if at_once or self._now() >= self._next_look:
-            self._look()
-        return self._possible or (at_once and bool(self._strangers))
+        if at_once or self._now() >= self._next_reading:
+            self._read()
+        return self._possible or (at_once and bool(self._foreign))
 
-    def _look(self) -> None:
-        """Look at the socket table again; strangers count when they are seen the second time.
+    def _read(self) -> None:
+        """Read the socket table again; a foreign socket counts when it is seen the second time.
 
         The tables are read one after the other, and a socket may come or go between.
         """
-        before, sockets = self._strangers, listening_sockets(self._url)
+        before, sockets = self._foreign, listening_sockets(self._url)
         marked = announced_sockets() & sockets
-        self._strangers = sockets - marked if marked else self._without_nodes(sockets)
-        certain = bool(self._strangers & before)
-        # Not even one's own socket is there: this system does not tell. And who was here before
-        # the first look may listen from the first message on.
-        self._possible = not sockets or certain or (self._possible and bool(self._strangers))
-        is_sure = self._strangers <= before
-        again = _SECOND_LOOK_AT_MARKS if marked else _SECOND_LOOK
-        self._next_look = self._now() + (_LOOK_PERIOD if is_sure else again)
+        self._foreign = sockets - marked if marked else self._without_nodes(sockets)
+        certain = bool(self._foreign & before)
+        # Without one's own socket the system shows none. And a program that was here before the
+        # first reading may listen from the first message on.
+        self._possible = not sockets or certain or (self._possible and bool(self._foreign))
+        is_sure = self._foreign <= before
+        again = _SECOND_READING_OF_MARKS if marked else _SECOND_READING
+        self._next_reading = self._now() + (_READ_PERIOD if is_sure else again)
 
     def _without_nodes(self, sockets: frozenset[int]) -> frozenset[int]:
-        """Those that belong to a process that is no node, or that is hidden.
+        """Return the sockets of processes that are no nodes, or hidden, where marks are not shown.
 
-        For systems that do not show marks: a program that is both a node and a plain one counts as
-        a node here.
+        A program that is both a node and a plain one counts as a node here.
         """
-        if sockets != self._sockets:  # to find whose they are costs milliseconds
+        if sockets != self._sockets:  # to find their processes costs milliseconds
             self._sockets, self._holders = sockets, owners(sockets)
         nodes, holders = self._nodes(), self._holders
         return frozenset(s for s in sockets if s not in holders or holders[s].pid not in nodes)

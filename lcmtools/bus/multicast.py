@@ -17,7 +17,7 @@ from lcmtools.errors import BusError
 from lcmtools.wire.datagram import short_message
 
 SELF_TEST_CHANNEL = "LCM_SELF_TEST"
-"""The channel of liblcm's own self test; everybody knows to ignore it."""
+"""The channel of liblcm's own self test."""
 
 WANTED_BUFFER_BYTES = 8 << 20
 _LOOPBACK_ROUTE = "sudo ip link set lo up multicast on && sudo ip route add 224.0.0.0/4 dev lo"
@@ -30,7 +30,7 @@ def receive_buffer_bytes() -> int:
 
 
 def sending_socket(url: BusUrl) -> socket.socket:
-    """A socket that sends to the group as liblcm does: looped back to this host, with its ttl."""
+    """Return a socket that sends to the group as liblcm does: looped back, with the bus's ttl."""
     sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, url.ttl)
     sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_LOOP, 1)
@@ -38,7 +38,7 @@ def sending_socket(url: BusUrl) -> socket.socket:
 
 
 def receiving_socket(url: BusUrl) -> socket.socket:
-    """A socket that hears the group beside everyone else, as liblcm's receivers do.
+    """Return a socket that receives from the group beside others, as liblcm's receivers do.
 
     Raises:
         BusError: The group cannot be joined.
@@ -110,17 +110,17 @@ def check_loopback(url: BusUrl, sender: socket.socket, receiver: socket.socket) 
     try:
         while (left := deadline - time.monotonic()) > 0:
             sender.sendto(datagram, (url.host, url.port))
-            if _heard(receiver, datagram, sender.getsockname()[1], min(left, 0.05)):
+            if _receives(receiver, datagram, sender.getsockname()[1], min(left, 0.05)):
                 return
     except OSError as error:
         raise _explain(url, error) from error
     raise BusError(
         f"multicast to {url.host}:{url.port} does not come back to this host",
-        f"a firewall or the route to the group stands in the way; type: {_LOOPBACK_ROUTE}",
+        f"a firewall or the route to the group is in the way; type: {_LOOPBACK_ROUTE}",
     )
 
 
-def _heard(receiver: socket.socket, datagram: bytes, port: int, timeout: float) -> bool:
+def _receives(receiver: socket.socket, datagram: bytes, port: int, timeout: float) -> bool:
     """Return whether our own datagram arrives; other traffic is ignored."""
     deadline = time.monotonic() + timeout
     while (left := deadline - time.monotonic()) > 0:
@@ -133,7 +133,7 @@ def _heard(receiver: socket.socket, datagram: bytes, port: int, timeout: float) 
 
 
 def _explain(url: BusUrl, error: OSError) -> BusError:
-    """The meaning of an operating system error for the user of a bus."""
+    """Return an operating system error in the words of a bus's user."""
     where = f"{url.host}:{url.port}"
     if error.errno in (errno.ENETUNREACH, errno.ENODEV, errno.EADDRNOTAVAIL, errno.EHOSTUNREACH):
         return BusError(f"no multicast route to {where}", f"type: {_LOOPBACK_ROUTE}")

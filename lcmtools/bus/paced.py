@@ -22,15 +22,11 @@ MAX_WAITING_BYTES = 64 << 20
 """A publisher that is faster than the pace waits once this much is queued."""
 
 _PAUSE = 0.0002  # [s] after each fragment; three fragments fit stock buffers (212 992 bytes)
-_FLUSH_TIMEOUT = 0.5  # [s] that closing waits for what is still queued
+_FLUSH_TIMEOUT = 0.5  # [s] that closing waits for queued messages
 
 
 class PacedSender:
-    """Sends large messages on a thread of its own, in the order given, from a port of its own.
-
-    Args:
-        url: A multicast bus.
-    """
+    """Sends large messages on a thread of its own, in the order given, from a port of its own."""
 
     def __init__(self, url: BusUrl) -> None:
         self._address = (url.host, url.port)
@@ -70,14 +66,14 @@ class PacedSender:
             self._changed.notify_all()
 
     def has_waiting(self, channel: str) -> bool:
-        """True if a message of this channel waits or is on its way, that none may overtake."""
+        """Return whether a message of this channel waits or is being sent: none may overtake it."""
         if not self._waiting:
             return False
         with self._changed:
             return any(waiting == channel for waiting, _ in self._waiting)
 
     def close(self) -> None:
-        """Send what is queued, for half a second at most, and close the socket."""
+        """Send queued messages, for half a second at most, and close the socket."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()

@@ -1,6 +1,6 @@
-"""Checks before liblcm is called for what would make it hang, crash or print.
+"""Checks before liblcm is called, of conditions that make it hang, crash or print.
 
-Belongs here: a look at the outside that a URL needs to work. Must not import lcm.
+Must not import lcm.
 """
 
 import os
@@ -13,11 +13,11 @@ from pathlib import Path
 from lcmtools.bus.multicast import check_multicast
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
+from lcmtools.wire.log import SYNC
 
 _SELECT_LIMIT = 1024
 _CONNECT_TIMEOUT = 0.8  # [s]
 _PERIOD = 0.2  # [s] between two checks
-_LOG_SYNC = bytes.fromhex("eda1da01")  # every event of a log starts with it
 
 
 def check_bus(url: BusUrl) -> None:
@@ -36,9 +36,9 @@ def check_bus(url: BusUrl) -> None:
 
 
 def wait_for_bus(url: BusUrl, notify: Callable[[str], None]) -> None:
-    """Return when the bus can be used, as a computer may start nodes before its network is up.
+    """Wait until the bus can be used, as nodes may start before a computer's network is up.
 
-    The first problem is handed to ``notify``.
+    Calls ``notify`` with the first problem.
     """
     if problem := _problem(url):
         notify(f"waiting for the bus: {problem}")
@@ -77,7 +77,7 @@ def _check_server(url: BusUrl) -> None:
 
 
 def _jar() -> str:
-    """The path of LCM's Java library, which has a server in it."""
+    # LCM's Java library has a server in it
     jar = Path(sysconfig.get_path("purelib")) / "share/java/lcm.jar"
     return str(jar) if jar.exists() else "lcm.jar"
 
@@ -87,8 +87,8 @@ def _check_log(url: BusUrl) -> None:
         return
     try:
         with Path(url.network).open("rb") as log:
-            start = log.read(len(_LOG_SYNC))
+            start = log.read(len(SYNC))
     except OSError as error:
         raise BusError(f"cannot read the log '{url.network}': {error.strerror}") from error
-    if start != _LOG_SYNC:
+    if start != SYNC:
         raise BusError(f"'{url.network}' is empty or no LCM log")

@@ -1,7 +1,7 @@
 """The process behind a UDP port: the socket table and the processes of this computer.
 
-Linux only (/proc). Elsewhere, and for other users' processes, the answer is "not known", never a
-guess. See proc(5).
+By proc(5). On other systems, and for other users' processes, the answer is "not known", never a
+guess.
 """
 
 import contextlib
@@ -30,7 +30,7 @@ class UdpSocket:
         inode: The socket's identity.
         uid: The user it belongs to.
         drops: Datagrams that the kernel dropped because its buffer was full.
-        queued_bytes: What waits to be read, with the kernel's overhead.
+        queued_bytes: Size of the waiting datagrams, with the kernel's overhead.
     """
 
     address: str
@@ -48,7 +48,7 @@ class Process:
     Attributes:
         pid: Its number.
         command: Its command line.
-        start_ticks: When it started, in clock ticks since boot: with the pid, its identity.
+        start_ticks: Its start, in clock ticks since boot: with the pid, its identity.
     """
 
     pid: int
@@ -56,7 +56,7 @@ class Process:
     start_ticks: int = 0
 
     def called(self, most: int) -> str:
-        """The command line in so many characters at most; first its words lose their folders."""
+        """Return the command line in so many characters; first its words lose their folders."""
         if len(self.command) <= most:
             return self.command
         words = self.command.split(" ")
@@ -69,7 +69,7 @@ class Usage:
 
     Attributes:
         uid: The user it belongs to.
-        start_time: When it started, nanoseconds since 1970, to a hundredth of a second.
+        start_time: Its start, nanoseconds since 1970, to a hundredth of a second.
         memory_bytes: Physical memory.
         processor_time: Processor time so far, all threads together [s].
     """
@@ -81,7 +81,7 @@ class Usage:
 
 
 def udp_sockets() -> list[UdpSocket]:
-    """All UDP sockets of this network namespace; empty where the system does not tell."""
+    """Return all UDP sockets of this network namespace; empty where that is not known."""
     try:
         lines = _SOCKET_TABLE.read_text().splitlines()[1:]
     except OSError:
@@ -94,8 +94,8 @@ class Senders:
     """The possible senders from a local UDP port.
 
     Attributes:
-        candidates: The processes that can be told, by their numbers.
-        are_all: Whether there can be no others.
+        candidates: The known ones, sorted by pid.
+        are_all: True if there can be no others.
     """
 
     candidates: tuple[Process, ...]
@@ -103,20 +103,15 @@ class Senders:
 
     @property
     def only(self) -> Process | None:
-        """The one that it must have been; None where that does not show."""
+        """The only possible one; None if there are others."""
         return self.candidates[0] if self.are_all and len(self.candidates) == 1 else None
 
 
 def senders_from(port: int, rows: Iterable[UdpSocket], holders: Mapping[int, Process]) -> Senders:
-    """Return the possible senders from a port.
+    """Return the possible senders from a port, by the socket table and the holders of inodes.
 
     On the bus's own port, which listeners share, Java sends too. It binds that to any address, and
     liblcm, which does not send from there, to the group's.
-
-    Args:
-        port: The local port.
-        rows: The socket table.
-        holders: The processes that this user may look into, by inode.
     """
     able = [r for r in rows if r.port == port and not IPv4Address(r.address).is_multicast]
     found = {holders[row.inode] for row in able if row.inode in holders}
@@ -125,24 +120,24 @@ def senders_from(port: int, rows: Iterable[UdpSocket], holders: Mapping[int, Pro
 
 
 def senders_of_port(port: int) -> Senders:
-    """The possible senders from a local UDP port."""
+    """Return the possible senders from a local UDP port."""
     rows = [row for row in udp_sockets() if row.port == port]
     return senders_from(port, rows, owners(row.inode for row in rows))
 
 
 def owners(inodes: Iterable[int]) -> dict[int, Process]:
-    """The process that holds each socket, for the processes that this user may look into."""
-    wanted = {f"socket:[{inode}]": inode for inode in inodes}
+    """Return the process that holds each socket, of those that this user may look into."""
+    targets = {f"socket:[{inode}]": inode for inode in inodes}
     found: dict[int, Process] = {}
-    for pid in _pids() if wanted else ():
+    for pid in _pids() if targets else ():
         for target in _open_files(pid):
-            if target in wanted and (process := process_of(pid)):
-                found.setdefault(wanted[target], process)
+            if target in targets and (process := process_of(pid)):
+                found.setdefault(targets[target], process)
     return found
 
 
 def process_of(pid: int) -> Process | None:
-    """The process with this pid; None when there is none (a zombie has ended)."""
+    """Return the process with this pid; None if there is none (a zombie has ended)."""
     try:
         command = (_PROC / str(pid) / "cmdline").read_bytes().replace(b"\0", b" ").strip()
         status = (_PROC / str(pid) / "stat").read_text()
@@ -185,19 +180,19 @@ def is_local(address: str) -> bool:
     return True
 
 
-def unheard_senders(
-    group: str, group_port: int, heard_ports: set[int], known_pids: set[int]
+def silent_senders(
+    group: str, group_port: int, seen_ports: set[int], known_pids: set[int]
 ) -> set[int]:
-    """Ports of programs on this computer that may publish to the group but were not heard yet.
+    """Return the ports of programs here that may publish to the group and have not done so yet.
 
     LCM programs publish from an unbound socket on an ephemeral port, and join the group with it.
-    Candidates are such sockets of processes that use liblcm and are not among ``known_pids``; a
-    process that listens on other buses only is none.
+    Candidates are such sockets of processes that use liblcm; a process that listens on other buses
+    only is none.
 
     Args:
         group: The multicast group.
         group_port: The port of the bus.
-        heard_ports: UDP ports that were heard already.
+        seen_ports: UDP ports that have sent already.
         known_pids: Processes whose publications are known otherwise (announced nodes).
     """
     if not _is_joined(group):
@@ -209,7 +204,7 @@ def unheard_senders(
         row.port
         for row in rows
         if row.address == "0.0.0.0"  # noqa: S104 - a comparison
-        and row.port not in heard_ports
+        and row.port not in seen_ports
         and (process := holders.get(row.inode))
         and process.pid not in known
         and uses_lcm(process.pid)
@@ -219,12 +214,12 @@ def unheard_senders(
 def _listening_elsewhere(
     rows: Iterable[UdpSocket], holders: Mapping[int, Process], group_port: int
 ) -> set[int]:
-    """The processes that listen to multicast groups, and to none on this port."""
+    """Return the processes that listen to multicast groups, and to none on this port."""
     ports: dict[int, set[int]] = {}
     for row in rows:
         if row.inode in holders and IPv4Address(row.address).is_multicast:
             ports.setdefault(holders[row.inode].pid, set()).add(row.port)
-    return {pid for pid, heard in ports.items() if group_port not in heard}
+    return {pid for pid, own in ports.items() if group_port not in own}
 
 
 def uses_lcm(pid: int) -> bool:
@@ -237,7 +232,7 @@ def uses_lcm(pid: int) -> bool:
 
 
 def _contains(file: Path, text: bytes) -> bool:
-    """Return whether a file has these bytes in it, looking without reading it all into memory."""
+    """Return whether a file contains these bytes, without reading it all into memory."""
     with (
         contextlib.suppress(OSError, ValueError),
         file.open("rb") as opened,
@@ -277,7 +272,7 @@ def _pids() -> list[int]:
 
 
 def _open_files(pid: int) -> list[str]:
-    """The targets of a process's file descriptors; empty for other users' processes."""
+    # of other users' processes, none
     targets: list[str] = []
     with contextlib.suppress(OSError):
         for descriptor in (_PROC / str(pid) / "fd").iterdir():

@@ -135,4 +135,4 @@ def _learn(builder: "GraphBuilder", data: bytes, address: tuple[str, int]) -> "A
         return None
     if message.channel is None:
         return None
-    return builder.hear(Packet(message.channel, payload, time.time_ns(), Sender(*address)))
+    return builder.add(Packet(message.channel, payload, time.time_ns(), Sender(*address)))

@@ -1,8 +1,7 @@
 """Records of the nodes that run on this computer, so that one that was killed is not forgotten.
 
-A node that ends says goodbye on the bus; one that is killed cannot. Each node leaves a small file
-while it lives, and a later look at the graph finds those whose node does not answer any
-more. The files belong to one user and hold what the announcement says.
+A node that ends says goodbye on the bus; one that is killed cannot. Each node keeps a small file
+while it lives; a file whose node does not answer shows its end. The files belong to one user.
 """
 
 import contextlib
@@ -20,22 +19,14 @@ from lcmtools.graph.model import Node, Role, Staleness
 
 
 class NodeRecords:
-    """The records of one bus.
-
-    Args:
-        url: The bus.
-        environment: Where XDG_RUNTIME_DIR is looked up.
-    """
+    """The records of one bus, in XDG_RUNTIME_DIR of the environment."""
 
     def __init__(self, url: BusUrl, environment: Mapping[str, str]) -> None:
         bus = f"{url.provider}-{url.host}-{url.port}"
         self._folders = [base / "nodes" / bus for base in _base_folders(environment)]
 
     def write(self, node: Node) -> None:
-        """Leave a node's record, in place of those of dead nodes of its name.
-
-        A computer that has no room for it goes without.
-        """
+        """Write a node's record, if there is room, in place of those of dead nodes of its name."""
         for dead in self.read():
             if dead.name == node.name and dead.stale is Staleness.ENDED:
                 self.remove(dead.id)
@@ -63,13 +54,13 @@ class NodeRecords:
             temporary.replace(folder / f"{node.id}.json")
 
     def remove(self, identifier: str) -> None:
-        """Take a node's record away."""
+        """Remove a node's record."""
         for folder in self._folders:
             with contextlib.suppress(OSError):
                 (folder / f"{identifier}.json").unlink(missing_ok=True)
 
     def read(self) -> Iterator[Node]:
-        """The nodes that left a record, each with what is the matter if it does not answer.
+        """Yield the nodes with a record, each with its staleness if it does not answer.
 
         A node in another network of this computer, as containers have their own, is on another bus.
         """
@@ -78,12 +69,12 @@ class NodeRecords:
                 yield _node(record)
 
     def namesake(self, node: Node) -> Node | None:
-        """A node of the same name that another process of this computer runs; None for none."""
+        """Return a node of the same name that another process of this computer runs, if any."""
         others = (one for one in self.read() if one.name == node.name and one.pid != node.pid)
         return next((one for one in others if one.stale is Staleness.HANGS), None)
 
     def topics(self, identifiers: Container[str], role: Role) -> set[str]:
-        """The topics that nodes of these ids published, or subscribed to, by their records."""
+        """Return the topics that nodes of these ids published, or subscribed to."""
         found: set[str] = set()
         for record in self._records():
             topics = record.get("publishes" if role is Role.PUBLISHER else "subscribes")
@@ -118,7 +109,7 @@ def _node(record: Mapping[str, object]) -> Node:
 
 
 def _base_folders(environment: Mapping[str, str]) -> list[Path]:
-    """The folders of records: the user's runtime folder, else /tmp; the first is written to."""
+    """Return the folders of records, the one to write to first: the user's runtime folder, /tmp."""
     shared = Path(f"/tmp/lcmtools-{os.getuid()}")  # noqa: S108 - private, and checked to be
     runtime = environment.get("XDG_RUNTIME_DIR")
     if runtime and Path(runtime).is_dir():

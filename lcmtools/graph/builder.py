@@ -38,11 +38,7 @@ class _Count:
 
 
 class GraphBuilder:
-    """Learns the graph from what comes over the bus.
-
-    Args:
-        but: The id of a node that is left out: a command that looks sees the others.
-    """
+    """Learns the graph from the packets of a bus; the node with the id ``but`` is left out."""
 
     def __init__(self, but: str = "") -> None:
         self._nodes: dict[str, Node] = {}
@@ -51,7 +47,7 @@ class GraphBuilder:
         self._heads: dict[bytes, tuple[bytes, str]] = {}
         self._traffic: dict[tuple[str, Sender | None], _Count] = {}
 
-    def hear(self, packet: Packet) -> Announcement | None:
+    def add(self, packet: Packet) -> Announcement | None:
         """Learn from one packet; return the announcement if it was one."""
         if packet.channel == NODE_CHANNEL:
             announcement = decode_announcement(packet.payload)
@@ -68,22 +64,22 @@ class GraphBuilder:
         return None
 
     def add_head(self, head: Head, packet: Packet) -> None:
-        """Learn from an announcement, decoding it only where more than counters has changed.
+        """Learn from an announcement, decoding it only if more than counters has changed.
 
-        Most of the work that following a large bus makes is decoding; the counters of a node that
-        is known stay as they were when it was decoded.
+        Decoding is most of the work of following a large bus; the counters of a known node stay as
+        they were when it was decoded.
         """
         revision, identifier = self._heads.get(head.identity, (b"", ""))
         node = self._nodes.get(identifier)
         if node is not None and revision == head.revision:
-            self._nodes[identifier] = replace(node, last_heard=packet.time)
+            self._nodes[identifier] = replace(node, last_announced=packet.time)
             return
-        announcement = self.hear(packet)
+        announcement = self.add(packet)
         if announcement is not None and not announcement.leaving:
             self._heads[head.identity] = head.revision, announcement.node.id
 
     def recall(self, nodes: Iterable[Node]) -> None:
-        """Learn of nodes that left a record; those that never answer turn out to be stale."""
+        """Learn of nodes by their records; those that never announce themselves are stale."""
         for node in nodes:
             self._recorded[node.id] = node
 
@@ -92,20 +88,20 @@ class GraphBuilder:
         self._nodes.pop(identifier, None)
         self._recorded.pop(identifier, None)
 
-    def heard_senders(self) -> set[Sender]:
-        """Every sender that was heard so far."""
+    def senders(self) -> set[Sender]:
+        """Return every sender of a packet so far."""
         known = {sender for node in self._nodes.values() for sender in node.senders()}
         return known | {sender for _, sender in self._traffic if sender is not None}
 
     def snapshot(self, now: int) -> Graph:
-        """The graph at the time ``now`` (nanoseconds since 1970)."""
-        heard = [_aged(node, now) for node in self._nodes.values()]
+        """Return the graph at the time ``now`` (nanoseconds since 1970)."""
+        announced = [_aged(node, now) for node in self._nodes.values()]
         silent = [
             replace(node, stale=node.stale or Staleness.UNANSWERED)
             for identifier, node in self._recorded.items()
             if identifier not in self._nodes and identifier not in self._left
         ]
-        nodes = sorted(heard + silent, key=lambda node: (node.name, node.start_time))
+        nodes = sorted(announced + silent, key=lambda node: (node.name, node.start_time))
         return Graph(tuple(nodes), tuple(self._traffic_seen()), now)
 
     def _announced(self, announcement: Announcement, packet: Packet) -> None:
@@ -118,11 +114,15 @@ class GraphBuilder:
         lag = packet.time - node.sent if node.sent else None
         known = self._nodes.get(node.id)
         if lag is not None and known is not None and known.lag is not None:
-            lag = min(lag, known.lag)  # the quickest one tells most of the clocks
-        self._nodes[node.id] = replace(node, sender=packet.sender, last_heard=packet.time, lag=lag)
+            lag = min(lag, known.lag)  # the quickest one shows the clocks' difference best
+        self._nodes[node.id] = replace(
+            node, sender=packet.sender, last_announced=packet.time, lag=lag
+        )
 
     def _traffic_seen(self) -> Iterable[Traffic]:
-        for (channel, sender), count in sorted(self._traffic.items(), key=_order):
+        for (channel, sender), count in sorted(
+            self._traffic.items(), key=lambda item: (item[0][0], str(item[0][1]))
+        ):
             yield Traffic(
                 channel,
                 sender,
@@ -134,12 +134,7 @@ class GraphBuilder:
             )
 
 
-def _order(item: tuple[tuple[str, Sender | None], _Count]) -> tuple[str, str]:
-    (channel, sender), _ = item
-    return channel, str(sender)
-
-
 def _aged(node: Node, now: int) -> Node:
-    if now - node.last_heard <= STALE_AFTER:
+    if now - node.last_announced <= STALE_AFTER:
         return node
     return replace(node, stale=Staleness.SILENT)

@@ -1,4 +1,4 @@
-"""The graph's values: nodes, their endpoints, and what was seen on the channels."""
+"""The graph's values: nodes, their endpoints, and the messages observed on the channels."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -32,11 +32,11 @@ class Staleness(str, Enum):
     ENDED = "ended without saying goodbye"
 
     def __str__(self) -> str:
-        """As it is shown."""
+        """Return the text."""
         return self.value
 
     def __format__(self, spec: str) -> str:
-        """As it is shown; Python versions differ in what they make of it otherwise."""
+        """Return the text; Python versions differ in what they do otherwise."""
         return format(self.value, spec)
 
 
@@ -46,7 +46,7 @@ class Endpoint:
 
     Attributes:
         topic: The full name of the topic or service.
-        role: What the node does with it.
+        role: The node's role for it.
         types: The declared type first, then others that are accepted too ("package/Name").
         fingerprints: Of ``types``, unsigned.
         group: Subscriptions of a node with the same group are alternatives of each other.
@@ -54,10 +54,10 @@ class Endpoint:
         messages: Messages sent or received so far.
         bytes: Bytes of their payloads.
         drops: Messages that a full queue pushed out.
-        last_time: When the last one was sent or received, nanoseconds since 1970; 0 for never.
-        calls: How often the callback was called; 0 where there is none.
-        busy: Time spent in the callback, also in a call that still runs [ns].
-        longest: What the longest call took, or has taken so far [ns].
+        last_time: Time of the last one, nanoseconds since 1970; 0 for none.
+        calls: Number of calls of the callback; 0 where there is none.
+        busy: Time spent in the callback, in a running call too [ns].
+        longest: Time of the longest call, of a running one so far [ns].
     """
 
     topic: str
@@ -89,19 +89,19 @@ class Node:
         id: Unique for each run of each node.
         host: Name of its computer.
         pid: Its process there.
-        start_time: When it started, nanoseconds since 1970.
+        start_time: Its start, nanoseconds since 1970.
         command: Its command line.
         tool: A command that looks at the bus for a while, not a part of the system.
         ports: UDP ports it sends from, besides the one its announcements come from.
         endpoints: What it publishes, subscribes and serves.
-        sender: Where its announcements come from; None where the bus does not say.
-        last_heard: When it last announced itself, nanoseconds since 1970; 0 for never.
-        stale: Why it counts as stale; false for a node that is alive.
+        sender: The source of its announcements; None where the bus names none.
+        last_announced: Arrival of its last announcement, nanoseconds since 1970; 0 for none.
+        stale: The reason why it counts as stale; false for a node that is alive.
         busy: Time spent in its callbacks, those of timers too [ns].
-        sent: When it announced itself last, by its own computer's clock, nanoseconds since 1970;
-            0 where it does not say.
-        lag: How long after they were sent its announcements came, at least, by the two computers'
-            clocks [ns]: negative where its clock is ahead; None where that is not known.
+        sent: Time of its last announcement by its own computer's clock, nanoseconds since 1970; 0
+            if unknown.
+        lag: Shortest time from the sending of an announcement to its arrival, by the two computers'
+            clocks [ns]: negative if its clock is ahead; None if unknown.
     """
 
     name: str
@@ -114,27 +114,29 @@ class Node:
     ports: tuple[int, ...] = ()
     endpoints: tuple[Endpoint, ...] = ()
     sender: Sender | None = None
-    last_heard: int = 0
+    last_announced: int = 0
     stale: Staleness = Staleness.NOT
     busy: int = 0
     sent: int = 0
     lag: int | None = None
 
     def having(self, role: Role) -> tuple[Endpoint, ...]:
-        """The endpoints of one role, sorted by topic."""
-        return tuple(sorted((e for e in self.endpoints if e.role is role), key=_topic_of))
+        """Return the endpoints of one role, sorted by topic."""
+        return tuple(
+            sorted((e for e in self.endpoints if e.role is role), key=lambda one: one.topic)
+        )
 
     def senders(self) -> frozenset[Sender]:
-        """All senders that are known to be this node."""
+        """Return all senders that are known to be this node."""
         if self.sender is None:
             return frozenset()
-        own = {Sender(self.sender.address, port) for port in self.ports}
-        return frozenset(own | {self.sender})
+        address = self.sender.address
+        return frozenset({self.sender, *(Sender(address, port) for port in self.ports)})
 
     def time_there(self, now: int) -> int:
-        """The time of the node's computer at this computer's time ``now`` [ns since 1970].
+        """Return the time of the node's computer, which its counters use, at the time ``now`` here.
 
-        Its counters' times are by that clock. Where it is not known, both show the same.
+        Both [ns since 1970], and equal if the lag is unknown.
         """
         return now - (self.lag or 0)
 
@@ -150,10 +152,10 @@ class Traffic:
 
     Attributes:
         channel: The channel.
-        sender: Who; None where the bus does not say.
-        fingerprints: Fingerprints seen, in order of appearance; a few where they keep changing,
-            as with data that is no LCM message.
-        messages: How many messages.
+        sender: The sender; None where the bus names none.
+        fingerprints: Fingerprints in order of appearance; a few where they keep changing, as with
+            data that is no LCM message.
+        messages: Number of messages.
         bytes: Bytes of their payloads.
         first_time: Arrival of the first, nanoseconds since 1970.
         last_time: Arrival of the last.
@@ -168,7 +170,7 @@ class Traffic:
     last_time: int
 
     def rate(self) -> float | None:
-        """Messages per second between the first and the last; None before two messages."""
+        """Return the messages per second, first to last; None before two messages."""
         if self.messages < 2 or self.last_time <= self.first_time:  # noqa: PLR2004 - an interval
             return None
         return (self.messages - 1) * 1e9 / (self.last_time - self.first_time)
@@ -176,13 +178,13 @@ class Traffic:
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """Everything known of one topic.
+    """The known facts of one topic.
 
     Attributes:
         name: The channel's name.
         publishers: Nodes with their endpoints that announce to publish it.
         subscribers: Nodes with their endpoints that announce to subscribe to it.
-        traffic: What was seen on it, by sender.
+        traffic: The observed messages, by sender.
         foreign: The part of ``traffic`` that no announced node has sent. Where the bus names no
             sender, an announced publisher explains all of it.
     """
@@ -211,8 +213,8 @@ class Graph:
 
     Attributes:
         nodes: Announced nodes, sorted by name; stale ones included.
-        traffic: What was seen on the channels, hidden ones included.
-        time: When this was taken, nanoseconds since 1970.
+        traffic: The observed messages, on hidden channels too.
+        time: Time of this snapshot, nanoseconds since 1970.
     """
 
     nodes: tuple[Node, ...] = ()
@@ -220,7 +222,7 @@ class Graph:
     time: int = 0
 
     def topic_names(self) -> list[str]:
-        """Every topic that is published, subscribed to by more than a tool, or seen; sorted."""
+        """Return all topics that are published, observed, or subscribed to by a node; sorted."""
         announced = {
             endpoint.topic
             for node in self.nodes
@@ -231,7 +233,7 @@ class Graph:
         return sorted(announced | {seen.channel for seen in self.traffic})
 
     def topic(self, name: str) -> Topic:
-        """The known facts of one topic; empty when there are none."""
+        """Return the facts of one topic; empty when there are none."""
         traffic = tuple(seen for seen in self.traffic if seen.channel == name)
         publishers = tuple(self._having(name, Role.PUBLISHER))
         known: set[Sender | None] = {s for node in self.nodes for s in node.senders()}
@@ -246,15 +248,15 @@ class Graph:
         )
 
     def foreign(self) -> list[Traffic]:
-        """The observed messages that no announced node has sent; see ``Topic.foreign``.
+        """Return the messages that no announced node has sent, without LCM's self tests.
 
-        Without what LCM's programs, and all commands of lcmtools, send to themselves at first.
+        See ``Topic.foreign``.
         """
         names = dict.fromkeys(seen.channel for seen in self.traffic if seen.channel != _SELF_TEST)
         return [seen for name in names for seen in self.topic(name).foreign]
 
     def named(self, name: str) -> list[Node]:
-        """The nodes that a name as typed means: a full name, or one that ends in it uniquely."""
+        """Return the nodes that a typed name means: a full name, or the last part of one."""
         full = name if name.startswith("/") else f"/{name}"
         exact = [node for node in self.nodes if node.name == full]
         if exact or name.startswith("/"):
@@ -266,7 +268,3 @@ class Graph:
             for endpoint in node.endpoints:
                 if endpoint.topic == topic and endpoint.role is role:
                     yield node, endpoint
-
-
-def _topic_of(endpoint: Endpoint) -> str:
-    return endpoint.topic

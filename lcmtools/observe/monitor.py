@@ -14,7 +14,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from lcmtools.bus.processes import is_local, unheard_senders
+from lcmtools.bus.processes import is_local, silent_senders
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
@@ -132,7 +132,7 @@ class BusMonitor:
         if not self.is_live:
             self._last_time = packets[-1].time
         for packet in packets:
-            self._builder.hear(packet)
+            self._builder.add(packet)
             if self._node.endpoints:
                 self._answer(packet)
         return packets
@@ -236,7 +236,7 @@ class BusMonitor:
         Which channels a program has only listening tells: the first may be one of ten.
         """
         while (left := deadline - time.monotonic()) > 0:
-            heard = {s.port for s in self._builder.heard_senders() if is_local(s.address)}
+            heard = {s.port for s in self._builder.senders() if is_local(s.address)}
             heard.add(self._observer.port)
             graph = self.graph()
             if graph.foreign():
@@ -244,7 +244,7 @@ class BusMonitor:
                     pass
                 return
             known = {node.pid for node in graph.nodes if is_here(node)}
-            if not unheard_senders(self.url.host, self.url.port, heard, known):
+            if not silent_senders(self.url.host, self.url.port, heard, known):
                 return
             self.receive(min(left, 0.1))
 

@@ -15,8 +15,8 @@ from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.processes import (
     Senders,
     senders_of_port,
+    silent_senders,
     udp_sockets,
-    unheard_senders,
 )
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
@@ -245,7 +245,7 @@ def test_a_program_that_may_publish_is_known_before_it_does(
     pid = listener.pid
 
     def pids(heard: set[int], known: set[int]) -> set[int]:
-        ports = unheard_senders(url.host, url.port, heard, known)
+        ports = silent_senders(url.host, url.port, heard, known)
         return {process.pid for port in ports if (process := senders_of_port(port).only)}
 
     with Tap(url) as tap:
@@ -267,8 +267,8 @@ def test_a_program_that_listens_on_another_bus_is_not_waited_for(
     url = parse_url(bus_url)
     listener = start_python(_LISTENER, bus_url)
     listener.wait_for("ready")
-    here = unheard_senders(url.host, url.port, set(), set())
-    elsewhere = unheard_senders(url.host, free_port(), set(), set())
+    here = silent_senders(url.host, url.port, set(), set())
+    elsewhere = silent_senders(url.host, free_port(), set(), set())
     assert listener.pid in {_owner(port) for port in here}
     assert listener.pid not in {_owner(port) for port in elsewhere}
 

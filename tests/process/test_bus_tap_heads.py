@@ -64,7 +64,7 @@ def test_the_graph_counts_the_bytes_of_whole_messages(tap: Tap, bus_url: str) ->
         plain.publish("BIG", bytes(200_000))
     plain.publish("END", b"")
     for packet in _until(tap, "END"):
-        builder.hear(packet)
+        builder.add(packet)
     (traffic,) = (seen for seen in builder.snapshot(0).traffic if seen.channel == "BIG")
     assert (traffic.messages, traffic.bytes) == (3, 600_000)
 

@@ -161,12 +161,11 @@ class Diagram:
         return [(edge.source, edge.target) for edge in self.edges]
 
     def groups(self) -> dict[str, list[str]]:
-        """The ids in each framed namespace, sorted by namespace."""
+        """Return the ids in each framed namespace, sorted, and last those in none, under ""."""
         found: dict[str, list[str]] = {}
-        for vertex in self.vertices() if self.is_grouped else ():
-            if vertex.group:
-                found.setdefault(vertex.group, []).append(vertex.id)
-        return dict(sorted(found.items()))
+        for vertex in self.vertices():
+            found.setdefault(vertex.group if self.is_grouped else "", []).append(vertex.id)
+        return dict(sorted(found.items(), key=lambda item: (not item[0], item[0])))
 
 
 def outermost(name: str) -> str:

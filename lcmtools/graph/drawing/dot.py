@@ -35,11 +35,9 @@ def write(diagram: Diagram) -> str:
         for id_, style in styles.items()
     }
     lines = [_HEAD]
-    framed: set[str] = set()
     for number, (group, ids) in enumerate(diagram.groups().items(), 1):
-        lines += _cluster(number, group, [rows[id_] for id_ in ids])
-        framed |= set(ids)
-    lines += [f"  {row}" for id_, row in rows.items() if id_ not in framed]
+        own = [f"  {rows[id_]}" for id_ in ids]
+        lines += _cluster(number, group, own) if group else own
     lines += [f"  {_edge(edge)}" for edge in diagram.edges]
     return "\n".join([*lines, "}", ""])
 
@@ -47,7 +45,7 @@ def write(diagram: Diagram) -> str:
 def _cluster(number: int, group: str, rows: Iterable[str]) -> list[str]:
     label = _text([printable(group)])
     frame = f'    label={label}; style="rounded"; color="#9e9e9e"; fontname="Helvetica";'
-    return [f"  subgraph cluster_{number} {{", frame, *(f"    {row}" for row in rows), "  }"]
+    return [f"  subgraph cluster_{number} {{", frame, *(f"  {row}" for row in rows), "  }"]
 
 
 def _member(member: Member) -> str:

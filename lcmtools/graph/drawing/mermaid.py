@@ -26,13 +26,10 @@ def write(diagram: Diagram) -> str:
     rows = {m.id: f"{m.id}([{_text(labels[m.id])}]):::{_kind(m)}" for m in diagram.members}
     rows.update({c.id: _channel(c, _text(labels[c.id])) for c in diagram.channels})
     lines = ["flowchart LR"]
-    framed: set[str] = set()
     for number, (group, ids) in enumerate(diagram.groups().items(), 1):
-        lines.append(f"  subgraph g{number}[{_text([printable(group)])}]")
-        lines += [f"    {rows[id_]}" for id_ in ids]
-        lines.append("  end")
-        framed |= set(ids)
-    lines += [f"  {row}" for id_, row in rows.items() if id_ not in framed]
+        own = [f"  {rows[id_]}" for id_ in ids]
+        frame = [f"  subgraph g{number}[{_text([printable(group)])}]"]
+        lines += [*frame, *(f"  {row}" for row in own), "  end"] if group else own
     lines += [f"  {_edge(edge)}" for edge in diagram.edges]
     return "\n".join([*lines, _STYLES, ""])
 

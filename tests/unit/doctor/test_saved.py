@@ -27,7 +27,7 @@ from lcmtools.wire.packet import Sender
 ALICE = Sender("10.0.0.1", 4000)
 TAKES = Endpoint("/a", Role.SUBSCRIBER, ("std_msgs/String",), (1 << 63,), "g", 10, 1, 2, 3, 4, 5)
 NODE = Node("/n", "id", "h", 7, 1, "run n", tool=True, ports=(5,), endpoints=(TAKES,), sender=ALICE)
-NODE = replace(NODE, last_heard=9, stale=Staleness.HANGS, busy=1, sent=2)
+NODE = replace(NODE, last_announced=9, stale=Staleness.HANGS, busy=1, sent=2)
 LISTENER = Listener("l", None, 0, 1, 2, 3, 4, "T", is_tool=True, is_node=True)
 STREAM = Stream("A", ALICE, "alice", (1, 2), 3, 4, is_cut=True, pid=5)
 EVERYTHING = Evidence(

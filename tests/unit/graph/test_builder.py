@@ -32,7 +32,7 @@ def _announce(
     leaving: bool = False,
 ) -> Announcement | None:
     payload = encode_announcement(Announcement(node, leaving))
-    return builder.hear(Packet(NODE_CHANNEL, payload, time, sender, 0))
+    return builder.add(Packet(NODE_CHANNEL, payload, time, sender, 0))
 
 
 def _publisher(topic: str, *fingerprints: int) -> Endpoint:
@@ -46,7 +46,7 @@ def test_an_announced_node_is_known_with_its_sender_and_time() -> None:
     assert announcement is not None
     assert announcement.node.name == "/a"
     (node,) = builder.snapshot(5).nodes
-    assert (node.name, node.sender, node.last_heard, node.stale) == ("/a", _ALICE, 5, "")
+    assert (node.name, node.sender, node.last_announced, node.stale) == ("/a", _ALICE, 5, "")
 
 
 @pytest.mark.parametrize(("sent", "lags"), [((0, 0), None), ((90, 107), 3), ((95, 90), 5)])
@@ -154,7 +154,7 @@ def test_traffic_is_counted_by_channel_and_sender() -> None:
         (30, "A", _ALICE, b"abcdefgh"),
         (40, "B", _ALICE, b"short"),
     ):
-        builder.hear(Packet(channel, payload, time, sender, 0))
+        builder.add(Packet(channel, payload, time, sender, 0))
     one, other = int.from_bytes(b"12345678", "big"), int.from_bytes(b"abcdefgh", "big")
     assert builder.snapshot(50).traffic == (
         Traffic("A", _ALICE, (one, other), 2, 20, 10, 30),
@@ -166,16 +166,16 @@ def test_traffic_is_counted_by_channel_and_sender() -> None:
 def test_announcements_and_probes_are_no_traffic() -> None:
     builder = GraphBuilder()
     _announce(builder, _node())
-    builder.hear(Packet(PROBE_CHANNEL, encode_probe(Probe()), 0, _EVE, 0))
-    builder.hear(Packet(NODE_CHANNEL, b"nonsense", 0, _EVE, 0))
+    builder.add(Packet(PROBE_CHANNEL, encode_probe(Probe()), 0, _EVE, 0))
+    builder.add(Packet(NODE_CHANNEL, b"nonsense", 0, _EVE, 0))
     assert builder.snapshot(0).traffic == ()
-    assert builder.heard_senders() == {_ALICE}
+    assert builder.senders() == {_ALICE}
 
 
 def test_data_of_no_lcm_type_does_not_fill_the_memory() -> None:
     builder = GraphBuilder()
     for number in range(1000):
-        builder.hear(Packet("RAW", number.to_bytes(8, "big"), number, _ALICE, number))
+        builder.add(Packet("RAW", number.to_bytes(8, "big"), number, _ALICE, number))
     (seen,) = builder.snapshot(0).traffic
     assert seen.messages == 1000
     assert len(seen.fingerprints) <= 16
@@ -184,8 +184,8 @@ def test_data_of_no_lcm_type_does_not_fill_the_memory() -> None:
 def test_every_port_of_a_node_is_a_known_sender() -> None:
     builder = GraphBuilder()
     _announce(builder, _node(ports=(40_002,)))
-    builder.hear(Packet("X", b"", 0, _EVE, 0))
-    assert builder.heard_senders() == {_ALICE, _BOB, _EVE}
+    builder.add(Packet("X", b"", 0, _EVE, 0))
+    assert builder.senders() == {_ALICE, _BOB, _EVE}
 
 
 def _mixed_graph() -> Graph:
@@ -193,8 +193,8 @@ def _mixed_graph() -> Graph:
     builder = GraphBuilder()
     _announce(builder, _node(ports=(40_002,), endpoints=(_publisher("/t", 7),)))
     for sender in (_ALICE, _BOB, _EVE):
-        builder.hear(Packet("/t", bytes(8), 0, sender, 0))
-    builder.hear(Packet("OTHER", bytes(8), 0, _EVE, 0))
+        builder.add(Packet("/t", bytes(8), 0, sender, 0))
+    builder.add(Packet("OTHER", bytes(8), 0, _EVE, 0))
     return builder.snapshot(0)
 
 
@@ -216,15 +216,15 @@ def test_a_foreign_topic_has_traffic_only() -> None:
 def test_the_same_port_on_another_computer_is_another_sender() -> None:
     builder = GraphBuilder()
     _announce(builder, _node())
-    builder.hear(Packet("/t", b"", 0, Sender("10.0.0.9", _ALICE.port), 0))
+    builder.add(Packet("/t", b"", 0, Sender("10.0.0.9", _ALICE.port), 0))
     assert len(builder.snapshot(0).topic("/t").foreign) == 1
 
 
 def test_where_the_bus_names_no_sender_an_announced_publisher_explains_the_traffic() -> None:
     builder = GraphBuilder()
     _announce(builder, _node(endpoints=(_publisher("/t", 7),)), sender=None)
-    builder.hear(Packet("/t", bytes(8), 0))
-    builder.hear(Packet("OTHER", bytes(8), 0))
+    builder.add(Packet("/t", bytes(8), 0))
+    builder.add(Packet("OTHER", bytes(8), 0))
     graph = builder.snapshot(0)
     assert graph.topic("/t").foreign == ()
     assert len(graph.topic("OTHER").foreign) == 1

@@ -50,7 +50,7 @@ def test_counters_alone_are_not_decoded_and_the_node_counts_as_heard(decoded: li
         _hear(graph, _counted(second), second * 1_000_000_000)
     assert len(decoded) == 1
     (node,) = graph.snapshot(6_000_000_000).nodes
-    assert node.last_heard == 4_000_000_000
+    assert node.last_announced == 4_000_000_000
     assert not node.stale
 
 
@@ -89,5 +89,5 @@ def test_what_is_broken_is_passed_over() -> None:
 
 def test_a_request_to_end_is_no_topic() -> None:
     graph = GraphBuilder()
-    graph.hear(Packet(SHUTDOWN_CHANNEL, encode_shutdown(Shutdown("id-1")), 1))
+    graph.add(Packet(SHUTDOWN_CHANNEL, encode_shutdown(Shutdown("id-1")), 1))
     assert graph.snapshot(2).topic_names() == []

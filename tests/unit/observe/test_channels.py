@@ -42,7 +42,7 @@ def make(
     numbers: dict[Sender, Sequence] = {}
     for one in packets:
         activity.hear(one)
-        builder.hear(one)
+        builder.add(one)
         if one.sender is not None and one.seqno is not None:
             numbers.setdefault(one.sender, Sequence()).add(one.seqno)
     now = NOW + 2 * S

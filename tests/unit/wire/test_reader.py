@@ -53,7 +53,7 @@ def test_no_bytes_harm_the_way_from_datagram_to_graph(way: str, received: list[b
     reader, builder = Reader(whole=way == "whole"), GraphBuilder()
     for packet in read(reader, received):
         assert packet.size >= len(packet.payload)
-        builder.hear(packet)
+        builder.add(packet)
     graph = builder.snapshot(10)
     assert sum(seen.messages for seen in graph.traffic) <= len(received)
     assert graph.topic_names() == sorted(graph.topic_names())

@@ -49,13 +49,13 @@ def test_two_nodes_of_the_same_name_stay_two(draw: Draw) -> None:
 
 def test_groups_are_the_outermost_namespaces_of_a_grouped_diagram(draw: Draw) -> None:
     words = ("/r/a > /r/t1 > /b", "X")
-    assert draw(*words).groups() == {}
-    assert draw(*words, is_grouped=True).groups() == {"/r": ["n1", "t1"]}
+    assert draw(*words).groups() == {"": ["n1", "n2", "t1", "t2"]}
+    assert draw(*words, is_grouped=True).groups() == {"/r": ["n1", "t1"], "": ["n2", "t2"]}
 
 
 def test_a_program_stands_in_no_namespace(draw: Draw) -> None:
     program = {"/usr/bin/x": {"is_node": False}}
-    assert draw("/usr/bin/x", changes=program, is_grouped=True).groups() == {}
+    assert draw("/usr/bin/x", changes=program, is_grouped=True).groups() == {"": ["n1"]}
 
 
 @pytest.mark.parametrize(
