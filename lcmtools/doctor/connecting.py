@@ -7,7 +7,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from lcmtools.doctor.findings import Part, Statement, Subject, state
+from lcmtools.doctor.findings import Part, Statement, Subject, state, subject
 from lcmtools.doctor.renaming import (
     are_near,
     because,
@@ -113,8 +113,7 @@ def ways_out(graph: Graph, node: Node, endpoint: Endpoint) -> Iterator[Statement
                 continue
             if are_near(endpoint.topic, other.topic):
                 remedy = start_with(node, endpoint.topic, other.topic)
-                who, topic = Subject.node(listener), Subject.topic(other.topic)
-                yield because(remedy, "subscribes", listener=who, channel=topic)
+                yield because(remedy, "subscribes", listener=listener, channel=other.topic)
 
 
 def _fit(one: Endpoint, other: Endpoint) -> bool:
@@ -154,7 +153,7 @@ class _Search:
         return publication in self.outputs.get(publisher, ())
 
     def _sender(self, channel: str, fallback: object = "unknown sender") -> Subject:
-        return Subject.named(self.names.get(channel, str(fallback)))
+        return Subject("sender", self.names.get(channel, str(fallback)))
 
     def _elsewhere(self, node: Node, endpoint: Endpoint) -> Iterator[Way]:
         """The same name in another namespace: one of the two nodes is in the wrong one."""
@@ -168,8 +167,8 @@ class _Search:
             publisher, other = announced[0]
             first, *more = dict.fromkeys(namespace_of(o.topic) for _, o in announced)
             parts = {"or": tuple(more)} if more else {}
-            remedy = state("namespace", node=Subject.node(node), namespace=first, **parts)
-            remedy = because(remedy, "published", channel=Subject.topic(other.topic))
+            remedy = state("namespace", node=node, namespace=first, **parts)
+            remedy = because(remedy, "published", channel=other.topic)
             yield Way(remedy, node.id, other.topic, publisher.id)
             return
         for publisher, other in announced:
@@ -181,9 +180,8 @@ class _Search:
 
     def _moved(self, publisher: Node, topic: str, node: Node, endpoint: Endpoint) -> Way:
         """The publisher has the wrong name, not the subscription."""
-        who, what = Subject.node(publisher), Subject.topic(topic)
         remedy = publish_on(publisher, topic, endpoint.topic)
-        remedy = because(remedy, "publishes", publisher=who, channel=what)
+        remedy = because(remedy, "publishes", publisher=publisher, channel=topic)
         return Way(remedy, node.id, topic, publisher.id)
 
     def _sent_elsewhere(self, node: Node, endpoint: Endpoint) -> Iterator[Way]:
@@ -195,15 +193,14 @@ class _Search:
             sent = set(seen.fingerprints) & set(endpoint.fingerprints)
             if base_name_of(channel) != base or not sent:
                 continue
-            by = {"by": self._sender(channel, seen.sender), "channel": Subject.topic(channel)}
             if is_own and is_legal(channel):
-                space = namespace_of(channel)
-                remedy = state("namespace", node=Subject.node(node), namespace=space)
+                remedy = state("namespace", node=node, namespace=namespace_of(channel))
             elif not self.graph.topic(channel).subscribers:
                 remedy = state("republish", topic=endpoint.topic)
             else:
                 continue
-            yield Way(because(remedy, "published", **by), node.id, channel)
+            by = self._sender(channel, seen.sender)
+            yield Way(because(remedy, "published", by=by, channel=channel), node.id, channel)
             return
 
     def _near(self, node: Node, endpoint: Endpoint) -> Iterator[Way]:
@@ -229,7 +226,7 @@ class _Search:
                     known["or_publish_on"] = endpoint.topic
             else:
                 remedy = state("republish", topic=endpoint.topic)
-            remedy = because(remedy, "published", channel=Subject.topic(name), **known)
+            remedy = because(remedy, "published", channel=name, **known)
             yield Way(remedy, node.id, name, publisher.id if publisher else "")
             return
 
@@ -241,8 +238,8 @@ class _Search:
         others = any(one.id != node.id and not one.stale for one, _ in topic.publishers)
         sent = {f for _, e in topic.publishers for f in e.fingerprints} | set(topic.fingerprints)
         if argument and (others or topic.foreign) and sent & set(endpoint.fingerprints):
-            remedy = state("drop-remap", node=Subject.node(node), argument=argument)
-            yield Way(because(remedy, "published", channel=Subject.topic(before)), node.id, before)
+            remedy = state("drop-remap", node=node, argument=argument)
+            yield Way(because(remedy, "published", channel=before), node.id, before)
 
     def _beside(self, node: Node, endpoint: Endpoint) -> Iterator[Way]:
         """Publications of the same type and namespace without subscribers: a remap is missing.
@@ -254,15 +251,14 @@ class _Search:
             is_beside = namespace_of(topic) == namespace_of(endpoint.topic)
             if not is_beside or not _fit(endpoint, publication):
                 continue
-            subject = Subject.topic(topic)
             if is_simulator(publisher):
                 if not is_simulator(node):
                     remedy = start_with(node, endpoint.topic, _as_seen_by(node, topic))
-                    remedy = because(remedy, "same-type", channel=subject)
+                    remedy = because(remedy, "same-type", channel=topic)
                     yield Way(remedy, node.id, topic, publisher.id)
             elif self._is_loose(publisher, publication) and not publisher.tool:
                 remedy = publish_on(publisher, topic, _as_seen_by(publisher, endpoint.topic))
-                remedy = because(remedy, "no-subscriber", channel=subject)
+                remedy = because(remedy, "no-subscriber", channel=topic)
                 yield Way(remedy, node.id, topic, publisher.id)
 
     def _of_another_type(self, node: Node, endpoint: Endpoint) -> Iterator[Way]:
@@ -270,7 +266,7 @@ class _Search:
         if not endpoint.fingerprints:
             return
         sent = [
-            (Subject.node(publisher), other.topic, other.type, publisher.id)
+            (subject(publisher), other.topic, other.type, publisher.id)
             for publisher, other in self._publications(node)
         ]
         for seen in self.graph.foreign():
@@ -278,14 +274,8 @@ class _Search:
             sent += [(self._sender(seen.channel), seen.channel, name, "") for name in known[:1]]
         for publisher, topic, name, identity in sent:
             if _is_alike(topic, endpoint.topic):
-                remedy = state(
-                    "change-type",
-                    publisher=publisher,
-                    topic=Subject.topic(topic),
-                    type=name,
-                    node=Subject.node(node),
-                    expected=endpoint.type,
-                )
+                types = {"type": name, "expected": endpoint.type}
+                remedy = state("change-type", publisher=publisher, topic=topic, node=node, **types)
                 yield Way(remedy, node.id, topic, identity)
                 return
 

@@ -3,12 +3,19 @@
 Belongs here: what a rule yields, and what a rule is. Must not know any rule.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
-from lcmtools.doctor.evidence import Evidence, LcmProcess, Listener, SenderFacts
+from lcmtools.doctor.evidence import (
+    Evidence,
+    HostClock,
+    LcmProcess,
+    Listener,
+    SenderFacts,
+    Stream,
+)
 from lcmtools.graph.model import Node
 
 
@@ -41,39 +48,37 @@ class Subject:
         """Return the name."""
         return self.name
 
-    @classmethod
-    def topic(cls, name: str) -> "Subject":
-        """A channel."""
-        return cls("topic", name)
 
-    @classmethod
-    def node(cls, node: Node) -> "Subject":
-        """A node, with its process on its own computer."""
-        return cls("node", node.name, node.pid, str(node.sender or ""))
-
-    @classmethod
-    def process(cls, process: LcmProcess) -> "Subject":
-        """A process of this user."""
-        return cls("process", process.command, process.pid)
-
-    @classmethod
-    def sender(cls, sender: SenderFacts) -> "Subject":
-        """A sender of messages."""
-        return cls("sender", sender.name, address=str(sender.sender))
-
-    @classmethod
-    def named(cls, name: str, pid: int | None = None, address: str = "") -> "Subject":
-        """A sender as it is called for people."""
-        return cls("sender", name, pid, address)
-
-    @classmethod
-    def listener(cls, listener: Listener) -> "Subject":
-        """A program that receives from the bus."""
-        return cls("listener", listener.name, listener.pid)
-
-
+Observed: TypeAlias = Node | LcmProcess | SenderFacts | Stream | Listener | HostClock
+"""A value of the evidence that a finding can be about."""
 Part: TypeAlias = Subject | str | int | float | tuple[Subject, ...] | tuple[str, ...]
 """A subject, or a measured value."""
+
+_KINDS = {
+    **dict.fromkeys(("topic", "topics", "other_topic", "channel"), "topic"),
+    **dict.fromkeys(("sender", "senders", "other_sender", "program", "programs", "by"), "sender"),
+    **dict.fromkeys(("host", "hosts"), "host"),
+    **dict.fromkeys(("user", "users"), "user"),
+    **dict.fromkeys(("interface", "bridge"), "interface"),
+}
+"""The kind of subject that a bare name is, by the part's name."""
+
+
+def subject(observed: Observed) -> Subject:
+    """The subject that a value of the evidence is."""
+    match observed:
+        case Node():
+            return Subject("node", observed.name, observed.pid, str(observed.sender or ""))
+        case LcmProcess():
+            return Subject("process", observed.command, observed.pid)
+        case SenderFacts():
+            return Subject("sender", observed.name, address=str(observed.sender))
+        case Stream():
+            return Subject("sender", observed.name, observed.pid)
+        case Listener():
+            return Subject("listener", observed.name, observed.pid)
+        case HostClock():
+            return Subject("host", observed.host, address=observed.address)
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,9 +101,19 @@ class Statement:
                     yield one
 
 
-def state(kind: str, **parts: Part) -> Statement:
-    """A statement of this kind."""
-    return Statement(kind, parts)
+def state(kind: str, **parts: Part | Observed | Iterable[Subject | str]) -> Statement:
+    """A statement of this kind; values of the evidence and bare names become subjects."""
+    return Statement(kind, {name: _part(name, value) for name, value in parts.items()})
+
+
+def _part(name: str, value: Any) -> Any:  # noqa: ANN401 - a part of any kind, and one element of it
+    if isinstance(value, Observed):
+        return subject(value)
+    if isinstance(value, str):
+        return Subject(_KINDS[name], value) if name in _KINDS else value
+    if isinstance(value, Iterable):
+        return tuple(_part(name, one) for one in value)
+    return value
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,14 +140,35 @@ class Finding:
         return list(dict.fromkeys(one for s in statements for one in s.subjects()))
 
 
+def finding(
+    title: str | Statement,
+    facts: Iterable[Statement] = (),
+    *remedies: str | Statement,
+    severity: Severity = Severity.WARNING,
+) -> Finding:
+    """A finding, with each remedy once. The kind alone is a statement without parts."""
+    distinct = {repr(one): one for one in map(_statement, remedies)}
+    return Finding(_statement(title), tuple(facts), tuple(distinct.values()), severity)
+
+
+def cases(
+    title: str | Statement,
+    facts: Iterable[Statement],
+    *remedies: str | Statement,
+    severity: Severity = Severity.WARNING,
+) -> Iterator[Finding]:
+    """A finding that these facts make; none without facts."""
+    if facts := tuple(facts):
+        yield finding(title, facts, *remedies, severity=severity)
+
+
+def _statement(said: str | Statement) -> Statement:
+    return Statement(said, {}) if isinstance(said, str) else said
+
+
 @dataclass(frozen=True, slots=True)
 class Unchecked:
-    """Something that could not be looked at.
-
-    Attributes:
-        rule: The id of the rule that would need it.
-        reason: The reason.
-    """
+    """A rule, by its id, that lacks something to look at, with the reason."""
 
     rule: str
     reason: Statement
@@ -170,7 +206,9 @@ class Rule:
         return [replace(finding, rule=self.id) for finding in self.check(evidence)]
 
 
-def rule(identifier: str, severity: Severity, remedy: str) -> Callable[[Check], Rule]:
+def rule(
+    identifier: str, remedy: str, severity: Severity = Severity.WARNING
+) -> Callable[[Check], Rule]:
     """Make a check a rule; its docstring is the explanation."""
 
     def make(check: Check) -> Rule:

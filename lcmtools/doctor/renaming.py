@@ -6,7 +6,7 @@ Pure: nodes as they are in, remedies out.
 import re
 from dataclasses import replace
 
-from lcmtools.doctor.findings import Part, Statement, Subject, state
+from lcmtools.doctor.findings import Observed, Part, Statement, state
 from lcmtools.graph.model import Node
 from lcmtools.names import base_name_of, namespace_of
 
@@ -42,25 +42,26 @@ def is_legal(channel: str) -> bool:
     return re.fullmatch(r"/[A-Za-z0-9_/]*", channel) is not None
 
 
-def because(remedy: Statement, reason: str, **parts: Part) -> Statement:
+def because(remedy: Statement, reason: str, **parts: Part | Observed) -> Statement:
     """Give a remedy its reason."""
-    return replace(remedy, parts={"because": reason, **parts, **remedy.parts})
+    known = state("", because=reason, **parts).parts
+    return replace(remedy, parts={**known, **remedy.parts})
 
 
 def start_with(node: Node, topic: str, target: str) -> Statement:
     """Start a node so that it uses another topic in place of one that it uses now."""
     name = base_name_of(topic) if namespace_of(node.name) == namespace_of(topic) else topic
-    subject, argument = Subject.node(node), remap_argument(node, topic)
+    argument = remap_argument(node, topic)
     if not argument:
-        return state("remap", node=subject, old=name, new=target)
+        return state("remap", node=node, old=name, new=target)
     source = argument.partition(":=")[0]
     wanted = expanded(target, node)
     if expanded(source, node) != wanted:
-        return state("replace-remap", node=subject, old=source, new=target, argument=argument)
+        return state("replace-remap", node=node, old=source, new=target, argument=argument)
     if are_near(topic, wanted):
-        return state("drop-remap", node=subject, argument=argument)
+        return state("drop-remap", node=node, argument=argument)
     # the other way round was meant
-    return state("replace-remap", node=subject, old=name, new=target, argument=argument)
+    return state("replace-remap", node=node, old=name, new=target, argument=argument)
 
 
 def publish_on(publisher: Node, topic: str, target: str) -> Statement:
@@ -71,7 +72,7 @@ def publish_on(publisher: Node, topic: str, target: str) -> Statement:
     if namespace_of(publisher.name) == namespace_of(topic) and base_name_of(topic) == base_name_of(
         target
     ):
-        return state("namespace", node=Subject.node(publisher), namespace=space)
+        return state("namespace", node=publisher, namespace=space)
     return start_with(publisher, topic, target)
 
 

@@ -3,7 +3,17 @@
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence, Host, LcmProcess
-from lcmtools.doctor.findings import Finding, Severity, Statement, Subject, rule, state
+from lcmtools.doctor.findings import (
+    Finding,
+    Severity,
+    Statement,
+    Subject,
+    cases,
+    finding,
+    rule,
+    state,
+    subject,
+)
 from lcmtools.doctor.rules.connections import missed_topics
 from lcmtools.graph.model import Role
 from lcmtools.names import is_hidden
@@ -11,7 +21,7 @@ from lcmtools.names import is_hidden
 _MOST, _MOST_REMEDIES = 8, 3  # that are shown of other buses
 
 
-@rule("bus", Severity.ERROR, "lcmtools wtf prints the command that mends the route or the firewall")
+@rule("bus", "lcmtools wtf prints the command that mends the route or the firewall", Severity.ERROR)
 def bus_works(evidence: Evidence) -> Iterator[Finding]:
     """The bus can be reached: there is a route to the group, and what is sent comes back.
 
@@ -21,30 +31,25 @@ def bus_works(evidence: Evidence) -> Iterator[Finding]:
         return
     # what bears on multicast only says nothing of a server
     host = evidence.host if "udpm://" in evidence.url else Host()
-    facts, remedies = list(_obstacles(host)), []
-    if evidence.bus_remedy:
-        remedies.append(state("mend-bus", hint=evidence.bus_remedy))
+    remedies = [state("mend-bus", hint=evidence.bus_remedy)] if evidence.bus_remedy else []
     if host.container == "container" and host.interface:
         remedies.append(state("host-network"))
-    yield Finding(
-        state("bus", problem=evidence.bus_problem), tuple(facts), tuple(remedies), Severity.ERROR
-    )
+    title = state("bus", problem=evidence.bus_problem)
+    yield finding(title, _obstacles(host), *remedies, severity=Severity.ERROR)
 
 
 def _obstacles(host: Host) -> Iterator[Statement]:
     if not host.is_up:
-        yield state("interface-down", interface=Subject("interface", host.interface or "lo"))
+        yield state("interface-down", interface=host.interface or "lo")
     if host.interface and not host.can_multicast:
-        yield state("no-multicast-flag", interface=Subject("interface", host.interface))
+        yield state("no-multicast-flag", interface=host.interface)
     if host.firewall:
         yield state("firewall-enabled", firewall=host.firewall)
     if host.container and host.interface:
         yield state("in-container", container=host.container)
 
 
-@rule(
-    "no-traffic", Severity.WARNING, "start a node, or choose the bus it is on: --lcm-url, --domain"
-)
+@rule("no-traffic", "start a node, or choose the bus it is on: --lcm-url, --domain")
 def something_is_there(evidence: Evidence) -> Iterator[Finding]:
     """There is a node or a message on the bus. If there is none, it may be the wrong bus.
 
@@ -52,30 +57,26 @@ def something_is_there(evidence: Evidence) -> Iterator[Finding]:
     """
     if evidence.bus_problem or not _is_empty(evidence):
         return
-    there = dict.fromkeys(Subject.listener(one) for one in evidence.listeners if not one.is_tool)
-    yield Finding(
+    there = dict.fromkeys(subject(one) for one in evidence.listeners if not one.is_tool)
+    yield finding(
         state("no-traffic", bus=Subject("bus", evidence.url), listened=evidence.listened),
-        tuple(state("listens", listener=one) for one in there),
-        (state("start-something"), state("compare-buses")),
-        Severity.NOTE if there else Severity.WARNING,
+        (state("listens", listener=one) for one in there),
+        *("start-something", "compare-buses"),
+        severity=Severity.NOTE if there else Severity.WARNING,
     )
 
 
-@rule("malformed", Severity.WARNING, "let the program send to another port, or choose another bus")
+@rule("malformed", "let the program send to another port, or choose another bus")
 def datagrams_are_lcm(evidence: Evidence) -> Iterator[Finding]:
     """All datagrams on the bus are LCM's.
 
     Other programs' datagrams on its port can crash programs of the lcm package.
     """
-    if evidence.malformed:
-        facts = (
-            state("sender-reason", sender=Subject.named(sender), reason=reason)
-            for sender, reason in evidence.malformed
-        )
-        yield Finding(state("malformed"), tuple(facts), (state("send-elsewhere"),))
+    facts = (state("sender-reason", sender=who, reason=why) for who, why in evidence.malformed)
+    return cases("malformed", facts, "send-elsewhere")
 
 
-@rule("other-buses", Severity.WARNING, "export LCM_DEFAULT_URL with the same value in every shell")
+@rule("other-buses", "export LCM_DEFAULT_URL with the same value in every shell")
 def programs_are_on_this_bus(evidence: Evidence) -> Iterator[Finding]:
     """Programs of this user are on the bus that is looked at.
 
@@ -92,21 +93,14 @@ def programs_are_on_this_bus(evidence: Evidence) -> Iterator[Finding]:
     ]
     if not others:
         return
-    facts = [
-        state("on-bus", process=Subject.process(p), bus=p.bus, variable=p.variable)
-        for p in others[:_MOST]
-    ]
+    facts = [state("on-bus", process=p, bus=p.bus, variable=p.variable) for p in others[:_MOST]]
     if len(others) > _MOST:
         facts.append(state("more", count=len(others) - _MOST))
     urls = dict.fromkeys(f"udpm://{p.bus}?ttl=0" for p in others)
     topics = sorted(missed & {topic for p in others for topic in p.topics})
-    yield Finding(
-        state("other-buses", topics=tuple(Subject.topic(name) for name in topics)),
-        tuple(facts),
-        tuple(state("export", variable="LCM_DEFAULT_URL", value=url) for url in urls)
-        if len(urls) <= _MOST_REMEDIES
-        else (),
-    )
+    remedies = [state("export", variable="LCM_DEFAULT_URL", value=url) for url in urls]
+    shown = remedies if len(urls) <= _MOST_REMEDIES else ()
+    yield finding(state("other-buses", topics=topics), facts, *shown)
 
 
 def _is_empty(evidence: Evidence) -> bool:
@@ -116,7 +110,7 @@ def _is_empty(evidence: Evidence) -> bool:
     return not seen and not nodes
 
 
-@rule("mpudpm", Severity.WARNING, "give all programs the same kind of URL, udpm:// or mpudpm://")
+@rule("mpudpm", "give all programs the same kind of URL, udpm:// or mpudpm://")
 def one_provider_is_used(evidence: Evidence) -> Iterator[Finding]:
     """All programs use the same kind of bus.
 
@@ -126,50 +120,39 @@ def one_provider_is_used(evidence: Evidence) -> Iterator[Finding]:
         return
     names = {s.sender: s.name for s in evidence.senders}
     internal = [t.sender for t in evidence.graph.traffic if t.channel.startswith("#!mpudpm")]
-    found = {Subject.named(names.get(sender, str(sender))) for sender in internal if sender}
-    # one that only sends does not show on this bus: its variables tell
+    found = {Subject("sender", names.get(sender, str(sender))) for sender in internal if sender}
+    # one that only sends is not seen on this bus: its variables show it
     found |= {
         Subject("process", f"{p.command} (pid {p.pid})", p.pid)
         for p in evidence.processes
         if _has_mpudpm(p)
     }
-    if found:
-        facts = (state("program", program=one) for one in sorted(found, key=str))
-        remedy = state("start-with-variable", variable="LCM_DEFAULT_URL", value=evidence.url)
-        yield Finding(state("mpudpm"), tuple(facts), (remedy,))
+    facts = (state("program", program=one) for one in sorted(found, key=str))
+    remedy = state("start-with-variable", variable="LCM_DEFAULT_URL", value=evidence.url)
+    yield from cases("mpudpm", facts, remedy)
 
 
 def _has_mpudpm(process: LcmProcess) -> bool:
     return "=mpudpm:" in process.variable
 
 
-@rule(
-    "ttl", Severity.WARNING, "write ?ttl=1 into the URL of programs that other computers should see"
-)
+@rule("ttl", "write ?ttl=1 into the URL of programs that other computers should see")
 def datagrams_go_as_far_as_they_should(evidence: Evidence) -> Iterator[Finding]:
     """Messages reach the other computers of this network, and no other networks.
 
     With ttl=0 datagrams stay on the computer, with 1 in its network; more lets them go further.
     """
     others = sorted({s.sender.address for s in evidence.senders if not s.is_local})
-    kept = dict.fromkeys(
-        Subject.named(s.name) for s in evidence.senders if s.is_local and s.ttl == 0
-    )
-    if others and kept:
-        yield Finding(
-            state("ttl-0", hosts=tuple(Subject("host", address) for address in others)),
-            tuple(state("program", program=one) for one in kept),
-            (state("use-ttl-1", url=evidence.url.partition("?")[0] + "?ttl=1"),),
-        )
-    far = dict.fromkeys(
-        (Subject.named(s.name), s.ttl) for s in evidence.senders if s.is_local and (s.ttl or 0) > 1
-    )
-    if far:
-        facts = (state("sends-with-ttl", sender=one, ttl=ttl or 0) for one, ttl in far)
-        yield Finding(state("ttl-far"), tuple(facts), (state("ttl-1-is-enough"),))
+    own = dict.fromkeys((s.name, s.ttl) for s in evidence.senders if s.is_local)
+    if others:
+        kept = (state("program", program=name) for name, ttl in own if ttl == 0)
+        remedy = state("use-ttl-1", url=evidence.url.partition("?")[0] + "?ttl=1")
+        yield from cases(state("ttl-0", hosts=others), kept, remedy)
+    far = (state("sends-with-ttl", sender=name, ttl=ttl) for name, ttl in own if ttl and ttl > 1)
+    yield from cases("ttl-far", far, "ttl-1-is-enough")
 
 
-@rule("other-users", Severity.WARNING, "choose a domain of your own: export LCMTOOLS_DOMAIN=N")
+@rule("other-users", "choose a domain of your own: export LCMTOOLS_DOMAIN=N")
 def the_bus_is_ones_own(evidence: Evidence) -> Iterator[Finding]:
     """No other user of this computer uses the bus.
 
@@ -178,23 +161,14 @@ def the_bus_is_ones_own(evidence: Evidence) -> Iterator[Finding]:
     """
     own = {evidence.host.uid, 0}
     programs: dict[int, dict[Subject, None]] = {}
-    for uid, subject in (
-        *((listener.uid, Subject.listener(listener)) for listener in evidence.listeners),
-        *((sender.uid, Subject.named(sender.name)) for sender in evidence.senders),
+    for uid, program in (
+        *((listener.uid, subject(listener)) for listener in evidence.listeners),
+        *((sender.uid, Subject("sender", sender.name)) for sender in evidence.senders),
     ):
         if uid is not None and uid not in own:
-            programs.setdefault(uid, {})[subject] = None
-    if programs:
-        facts = (
-            state(
-                "user-programs",
-                user=Subject("user", evidence.users.get(uid, str(uid))),
-                programs=tuple(subjects),
-            )
-            for uid, subjects in sorted(programs.items())
-        )
-        yield Finding(
-            state("other-users"),
-            tuple(facts),
-            (state("own-domain", variable="LCMTOOLS_DOMAIN", value="1"),),
-        )
+            programs.setdefault(uid, {})[program] = None
+    facts = (
+        state("user-programs", user=evidence.users.get(uid, str(uid)), programs=found)
+        for uid, found in sorted(programs.items())
+    )
+    return cases("other-users", facts, state("own-domain", variable="LCMTOOLS_DOMAIN", value="1"))

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, Part, Severity, Statement, Subject, rule, state
+from lcmtools.doctor.findings import Finding, Part, Statement, cases, rule, state
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.callbacks import busy_share, callback_time
@@ -31,8 +31,8 @@ class _Subscription:
     busiest: str  # the topic, or "timers", that took most of that time besides; "" for nothing
 
     @property
-    def topic(self) -> Subject:
-        return Subject.topic(self.endpoint.topic)
+    def topic(self) -> str:
+        return self.endpoint.topic
 
     def is_too_slow(self, crowd: float = 0.0) -> bool:
         """Return whether its callback takes longer than the time between two messages.
@@ -49,7 +49,7 @@ class _Subscription:
         return {"callback_time": (self.took or 0) / 1e9, "interval": (self.interval or 0) / 1e9}
 
 
-@rule("queue-drops", Severity.WARNING, "make the callback faster, or the queue's depth greater")
+@rule("queue-drops", "make the callback faster, or the queue's depth greater")
 def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
     """Callbacks keep up with their messages.
 
@@ -58,15 +58,12 @@ def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
     another one of the node may hold it up, or the messages come in bursts.
     """
     lossy = [one for one in _subscriptions(evidence) if one.lost > 0]
-    if lossy:
-        facts, remedies = zip(*map(_cause, lossy), strict=True)
-        distinct = {repr(remedy): remedy for remedy in remedies}
-        yield Finding(state("queue-drops"), facts, tuple(distinct.values()))
+    found = list(map(_cause, lossy))
+    return cases("queue-drops", (fact for fact, _ in found), *(remedy for _, remedy in found))
 
 
 @rule(
     "slow-callbacks",
-    Severity.WARNING,
     "let the callback do less, or less often: lcmtools info TOPIC shows how long it takes",
 )
 def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
@@ -78,21 +75,14 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     what a busy computer may be to blame for.
     """
     _, slow, busy = _judged(evidence)
-    if not (slow or busy):
-        return
-    facts = [
-        state("slow-callback", node=Subject.node(one.node), topic=one.topic, **one.pace())
-        for one in slow
-    ]
+    facts = [state("slow-callback", node=x.node, topic=x.topic, **x.pace()) for x in slow]
     remedies = [state("callback-less", topic=one.topic) for one in slow]
     for node, share, busiest in busy:
-        subject = Subject.node(node)
-        facts.append(state("busy-node", node=subject, percent=100 * share, busiest=busiest))
-        remedies.append(state("busiest-less", node=subject, busiest=busiest))
+        facts.append(state("busy-node", node=node, percent=100 * share, busiest=busiest))
+        remedies.append(state("busiest-less", node=node, busiest=busiest))
     if slow:
         remedies.append(state("depth-1"))
-    distinct = {repr(remedy): remedy for remedy in remedies}
-    yield Finding(state("slow-callbacks"), tuple(facts), tuple(distinct.values()))
+    return cases("slow-callbacks", facts, *remedies)
 
 
 def busy_nodes(evidence: Evidence) -> set[str]:
@@ -133,23 +123,26 @@ def _crowd(evidence: Evidence) -> float:
 
 def _cause(one: _Subscription) -> tuple[Statement, Statement]:
     """The fact that messages were lost, with the cause where it is known; and the remedy."""
-    node, topic, endpoint = Subject.node(one.node), one.topic, one.endpoint
-    parts: dict[str, Part] = {"node": node, "lost": one.lost, "topic": topic}
-    parts["depth"] = endpoint.depth
+    node, topic, endpoint = one.node, one.topic, one.endpoint
+
+    def lost(cause: str, **parts: Part) -> Statement:
+        known = {"lost": one.lost, "topic": topic, "depth": endpoint.depth, **parts}
+        return state(f"dropped-{cause}", node=node, **known)
+
     if one.share is None:
-        return state("dropped-by-queue", **parts), state("callback-less-or-depth", topic=topic)
+        return lost("by-queue"), state("callback-less-or-depth", topic=topic)
     if one.is_too_slow():
         remedy = state("callback-less-or-rate", topic=topic, seconds=(one.took or 0) / 1e9)
-        return state("dropped-slow-callback", **parts, **one.pace()), remedy
+        return lost("slow-callback", **one.pace()), remedy
     if not one.share:
-        return state("dropped-without-spin", **parts), state("spin", node=node)
+        return lost("without-spin"), state("spin", node=node)
     if one.share >= _NEARLY_ALL and one.busiest:
         remedy = state("busiest-less", node=node, busiest=one.busiest)
-        return state("dropped-by-busy-node", **parts, busiest=one.busiest), remedy
+        return lost("by-busy-node", busiest=one.busiest), remedy
     if endpoint.depth * (one.interval or 0) < endpoint.longest:
-        fact = state("dropped-long-call", **parts, seconds=endpoint.longest / 1e9)
+        fact = lost("long-call", seconds=endpoint.longest / 1e9)
         return fact, state("never-wait-or-depth", topic=topic)
-    return state("dropped-in-bursts", **parts), state("depth", topic=topic)
+    return lost("in-bursts"), state("depth", topic=topic)
 
 
 def _subscriptions(evidence: Evidence) -> Iterator[_Subscription]:

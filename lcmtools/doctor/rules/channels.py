@@ -5,18 +5,14 @@ from collections.abc import Iterator
 from itertools import combinations
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, Severity, Statement, Subject, rule, state
+from lcmtools.doctor.findings import Finding, Severity, Statement, cases, rule, state
 from lcmtools.doctor.renaming import are_near
 from lcmtools.doctor.rules.connections import proposed_ways
 
 _LONG_NAME = 60  # bytes; LCM takes 63
 
 
-@rule(
-    "names",
-    Severity.WARNING,
-    "use letters, digits, _ and /, at most 63 bytes, and the same everywhere",
-)
+@rule("names", "use letters, digits, _ and /, at most 63 bytes, and the same everywhere")
 def names_are_good(evidence: Evidence) -> Iterator[Finding]:
     """Channels have names that every program can subscribe to, and no two that look the same.
 
@@ -27,33 +23,21 @@ def names_are_good(evidence: Evidence) -> Iterator[Finding]:
     bad = [c for c in senders if not c.isprintable() or c != c.strip() or not _matches_itself(c)]
     bad += [c for c in senders if not c]
 
-    def facts(channels: list[str], kind: str) -> tuple[Statement, ...]:
-        return tuple(
-            state(kind, topic=Subject.topic(c), sender=Subject.named(senders[c])) for c in channels
-        )
+    def facts(kind: str, channels: list[str]) -> Iterator[Statement]:
+        return (state(kind, topic=name, sender=senders[name]) for name in channels)
 
-    if bad:
-        patterns = [c for c in bad if c and not _matches_itself(c)]
-        remedies = [state("plain-name")]
-        remedies += [state("subscribe-to-pattern", pattern=re.escape(c)) for c in patterns[:1]]
-        yield Finding(state("unusable-names"), facts(bad, "odd-channel"), tuple(remedies))
+    patterns = [c for c in bad if c and not _matches_itself(c)]
+    remedies = [state("subscribe-to-pattern", pattern=re.escape(c)) for c in patterns[:1]]
+    yield from cases("unusable-names", facts("odd-channel", bad), "plain-name", *remedies)
     long = [c for c in senders if len(c.encode("utf-8", "surrogateescape")) >= _LONG_NAME]
-    if long:
-        remedies = [state("shorter-name")]
-        yield Finding(state("long-names"), facts(long, "channel"), tuple(remedies), Severity.NOTE)
-    pairs = [(a, b) for a, b in combinations(sorted(senders), 2) if _look_alike(a, b)]
-    if pairs:
-        alike = (
-            state(
-                "two-channels",
-                topic=Subject.topic(a),
-                sender=Subject.named(senders[a]),
-                other_topic=Subject.topic(b),
-                other_sender=Subject.named(senders[b]),
-            )
-            for a, b in pairs
-        )
-        yield Finding(state("similar-names"), tuple(alike), (state("same-name"),), Severity.NOTE)
+    note = Severity.NOTE
+    yield from cases("long-names", facts("channel", long), "shorter-name", severity=note)
+    alike = (
+        state("two-channels", topic=a, sender=senders[a], other_topic=b, other_sender=senders[b])
+        for a, b in combinations(sorted(senders), 2)
+        if _look_alike(a, b)
+    )
+    yield from cases("similar-names", alike, "same-name", severity=note)
 
 
 def _matches_itself(channel: str) -> bool:

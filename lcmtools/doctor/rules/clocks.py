@@ -3,16 +3,14 @@
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence, HostClock
-from lcmtools.doctor.findings import Finding, Severity, Subject, rule, state
+from lcmtools.doctor.findings import Finding, Subject, finding, rule, state
 
 _AHEAD = 0.1  # [s] that a clock may be: a message cannot arrive before it was sent
 _BEHIND = 0.3  # [s]: a slow network looks the same
 _MOST = 6  # nodes that are named
 
 
-@rule(
-    "clocks", Severity.WARNING, "sudo timedatectl set-ntp true, on both; or sudo chronyc makestep"
-)
+@rule("clocks", "sudo timedatectl set-ntp true, on both; or sudo chronyc makestep")
 def clocks_agree(evidence: Evidence) -> Iterator[Finding]:
     """The clocks of all computers agree.
 
@@ -24,15 +22,9 @@ def clocks_agree(evidence: Evidence) -> Iterator[Finding]:
         facts = [state("program", program=Subject("node", name)) for name in clock.nodes[:_MOST]]
         if len(clock.nodes) > _MOST:
             facts.append(state("more", count=len(clock.nodes) - _MOST))
-        yield Finding(
-            state(
-                "clock-ahead" if clock.lag < 0 else "clock-behind",
-                host=Subject("host", clock.host, address=clock.address),
-                seconds=abs(clock.lag),
-            ),
-            tuple(facts),
-            (state("set-clocks"), state("compare-clocks")),
-        )
+        kind = "clock-ahead" if clock.lag < 0 else "clock-behind"
+        title = state(kind, host=clock, seconds=abs(clock.lag))
+        yield finding(title, facts, "set-clocks", "compare-clocks")
 
 
 def wrong_clocks(evidence: Evidence) -> list[HostClock]:

@@ -4,15 +4,11 @@ from collections.abc import Iterator
 
 from lcmtools.doctor.connecting import Loose, Way, is_simulator, loose_ends, ways, ways_out
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, Severity, Statement, Subject, rule, state
+from lcmtools.doctor.findings import Finding, Severity, Statement, cases, rule, state
 from lcmtools.graph.model import Role
 
 
-@rule(
-    "unconnected-subscriptions",
-    Severity.WARNING,
-    "start the node with __ns:=/NAMESPACE or with OLD:=NEW",
-)
+@rule("unconnected-subscriptions", "start the node with __ns:=/NAMESPACE or with OLD:=NEW")
 def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
     """Every subscription has a publisher.
 
@@ -27,18 +23,14 @@ def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
         for node, endpoints in loose_ends(evidence.graph, Role.SUBSCRIBER).items()
         if (kept := [one for one in endpoints if one.topic not in elsewhere])
     }
-    if loose:
-        yield Finding(
-            state("unconnected-subscriptions"),
-            _facts(loose),
-            tuple(way.remedy for way in ways(evidence.graph, loose, _senders(evidence))),
-        )
+    found = ways(evidence.graph, loose, _senders(evidence))
+    return cases("unconnected-subscriptions", _facts(loose), *(way.remedy for way in found))
 
 
 @rule(
     "unconnected-publications",
-    Severity.NOTE,
     "start the node with OLD:=NEW, where a subscriber is missing",
+    Severity.NOTE,
 )
 def publications_have_subscribers(evidence: Evidence) -> Iterator[Finding]:
     """Every publication has a subscriber.
@@ -61,15 +53,14 @@ def publications_have_subscribers(evidence: Evidence) -> Iterator[Finding]:
         and node.id not in moving
         and (kept := [one for one in endpoints if (node.id, one.topic) not in known])
     }
-    if loose:
-        remedies = {
-            repr(remedy): remedy
-            for node, endpoints in loose.items()
-            for one in endpoints
-            for remedy in ways_out(graph, node, one)
-        }
-        title = state("unconnected-publications")
-        yield Finding(title, _facts(loose), tuple(remedies.values()), Severity.NOTE)
+    remedies = [
+        remedy
+        for node, endpoints in loose.items()
+        for one in endpoints
+        for remedy in ways_out(graph, node, one)
+    ]
+    kind = "unconnected-publications"
+    yield from cases(kind, _facts(loose), *remedies, severity=Severity.NOTE)
 
 
 def missed_topics(evidence: Evidence) -> set[str]:
@@ -89,12 +80,6 @@ def _senders(evidence: Evidence) -> dict[str, str]:
     return {stream.channel: stream.name for stream in evidence.streams}
 
 
-def _facts(loose: Loose) -> tuple[Statement, ...]:
-    return tuple(
-        state(
-            "node-topics",
-            node=Subject.node(node),
-            topics=tuple(Subject.topic(endpoint.topic) for endpoint in endpoints),
-        )
-        for node, endpoints in loose.items()
-    )
+def _facts(loose: Loose) -> Iterator[Statement]:
+    for node, endpoints in loose.items():
+        yield state("node-topics", node=node, topics=[endpoint.topic for endpoint in endpoints])

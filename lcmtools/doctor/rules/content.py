@@ -4,41 +4,39 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, Severity, Subject, rule, state
+from lcmtools.doctor.findings import Finding, cases, rule, state
 from lcmtools.doctor.rules.clocks import has_wrong_clock
 
 
-@rule("not-finite", Severity.WARNING, "find where it divides by zero, and do not publish it")
+@rule("not-finite", "find where it divides by zero, and do not publish it")
 def numbers_are_finite(evidence: Evidence) -> Iterator[Finding]:
     """Published numbers are finite.
 
     A NaN passes through every later computation, and a robot that gets NaN m/s as its velocity does
     anything. Ranges of lasers may be infinite.
     """
-    yield from _odd(evidence, "not-finite", "print-values")
+    return _odd(evidence, "not-finite", "print-values")
 
 
-@rule("quaternions", Severity.WARNING, "set w to 1 for no rotation, and normalise what is computed")
+@rule("quaternions", "set w to 1 for no rotation, and normalise what is computed")
 def quaternions_are_rotations(evidence: Evidence) -> Iterator[Finding]:
     """Quaternions are rotations: their length is 1.
 
     All zeros, as in a field that was never set, is not a rotation.
     """
-    yield from _odd(evidence, "quaternion", "normalise")
+    return _odd(evidence, "quaternion", "normalise")
 
 
-@rule("covariances", Severity.WARNING, "fill both halves, and no negative number on the diagonal")
+@rule("covariances", "fill both halves, and no negative number on the diagonal")
 def covariances_are_covariances(evidence: Evidence) -> Iterator[Finding]:
     """Covariance matrices are symmetric, and variances not negative.
 
     A filter that gets another one diverges. -1 as the first number means: unknown.
     """
-    yield from _odd(evidence, "covariance", "symmetric", "unknown-covariance")
+    return _odd(evidence, "covariance", "symmetric", "unknown-covariance")
 
 
-@rule(
-    "stamps", Severity.WARNING, "set the clocks (chrony, ntp), or _use_sim_time:=true as the others"
-)
+@rule("stamps", "set the clocks (chrony, ntp), or _use_sim_time:=true as the others")
 def stamps_are_current(evidence: Evidence) -> Iterator[Finding]:
     """Messages are stamped with the time at which they are sent.
 
@@ -57,23 +55,16 @@ def stamps_are_current(evidence: Evidence) -> Iterator[Finding]:
     yield from _odd(evidence, "old", "set-clocks", "use-sim-time")
 
 
-@rule("undecodable", Severity.WARNING, "generate the sender's types again from the same .lcm files")
+@rule("undecodable", "generate the sender's types again from the same .lcm files")
 def messages_can_be_decoded(evidence: Evidence) -> Iterator[Finding]:
     """Messages can be decoded as the type that their fingerprint names."""
-    yield from _odd(evidence, "undecodable", "use-lcm-gen")
+    return _odd(evidence, "undecodable", "use-lcm-gen")
 
 
 def _odd(evidence: Evidence, kind: str, *remedies: str) -> Iterator[Finding]:
-    facts = tuple(
-        state(
-            "oddity",
-            topic=Subject.topic(odd.topic),
-            sender=Subject.named(odd.name),
-            text=odd.text,
-            messages=odd.count,
-        )
+    facts = (
+        state("oddity", topic=odd.topic, sender=odd.name, text=odd.text, messages=odd.count)
         for odd in evidence.oddities
         if odd.kind == kind
     )
-    if facts:
-        yield Finding(state(kind), facts, tuple(map(state, remedies)))
+    return cases(kind, facts, *remedies)

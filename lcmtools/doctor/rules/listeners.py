@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence, Listener, Stream
-from lcmtools.doctor.findings import Finding, Severity, Statement, Subject, rule, state
+from lcmtools.doctor.findings import Finding, Severity, Statement, cases, finding, rule, state
 
 _PER_MESSAGE = 1.1  # a buffer of this many times a message takes it
 _DATAGRAM = 65_507  # bytes at most
@@ -11,11 +11,7 @@ _STOPPED = frozenset({"T", "t"})
 _BUFFER = 4 << 20  # bytes that are enough for most
 
 
-@rule(
-    "kernel-drops",
-    Severity.WARNING,
-    "recv_buf_size=N in its URL; sudo sysctl -w net.core.rmem_max=8388608",
-)
+@rule("kernel-drops", "recv_buf_size=N in its URL; sudo sysctl -w net.core.rmem_max=8388608")
 def buffers_have_room(evidence: Evidence) -> Iterator[Finding]:
     """The kernel drops nothing that a program of this computer should receive.
 
@@ -30,20 +26,13 @@ def buffers_have_room(evidence: Evidence) -> Iterator[Finding]:
         and not _is_stuck(x)
         and not (x.is_node and evidence.malformed)
     ]
-    if slow:
-        facts = (
-            state(
-                "dropped",
-                listener=Subject.listener(x),
-                drops=x.drops,
-                buffer_bytes=x.buffer_bytes or 0,
-            )
-            for x in slow
-        )
-        yield Finding(state("kernel-drops"), tuple(facts), _larger_buffer(evidence))
+    facts = (
+        state("dropped", listener=x, drops=x.drops, buffer_bytes=x.buffer_bytes or 0) for x in slow
+    )
+    return cases("kernel-drops", facts, *_larger_buffer(evidence))
 
 
-@rule("stuck-listeners", Severity.WARNING, "wake it: kill -CONT PID; or end it: kill PID")
+@rule("stuck-listeners", "wake it: kill -CONT PID; or end it: kill PID")
 def listeners_read(evidence: Evidence) -> Iterator[Finding]:
     """Programs that have subscribed read what arrives.
 
@@ -51,48 +40,32 @@ def listeners_read(evidence: Evidence) -> Iterator[Finding]:
     """
     stale = {node.pid for node in evidence.own_nodes() if node.stale}  # reported by another rule
     stuck = [x for x in _programs(evidence) if x.pid not in stale and _is_stuck(x)]
-    if stuck:
-        facts, remedies = [], []
-        for x in stuck:
-            is_stopped = x.state in _STOPPED
-            kind = "stopped" if is_stopped else "bytes-wait"
-            facts.append(state(kind, listener=Subject.listener(x), queued_bytes=x.queued_bytes))
-            if x.pid:
-                remedies.append(state("wake-or-end" if is_stopped else "inspect", pid=x.pid))
-        yield Finding(state("stuck-listeners"), tuple(facts), tuple(remedies))
+    facts, remedies = [], []
+    for x in stuck:
+        is_stopped = x.state in _STOPPED
+        kind = "stopped" if is_stopped else "bytes-wait"
+        facts.append(state(kind, listener=x, queued_bytes=x.queued_bytes))
+        if x.pid:
+            remedies.append(state("wake-or-end" if is_stopped else "inspect", pid=x.pid))
+    return cases("stuck-listeners", facts, *remedies)
 
 
-@rule(
-    "small-buffer",
-    Severity.WARNING,
-    "recv_buf_size=N in its URL; sudo sysctl -w net.core.rmem_max=8388608",
-)
+@rule("small-buffer", "recv_buf_size=N in its URL; sudo sysctl -w net.core.rmem_max=8388608")
 def messages_fit_buffers(evidence: Evidence) -> Iterator[Finding]:
     """Every listener's buffer takes the largest message on the bus.
 
     liblcm sends all parts of a large message at once; nodes of lcmtools spread them, which needs no
     large buffer.
     """
-    largest, small = _largest(evidence), _too_small(evidence)
-    if largest and small:
-        title = state(
-            "small-buffer",
-            topic=Subject.topic(largest.channel),
-            sender=Subject.named(largest.name, largest.pid),
-            bytes=largest.largest,
-        )
-        facts = (
-            state("buffer", listener=Subject.listener(x), buffer_bytes=x.buffer_bytes or 0)
-            for x in small
-        )
-        yield Finding(title, tuple(facts), _larger_buffer(evidence, 2 * largest.largest))
+    if stream := _largest(evidence):
+        size = stream.largest
+        title = state("small-buffer", topic=stream.channel, sender=stream, bytes=size)
+        small = _too_small(evidence)
+        facts = (state("buffer", listener=x, buffer_bytes=x.buffer_bytes or 0) for x in small)
+        yield from cases(title, facts, *_larger_buffer(evidence, 2 * size))
 
 
-@rule(
-    "interfaces",
-    Severity.WARNING,
-    "restart the listeners, or pin the route: ip route add 224.0.0.0/4 dev X",
-)
+@rule("interfaces", "restart the listeners, or pin the route: ip route add 224.0.0.0/4 dev X")
 def the_group_is_joined_where_the_route_leads(evidence: Evidence) -> Iterator[Finding]:
     """Programs listen on the interface that messages leave by.
 
@@ -100,20 +73,14 @@ def the_group_is_joined_where_the_route_leads(evidence: Evidence) -> Iterator[Fi
     changes.
     """
     host = evidence.host
-    others = [name for name in host.joined if name != host.interface]
-    if host.interface and others and evidence.listeners:
-        yield Finding(
-            state("interfaces", interface=Subject("interface", host.interface)),
-            tuple(state("joined-on", interface=Subject("interface", name)) for name in others),
-            (state("restart-listeners"),),
-        )
+    if host.interface and evidence.listeners:
+        title = state("interfaces", interface=host.interface)
+        others = (name for name in host.joined if name != host.interface)
+        facts = (state("joined-on", interface=name) for name in others)
+        yield from cases(title, facts, "restart-listeners")
 
 
-@rule(
-    "reassembly",
-    Severity.WARNING,
-    "smaller messages (below 1400 bytes none is cut), or a wired network",
-)
+@rule("reassembly", "smaller messages (below 1400 bytes none is cut), or a wired network")
 def datagrams_arrive_complete(evidence: Evidence) -> Iterator[Finding]:
     """Datagrams that the network has cut into fragments arrive with all of them.
 
@@ -121,10 +88,10 @@ def datagrams_arrive_complete(evidence: Evidence) -> Iterator[Finding]:
     """
     failed = evidence.host.reassembly_failures
     if failed:
-        yield Finding(state("reassembly", datagrams=failed), (), (state("smaller-messages"),))
+        yield finding(state("reassembly", datagrams=failed), (), "smaller-messages")
 
 
-@rule("rp-filter", Severity.NOTE, "sudo sysctl -w net.ipv4.conf.all.rp_filter=2")
+@rule("rp-filter", "sudo sysctl -w net.ipv4.conf.all.rp_filter=2", Severity.NOTE)
 def strict_filters_are_off(evidence: Evidence) -> Iterator[Finding]:
     """The kernel does not drop messages of computers behind another interface.
 
@@ -132,26 +99,24 @@ def strict_filters_are_off(evidence: Evidence) -> Iterator[Finding]:
     """
     host = evidence.host
     if evidence.ttl and host.rp_filter == 1 and host.others:
-        interface = Subject("interface", host.interface or "all interfaces")
+        title = state("rp-filter", interface=host.interface or "all interfaces")
         remedy = state("sysctl", name="net.ipv4.conf.all.rp_filter", value=2)
-        yield Finding(state("rp-filter", interface=interface), (), (remedy,), Severity.NOTE)
+        yield finding(title, (), remedy, severity=Severity.NOTE)
 
 
-@rule("firewall", Severity.NOTE, "sudo ufw allow in proto udp to 224.0.0.0/4")
+@rule("firewall", "sudo ufw allow in proto udp to 224.0.0.0/4", Severity.NOTE)
 def no_firewall_is_in_the_way(evidence: Evidence) -> Iterator[Finding]:
     """A firewall lets the bus's datagrams pass, where other computers take part."""
     remote = any(not s.is_local for s in evidence.senders)
     if evidence.ttl and evidence.host.firewall and not remote:
         title = state("firewall", firewall=evidence.host.firewall)
-        yield Finding(title, (), (state("allow-multicast"),), Severity.NOTE)
+        yield finding(title, (), "allow-multicast", severity=Severity.NOTE)
 
 
-@rule("environment", Severity.WARNING, "correct the variable, or pip install lcm")
+@rule("environment", "correct the variable, or pip install lcm")
 def the_environment_is_in_order(evidence: Evidence) -> Iterator[Finding]:
     """Variables name what exists, and Python finds LCM's package and no other."""
-    if evidence.host.environment:
-        facts = tuple(state("text", text=line) for line in evidence.host.environment)
-        yield Finding(state("environment"), facts)
+    return cases("environment", (state("text", text=fault) for fault in evidence.host.environment))
 
 
 def _programs(evidence: Evidence) -> list[Listener]:

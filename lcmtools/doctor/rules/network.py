@@ -3,14 +3,14 @@
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, Severity, Subject, rule, state
+from lcmtools.doctor.findings import Finding, Severity, finding, rule, state
 
 _LOOPBACK = "lo"
 _SHARE = 0.5  # of the capacity of an interface
 _WIRELESS = 1e6  # [byte/s] of multicast
 
 
-@rule("large-messages", Severity.WARNING, "let the firewall pass large datagrams of UDP")
+@rule("large-messages", "let the firewall pass large datagrams of UDP")
 def large_messages_pass(evidence: Evidence) -> Iterator[Finding]:
     """A message of several full datagrams comes back to this computer, as a small one does.
 
@@ -19,13 +19,11 @@ def large_messages_pass(evidence: Evidence) -> Iterator[Finding]:
     """
     host = evidence.host
     if host.large_problem and not evidence.bus_problem:
-        yield Finding(
-            state("large-messages", bytes=host.large_bytes, problem=host.large_problem),
-            remedies=(state("look-at-firewall"), state("macos-large-datagrams")),
-        )
+        title = state("large-messages", bytes=host.large_bytes, problem=host.large_problem)
+        yield finding(title, (), "look-at-firewall", "macos-large-datagrams")
 
 
-@rule("sending", Severity.ERROR, "lcmtools wtf prints the command that mends it")
+@rule("sending", "lcmtools wtf prints the command that mends it", Severity.ERROR)
 def datagrams_can_leave(evidence: Evidence) -> Iterator[Finding]:
     """Datagrams with the bus's own ttl can be sent.
 
@@ -34,20 +32,20 @@ def datagrams_can_leave(evidence: Evidence) -> Iterator[Finding]:
     """
     host = evidence.host
     if host.send_problem and not evidence.bus_problem:
-        remedies = (state("mend-bus", hint=host.send_remedy),) if host.send_remedy else ()
+        remedies = [state("mend-bus", hint=host.send_remedy)] if host.send_remedy else []
         title = state("sending", problem=host.send_problem)
-        yield Finding(title, (), remedies, Severity.ERROR)
+        yield finding(title, (), *remedies, severity=Severity.ERROR)
 
 
-@rule("loopback-route", Severity.NOTE, "sudo ip route replace 224.0.0.0/4 dev eth0")
+@rule("loopback-route", "sudo ip route replace 224.0.0.0/4 dev eth0", Severity.NOTE)
 def the_route_leaves_the_computer(evidence: Evidence) -> Iterator[Finding]:
     """The route to the bus leaves this computer, if the ttl lets messages leave it."""
     if _is_alone(evidence) and evidence.host.interface == _LOOPBACK:
         title = state("loopback-route", ttl=evidence.ttl)
-        yield Finding(title, (), (state("route"),), Severity.NOTE)
+        yield finding(title, (), "route", severity=Severity.NOTE)
 
 
-@rule("container", Severity.NOTE, "docker run --network host; WSL: networkingMode=mirrored")
+@rule("container", "docker run --network host; WSL: networkingMode=mirrored", Severity.NOTE)
 def nothing_is_walled_in(evidence: Evidence) -> Iterator[Finding]:
     """The network that a container or WSL has to itself forwards multicast.
 
@@ -56,15 +54,15 @@ def nothing_is_walled_in(evidence: Evidence) -> Iterator[Finding]:
     kind = evidence.host.container
     is_walled = kind == "WSL" or (kind and evidence.host.is_virtual)
     if _is_alone(evidence) and is_walled:
-        remedy = state("mirrored-network" if kind == "WSL" else "host-network")
+        remedy = "mirrored-network" if kind == "WSL" else "host-network"
         title = state("container", container=kind)
-        yield Finding(title, (), (remedy, state("use-server")), Severity.NOTE)
+        yield finding(title, (), remedy, "use-server", severity=Severity.NOTE)
 
 
 @rule(
     "igmp-querier",
-    Severity.NOTE,
     "echo 1 | sudo tee /sys/class/net/BRIDGE/bridge/multicast_querier",
+    Severity.NOTE,
 )
 def the_network_has_a_querier(evidence: Evidence) -> Iterator[Finding]:
     """The network has an IGMP querier, which asks for group members.
@@ -75,15 +73,11 @@ def the_network_has_a_querier(evidence: Evidence) -> Iterator[Finding]:
     """
     bridge = evidence.host.bridge
     if _is_alone(evidence) and bridge:
-        yield Finding(
-            state("igmp-querier", bridge=Subject("interface", bridge)),
-            (state("switch-forgets"),),
-            (state("enable-querier", bridge=bridge),),
-            Severity.NOTE,
-        )
+        title, remedy = (state(kind, bridge=bridge) for kind in ("igmp-querier", "enable-querier"))
+        yield finding(title, [state("switch-forgets")], remedy, severity=Severity.NOTE)
 
 
-@rule("bandwidth", Severity.WARNING, "send smaller messages, or less often: lcmtools bw TOPIC")
+@rule("bandwidth", "send smaller messages, or less often: lcmtools bw TOPIC")
 def the_network_has_room(evidence: Evidence) -> Iterator[Finding]:
     """The bus does not fill the network.
 
@@ -96,20 +90,13 @@ def the_network_has_room(evidence: Evidence) -> Iterator[Finding]:
     limit = _WIRELESS if host.is_wireless else _SHARE * host.speed_mbit * 1e6 / 8
     if limit and rate > limit:
         heaviest = sorted(evidence.streams, key=lambda stream: -stream.bytes)[:3]
-        interface = Subject("interface", host.interface)
-        yield Finding(
-            state("bandwidth", interface=interface, megabytes_per_second=rate / 1e6),
-            tuple(
-                state(
-                    "stream-bandwidth",
-                    topic=Subject.topic(s.channel),
-                    sender=Subject.named(s.name, s.pid),
-                    megabytes_per_second=s.bytes / evidence.listened / 1e6,
-                )
-                for s in heaviest
-            ),
-            (state("use-ttl-0"),),
+        title = state("bandwidth", interface=host.interface, megabytes_per_second=rate / 1e6)
+        rates = ((s, s.bytes / evidence.listened / 1e6) for s in heaviest)
+        facts = (
+            state("stream-bandwidth", topic=s.channel, sender=s, megabytes_per_second=megabytes)
+            for s, megabytes in rates
         )
+        yield finding(title, facts, "use-ttl-0")
 
 
 def _is_alone(evidence: Evidence) -> bool:

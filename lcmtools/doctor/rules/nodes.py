@@ -4,7 +4,16 @@ from collections import defaultdict
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, Severity, Statement, Subject, rule, state
+from lcmtools.doctor.findings import (
+    Finding,
+    Part,
+    Severity,
+    Statement,
+    Subject,
+    cases,
+    rule,
+    state,
+)
 from lcmtools.graph.model import Node, Staleness
 
 _CLOCK = "/clock"
@@ -12,7 +21,7 @@ _SELECT = 1024  # liblcm's binding waits with select(2)
 _MOST_FILES = 0.9
 
 
-@rule("stale-nodes", Severity.ERROR, "wake it: kill -CONT PID; or forget it: lcmtools node cleanup")
+@rule("stale-nodes", "wake it: kill -CONT PID; or forget it: lcmtools node cleanup", Severity.ERROR)
 def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
     """Every node that was there and did not say goodbye still answers.
 
@@ -27,29 +36,29 @@ def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
         and not node.is_hidden  # a command that was killed is no part of the system
         and (_runs(node) or node.name not in alive)  # it has been started again
     ]
-    if stale:
-        facts, remedies = zip(*(_stale(evidence, node) for node in stale), strict=True)
-        yield Finding(state("stale-nodes"), facts, remedies, Severity.ERROR)
+    found = [_stale(evidence, node) for node in stale]
+    facts, remedies = (fact for fact, _ in found), (remedy for _, remedy in found)
+    return cases("stale-nodes", facts, *remedies, severity=Severity.ERROR)
 
 
 def _stale(evidence: Evidence, node: Node) -> tuple[Statement, Statement]:
     """The fact and the remedy; a process number means something on its own computer only."""
-    subject, why = Subject.node(node), str(node.stale)
+    known: dict[str, Part] = {"pid": node.pid, "why": str(node.stale)}
     if node.id in evidence.remote:
         host = Subject("host", node.host, address=node.sender.address if node.sender else "")
-        fact = state("stale-elsewhere", node=subject, pid=node.pid, host=host, why=why)
+        fact = state("stale-elsewhere", node=node, host=host, **known)
         return fact, state("look-there", host=node.host)
-    fact = state("stale", node=subject, pid=node.pid, why=why)
+    fact = state("stale", node=node, **known)
     if _runs(node):
         return fact, state("wake-or-end", pid=node.pid)
-    return fact, state("restart-or-forget", node=subject)
+    return fact, state("restart-or-forget", node=node)
 
 
 def _runs(node: Node) -> bool:
     return node.stale is not Staleness.ENDED
 
 
-@rule("duplicate-names", Severity.ERROR, "start one of them with __name:=ANOTHER")
+@rule("duplicate-names", "start one of them with __name:=ANOTHER", Severity.ERROR)
 def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
     """No two nodes have the same name.
 
@@ -62,24 +71,15 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
     for name, nodes in by_name.items():
         if len(nodes) > 1:
             facts = (
-                state(
-                    "node-process",
-                    node=Subject.node(node),
-                    pid=node.pid,
-                    host=Subject("host", node.host),
-                    command=node.command,
-                )
-                for node in nodes
+                state("node-process", node=one, pid=one.pid, host=one.host, command=one.command)
+                for one in nodes
             )
-            yield Finding(
-                state("duplicate-names", count=len(nodes), name=name),
-                tuple(facts),
-                (state("end-or-rename", name=f"{name.rpartition('/')[2]}2"),),
-                Severity.ERROR,
-            )
+            title = state("duplicate-names", count=len(nodes), name=name)
+            remedy = state("end-or-rename", name=f"{name.rpartition('/')[2]}2")
+            yield from cases(title, facts, remedy, severity=Severity.ERROR)
 
 
-@rule("no-clock", Severity.ERROR, "start the simulator, or the node without _use_sim_time:=true")
+@rule("no-clock", "start the simulator, or the node without _use_sim_time:=true", Severity.ERROR)
 def simulated_time_has_a_source(evidence: Evidence) -> Iterator[Finding]:
     """Simulated time has a publisher, if any node uses it.
 
@@ -87,39 +87,26 @@ def simulated_time_has_a_source(evidence: Evidence) -> Iterator[Finding]:
     timers never run.
     """
     topic = evidence.graph.topic(_CLOCK)
-    waiting = [Subject.node(n) for n, _ in topic.subscribers if not (n.stale or n.tool)]
+    waiting = [node for node, _ in topic.subscribers if not (node.stale or node.tool)]
     sources = [node for node, _ in topic.publishers if not node.stale]
     # one that was killed or hangs is reported by another rule
-    if waiting and not (sources or topic.foreign or _CLOCK in evidence.stale_published):
-        yield Finding(
-            state("no-clock", topic=Subject.topic(_CLOCK)),
-            tuple(state("node-pid", node=node, pid=node.pid or 0) for node in waiting),
-            (
-                *(
-                    state("drop-remap", node=node, argument="_use_sim_time:=true")
-                    for node in waiting
-                ),
-                state("start-simulator"),
-            ),
-            Severity.ERROR,
-        )
+    if not (sources or topic.foreign or _CLOCK in evidence.stale_published):
+        facts = (state("node-pid", node=node, pid=node.pid) for node in waiting)
+        argument = "_use_sim_time:=true"
+        remedies = (state("drop-remap", node=node, argument=argument) for node in waiting)
+        title, error = state("no-clock", topic=_CLOCK), Severity.ERROR
+        yield from cases(title, facts, *remedies, "start-simulator", severity=error)
 
 
-@rule("open-files", Severity.WARNING, "close what is not needed; ulimit -n raises the limit")
+@rule("open-files", "close what is not needed; ulimit -n raises the limit")
 def files_are_few(evidence: Evidence) -> Iterator[Finding]:
     """No program has nearly as many files open as it may.
 
     liblcm also fails, by a crash, once its own file descriptor is 1024 or more.
     """
-    facts = tuple(
-        state(
-            "open-files",
-            process=Subject.process(p),
-            open_files=p.open_files,
-            most_files=p.most_files,
-        )
+    facts = (
+        state("open-files", process=p, open_files=p.open_files, most_files=p.most_files)
         for p in evidence.processes
         if not p.bus and p.open_files > _MOST_FILES * min(p.most_files or _SELECT, _SELECT)
     )
-    if facts:
-        yield Finding(state("open-files"), facts, (state("restart"),))
+    return cases("open-files", facts, "restart")

@@ -6,7 +6,16 @@ from itertools import pairwise
 from statistics import median
 
 from lcmtools.doctor.evidence import Evidence, Stream
-from lcmtools.doctor.findings import Finding, Severity, Statement, Subject, rule, state
+from lcmtools.doctor.findings import (
+    Finding,
+    Observed,
+    Severity,
+    Statement,
+    cases,
+    finding,
+    rule,
+    state,
+)
 from lcmtools.doctor.rules.callbacks import busy_nodes
 from lcmtools.doctor.rules.types import disagree
 from lcmtools.graph.model import Endpoint, Node, Role
@@ -26,7 +35,7 @@ _SLOWER = 0.9  # of the target rate
 _BUSY = 0.85
 
 
-@rule("loss", Severity.WARNING, "less data, a wired network, or recv_buf_size=N in the URL")
+@rule("loss", "less data, a wired network, or recv_buf_size=N in the URL")
 def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
     """Every message that is sent arrives at this computer.
 
@@ -34,21 +43,15 @@ def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
     sender itself for this one's. What wtf was too slow for does not count.
     """
     lossy = [s for s in evidence.senders if s.lost > evidence.own_drops]
-    if lossy:
-        facts = (
-            state(
-                "lost-in-sender" if s.is_local else "lost-on-network",
-                sender=Subject.sender(s),
-                lost=s.lost,
-                sent=s.lost + s.messages,
-                percent=100 * Loss(s.lost, s.lost + s.messages).share,
-            )
-            for s in sorted(lossy, key=lambda one: -one.lost)
-        )
-        yield Finding(state("loss"), tuple(facts), (state("send-less"),))
+    facts = []
+    for s in sorted(lossy, key=lambda one: -one.lost):
+        kind, sent = "lost-in-sender" if s.is_local else "lost-on-network", s.lost + s.messages
+        percent = 100 * Loss(s.lost, sent).share
+        facts.append(state(kind, sender=s, lost=s.lost, sent=sent, percent=percent))
+    return cases("loss", facts, "send-less")
 
 
-@rule("silent", Severity.WARNING, "look at the node's log, and whether its inputs still arrive")
+@rule("silent", "look at the node's log, and whether its inputs still arrive")
 def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
     """Publishers that published often still do.
 
@@ -60,7 +63,7 @@ def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
         rate = average_rate(node, endpoint)
         age = (evidence.graph.time - endpoint.last_time) / 1e9
         if endpoint.messages >= _ENOUGH and rate and age > max(_SILENCE, _PERIODS / rate):
-            facts.append(_silence("silent-node", Subject.node(node), endpoint.topic, age, rate))
+            facts.append(_silence("silent-node", node, endpoint.topic, age, rate))
     for stream in _wanted_streams(evidence):
         interval = _usual_interval(stream)
         # of what wtf itself was too slow for, or had to leave out, the last time is not known
@@ -69,10 +72,8 @@ def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
         age = (evidence.graph.time - stream.times[-1]) / 1e9
         is_late = age * _BLAME > evidence.processor_wait
         if is_late and age > max(_PERIODS * interval, 0.5):
-            subject = Subject.named(stream.name, stream.pid)
-            facts.append(_silence("silent-stream", subject, stream.channel, age, 1 / interval))
-    if facts:
-        yield Finding(state("silent"), tuple(facts), (), Severity.NOTE)
+            facts.append(_silence("silent-stream", stream, stream.channel, age, 1 / interval))
+    yield from cases("silent", facts, severity=Severity.NOTE)
     # of these other rules report it
     nodes = {node.pid for node in evidence.own_nodes()} | {x.pid for x in evidence.listeners}
     stopped = [
@@ -80,22 +81,20 @@ def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
         for process in evidence.processes
         if process.state in ("T", "t") and not (process.bus or process.pid in nodes)
     ]
-    if stopped:
-        yield Finding(
-            state("stopped-programs"),
-            tuple(state("process", process=Subject.process(one)) for one in stopped),
-            tuple(state("wake-or-end", pid=one.pid) for one in stopped),
-        )
+    remedies = (state("wake-or-end", pid=one.pid) for one in stopped)
+    yield from cases(
+        "stopped-programs", (state("process", process=one) for one in stopped), *remedies
+    )
 
 
-def _silence(kind: str, subject: Subject, topic: str, age: float, rate: float) -> Statement:
-    return state(kind, publisher=subject, topic=Subject.topic(topic), seconds=age, rate=rate)
+def _silence(kind: str, publisher: Observed, topic: str, age: float, rate: float) -> Statement:
+    return state(kind, publisher=publisher, topic=topic, seconds=age, rate=rate)
 
 
 @rule(
     "slow-rate",
-    Severity.NOTE,
     "see what the node or its computer is busy with: lcmtools node info, top",
+    Severity.NOTE,
 )
 def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
     """Publishers are as fast as they were on average since they started."""
@@ -112,16 +111,15 @@ def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
         if earlier and usual and now and earlier.messages >= 5 * _ENOUGH:
             expected = usual * evidence.listened
             if expected >= _ENOUGH and now < _FALLEN * usual:
-                node_, topic = Subject.node(node), Subject.topic(endpoint.topic)
-                facts.append(state("slower", node=node_, topic=topic, rate=now, usual=usual))
-    if facts:
-        yield Finding(state("slow-rate"), tuple(facts), (), Severity.NOTE)
+                topic = endpoint.topic
+                facts.append(state("slower", node=node, topic=topic, rate=now, usual=usual))
+    return cases("slow-rate", facts, severity=Severity.NOTE)
 
 
 @rule(
     "irregular",
-    Severity.NOTE,
     "lcmtools hz TOPIC shows the intervals; look for what blocks the node",
+    Severity.NOTE,
 )
 def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
     """Frequent messages come evenly: a gap may be a callback that blocks, or a busy computer."""
@@ -133,20 +131,12 @@ def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
             # a program that had to wait for a processor is not to blame
             is_late = longest * _BLAME > evidence.processor_wait
             if is_late and longest > max(_SHORTEST, _UNEVEN * interval):
-                facts.append(
-                    state(
-                        "gap",
-                        sender=Subject.named(stream.name, stream.pid),
-                        topic=Subject.topic(stream.channel),
-                        longest=longest,
-                        usual=interval,
-                    )
-                )
-    if facts:
-        yield Finding(state("irregular"), tuple(facts), (), Severity.NOTE)
+                times = {"longest": longest, "usual": interval}
+                facts.append(state("gap", sender=stream, topic=stream.channel, **times))
+    return cases("irregular", facts, severity=Severity.NOTE)
 
 
-@rule("competing-publishers", Severity.WARNING, "end one of them, or remap it: OLD:=NEW")
+@rule("competing-publishers", "end one of them, or remap it: OLD:=NEW")
 def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
     """No two programs send on the same topic at the same time, or on alternatives of one input.
 
@@ -173,22 +163,10 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
             rivals[frozenset(streams)] += streams.values()
     for found in rivals.values():
         names = sorted({stream.channel for stream in found})
-        yield Finding(
-            state(
-                "competing-publishers",
-                count=len({one.name for one in found}),
-                topics=tuple(map(Subject.topic, names)),
-            ),
-            tuple(
-                state(
-                    "publisher",
-                    sender=Subject.named(one.name, one.pid),
-                    topic=Subject.topic(one.channel),
-                )
-                for one in found
-            ),
-            (_parting(evidence, found, names[0]),),
-        )
+        count = len({one.name for one in found})
+        title = state("competing-publishers", count=count, topics=names)
+        facts = (state("publisher", sender=one, topic=one.channel) for one in found)
+        yield finding(title, facts, _parting(evidence, found, names[0]))
 
 
 def _parting(evidence: Evidence, streams: Sequence[Stream], topic: str) -> Statement:
@@ -200,11 +178,7 @@ def _parting(evidence: Evidence, streams: Sequence[Stream], topic: str) -> State
     return state(kind, pids=pids if len(pids) > 1 else (), topic=topic)
 
 
-@rule(
-    "slow-simulator",
-    Severity.WARNING,
-    "subscribe to fewer sensors, or slow it: lcmtools sim set-rate",
-)
+@rule("slow-simulator", "subscribe to fewer sensors, or slow it: lcmtools sim set-rate")
 def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     """A simulator keeps up with real time, or with the rate that it was started with.
 
@@ -212,25 +186,15 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     was slowed on purpose.
     """
     clock = evidence.clock
-    if (
-        clock is None
-        or clock.target is None
-        or clock.ratio <= 0
-        or clock.ratio > _SLOWER * clock.target
-    ):
+    if not (clock and clock.target and 0 < clock.ratio <= _SLOWER * clock.target):
         return
-    overloaded = clock.busy is not None and clock.busy > _BUSY
-    remedy = state("simulate-less") if overloaded else state("set-rate", rate=clock.target)
-    yield Finding(
-        state(
-            "overloaded-simulator" if overloaded else "slow-simulator",
-            ratio=clock.ratio,
-            target=clock.target,
-        ),
-        (state("program", program=Subject.named(clock.name)),),
-        (remedy,),
-        Severity.WARNING if overloaded else Severity.NOTE,
-    )
+    known = {"ratio": clock.ratio, "target": clock.target}
+    facts = [state("program", program=clock.name)]
+    if clock.busy is not None and clock.busy > _BUSY:
+        yield finding(state("overloaded-simulator", **known), facts, "simulate-less")
+    else:
+        remedy = state("set-rate", rate=clock.target)
+        yield finding(state("slow-simulator", **known), facts, remedy, severity=Severity.NOTE)
 
 
 def _subscribed_publications(evidence: Evidence) -> Iterator[tuple[Node, Endpoint]]:

@@ -3,9 +3,19 @@
 from collections.abc import Iterator, Mapping
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, Part, Severity, Statement, Subject, rule, state
+from lcmtools.doctor.findings import (
+    Finding,
+    Part,
+    Severity,
+    Statement,
+    Subject,
+    cases,
+    finding,
+    rule,
+    state,
+)
 from lcmtools.doctor.near_types import nearest_type
-from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
+from lcmtools.graph.model import Topic, Traffic
 from lcmtools.messages.registry import candidates
 from lcmtools.names import is_hidden
 from lcmtools.wire.packet import Sender
@@ -13,7 +23,7 @@ from lcmtools.wire.packet import Sender
 _NO_TYPE = -1  # in place of a fingerprint, where there is none or it changes with each message
 
 
-@rule("type-mismatch", Severity.ERROR, "remap one of them to another topic: OLD:=NEW")
+@rule("type-mismatch", "remap one of them to another topic: OLD:=NEW", Severity.ERROR)
 def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
     """All publishers and subscribers of a topic use the same type.
 
@@ -22,18 +32,21 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
     """
     graph, names = evidence.graph, _names(evidence)
     for name in graph.topic_names():
-        topic, subject = graph.topic(name), Subject.topic(name)
+        topic = graph.topic(name)
         facts = (*_announced(topic), *_seen(topic, names))
         if disagree(topic):
-            remedies = (*_renewal(topic), state("remap-one", topic=name))
-            title = state("type-mismatch", topic=subject)
-            yield Finding(title, facts, remedies, Severity.ERROR)
+            title, remap = (state(kind, topic=name) for kind in ("type-mismatch", "remap-one"))
+            yield finding(title, facts, *_renewal(topic), remap, severity=Severity.ERROR)
         elif not is_hidden(name) and _differ_in_name(topic):
-            title = state("type-names-differ", topic=subject)
-            yield Finding(title, facts, (state("same-type"),), Severity.NOTE)
+            title = state("type-names-differ", topic=name)
+            yield finding(title, facts, "same-type", severity=Severity.NOTE)
 
 
-@rule("unknown-type", Severity.NOTE, "generate the sender's types again from the same .lcm files")
+@rule(
+    "unknown-type",
+    "generate the sender's types again from the same .lcm files",
+    Severity.NOTE,
+)
 def types_are_known(evidence: Evidence) -> Iterator[Finding]:
     """No unknown type is nearly a known one.
 
@@ -50,12 +63,8 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
         (number,) = unknown
         senders = tuple(_sender(seen, names) for seen in topic.foreign)
         if nearest_type(number):
-            subject = Subject.topic(name)
-            facts.append(state("unknown-type", topic=subject, senders=senders, **_type(number, ())))
-    if facts:
-        yield Finding(
-            state("unknown-type"), tuple(facts), (state("same-lcm-files"),), Severity.NOTE
-        )
+            facts.append(state("unknown-type", topic=name, senders=senders, **_type(number, ())))
+    return cases("unknown-type", facts, "same-lcm-files", severity=Severity.NOTE)
 
 
 def disagree(topic: Topic) -> bool:
@@ -69,22 +78,18 @@ def disagree(topic: Topic) -> bool:
     )
 
 
-def _renewal(topic: Topic) -> list[Statement]:
+def _renewal(topic: Topic) -> list[str]:
     """The remedy if an unknown type is sent."""
     sent = {number for seen in topic.foreign for number in _sent_by(seen)} - {_NO_TYPE}
-    return [state("same-lcm-files")] if any(not candidates(number) for number in sent) else []
+    return ["same-lcm-files"] if any(not candidates(number) for number in sent) else []
 
 
 def _announced(topic: Topic) -> Iterator[Statement]:
     for node, endpoint in topic.publishers:
-        yield _endpoint("publishes", node, endpoint)
+        yield state("publishes", node=node, types=endpoint.types)
     for node, endpoint in topic.subscribers:
         if endpoint.fingerprints:
-            yield _endpoint("expects", node, endpoint)
-
-
-def _endpoint(kind: str, node: Node, endpoint: Endpoint) -> Statement:
-    return state(kind, node=Subject.node(node), types=endpoint.types)
+            yield state("expects", node=node, types=endpoint.types)
 
 
 def _seen(topic: Topic, names: Mapping[Sender | None, str]) -> Iterator[Statement]:
@@ -94,7 +99,8 @@ def _seen(topic: Topic, names: Mapping[Sender | None, str]) -> Iterator[Statemen
 
 
 def _sender(seen: Traffic, names: Mapping[Sender | None, str]) -> Subject:
-    return Subject.named(names.get(seen.sender, str(seen.sender)), address=str(seen.sender or ""))
+    name = names.get(seen.sender, str(seen.sender))
+    return Subject("sender", name, address=str(seen.sender or ""))
 
 
 def _names(evidence: Evidence) -> dict[Sender | None, str]:

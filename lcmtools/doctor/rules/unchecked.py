@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Subject, Unchecked, state
+from lcmtools.doctor.findings import Unchecked, state
 
 _ROOT = 0
 
@@ -27,7 +27,7 @@ def _of_sockets(evidence: Evidence) -> Iterator[Unchecked]:
         return
     hidden = {listener.uid for listener in evidence.listeners if listener.pid is None} - {own}
     if hidden and own != _ROOT:
-        users = tuple(Subject("user", evidence.users.get(uid, str(uid))) for uid in sorted(hidden))
+        users = [evidence.users.get(uid, str(uid)) for uid in sorted(hidden)]
         yield Unchecked("stuck-listeners", state("hidden-programs", users=users))
     if any(listener.buffer_bytes is None for listener in evidence.listeners):
         yield Unchecked("small-buffer", state("buffers-unknown"))
@@ -41,5 +41,4 @@ def _of_network(evidence: Evidence) -> Iterator[Unchecked]:
     if host.firewall_unknown:
         yield Unchecked("firewall", state("text", text=host.firewall_unknown))
     if host.interface not in ("", "lo") and not host.is_wireless and not host.speed_mbit:
-        interface = Subject("interface", host.interface)
-        yield Unchecked("bandwidth", state("bandwidth-unknown", interface=interface))
+        yield Unchecked("bandwidth", state("bandwidth-unknown", interface=host.interface))
