@@ -20,7 +20,7 @@ def test_list_names_what_can_be_run(lcmtools: Run) -> None:
     assert result.returncode == 0
     assert known >= {"talker", "listener", "simple_controller", "evaluate_controller", "sim"}
     assert [row[0] for row in rows] == sorted(known)
-    assert ["listener", "Tell what the talker says: the first subscriber."] in rows
+    assert ["listener", "Log the texts of the talker: the first subscriber."] in rows
     assert all(len(row) == 2 for row in rows), "each has its summary"
     assert json.loads(lcmtools("run", "--list", "--json").stdout) == sorted(known)
 
@@ -60,7 +60,7 @@ def test_parameters_are_taken_in_both_forms(
 def test_help_after_the_name_is_the_nodes_own(arguments: list[str], lcmtools: Run) -> None:
     result = lcmtools("run", "talker", *arguments, LCM_DEFAULT_URL="no bus is needed")
     assert (result.returncode, result.stderr) == (0, "")
-    assert result.stdout.startswith('Say "hello world" ten times a second')
+    assert result.stdout.startswith('Publish "hello world" ten times a second')
 
 
 @pytest.mark.parametrize("place", [0, 1, 2, 3])

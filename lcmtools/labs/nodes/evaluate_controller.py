@@ -1,8 +1,8 @@
 """Measure how well a controller keeps the desired velocity.
 
 Subscribes:
-    odometry           nav_msgs/Odometry      how the robot moves
-    desired_velocity   geometry_msgs/Twist    how it should: linear.x, angular.z
+    odometry           nav_msgs/Odometry      the velocity measured
+    desired_velocity   geometry_msgs/Twist    the velocity desired: linear.x, angular.z
 
 Publishes:
     evaluation_stat    air_lab0/ControllerEvaluationStat
@@ -31,7 +31,7 @@ class ErrorStatistics:
     """Root mean square of the errors so far.
 
     Attributes:
-        samples: How many there are.
+        samples: Their number.
         last: The newest.
     """
 
@@ -47,7 +47,7 @@ class ErrorStatistics:
         self._sum_of_squares += error * error
 
     def average(self) -> float:
-        """Square root of the mean of the squares; 0 when there are none."""
+        """Return the square root of the mean of the squares; 0 when there are none."""
         return math.sqrt(self._sum_of_squares / max(1, self.samples))
 
 
@@ -84,7 +84,7 @@ class EvaluateController(Node):
 
 
 def _error(measured: Twist, desired: Twist) -> float:
-    """Distance of two velocities, 1 m/s counting as much as 1 rad/s."""
+    """Return the distance of two velocities, 1 m/s counting as much as 1 rad/s."""
     return math.hypot(measured.linear.x - desired.linear.x, measured.angular.z - desired.angular.z)
 
 

@@ -1,4 +1,4 @@
-"""Show what the Kinect sees, as a live picture in the terminal.
+"""Show the Kinect's pictures, live in the terminal.
 
 Subscribes:
     /camera/depth/image_raw   sensor_msgs/Image             depth (16UC1, 32FC1), grey or colour

@@ -1,4 +1,4 @@
-"""Tell what the talker says: the first subscriber.
+"""Log the texts of the talker: the first subscriber.
 
 Subscribes:
     chatter   std_msgs/String   each text is logged
@@ -17,13 +17,13 @@ from lcmtools.types.std_msgs import String
 
 
 class Listener(Node):
-    """Logs the texts that it hears."""
+    """Logs the texts that it receives."""
 
     def __init__(self) -> None:
         super().__init__("listener")
-        self.create_subscription(String, "chatter", self._hear)
+        self.create_subscription(String, "chatter", self._callback)
 
-    def _hear(self, message: String) -> None:
+    def _callback(self, message: String) -> None:
         self.get_logger().info(f"I heard: [{message.data}]")
 
 

@@ -28,7 +28,7 @@ from collections.abc import Sequence
 import lcmtools
 from lcmtools.labs.nodes import check_command_line
 from lcmtools.labs.nodes.driving.driver import Driver, drive
-from lcmtools.labs.nodes.driving.motion import KEY_HELP, Motion
+from lcmtools.labs.nodes.driving.motion import MOTION_HELP, Motion
 from lcmtools.types.geometry_msgs import Twist
 
 SPEED_LIMIT = 1.2
@@ -38,9 +38,9 @@ TURN_LIMIT = 5.2
 
 
 class PioneerManualController(Driver):
-    """Publishes the velocity that the keys say; Driver does so again and again."""
+    """Publishes the velocity that the keys set; Driver calls send for each command."""
 
-    key_help = KEY_HELP
+    key_help = MOTION_HELP
 
     def __init__(self) -> None:
         super().__init__("pioneer_manual_controller")

@@ -1,4 +1,4 @@
-"""Tell what the Dolly's laser sees: the subscriber that goes with moving_robot.
+"""Log the distances that the Dolly's laser measures: the subscriber beside moving_robot.
 
 Subscribes:
     /dolly/laser_scan   sensor_msgs/LaserScan   the distances ahead, to both sides and the nearest
@@ -19,7 +19,7 @@ from lcmtools.labs.nodes import check_command_line
 from lcmtools.types.sensor_msgs import LaserScan
 
 PERIOD = 0.5
-"""Seconds between two lines; the laser is much faster than anybody reads."""
+"""Seconds between two lines; the laser is much faster than a person reads."""
 
 
 class ReadingLaser(Node):
@@ -39,7 +39,7 @@ class ReadingLaser(Node):
 
 
 def describe(scan: LaserScan) -> str:
-    """A scan in one line: what is ahead, at both ends, and nearest; distances in metres."""
+    """Return a scan in one line: ahead, at both ends, and nearest; distances in metres."""
     beams = range(len(scan.ranges))
     if not beams or not math.isfinite(scan.angle_min + scan.angle_increment):
         return f"{len(beams)} ranges that cannot be read"

@@ -1,8 +1,8 @@
 """Make the Husky drive at a desired velocity, by the efforts of its wheels.
 
 Subscribes:
-    odometry              nav_msgs/Odometry       how the robot moves
-    desired_velocity      geometry_msgs/Twist     how it should: linear.x, angular.z
+    odometry              nav_msgs/Odometry       the velocity measured
+    desired_velocity      geometry_msgs/Twist     the velocity desired: linear.x, angular.z
 
 Publishes:
     controlled_velocity   sensor_msgs/JointState  effort of [left, right], each in [-1, 1],
@@ -54,7 +54,7 @@ class SimpleController(Node):
         self.create_subscription(Twist, "desired_velocity", self._take_desired_velocity, 1)
 
     def stop(self) -> None:
-        """Let the robot stand, if it has been driven: it would go on with the last effort."""
+        """Stop the robot, if it has been driven: it would go on with the last effort."""
         if self._desired and self._measured:
             self._publish(0.0, 0.0)
 
@@ -65,7 +65,7 @@ class SimpleController(Node):
             self.get_logger().warning(f"odometry ignored: {measured}", once=True)
             return
         self._measured = measured
-        # a stamp of 0 means that the sender has no clock; its time is then when it was heard
+        # a stamp of 0 means that the sender has no clock; the time of reception counts
         self._time = stamp.sec * 10**9 + stamp.nsec or self.get_clock().now()
         self._update()
 
@@ -79,14 +79,11 @@ class SimpleController(Node):
 
     def _update(self) -> None:
         if self._desired and self._measured:
-            self._control.tune(self._gains())
+            self._control.gains = Gains(self._gain("kp"), self._gain("ki"))
             self._publish(*self._control.efforts(self._desired, self._measured, self._time))
 
-    def _gains(self) -> Gains:
-        """The gains as they are now: parameters may be changed while the node runs."""
-        return Gains(self._gain("kp"), self._gain("ki"))
-
     def _gain(self, name: str) -> float:
+        """Return a gain as it is now: parameters may be changed while the node runs."""
         value = self.get_parameter(name).value
         assert isinstance(value, float)  # as its default is
         return value
@@ -100,7 +97,7 @@ class SimpleController(Node):
 
 
 def main(args: Sequence[str] | None = None) -> None:
-    """Control the robot until Ctrl-C, then let it stand."""
+    """Control the robot until Ctrl-C, then stop it."""
     if check_command_line(args, __doc__):
         lcmtools.init(args)
         controller = SimpleController()

@@ -26,18 +26,14 @@ from collections.abc import Sequence
 import lcmtools
 from lcmtools.labs.nodes.command_line import NodeParser, read_command_line
 from lcmtools.labs.nodes.driving.driver import Driver, drive
-from lcmtools.labs.nodes.driving.sliders import KEY_HELP, Sliders
+from lcmtools.labs.nodes.driving.motion import SLIDERS_HELP, Sliders
 from lcmtools.types.geometry_msgs import Twist
 
 
 class Steering(Driver):
-    """Publishes the velocity that two sliders say.
+    """Publishes the velocity that two sliders set."""
 
-    Args:
-        topic: Where to.
-    """
-
-    key_help = KEY_HELP
+    key_help = SLIDERS_HELP
 
     def __init__(self, topic: str = "cmd_vel") -> None:
         super().__init__("steering")

@@ -1,4 +1,4 @@
-"""Say "hello world" ten times a second: the first publisher.
+"""Publish "hello world" ten times a second: the first publisher.
 
 Publishes:
     chatter   std_msgs/String   "hello world N", with N counting from 0, at 10 Hz

@@ -36,19 +36,19 @@ import lcmtools
 from lcmtools.clock import split_stamp
 from lcmtools.labs.nodes.command_line import NodeParser, read_command_line
 from lcmtools.labs.nodes.driving.driver import Driver, drive
-from lcmtools.labs.nodes.driving.motion import KEY_HELP, HeldKey, Motion
+from lcmtools.labs.nodes.driving.motion import MOTION_HELP, HeldKey, Motion
 from lcmtools.types.geometry_msgs import Twist, TwistStamped
 
 
 class Teleop(Driver):
-    """Publishes the velocity that the keys say.
+    """Publishes the velocity that the keys set.
 
     Args:
         hold: Stop when a key is let go.
         stamped: Publish TwistStamped.
     """
 
-    key_help = KEY_HELP
+    key_help = MOTION_HELP
 
     def __init__(self, *, hold: bool = False, stamped: bool = False) -> None:
         super().__init__("teleop")
@@ -68,7 +68,7 @@ class Teleop(Driver):
             self.create_timer(0.02, self._check_held)
 
     def press(self, key: str) -> None:
-        """Drive, stop or change a speed; the table is in driving/motion.py."""
+        """Drive, stop or change a speed, by the table in driving/motion.py."""
         super().press(key)
         if self._held:
             self._held.press(key, self.callbacks.time())

@@ -1,4 +1,4 @@
-"""A terminal that hands over keys and pictures, and is given back as it was.
+"""A terminal that hands over keys and pictures, and is restored.
 
 Whatever ends the program, Ctrl-Z too, the terminal's settings and its cursor are restored: when
 the block ends, and once more when the process does. The meaning of keys and text is not known here.

@@ -1,6 +1,6 @@
 """The control law of simple_controller: from velocities to wheel efforts, as plain mathematics.
 
-It knows no node, message or clock: velocities and the time come in, efforts go out.
+It imports no node, message or clock: velocities and the time come in, efforts go out.
 """
 
 import math
@@ -13,8 +13,8 @@ MAX_SPEED = 1.0
 """Speed of a side at full effort [m/s]."""
 MAX_STEP = 0.1
 """Longest time that one observation counts for [s]: the motion during a gap is unknown."""
-STANDING_SPEED = 0.01
-"""A robot whose sides are both slower than this stands [m/s]."""
+REST_SPEED = 0.01
+"""A robot whose sides are both slower than this is at rest [m/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,12 +38,12 @@ class Velocity:
         return math.isfinite(self.forward) and math.isfinite(self.turn_rate)
 
     def side_speeds(self) -> tuple[float, float]:
-        """Speeds of the left and right wheels over the ground [m/s]."""
+        """Return the speeds of the left and right wheels over the ground [m/s]."""
         half_difference = self.turn_rate * TRACK / 2
         return self.forward - half_difference, self.forward + half_difference
 
     def within_reach(self) -> "Velocity":
-        """The same curve, slower where a side would have to be faster than it can."""
+        """Return the same curve, slower where a side would have to be faster than it can."""
         fastest_side = abs(self.forward) + abs(self.turn_rate) * TRACK / 2
         excess = max(1.0, fastest_side / MAX_SPEED)
         return Velocity(self.forward / excess, self.turn_rate / excess)
@@ -68,31 +68,21 @@ class Gains:
 
 
 class SideControl:
-    """A proportional-integral controller of the speed of one side.
+    """A proportional-integral controller of the speed of one side."""
 
-    Attributes:
-        gains: How strongly it reacts; new ones count from the next call on.
-    """
-
-    def __init__(self, gains: Gains) -> None:
-        self.gains = gains
+    def __init__(self) -> None:
         self._integral = 0.0
 
-    def reset(self) -> None:
-        """Forget the past."""
-        self._integral = 0.0
-
-    def effort(self, desired: float, measured: float, step: float) -> float:
-        """The effort to apply now, in [-1, 1].
+    def effort(self, error: float, step: float, gains: Gains) -> float:
+        """Return the effort to apply now, in [-1, 1].
 
         Args:
-            desired: Speed [m/s].
-            measured: Speed [m/s].
+            error: Desired minus measured speed [m/s].
             step: Time since the last call [s].
+            gains: Those that count now.
         """
-        error = desired - measured
-        integral = self._integral + self.gains.ki * error * step
-        wanted = self.gains.kp * error + integral
+        integral = self._integral + gains.ki * error * step
+        wanted = gains.kp * error + integral
         possible = max(-1.0, min(1.0, wanted))
         # anti-windup: at the limit the integral may only lead away from it
         if wanted == possible or error * wanted < 0:
@@ -103,46 +93,39 @@ class SideControl:
 class VelocityControl:
     """Controls the velocity of a robot with skid steering by the efforts of its two sides.
 
-    Args:
-        gains: Of both sides.
+    Attributes:
+        gains: Gains of both sides. They may change: no effort jumps where the error is 0.
     """
 
     def __init__(self, gains: Gains) -> None:
-        self._left = SideControl(gains)
-        self._right = SideControl(gains)
+        self.gains = gains
+        self._sides = SideControl(), SideControl()
         self._last_time: int | None = None
 
-    def tune(self, gains: Gains) -> None:
-        """Go on with other gains; the effort does not jump where the error is 0."""
-        self._left.gains = self._right.gains = gains
-
     def efforts(self, desired: Velocity, measured: Velocity, time: int) -> tuple[float, float]:
-        """The efforts of the left and right wheels, each in [-1, 1].
+        """Return the efforts of the left and right wheels, each in [-1, 1].
 
         Args:
-            desired: What the robot should do.
-            measured: What it does, by its odometry.
-            time: When that was measured [ns].
+            desired: The desired velocity.
+            measured: The velocity by odometry.
+            time: The time of the measurement [ns].
         """
         step = self._step(time)
         speeds = measured.side_speeds()
         wanted = desired.within_reach().side_speeds()
-        if not any(wanted) and all(abs(speed) < STANDING_SPEED for speed in speeds):
-            self._reset()  # it stands as it should: no effort is left over to creep with
+        if not any(wanted) and all(abs(speed) < REST_SPEED for speed in speeds):
+            self._sides = SideControl(), SideControl()  # no effort is left over to creep with
             return 0.0, 0.0
-        return (
-            self._left.effort(wanted[0], speeds[0], step),
-            self._right.effort(wanted[1], speeds[1], step),
+        left, right = (
+            side.effort(goal - speed, step, self.gains)
+            for side, goal, speed in zip(self._sides, wanted, speeds, strict=True)
         )
+        return left, right
 
     def _step(self, time: int) -> float:
-        """Seconds since the last call, at most MAX_STEP; restarts when time was set back."""
+        """Return the time since the last call [s], at most MAX_STEP; forget all if it is negative."""
         step = 0.0 if self._last_time is None else (time - self._last_time) / 1e9
         self._last_time = time
         if step < 0:
-            self._reset()
+            self._sides = SideControl(), SideControl()
         return max(0.0, min(step, MAX_STEP))
-
-    def _reset(self) -> None:
-        self._left.reset()
-        self._right.reset()

@@ -20,10 +20,7 @@ NAMES = (
 
 
 def copy_skeleton(name: str, folder: Path, *, overwrite: bool = False) -> Path:
-    """Write a node's skeleton into a folder, which is made where it is not there yet.
-
-    Returns:
-        The file.
+    """Write a node's skeleton into a folder, which is made if it is missing; return the file.
 
     Raises:
         UsageError: There is no skeleton of that name, or the file is there already.

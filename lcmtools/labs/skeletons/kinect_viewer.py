@@ -1,7 +1,7 @@
-"""Show what the Kinect sees (skeleton).
+"""Show the Kinect's pictures (skeleton).
 
 Run it with   python kinect_viewer.py   while the simulator runs: lcmtools run sim --world pioneer
-How it should look is shown by   lcmtools run image_view image:=/camera/depth/image_raw
+Compare with   lcmtools run image_view image:=/camera/depth/image_raw
 """
 
 import lcmtools

@@ -16,7 +16,7 @@ from lcmtools.types.geometry_msgs import Twist
 
 
 class PioneerManualController(Node):
-    """Publishes the velocity that the keys say."""
+    """Publishes the velocity that the keys set."""
 
     def __init__(self) -> None:
         super().__init__("pioneer_manual_controller")
@@ -26,7 +26,7 @@ class PioneerManualController(Node):
         self.cmdvel = Twist()  # what is published; all its fields are 0 at first
 
     def take_key(self, keyboard_input: str) -> None:
-        """Do what a key says, and publish the velocity."""
+        """Apply a key, and publish the velocity."""
         # TODO 1: find out what keyboard_input is for each key, and take this line out again.
         self.get_logger().info(f"key {keyboard_input!r}, ASCII code {ord(keyboard_input[0])}")
 
@@ -41,7 +41,7 @@ class PioneerManualController(Node):
         self.publisher.publish(self.cmdvel)
 
     def stop(self) -> None:
-        """Let the robot stand: it would go on with the last command."""
+        """Stop the robot: it would go on with the last command."""
         self.publisher.publish(Twist())
 
 

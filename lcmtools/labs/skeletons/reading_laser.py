@@ -1,4 +1,4 @@
-"""Tell what the Dolly's laser sees (skeleton).
+"""Log the distances that the Dolly's laser measures (skeleton).
 
 Run it with   python reading_laser.py   while the simulator runs: lcmtools run sim --world dolly
 See the messages themselves with   lcmtools echo -n 1 /dolly/laser_scan

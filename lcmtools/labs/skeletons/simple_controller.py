@@ -5,7 +5,7 @@
     lcmtools pub /husky0/desired_velocity geometry_msgs/Twist "linear: [0.1, 0, 0]"
     lcmtools wtf
 
-The topics' names have no slash in front: with __ns:=/husky0 they stand below /husky0.
+The topics' names have no slash in front: with __ns:=/husky0 they are below /husky0.
 """
 
 import lcmtools
@@ -20,7 +20,7 @@ class SimpleController(Node):
 
     def __init__(self) -> None:
         super().__init__("simple_controller")
-        self.desired = Twist()  # how the robot should move; at first it should stand
+        self.desired = Twist()  # the velocity desired; 0 at first
         self.publisher = self.create_publisher(JointState, "controlled_velocity")
         self.create_subscription(Odometry, "odometry", self.odometry_callback, 1)
         self.create_subscription(Twist, "desired_velocity", self.desired_velocity_callback, 1)

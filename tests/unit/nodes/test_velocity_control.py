@@ -163,12 +163,12 @@ def test_velocity_out_of_reach_is_driven_slower_on_the_same_curve(
 
 
 def test_robot_that_is_held_does_not_wind_the_controller_up() -> None:
-    control = SideControl(Gains())
+    control = SideControl()
     for _ in range(1000):
-        assert control.effort(desired=0.5, measured=0.0, step=0.02) <= 1.0
+        assert control.effort(0.5, 0.02, Gains()) <= 1.0
     speed, fastest = 0.0, 0.0
     for _ in range(200):
-        effort = control.effort(desired=0.5, measured=speed, step=0.02)
+        effort = control.effort(0.5 - speed, 0.02, Gains())
         speed += (effort - speed) * 0.02 / 0.17
         fastest = max(fastest, speed)
     assert speed == pytest.approx(0.5, abs=0.001)

@@ -98,7 +98,7 @@ class Driver(Node, ABC):
 
 
 def drive(driver: Driver) -> None:
-    """Drive by keys until they end or the program does, and let the robot stand then.
+    """Drive by keys until they end or the program does, and stop the robot.
 
     Ctrl-C, SIGTERM, a closed terminal, the end of the input and any error end it.
     """

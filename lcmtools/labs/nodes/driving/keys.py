@@ -1,6 +1,6 @@
 """Keys in the bytes that a terminal sends, and scripts of keys that a pipe or a file holds.
 
-``i 2 j 1.5 k`` is key i, 2 seconds, key j, 1.5 seconds, key k. Keys may stand together (``iik``),
+``i 2 j 1.5 k`` is key i, 2 seconds, key j, 1.5 seconds, key k. Spaces may be left out (``iik``),
 arrows are the words up, down, left and right, the space bar is space, and ``#`` begins a comment.
 Pure: the time comes in as an argument.
 """
@@ -103,7 +103,7 @@ class KeyScript:
         return keys
 
     def is_over(self, now: float) -> bool:
-        """Return whether all keys have been given and all waits are over."""
+        """Return True if all keys have been returned and all waits are over."""
         return self._is_ended and not self._steps and not self._is_waiting(now)
 
     def _is_waiting(self, now: float) -> bool:

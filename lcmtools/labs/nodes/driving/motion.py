@@ -1,14 +1,8 @@
-"""The meaning of a teleoperated robot's keys, as plain values.
-
-The table is that of teleop_twist_keyboard for robots that cannot move sideways, and of the Pioneer
-lab: a key sets the direction of driving, or changes how fast. Capitals mean the same.
-"""
+"""The velocities that keys set, as plain values: of teleoperation, and of two sliders."""
 
 from dataclasses import dataclass, replace
 
 from lcmtools.labs.nodes.driving.keys import DOWN, LEFT, RIGHT, UP
-
-FASTER, SLOWER = 1.1, 0.9
 
 DIRECTIONS = {
     "u": (1, 1), "i": (1, 0), "o": (1, -1),
@@ -18,12 +12,11 @@ DIRECTIONS = {
 }  # fmt: skip
 """By key: forward (1) or backward (-1), and left (1) or right (-1)."""
 SPEED_CHANGES = {
-    "q": (FASTER, FASTER), "w": (FASTER, 1.0), "e": (1.0, FASTER),
-    "z": (SLOWER, SLOWER), "x": (SLOWER, 1.0), "c": (1.0, SLOWER),
+    "q": (1.1, 1.1), "w": (1.1, 1.0), "e": (1.0, 1.1),
+    "z": (0.9, 0.9), "x": (0.9, 1.0), "c": (1.0, 0.9),
 }  # fmt: skip
 """By key: factors of the speed and of the turn rate."""
-
-KEY_HELP = """\
+MOTION_HELP = """\
 drive:   u i o      forward to the left, forward, forward to the right
          j k l      turn left, stop, turn right
          m , .      backward: clockwise, straight, counter-clockwise
@@ -32,14 +25,32 @@ speed:   q / z      both 10 % more / less
          e / c      turn rate only
 arrows drive too; any other key stops; Ctrl-C stops and ends"""
 
+_STEPS = {
+    UP: (0.1, 0.0), DOWN: (-0.1, 0.0), LEFT: (0.0, 0.1), RIGHT: (0.0, -0.1),
+    "w": (0.01, 0.0), "s": (-0.01, 0.0), "a": (0.0, 0.01), "d": (0.0, -0.01),
+    "W": (0.1, 0.0), "S": (-0.1, 0.0), "A": (0.0, 0.1), "D": (0.0, -0.1),
+}  # fmt: skip
+"""By key of the sliders: changes of the forward speed [m/s] and of the turn rate [rad/s]."""
+_DIGITS = 2  # of the smallest step: sums of steps are kept exact
+_WIDTH = 21  # of a slider [characters]
+SLIDERS_HELP = """\
+up / down      forward speed 0.1 m/s more / less    (w / s: 0.01, W / S: 0.1)
+left / right   turn rate 0.1 rad/s to that side     (a / d: 0.01, A / D: 0.1)
+x              go straight ahead at 0 m/s           (forward speed 0)
+z              turn no more                         (turn rate 0)
+space          stop; any other key does so too
+Ctrl-C         stop and end"""
+
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """The present motion of a driven robot.
+    """The present motion of a robot that is driven as by teleop_twist_keyboard.
+
+    A key sets the direction of driving, or changes how fast. Capitals mean the same.
 
     Attributes:
-        speed: Forward speed that the keys command [m/s].
-        turn: Turn rate that the keys command [rad/s].
+        speed: Forward speed that is set [m/s].
+        turn: Turn rate that is set [rad/s].
         speed_limit: Largest speed [m/s].
         turn_limit: Largest turn rate [rad/s].
         direction: Forward (1), backward (-1) or neither.
@@ -96,8 +107,8 @@ def _with_limit(value: float, limit: float) -> str:
 class HeldKey:
     """A key that is held down, as far as a terminal reports it.
 
-    No terminal reports a release. A held key comes again: the second time after a quarter
-    to two thirds of a second, as the system is configured, then many times a second.
+    No terminal reports a release. A held key comes again: the second time after a quarter to two
+    thirds of a second, as the system is configured, then many times a second.
     """
 
     FIRST_TIME, NEXT_TIME = 0.7, 0.2
@@ -116,3 +127,60 @@ class HeldKey:
     def is_over(self, now: int) -> bool:
         """Return whether it must have been released before ``now`` [ns]."""
         return now >= self._until
+
+
+@dataclass(frozen=True, slots=True)
+class Sliders:
+    """The positions of two sliders with the keys of rqt's robot steering, and the arrows.
+
+    Attributes:
+        forward: Forward speed [m/s].
+        turn_rate: Turn rate [rad/s], positive to the left.
+        most_forward: Largest forward speed, and backward too [m/s].
+        most_turn_rate: Largest turn rate to either side [rad/s].
+    """
+
+    forward: float = 0.0
+    turn_rate: float = 0.0
+    most_forward: float = 1.0
+    most_turn_rate: float = 3.0
+
+    def after(self, key: str) -> "Sliders":
+        """Return the sliders once a key is pressed."""
+        if key in ("x", "X"):
+            return replace(self, forward=0.0)
+        if key in ("z", "Z"):
+            return replace(self, turn_rate=0.0)
+        if key not in _STEPS:
+            return self.stopped()
+        faster, more_left = _STEPS[key]
+        return replace(
+            self,
+            forward=_within(self.forward + faster, self.most_forward),
+            turn_rate=_within(self.turn_rate + more_left, self.most_turn_rate),
+        )
+
+    def stopped(self) -> "Sliders":
+        """Return both in the middle."""
+        return replace(self, forward=0.0, turn_rate=0.0)
+
+    def __str__(self) -> str:
+        """Return one line; the slider of the turn rate shows left at the left."""
+        forward = _slider(self.forward / self.most_forward)
+        turn = _slider(-self.turn_rate / self.most_turn_rate)
+        return (
+            f"back {forward} forward {self.forward:+.2f} m/s"
+            f"   left {turn} right {self.turn_rate:+.2f} rad/s"
+        )
+
+
+def _within(value: float, most: float) -> float:
+    return round(max(-most, min(most, value)), _DIGITS) + 0.0  # no -0.0
+
+
+def _slider(position: float) -> str:
+    """Draw a slider at a position from -1 to 1."""
+    cells = list("-" * _WIDTH)
+    cells[_WIDTH // 2] = "|"
+    cells[round((position + 1) / 2 * (_WIDTH - 1))] = "O"
+    return f"[{''.join(cells)}]"

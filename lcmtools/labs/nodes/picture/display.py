@@ -45,65 +45,42 @@ class Display:
 
 
 class LineDisplay(Display):
-    """A line for each picture: its size, encoding, nearest, farthest and middle.
+    """A line for each picture, and a PNG file if one is wanted.
 
     Args:
-        as_json: In JSON.
+        options: The colours.
+        file: The file's path, or ""; %d in it counts from 0, %04d with four digits. Without one the
+            file always has the newest picture.
+        as_values: Depth is written in 16-bit millimetres, and not in colour.
+        as_json: The lines are JSON.
     """
 
-    def __init__(self, *, as_json: bool = False) -> None:
+    def __init__(self, options: ColorOptions, file: str, *, as_values: bool, as_json: bool) -> None:
+        self._options = options
+        self._file = file
+        self._as_values = as_values
         self._as_json = as_json
+        self._count = 0
         self._text = ""
 
     def show(self, picture: Picture) -> None:
-        """Print the line."""
-        self.describe(picture)
-
-    def describe(self, picture: Picture, file: str = "") -> None:
-        """Print a line about a picture, and the file that it has been saved in."""
+        """Write the file, and print size, encoding, nearest, farthest and middle."""
         known = facts(picture)
-        if self._as_json:
-            line = json.dumps({"file": file, **known} if file else known)
-        else:
-            line = f"saved {file}  {sentence(known)}" if file else sentence(known)
-        print(line, flush=True)  # noqa: T201 - a node's own output
+        line = sentence(known)
+        if self._file:
+            path = numbered(self._file, self._count)
+            has_values = self._as_values and picture.kind is not Kind.COLOR
+            image = values_of(picture) if has_values else colored(picture, self._options).image
+            _write_png(path, image)
+            self._count += 1
+            known, line = {"file": path, **known}, f"saved {path}  {line}"
+        print(json.dumps(known) if self._as_json else line, flush=True)  # noqa: T201 - a node's own output
 
     def show_text(self, text: str) -> None:
         """Print it on standard error, unless it was the last text."""
         if text != self._text:
             print(text, file=sys.stderr, flush=True)  # noqa: T201 - a node's own output
         self._text = text
-
-
-class FileDisplay(LineDisplay):
-    """A PNG file for each picture, and a line about it.
-
-    Args:
-        file: Its path; %d in it counts from 0, %04d with four digits. Without one the file always
-            has the newest picture.
-        options: The colours.
-        as_values: Depth is written in 16-bit millimetres, and not in colour.
-        as_json: The lines are JSON.
-    """
-
-    def __init__(
-        self, file: str, options: ColorOptions, *, as_values: bool, as_json: bool = False
-    ) -> None:
-        super().__init__(as_json=as_json)
-        self._file = file
-        self._options = options
-        self._as_values = as_values
-        self._count = 0
-
-    def show(self, picture: Picture) -> None:
-        """Write the file and print the line."""
-        path = numbered(self._file, self._count)
-        has_values = self._as_values and picture.kind is not Kind.COLOR
-        _write_png(
-            path, values_of(picture) if has_values else colored(picture, self._options).image
-        )
-        self._count += 1
-        self.describe(picture, path)
 
 
 def numbered(file: str, number: int) -> str:

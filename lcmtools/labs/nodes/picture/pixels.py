@@ -54,7 +54,7 @@ class Picture:
 
     Attributes:
         image: Its pixels: depth in mm (mode I) or m (mode F), grey (L or I), or colour (RGB).
-        encoding: As the message says.
+        encoding: The message's.
         kind: The meaning of a pixel.
     """
 

@@ -1,4 +1,4 @@
-"""Pictures on a terminal's screen, which is given back as it was; textual-image draws them."""
+"""Pictures on a terminal's screen, which is restored; textual-image draws them."""
 
 import os
 import shutil

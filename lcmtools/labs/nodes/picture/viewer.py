@@ -10,7 +10,7 @@ from lcmtools import Node
 from lcmtools.errors import DecodeError, MissingExtra, NothingReceived, UsageError
 from lcmtools.labs.nodes.command_line import NodeParser, at_least, one_of
 from lcmtools.labs.nodes.picture.colors import COLOR_MAPS, ColorOptions
-from lcmtools.labs.nodes.picture.display import Display, FileDisplay, LineDisplay
+from lcmtools.labs.nodes.picture.display import Display, LineDisplay
 from lcmtools.labs.nodes.picture.pixels import read_picture
 from lcmtools.labs.nodes.terminal import ended_by_signals, is_terminal
 from lcmtools.messages.registry import Message
@@ -118,15 +118,15 @@ def _choose_display(options: argparse.Namespace) -> Display:
         raise UsageError("--values is about the files of --save", "add --save FILE")
     if options.window and options.save:
         raise UsageError("--window and --save do not go together", "leave out one of them")
-    if options.save:
-        return FileDisplay(options.save, colors, as_values=options.values, as_json=options.json)
     if options.window:
         from lcmtools.labs.nodes.picture.window import WindowDisplay
 
         return WindowDisplay(colors)
     is_screen = is_terminal(sys.stdout) and os.environ.get("TERM", "dumb") != "dumb"
-    if options.json or not is_screen:
-        return LineDisplay(as_json=options.json)
+    if options.save or options.json or not is_screen:
+        return LineDisplay(
+            colors, options.save or "", as_values=options.values, as_json=options.json
+        )
     try:
         from lcmtools.labs.nodes.picture.screen import ScreenDisplay
     except ImportError as error:

@@ -3,8 +3,7 @@
 import pytest
 
 from lcmtools.labs.nodes.driving.keys import KeyScript, split_keys
-from lcmtools.labs.nodes.driving.motion import HeldKey, Motion
-from lcmtools.labs.nodes.driving.sliders import Sliders
+from lcmtools.labs.nodes.driving.motion import HeldKey, Motion, Sliders
 
 
 @pytest.mark.parametrize(
