@@ -123,7 +123,7 @@ class VelocityControl:
         return left, right
 
     def _step(self, time: int) -> float:
-        """Return the time since the last call [s], at most MAX_STEP; forget all if it is negative."""
+        """Return the time since the last call [s], at most MAX_STEP; forget all if negative."""
         step = 0.0 if self._last_time is None else (time - self._last_time) / 1e9
         self._last_time = time
         if step < 0:
