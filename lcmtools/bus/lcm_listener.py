@@ -24,11 +24,13 @@ class LcmListener:
     """
 
     port = 0
+    is_live = True
 
     def __init__(
         self, url: BusUrl, on_outage: Callable[[str, str], None] = lambda _text, _trouble: None
     ) -> None:
         self._url = url
+        self.is_log = url.provider == "file"
         self._packets: list[Packet] = []
         self._connection = Connection(url, self._subscribe, on_outage)
 
@@ -50,7 +52,7 @@ class LcmListener:
         Raises:
             BusError: It cannot be sent.
         """
-        if self._url.provider == "file":
+        if self.is_log:
             return
         instance, is_lost = self._connection.instance, self._connection.is_lost
         if instance is None:

@@ -49,6 +49,8 @@ class Tap:
         BusError: Multicast does not work here, with what to type.
     """
 
+    is_live, is_log = True, False
+
     def __init__(
         self,
         url: BusUrl,

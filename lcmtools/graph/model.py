@@ -1,6 +1,6 @@
 """The graph's values: nodes, their endpoints, and the messages observed on the channels."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum, IntEnum
 
@@ -234,26 +234,30 @@ class Graph:
 
     def topic(self, name: str) -> Topic:
         """Return the facts of one topic; empty when there are none."""
-        traffic = tuple(seen for seen in self.traffic if seen.channel == name)
-        publishers = tuple(self._having(name, Role.PUBLISHER))
-        known: set[Sender | None] = {s for node in self.nodes for s in node.senders()}
-        if publishers:
-            known.add(None)
-        return Topic(
-            name,
-            publishers,
-            tuple(self._having(name, Role.SUBSCRIBER)),
-            traffic,
-            tuple(seen for seen in traffic if seen.sender not in known),
-        )
+        ends = [(node, end) for node in self.nodes for end in node.endpoints if end.topic == name]
+        return _topic(name, ends, [t for t in self.traffic if t.channel == name], self._senders())
+
+    def topics(self) -> list[Topic]:
+        """Return every topic, sorted; all of them at once, which is quicker than one by one."""
+        ends: dict[str, list[tuple[Node, Endpoint]]] = {}
+        for node in self.nodes:
+            for endpoint in node.endpoints:
+                ends.setdefault(endpoint.topic, []).append((node, endpoint))
+        traffic: dict[str, list[Traffic]] = {}
+        for seen in self.traffic:
+            traffic.setdefault(seen.channel, []).append(seen)
+        senders = self._senders()
+        return [
+            _topic(name, ends.get(name, ()), traffic.get(name, ()), senders)
+            for name in self.topic_names()
+        ]
 
     def foreign(self) -> list[Traffic]:
         """Return the messages that no announced node has sent, without LCM's self tests.
 
         See ``Topic.foreign``.
         """
-        names = dict.fromkeys(seen.channel for seen in self.traffic if seen.channel != _SELF_TEST)
-        return [seen for name in names for seen in self.topic(name).foreign]
+        return [seen for one in self.topics() if one.name != _SELF_TEST for seen in one.foreign]
 
     def named(self, name: str) -> list[Node]:
         """Return the nodes that a typed name means: a full name, or the last part of one."""
@@ -263,8 +267,25 @@ class Graph:
             return exact
         return [node for node in self.nodes if base_name_of(node.name) == name]
 
-    def _having(self, topic: str, role: Role) -> Iterator[tuple[Node, Endpoint]]:
-        for node in self.nodes:
-            for endpoint in node.endpoints:
-                if endpoint.topic == topic and endpoint.role is role:
-                    yield node, endpoint
+    def _senders(self) -> frozenset[Sender]:
+        return frozenset(sender for node in self.nodes for sender in node.senders())
+
+
+def _topic(
+    name: str,
+    ends: Iterable[tuple[Node, Endpoint]],
+    traffic: Iterable[Traffic],
+    senders: frozenset[Sender],
+) -> Topic:
+    publishers = tuple(end for end in ends if end[1].role is Role.PUBLISHER)
+    subscribers = tuple(end for end in ends if end[1].role is Role.SUBSCRIBER)
+    foreign = (
+        seen
+        for seen in traffic
+        if seen.sender not in senders and not (seen.sender is None and publishers)
+    )
+    return Topic(name, publishers, subscribers, tuple(traffic), tuple(foreign))
+
+
+def _topic_of(endpoint: Endpoint) -> str:
+    return endpoint.topic

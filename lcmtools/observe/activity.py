@@ -7,9 +7,7 @@ quarter of a second, so that a busy channel costs no more to look at than a slow
 from collections import deque
 from dataclasses import dataclass
 
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Topic, Traffic
-from lcmtools.graph.protocol import TALK_CHANNELS
-from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.packet import Packet
 
 SILENT_AFTER = 3_000_000_000
 """A channel on which nothing has come for so long is silent [ns]; a slow one for longer."""
@@ -34,9 +32,9 @@ class Flow:
         bandwidth: Recent bytes per second; as the rate.
     """
 
-    messages: int
-    bytes: int
-    last_time: int
+    messages: int = 0
+    bytes: int = 0
+    last_time: int = 0
     rate: float | None = None
     jitter: float | None = None
     bandwidth: float | None = None
@@ -97,16 +95,11 @@ class Activity:
     def __init__(self, window: float | None = None) -> None:
         self._window = None if window is None else round(window * 1e9)
         self._channels: dict[str, _Channel] = {}
-        self.last_time = 0
-        """Arrival of the last packet [ns since 1970]; 0 before the first."""
 
-    def hear(self, packet: Packet) -> None:
-        """Take a packet into account; what lcmtools says to itself is none."""
-        self.last_time = packet.time
+    def add(self, packet: Packet) -> None:
+        """Count a packet."""
         channel = self._channels.get(packet.channel)
         if channel is None:
-            if packet.channel in TALK_CHANNELS:
-                return
             channel = self._channels[packet.channel] = _Channel()
         number = packet.time // _SLOT if self._window else 0
         channel.add(packet.time, packet.size, number)
@@ -115,25 +108,35 @@ class Activity:
         """Count from zero again."""
         self._channels.clear()
 
+    def rates(self) -> dict[str, float]:
+        """Return the rate [Hz] of each channel that had two messages, over all the time."""
+        flows = {name: _flow(channel) for name, channel in self._channels.items()}
+        return {name: flow.rate for name, flow in flows.items() if flow.rate is not None}
+
     def flow(self, name: str, now: int) -> Flow | None:
-        """The traffic of a channel at a time; None before its first message."""
+        """Return the traffic of a channel at a time; None before its first message."""
         channel = self._channels.get(name)
         if channel is None:
             return None
-        if self._window is not None:
-            channel.forget(now - self._window)
-        return _flow(channel, now, is_live=self._window is not None)
+        if self._window is None:
+            return _flow(channel)
+        channel.forget(now - self._window)
+        waited, intervals = _sums(channel)
+        patience = max(SILENT_AFTER, _SILENT_PERIODS * waited // max(1, intervals))
+        if now - channel.last_time > patience:
+            totals = channel.messages, channel.bytes, channel.last_time
+            return Flow(*totals, rate=0.0, bandwidth=0.0)
+        return _flow(channel)
 
 
-def _flow(channel: _Channel, now: int, *, is_live: bool) -> Flow:
-    totals = (channel.messages, channel.bytes, channel.last_time)
-    slots = channel.slots
-    intervals = sum(slot.intervals for slot in slots)
-    waited = sum(slot.waited for slot in slots)
-    silence = now - channel.last_time
-    patience = max(SILENT_AFTER, _SILENT_PERIODS * waited // max(1, intervals))
-    if is_live and silence > patience:
-        return Flow(*totals, rate=0.0, bandwidth=0.0)
+def _sums(channel: _Channel) -> tuple[int, int]:
+    """The time between the messages [ns], and the number of intervals."""
+    return sum(s.waited for s in channel.slots), sum(s.intervals for s in channel.slots)
+
+
+def _flow(channel: _Channel) -> Flow:
+    slots, (waited, intervals) = channel.slots, _sums(channel)
+    totals = channel.messages, channel.bytes, channel.last_time
     if not waited:
         return Flow(*totals)
     jitter = max(slot.longest for slot in slots) - min(slot.shortest for slot in slots)
@@ -143,43 +146,3 @@ def _flow(channel: _Channel, now: int, *, is_live: bool) -> Flow:
         jitter=jitter / 1e9 if intervals > 1 else None,
         bandwidth=sum(slot.bytes for slot in slots) * 1e9 / waited,
     )
-
-
-_Ends = tuple[tuple[Node, Endpoint], ...]
-
-
-def all_topics(graph: Graph) -> list[Topic]:
-    """Every topic of a graph, sorted, as ``Graph.topic`` has each; all of them at once."""
-    ends: dict[tuple[str, Role], list[tuple[Node, Endpoint]]] = {}
-    for node in graph.nodes:
-        for endpoint in node.endpoints:
-            ends.setdefault((endpoint.topic, endpoint.role), []).append((node, endpoint))
-    traffic: dict[str, list[Traffic]] = {}
-    for seen in graph.traffic:
-        traffic.setdefault(seen.channel, []).append(seen)
-    known = {sender for node in graph.nodes for sender in node.senders()}
-    return [
-        _topic(
-            name,
-            tuple(ends.get((name, Role.PUBLISHER), ())),
-            tuple(ends.get((name, Role.SUBSCRIBER), ())),
-            tuple(traffic.get(name, ())),
-            known,
-        )
-        for name in graph.topic_names()
-    ]
-
-
-def _topic(
-    name: str,
-    publishers: _Ends,
-    subscribers: _Ends,
-    traffic: tuple[Traffic, ...],
-    known: set[Sender],
-) -> Topic:
-    foreign = tuple(
-        seen
-        for seen in traffic
-        if seen.sender not in known and not (seen.sender is None and publishers)
-    )
-    return Topic(name, publishers, subscribers, traffic, foreign)

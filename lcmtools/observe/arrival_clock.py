@@ -24,7 +24,7 @@ class ArrivalClock:
         self.is_simulated = is_simulated
         self.now: int | None = None
 
-    def hear(self, packet: Packet) -> bool:
+    def learn(self, packet: Packet) -> bool:
         """Take the time from a message on ``/clock``; True when simulated time goes back."""
         if not self.is_simulated or packet.channel != CLOCK:
             return False

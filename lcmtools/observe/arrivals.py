@@ -134,7 +134,7 @@ class ArrivalStream:
         arrivals: list[SelectedPacket] = []
         is_reset = False
         for packet in packets:
-            if self._clock.hear(packet):
+            if self._clock.learn(packet):
                 is_reset = True
                 arrivals.clear()
             routes = self._routes.get(packet.channel)

@@ -4,18 +4,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from lcmtools.bus.url import BusUrl
-from lcmtools.graph.model import Graph, Node, Role, Topic
+from lcmtools.graph.model import Graph, Role, Topic
 from lcmtools.messages.registry import candidates
 from lcmtools.names import Pattern, is_hidden
-from lcmtools.observe.activity import SILENT_AFTER, Activity, Flow, all_topics
+from lcmtools.observe.activity import SILENT_AFTER, Activity, Flow
+from lcmtools.observe.describe import listed_node
 from lcmtools.observe.losses import Losses, losses, total
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.programs import programs
 from lcmtools.observe.senders import SenderNames, process_name
-from lcmtools.observe.settled import settled
 
 _GONE = 10_000_000_000  # [ns] behind a channel's latest message: a sender that sends no more
-_NOTHING = Flow(0, 0, 0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,11 +92,9 @@ class Rows:
 
     def make(self, graph: Graph, activity: Activity, lost: Losses, now: int) -> tuple[Row, ...]:
         """Return the rows, sorted by channel, at a time in nanoseconds since 1970."""
-        topics = [topic for topic in all_topics(graph) if self._has(topic.name)]
+        topics = [topic for topic in graph.topics() if self._has(topic.name)]
         self._names.learn(seen.sender for topic in topics for seen in topic.foreign)
-        return tuple(
-            self._row(topic, activity.flow(topic.name, now), lost, now) for topic in topics
-        )
+        return tuple(self._row(topic, activity, lost, now) for topic in topics)
 
     def published(self, graph: Graph) -> list[str]:
         """Return the channels with a row that nodes publish on: some do only for a subscriber."""
@@ -109,8 +106,8 @@ class Rows:
             self._is_selected[name] = self._selection.has(name)
         return self._is_selected[name]
 
-    def _row(self, topic: Topic, flow: Flow | None, lost: Losses, now: int) -> Row:
-        flow = flow or _NOTHING
+    def _row(self, topic: Topic, activity: Activity, lost: Losses, now: int) -> Row:
+        flow = activity.flow(topic.name, now) or Flow()
         fingerprints = topic.fingerprints
         loss = total((seen.sender for seen in topic.traffic), lost)
         return Row(
@@ -142,7 +139,7 @@ class Rows:
         return self._candidates[fingerprint]
 
     def _senders(self, topic: Topic) -> tuple[str, ...]:
-        nodes = [_listed(node) for node, _ in topic.publishers if self._shows(node.name)]
+        nodes = [listed_node(node) for node, _ in topic.publishers if self._shows(node.name)]
         latest = max((seen.last_time for seen in topic.traffic), default=0)
         others = [
             self._names.name(seen.sender)
@@ -152,7 +149,7 @@ class Rows:
         return tuple(dict.fromkeys([*nodes, *others]))
 
     def _listeners(self, topic: Topic) -> tuple[str, ...]:
-        found = [_listed(node) for node, _ in topic.subscribers if self._shows(node.name)]
+        found = [listed_node(node) for node, _ in topic.subscribers if self._shows(node.name)]
         return tuple(dict.fromkeys(found))
 
     def _shows(self, node: str) -> bool:
@@ -169,17 +166,10 @@ def survey(
         BusError: A log cannot be read.
     """
     rows = Rows(selection, SenderNames())
-    is_log = monitor.is_log
-    if not is_log:
-        monitor.listen_to(rows.published(monitor.settle(foreign=False)))
+    monitor.listen_to(rows.published(monitor.discover()))
     activity = Activity()
-    graph = settled(monitor, wait, activity)
-    lost = losses(monitor.numbered)
-    return graph, rows.make(graph, activity, lost, activity.last_time if is_log else graph.time)
-
-
-def _listed(node: Node) -> str:
-    return f"{node.name} (stale: {node.stale})" if node.stale else node.name
+    graph = monitor.settle(wait=wait, count=activity.add)
+    return graph, rows.make(graph, activity, losses(monitor.numbered), graph.time)
 
 
 def plain_listeners(graph: Graph, url: BusUrl) -> list[str]:

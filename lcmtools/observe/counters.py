@@ -1,42 +1,108 @@
-"""The counters of endpoints, and the rates of their messages, as ``info`` shows them.
+"""Rates and durations by the counters that nodes announce; plain arithmetic on two looks.
 
-A rate needs two looks: nodes are asked again after a moment, and how far they have counted in
-between, and when, gives the rate, however short the moment is.
+A rate needs two looks: the counters and the times at both give it, however short the time between
+them is.
 """
 
-import time
-from collections.abc import Sequence
+from collections.abc import Mapping
 
-from lcmtools.graph.model import Endpoint, Graph, Node, Topic, Traffic
-from lcmtools.names import Resolver
-from lcmtools.observe.describe import callback_record, callback_times
-from lcmtools.observe.find import GLOBAL, find_topic
-from lcmtools.observe.losses import Loss, Losses, losses, total
-from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.rates import average_rate, counted_rate
-from lcmtools.observe.settled import settled
+from lcmtools.graph.model import Endpoint, Graph, Node, Traffic
+from lcmtools.observe.losses import Loss, Losses, total
 
-_LONGEST = 0.5  # [s] that rates are measured
-_ENOUGH = 4  # messages on each topic, to end sooner
-_AWAKENING = 0.3  # [s] that publishers have for a first message
+_SHORTEST = 200_000_000  # [ns] between two looks that tell how busy a node is
+_TEN, _THOUSAND = 9.95, 999.5  # that rounding makes 10 and 1000
+
+
+def counted_rate(earlier: Endpoint, later: Endpoint) -> float | None:
+    """Return the rate of an endpoint's messages, by two of its announcements [Hz].
+
+    The messages counted between them, over the time between the last ones that each knew of; None
+    where none came, or the first was the first ever.
+    """
+    messages, span = later.messages - earlier.messages, later.last_time - earlier.last_time
+    if messages <= 0 or span <= 0 or not earlier.last_time:
+        return None
+    return messages * 1e9 / span
+
+
+def average_rate(node: Node, endpoint: Endpoint) -> float | None:
+    """Return the rate of an endpoint's messages from its node's start to the last one [Hz].
+
+    None before two messages, or where the times do not fit.
+    """
+    span = endpoint.last_time - node.start_time
+    if endpoint.messages < 2 or span <= 0:  # noqa: PLR2004 - an interval
+        return None
+    return endpoint.messages * 1e9 / span
+
+
+def callback_time(earlier: Endpoint, later: Endpoint) -> float | None:
+    """Return the average duration of a call between two announcements [ns].
+
+    One that runs still counts as far as it has come; None where there was none.
+    """
+    calls, busy = later.calls - earlier.calls, later.busy - earlier.busy
+    if calls < 0 or busy <= 0:
+        return None
+    mean, overall = busy / max(1, calls), later.busy / max(1, later.calls)
+    # the first and the last call may lie in there in part only: where the average of all calls
+    # fits as well, that is the better one
+    fits = calls and busy / (calls + 1) <= overall <= busy / max(1, calls - 1)
+    return overall if fits else mean
+
+
+def busy_share(earlier: Node, later: Node, busy: int | None = None) -> float | None:
+    """Return the part of the time between two announcements spent in callbacks, 1 at most.
+
+    ``busy`` is the time in the callbacks that count [ns]; None for all of them. The result is None
+    where the announcements are too close, or do not say when they were sent.
+    """
+    span = later.sent - earlier.sent
+    spent = later.busy - earlier.busy if busy is None else busy
+    if not earlier.sent or span < _SHORTEST or spent < 0:
+        return None
+    return min(1.0, spent / span)
+
+
+def duration_text(nanoseconds: float) -> str:
+    """Return a time for people: "0.012 ms", "1.2 ms", "250 ms", "2.5 s"."""
+    for value, unit in ((nanoseconds / 1e6, "ms"), (nanoseconds / 1e9, "s")):
+        if value < _TEN:
+            return f"{value:.2g} {unit}"
+        if value < _THOUSAND:
+            return f"{value:.0f} {unit}"
+    return f"{nanoseconds / 1e9:.0f} s"
+
+
+def callback_times(endpoint: Endpoint) -> str:
+    """Return "callbacks: 1.2 ms mean, 30 ms longest"; "" before the first call."""
+    if not endpoint.calls:
+        return ""
+    mean = duration_text(endpoint.busy / endpoint.calls)
+    return f"callbacks: {mean} mean, {duration_text(endpoint.longest)} longest"
+
+
+def callback_record(endpoint: Endpoint) -> dict[str, object]:
+    """Return the same for JSON, in nanoseconds."""
+    return {
+        "callbacks": endpoint.calls,
+        "callback_time": endpoint.busy,
+        "longest_callback": endpoint.longest,
+    }
 
 
 class Counters:
-    """The counters of endpoints, by two looks at a bus.
-
-    Args:
-        before: The first look.
-        after: The second one.
-        lost: The loss of each sender.
-    """
+    """The counters of endpoints by two looks at a bus, and the loss of each sender."""
 
     def __init__(self, before: Graph, after: Graph, lost: Losses | None = None) -> None:
         self._now = after.time
         self._lost = lost or {}
-        self._before = {_key(n, e): e for n in before.nodes for e in n.endpoints}
+        self._before: Mapping[object, Endpoint] = {
+            _key(n, e): e for n in before.nodes for e in n.endpoints
+        }
 
     def of_endpoint(self, node: Node, endpoint: Endpoint) -> str:
-        """An endpoint's counters in a line."""
+        """Return an endpoint's counters in a line."""
         parts = [f"messages: {endpoint.messages}", f"bytes: {endpoint.bytes}"]
         parts += [f"drops: {endpoint.drops}"]
         parts += [f"depth: {endpoint.depth}"] if endpoint.depth else []
@@ -45,24 +111,18 @@ class Counters:
             parts.append(f"rate: {measured:.2f} Hz")
         elif average is not None:
             parts.append(f"rate: {average:.2g} Hz on average since its start")
-        took = callback_times(endpoint)
-        return ", ".join(
-            [
-                *parts,
-                self._last(endpoint.last_time, node.time_there(self._now)),
-                *([took] if took else []),
-            ]
-        )
+        parts.append(_last(endpoint.last_time, node.time_there(self._now)))
+        return ", ".join(filter(None, [*parts, callback_times(endpoint)]))
 
     def of_program(self, seen: Traffic) -> str:
-        """Return what was seen of a program that is no node, in a line."""
-        parts = [f"seen messages: {seen.messages}", f"bytes: {seen.bytes}"]
+        """Return the observed traffic of a program that is no node, in a line."""
         rate = seen.rate()
-        parts += [f"rate: {rate:.2f} Hz"] if rate is not None else []
-        return ", ".join([*parts, self._last(seen.last_time, self._now)])
+        rates = [] if rate is None else [f"rate: {rate:.2f} Hz"]
+        counts = [f"seen messages: {seen.messages}", f"bytes: {seen.bytes}"]
+        return ", ".join([*counts, *rates, _last(seen.last_time, self._now)])
 
     def record(self, node: Node, endpoint: Endpoint) -> dict[str, object]:
-        """An endpoint and its counters, for JSON."""
+        """Return an endpoint and its counters, for JSON."""
         return {
             "node": node.name,
             "host": node.host,
@@ -80,75 +140,19 @@ class Counters:
             **callback_record(endpoint),
         }
 
+    def lost(self, sender: Node | Traffic) -> Loss | None:
+        """Return the loss of a node or a program, of all its topics; None where unknown."""
+        senders = sender.senders() if isinstance(sender, Node) else [sender.sender]
+        return total(senders, self._lost)
+
     def _measured(self, node: Node, endpoint: Endpoint) -> float | None:
         before = self._before.get(_key(node, endpoint))
         return counted_rate(before, endpoint) if before else None
 
-    def lost_of(self, node: Node) -> Loss | None:
-        """Return the loss of a node's messages, of all its topics."""
-        return total(node.senders(), self._lost)
 
-    def lost_of_program(self, seen: Traffic) -> Loss | None:
-        """Return the loss of a program that is no node."""
-        return total([seen.sender], self._lost)
-
-    @staticmethod
-    def _last(last: int, now: int) -> str:
-        return f"last: {max(0.0, (now - last) / 1e9):.1f} s ago" if last else "last: never"
+def _last(last: int, now: int) -> str:
+    return f"last: {max(0.0, (now - last) / 1e9):.1f} s ago" if last else "last: never"
 
 
-def counted(
-    monitor: BusMonitor, words: Sequence[str], wait: float | None, names: Resolver = GLOBAL
-) -> tuple[Graph, Counters]:
-    """A bus's graph, and the counters of the endpoints in it.
-
-    Args:
-        monitor: The bus.
-        words: The topics, as typed.
-        wait: How long to count [s]; None for as long as it takes, half a second at most.
-        names: The namespace and the remaps that they are read by.
-
-    Raises:
-        LcmtoolsError: A topic is not on the bus; with what may have been meant.
-    """
-    monitor.listen_to([spelling for name in words for spelling in names.spellings(name)])
-    graph = settled(monitor)
-    topics = [find_topic(graph, name, names) for name in words]
-    if monitor.is_log or not any(map(_may_be_counted, topics)):
-        return graph, Counters(graph, graph)
-    channels = [topic.name for topic in topics]
-    # some publish only what somebody listens to: the first messages may be a moment away
-    came = _listen(monitor, channels, _AWAKENING, 1)
-    before = monitor.settle(foreign=False)
-    if came or wait is not None:
-        _listen(monitor, channels, _LONGEST if wait is None else wait, _enough(wait))
-    after = monitor.settle(foreign=False)
-    return after, Counters(before, after, losses(monitor.numbered))
-
-
-def _enough(wait: float | None) -> int | None:
-    return _ENOUGH if wait is None else None
-
-
-def _listen(
-    monitor: BusMonitor, channels: Sequence[str], longest: float, enough: int | None
-) -> dict[str, int]:
-    """Count messages until there are enough on each channel; give the channels that had any."""
-    counts: dict[str, int] = {}
-    deadline = time.monotonic() + longest
-    while (left := deadline - time.monotonic()) > 0:
-        for packet in monitor.receive(left):
-            if packet.channel in channels:
-                counts[packet.channel] = counts.get(packet.channel, 0) + 1
-        if enough is not None and all(counts.get(channel, 0) >= enough for channel in channels):
-            break
-    return counts
-
-
-def _may_be_counted(topic: Topic) -> bool:
-    """Return whether there is a publisher."""
-    return bool(topic.traffic) or any(not node.stale for node, _ in topic.publishers)
-
-
-def _key(node: Node, endpoint: Endpoint) -> tuple[str, str, int, str, tuple[str, ...]]:
+def _key(node: Node, endpoint: Endpoint) -> object:
     return node.id, endpoint.topic, endpoint.role, endpoint.group, endpoint.types

@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
+from lcmtools.graph.model import Node, Topic, Traffic
 from lcmtools.messages.registry import candidates
-from lcmtools.observe.callbacks import duration_text
 
 if TYPE_CHECKING:  # most commands do without
     from lcmtools.bus.processes import Process
@@ -71,23 +70,6 @@ def host_text(node: Node) -> str:
 def listed_node(node: Node) -> str:
     """A node as lists show it: its name, and what is the matter with it."""
     return f"{node.name} (stale: {node.stale})" if node.stale else node.name
-
-
-def callback_times(endpoint: Endpoint) -> str:
-    """Return "callbacks: 1.2 ms mean, 30 ms longest"; "" before the first call."""
-    if not endpoint.calls:
-        return ""
-    mean = duration_text(endpoint.busy / endpoint.calls)
-    return f"callbacks: {mean} mean, {duration_text(endpoint.longest)} longest"
-
-
-def callback_record(endpoint: Endpoint) -> dict[str, object]:
-    """The same for JSON, in nanoseconds."""
-    return {
-        "callbacks": endpoint.calls,
-        "callback_time": endpoint.busy,
-        "longest_callback": endpoint.longest,
-    }
 
 
 def program_text(traffic: Traffic) -> str:

@@ -132,9 +132,8 @@ class Feed:
         Raises:
             EOFError: The bus is a log, and it has ended.
         """
-        if self._monitor.url.provider != "file":
-            with suppress(BusError, OSError):  # a network that fails now may come back
-                self._monitor.settle(foreign=False)
+        with suppress(BusError, OSError):  # a network that fails now may come back
+            self._monitor.discover()
         next_snapshot = 0.0
         while not self._ends.is_set():
             trouble = self._receive()
@@ -158,7 +157,7 @@ class Feed:
             self._activity.clear()
             self._before = losses(self._monitor.numbered)
         for packet in packets:
-            self._activity.hear(packet)
+            self._activity.add(packet)
             for take in self._takers:
                 take(packet)
         return self._monitor.trouble
@@ -172,7 +171,7 @@ class Feed:
 
     def _subscribe(self, channels: list[str]) -> None:
         """Announce the channels as subscribed."""
-        if channels != self._subscribed and self._monitor.url.provider != "file":
+        if channels != self._subscribed:
             self._subscribed = channels
             self._monitor.listen_to(channels)
 

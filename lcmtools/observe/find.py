@@ -1,27 +1,34 @@
-"""Finding the topic or the node that a word on the command line means."""
+"""Finding the topic, the node or the service that a word on the command line means."""
 
-from lcmtools.errors import LcmtoolsError, UsageError
-from lcmtools.graph.model import Graph, Node, Topic
-from lcmtools.names import Resolver, base_name_of, closest, did_you_mean, is_hidden
-from lcmtools.observe.monitor import BusMonitor
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Topic
+from lcmtools.messages.fields import visible_fields
+from lcmtools.messages.registry import ServiceType, service_class
+from lcmtools.names import (
+    Pattern,
+    Resolver,
+    base_name_of,
+    closest,
+    did_you_mean,
+    is_hidden,
+    resolve,
+)
 
 GLOBAL = Resolver()
 """Relative names are in "/", and none is remapped."""
 
 
-def ask_nodes(monitor: BusMonitor) -> Graph:
-    """Return what the nodes say; at once on a log, where nobody can be asked."""
-    return monitor.graph() if monitor.is_log else monitor.settle(foreign=False)
-
-
 def known_spelling(graph: Graph, name: str, names: Resolver = GLOBAL) -> str | None:
-    """The channel on the bus that a topic's name means; None when none is there."""
+    """Return the channel on the bus that a topic's name means; None when none is there."""
     known = set(graph.topic_names())
     return next((spelling for spelling in names.spellings(name) if spelling in known), None)
 
 
 def find_topic(graph: Graph, name: str, names: Resolver = GLOBAL) -> Topic:
-    """The topic that a name means.
+    """Return the topic that a name means.
 
     Raises:
         LcmtoolsError: It is not on the bus; with what may have been meant.
@@ -34,21 +41,23 @@ def find_topic(graph: Graph, name: str, names: Resolver = GLOBAL) -> Topic:
     return graph.topic(spelling)
 
 
+def near_topic(graph: Graph, name: str, names: Resolver = GLOBAL) -> str:
+    """Return a hint at the topic that may have been meant instead."""
+    known = [topic for topic in graph.topic_names() if not is_hidden(topic)]
+    return _near(name, names.spellings(name)[-1], known) or "lcmtools list shows the topics"
+
+
 def find_node(graph: Graph, name: str) -> Node:
-    """The node that a name means: its full name, or the last part where that is unique.
+    """Return the node that a name means: its full name, or the last part where that is unique.
 
     Or its pid, alone or as HOST:PID. Where a node was killed and started again, the one that is
-    alive.
-
-    Raises:
-        UsageError: The name is empty.
-        LcmtoolsError: There is none, or there are several.
+    alive. Raises as ``find_nodes``.
     """
     return find_nodes(graph, name)[0]
 
 
 def find_nodes(graph: Graph, name: str) -> list[Node]:
-    """The nodes that a name means: several where they have the same name, or the same pid.
+    """Return the nodes that a name means: several where they have the same name, or the same pid.
 
     Raises:
         UsageError: The name is empty.
@@ -61,20 +70,115 @@ def find_nodes(graph: Graph, name: str) -> list[Node]:
     found = [node for node in named if not node.stale] or named
     names = sorted({node.name for node in found})
     if not found:
-        raise LcmtoolsError(f"unknown node {name}", near_node(graph, name))
+        raise LcmtoolsError(f"unknown node {name}", _near_node(graph, name))
     if len(names) > 1 and not by_pid:
         raise LcmtoolsError(f"several nodes are named {name}", f"write one of {', '.join(names)}")
     return found
 
 
-def _numbers(node: Node) -> list[str]:
-    """The spellings of a node's process: its pid, alone or behind its computer: "ada:1234"."""
-    computers = [node.host, *([node.sender.address] if node.sender else [])]
-    return [str(node.pid), *(f"{computer}:{node.pid}" for computer in computers)]
+@dataclass(frozen=True, slots=True)
+class OfferedService:
+    """A service that nodes announce; more than one server is a fault."""
+
+    name: str
+    servers: tuple[tuple[Node, Endpoint], ...]
+    clients: tuple[Node, ...] = ()
+
+    @property
+    def types(self) -> tuple[str, ...]:
+        """The announced types, each once."""
+        return tuple(dict.fromkeys(endpoint.type for _, endpoint in self.servers if endpoint.type))
+
+    @property
+    def type_text(self) -> str:
+        """The announced types, for people."""
+        return ", ".join(self.types) or "unknown type"
+
+    @property
+    def is_alive(self) -> bool:
+        """True if a node is there to answer."""
+        return any(not node.stale for node, _ in self.servers)
+
+    def type_class(self) -> type[ServiceType]:
+        """Return the pair of messages of the service.
+
+        Raises:
+            LcmtoolsError: Its type is not announced, or not known here.
+        """
+        if not self.types:
+            raise LcmtoolsError(f"the type of {self.name} is not known")
+        try:
+            return service_class(self.types[0])
+        except UnknownType as error:
+            raise LcmtoolsError(f"{self.name}: {error.what}", error.hint) from None
+
+    def arguments(self) -> list[str] | None:
+        """Return the names of the request's fields; None where its type is not known here."""
+        try:
+            return [field.name for field in visible_fields(self.type_class().Request)]
+        except LcmtoolsError:
+            return None
 
 
-def near_node(graph: Graph, name: str) -> str:
-    """A hint at the node that may have been meant instead."""
+def offered_services(
+    graph: Graph, namespace: str = "", *, show_all: bool = True
+) -> list[OfferedService]:
+    """Return the services that nodes announce, sorted by name.
+
+    ``namespace`` is a namespace or a pattern of those that are meant, "" for all; ``show_all``
+    includes hidden names.
+    """
+    pattern = Pattern(namespace, hidden=show_all)
+    names = {e.topic for node in graph.nodes for e in node.having(Role.SERVICE)}
+    return [_offered(graph, name) for name in sorted(names) if pattern.covers(name)]
+
+
+def full_service_name(name: str, namespace: str = "/") -> str:
+    """Return the service that a word means, resolved by the ROS rules.
+
+    Raises:
+        UsageError: The name is empty or breaks the naming rules.
+    """
+    if not name.strip("/ "):
+        raise UsageError("the service's name is empty", "lcmtools service list shows them")
+    return resolve(name, namespace)
+
+
+def find_service(graph: Graph, name: str, namespace: str = "/") -> OfferedService:
+    """Return the service that a word means.
+
+    Raises:
+        UsageError: The name is empty or breaks the naming rules.
+        LcmtoolsError: No node offers it; with a hint at what may have been meant.
+    """
+    service = _offered(graph, full_service_name(name, namespace))
+    if not service.servers:
+        raise LcmtoolsError(f"unknown service {service.name}", near_service(graph, service.name))
+    return service
+
+
+def near_service(graph: Graph, name: str) -> str:
+    """Return a hint at the service that may have been meant instead."""
+    known = [service.name for service in offered_services(graph, show_all=False)]
+    usual = "lcmtools service list shows the services" if known else "no node offers a service"
+    return _near(name, name, known) or usual
+
+
+def _offered(graph: Graph, name: str) -> OfferedService:
+    """A service; servers that are stale count only where there is no other."""
+    ends = [(node, end) for node in graph.nodes for end in node.endpoints if end.topic == name]
+    servers = [pair for pair in ends if pair[1].role is Role.SERVICE]
+    alive = [pair for pair in servers if not pair[0].stale]
+    clients = dict.fromkeys(node for node, end in ends if end.role is Role.CLIENT)
+    return OfferedService(name, tuple(alive or servers), tuple(clients))
+
+
+def _near(name: str, full: str, known: Iterable[str]) -> str:
+    by_base = [other for other in known if other.rpartition("/")[2] == name.rpartition("/")[2]]
+    return f"did you mean {by_base[0]}?" if by_base else did_you_mean(full, known)
+
+
+def _near_node(graph: Graph, name: str) -> str:
     known = [node.name for node in graph.nodes if not node.is_hidden]
     by_base = {base_name_of(full): full for full in known}
     near = closest(base_name_of(name), by_base)
@@ -86,10 +190,7 @@ def near_node(graph: Graph, name: str) -> str:
     return f"did you mean {by_base[near[0]]}?" if near else "lcmtools node list shows them"
 
 
-def near_topic(graph: Graph, name: str, names: Resolver = GLOBAL) -> str:
-    """A hint at the topic that may have been meant instead."""
-    known = [topic for topic in graph.topic_names() if not is_hidden(topic)]
-    by_base = [topic for topic in known if topic.rpartition("/")[2] == name.rpartition("/")[2]]
-    if by_base:
-        return f"did you mean {by_base[0]}?"
-    return did_you_mean(names.spellings(name)[-1], known) or "lcmtools list shows the topics"
+def _numbers(node: Node) -> list[str]:
+    """The spellings of a node's process: its pid, alone or behind its computer: "ada:1234"."""
+    computers = [node.host, *([node.sender.address] if node.sender else [])]
+    return [str(node.pid), *(f"{computer}:{node.pid}" for computer in computers)]

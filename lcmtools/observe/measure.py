@@ -8,76 +8,47 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, TypeVar
 
 from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived, UnknownType
+from lcmtools.graph.model import Graph
 from lcmtools.messages.fields import stamp
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.registry import message_class, type_name
 from lcmtools.names import Resolver
 from lcmtools.observe.arrivals import PATIENCE, ArrivalStream, Batch, SelectedPacket
+from lcmtools.observe.counters import Counters
 from lcmtools.observe.decoding import Decoder, UnknownFingerprint
-from lcmtools.observe.find import GLOBAL, ask_nodes, known_spelling
+from lcmtools.observe.find import GLOBAL, find_topic, known_spelling
+from lcmtools.observe.losses import losses, total
 from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.rates import BandwidthWindow, DelayWindow, RateWindow
+from lcmtools.observe.rates import Window
 from lcmtools.observe.selection import OneTopic
 from lcmtools.wire.packet import Packet
 
 _REPORT_PERIOD = 1.0  # [s]
+_LONGEST = 0.5  # [s] that counters are compared over
+_ENOUGH = 4  # messages on each topic, to end sooner
+_AWAKENING = 0.3  # [s] that publishers have for a first message
 
-FoundT_co = TypeVar("FoundT_co", covariant=True)
+ItemT = TypeVar("ItemT")
 FoundT = TypeVar("FoundT")
+Notify = Callable[[str], None]
 
 
-class Meter(Protocol[FoundT_co]):
-    """A measurement of one topic."""
+class Delays:
+    """The delays of messages: from the stamps in their headers to their arrival.
 
-    def feed(self, arrival: SelectedPacket) -> None:
-        """Take a message into account."""
-        ...
-
-    def take(self, now: int) -> FoundT_co | None:
-        """Return what was found at a time [ns]; None when there is nothing new to say."""
-        ...
-
-    def clear(self) -> None:
-        """Forget everything: time begins again."""
-        ...
-
-
-class RateMeter(RateWindow):
-    """The rate of a topic."""
-
-    def feed(self, arrival: SelectedPacket) -> None:
-        """Take a message into account."""
-        self.add(arrival.time)
-
-
-class BandwidthMeter(BandwidthWindow):
-    """The bandwidth of a topic."""
-
-    def feed(self, arrival: SelectedPacket) -> None:
-        """Take a message into account."""
-        self.add(arrival.time, arrival.packet.size)
-
-
-class DelayMeter(DelayWindow):
-    """The delay of a topic: from the stamps in its messages' headers to their arrival.
-
-    Args:
-        size: How many arrivals are kept; at least 1.
-        decoder: Decodes the messages.
-        notify: Called with a sentence about stamps that are no times, once.
+    ``notify`` is called with a sentence about stamps that are no times, once.
     """
 
-    def __init__(self, size: int, decoder: Decoder, notify: Callable[[str], None]) -> None:
-        super().__init__(size)
+    def __init__(self, decoder: Decoder, notify: Notify) -> None:
         self._decoder = decoder
         self._notify = notify
-        self._has_told = False
+        self._has_notified = False
 
-    def feed(self, arrival: SelectedPacket) -> None:
-        """Take a message into account.
+    def __call__(self, arrival: SelectedPacket) -> float | None:
+        """Return the delay of a message [s]; None where its stamp is no time.
 
         Raises:
             LcmtoolsError: Its type is unknown or has no header.
@@ -85,10 +56,11 @@ class DelayMeter(DelayWindow):
         """
         stamped = self._stamp(arrival.packet)
         if stamped:
-            self.add(arrival.time, stamped)
-        elif not self._has_told:
-            self._has_told = True
+            return (arrival.time - stamped) / 1e9
+        if not self._has_notified:
+            self._has_notified = True
             self._notify(f"the stamp of a message on {arrival.topic} is 0, which is no time")
+        return None
 
     def _stamp(self, packet: Packet) -> int:
         try:
@@ -135,12 +107,13 @@ class Report(Generic[FoundT]):
     is_reset: bool = False
 
 
-class Measurement(Generic[FoundT]):
+class Measurement(Generic[ItemT, FoundT]):
     """A measurement of topics on a bus; of a log, read at once, by its own times.
 
     Args:
         monitor: The bus or the log.
-        meters: A meter for each topic, as typed.
+        windows: The window of each topic, as typed.
+        item: Makes what a window takes of a message; None for one that does not count.
         options: Which messages count, and for how long.
         notify: Called with a sentence for the person.
 
@@ -155,27 +128,28 @@ class Measurement(Generic[FoundT]):
     def __init__(
         self,
         monitor: BusMonitor,
-        meters: Mapping[str, Meter[FoundT]],
+        windows: Mapping[str, Window[ItemT, FoundT]],
+        item: Callable[[SelectedPacket], ItemT | None],
         options: ListenOptions,
-        notify: Callable[[str], None],
+        notify: Notify,
     ) -> None:
-        self._monitor, self._meters, self._options = monitor, meters, options
-        self._notify = notify
+        self._monitor, self._windows, self._item = monitor, windows, item
+        self._options, self._notify = options, notify
         self._decoder = Decoder(monitor.types_of)
-        self._has_told = False
-        self._silent = dict.fromkeys(meters)
+        self._has_notified = False
+        self._silent = dict.fromkeys(windows)
         self._now = 0
-        ask_nodes(monitor)
+        monitor.discover()
         self._stream = ArrivalStream(
             monitor,
-            [OneTopic(topic, options.names, with_path=False) for topic in meters],
+            [OneTopic(topic, options.names, with_path=False) for topic in windows],
             options.names,
             wall_time=options.wall_time or not monitor.is_live,
             strict_time=True,
             keep=self._counts if options.condition else None,
         )
         self.is_simulated = self._stream.is_simulated
-        self.channels = [self._channel(topic) for topic in meters] if monitor.is_live else []
+        self.channels = [self._channel(topic) for topic in windows] if monitor.is_live else []
 
     def reports(self) -> Iterator[Report[FoundT]]:
         """Return a report once a second, and a last one when Ctrl-C or a log's end ends it.
@@ -194,7 +168,7 @@ class Measurement(Generic[FoundT]):
                 yield last
             if isinstance(end, KeyboardInterrupt):
                 raise
-            self._tell_missing()
+            self._notify_missing()
 
     def _until_count(self) -> Iterator[Report[FoundT]]:
         is_live, timeout = self._monitor.is_live, self._options.timeout
@@ -219,18 +193,20 @@ class Measurement(Generic[FoundT]):
                 reports += any(report.found.values())
                 due += _REPORT_PERIOD
                 if PATIENCE <= now - start < PATIENCE + _REPORT_PERIOD:
-                    self._tell_silent()
+                    self._notify_silent()
 
     def _report(self) -> Report[FoundT]:
-        return Report({topic: meter.take(self._now) for topic, meter in self._meters.items()})
+        return Report({topic: window.take(self._now) for topic, window in self._windows.items()})
 
     def _feed(self, batch: Batch) -> None:
         self._now = batch.now if self._monitor.is_live else 0  # a log has no now
         if batch.is_reset:
-            for meter in self._meters.values():
-                meter.clear()
+            for window in self._windows.values():
+                window.clear()
         for arrival in batch.arrivals:
-            self._meters[arrival.topic].feed(arrival)
+            item = self._item(arrival)
+            if item is not None:
+                self._windows[arrival.topic].add(item)
         if self._silent:
             for topic in {arrival.topic for arrival in batch.arrivals}:
                 self._silent.pop(topic, None)
@@ -240,8 +216,8 @@ class Measurement(Generic[FoundT]):
         try:
             message = self._decoder.decode(packet)
         except DecodeError as reason:
-            if not self._has_told:
-                self._has_told = True
+            if not self._has_notified:
+                self._has_notified = True
                 self._notify(f"a message on {packet.channel} has no known fields: {reason}")
             return False
         return self._options.condition is None or self._options.condition.matches(message)
@@ -258,19 +234,19 @@ class Measurement(Generic[FoundT]):
 
     def _which(self) -> str:
         condition = self._options.condition
-        return f"came on {', '.join(self._meters)}{f', with {condition},' if condition else ''}"
+        return f"came on {', '.join(self._windows)}{f', with {condition},' if condition else ''}"
 
-    def _tell_silent(self) -> None:
+    def _notify_silent(self) -> None:
         """Say on which topics nothing has come, and what may have been meant."""
         condition = f" with {self._options.condition}" if self._options.condition else ""
         for topic in self._silent:
             self._notify(f"no message on {topic}{condition} yet; {self._stream.situation(topic)}")
 
-    def _tell_missing(self) -> None:
+    def _notify_missing(self) -> None:
         """Say the same of a log."""
-        if len(self._silent) == len(self._meters):
-            topics = ", ".join(self._meters)
-            hint = self._stream.near(next(iter(self._meters)))
+        if len(self._silent) == len(self._windows):
+            topics = ", ".join(self._windows)
+            hint = self._stream.near(next(iter(self._windows)))
             raise LcmtoolsError(f"the log has no message on {topics}", hint)
         for topic in self._silent:
             self._notify(f"the log has no message on {topic}; {self._stream.near(topic)}")
@@ -280,13 +256,53 @@ def lossy_senders(
     monitor: BusMonitor, topics: Sequence[str], names: Resolver = GLOBAL
 ) -> Iterator[str]:
     """Return a sentence for each sender of the topics of which messages did not arrive."""
-    from lcmtools.observe.losses import losses, total
-
     graph, known = monitor.graph(), losses(monitor.numbered)
-    for topic in topics:
-        for spelling in names.spellings(topic):
-            for seen in graph.topic(spelling).traffic:
-                loss = total([seen.sender], known)
-                if loss and loss.lost:
-                    what = f"of {seen.sender}, which sends {spelling}, {loss} messages did not"
-                    yield f"{what} arrive here; lcmtools wtf looks closer"
+    for spelling in (spelling for topic in topics for spelling in names.spellings(topic)):
+        for seen in graph.topic(spelling).traffic:
+            loss = total([seen.sender], known)
+            if loss and loss.lost:
+                what = f"of {seen.sender}, which sends {spelling}, {loss} messages did not"
+                yield f"{what} arrive here; lcmtools wtf looks closer"
+
+
+def counted(
+    monitor: BusMonitor, words: Sequence[str], wait: float | None, names: Resolver = GLOBAL
+) -> tuple[Graph, Counters]:
+    """Return a bus's graph, and the counters of the endpoints in it.
+
+    Args:
+        monitor: The bus.
+        words: The topics, as typed.
+        wait: How long to count [s]; None for as long as it takes, half a second at most.
+        names: The namespace and the remaps that they are read by.
+
+    Raises:
+        LcmtoolsError: A topic is not on the bus; with what may have been meant.
+    """
+    monitor.listen_to([spelling for name in words for spelling in names.spellings(name)])
+    graph = monitor.settle()
+    topics = [find_topic(graph, name, names) for name in words]
+    publishers = [node for topic in topics for node, _ in topic.publishers if not node.stale]
+    if monitor.is_log or not (publishers or any(topic.traffic for topic in topics)):
+        return graph, Counters(graph, graph)
+    channels = [topic.name for topic in topics]
+    # some publish only what somebody listens to: the first messages may be a moment away
+    came = _listen(monitor, channels, _AWAKENING, 1)
+    before = monitor.settle(foreign=False)
+    if wait is not None:
+        _listen(monitor, channels, wait, math.inf)
+    elif came:
+        _listen(monitor, channels, _LONGEST, _ENOUGH)
+    after = monitor.settle(foreign=False)
+    return after, Counters(before, after, losses(monitor.numbered))
+
+
+def _listen(monitor: BusMonitor, channels: Sequence[str], longest: float, enough: float) -> bool:
+    """Count messages until there are enough on each channel; return True if any came."""
+    counts = dict.fromkeys(channels, 0)
+    deadline = time.monotonic() + longest
+    while (left := deadline - time.monotonic()) > 0 and min(counts.values()) < enough:
+        for packet in monitor.receive(left):
+            if packet.channel in counts:
+                counts[packet.channel] += 1
+    return any(counts.values())

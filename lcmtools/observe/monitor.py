@@ -10,7 +10,6 @@ import os
 import socket
 import sys
 import time
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -37,7 +36,7 @@ from lcmtools.graph.protocol import (
     encode_shutdown,
 )
 from lcmtools.observe.programs import is_here
-from lcmtools.observe.sources import LogObserver, Observer, open_observer
+from lcmtools.observe.sources import Observer, open_observer
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence as Numbers
 
@@ -90,8 +89,7 @@ class BusMonitor:
         self._observer = observer or open_observer(
             url, whole=whole, plays=plays, on_outage=self._note_outage
         )
-        self.is_log = url.provider == "file"
-        self.is_live = not isinstance(self._observer, LogObserver)
+        self.is_log, self.is_live = self._observer.is_log, self._observer.is_live
         self._last_time = 0
         self._records = NodeRecords(url, environment)
         self._node = _tool_node(tool)
@@ -113,7 +111,9 @@ class BusMonitor:
         self._observer.close()
 
     def listen_to(self, topics: Sequence[str], depth: int = 0) -> None:
-        """Announce that this command listens to these topics."""
+        """Announce that this command listens to these topics; nothing on a log."""
+        if self.is_log:
+            return
         endpoints = tuple(Endpoint(topic, Role.SUBSCRIBER, depth=depth) for topic in topics)
         self._node = replace(self._node, endpoints=endpoints)
         self._announce()
@@ -157,18 +157,35 @@ class BusMonitor:
         request = Shutdown(node.id, nonce, requester)
         self._observer.send(SHUTDOWN_CHANNEL, encode_shutdown(request))
 
-    def settle(self, *, foreign: bool = True) -> Graph:
-        """Ask all nodes to announce themselves and wait until the graph is complete.
+    def discover(self) -> Graph:
+        """Return the graph with all nodes that answer; at once on a log, where none can."""
+        return self.graph() if self.is_log else self.settle(foreign=False)
+
+    def settle(
+        self,
+        *,
+        foreign: bool = True,
+        wait: float | None = None,
+        count: Callable[[Packet], None] = lambda _: None,
+    ) -> Graph:
+        """Request all nodes to announce themselves and wait until the graph is complete.
 
         A log that is read at once is read to its end.
 
         Args:
             foreign: Wait longer where programs that are no nodes publish, or, on this computer,
-                may be about to: these cannot be asked.
+                may be about to: these do not answer.
+            wait: The time to listen for such programs instead [s].
+            count: Called with each packet that arrives during ``wait``, or in a log.
         """
-        if not self.is_live:
-            deque(self.packets(), maxlen=0)
-            return self.graph()
+        if self.is_live:
+            self._await_nodes(foreign=foreign and wait is None)
+        if wait is not None or not self.is_live:
+            for packet in self.packets(wait):
+                count(packet)
+        return self.graph()
+
+    def _await_nodes(self, *, foreign: bool) -> None:
         self._builder.recall(node for node in self._records.read() if _is_here(node))
         self.probe()
         start = changed = time.monotonic()
@@ -178,7 +195,7 @@ class BusMonitor:
             # where this process itself was held up, what has come meanwhile still counts
             while (
                 not _complete(time.monotonic(), start, changed)
-                or self._hears_talk(0.0)
+                or self._receives_talk(0.0)
                 or self._awaits_known_node(start)
             ):
                 if time.monotonic() - start > _FOREIGN:
@@ -186,11 +203,10 @@ class BusMonitor:
                 if time.monotonic() >= ask_again:
                     self.probe()
                     ask_again = math.inf
-                if self._hears_talk(QUIET / 2):
+                if self._receives_talk(QUIET / 2):
                     changed = time.monotonic()
         if foreign and self.url.is_multicast:
             self._await_foreign(start + _FOREIGN)
-        return self.graph()
 
     def graph(self) -> Graph:
         """Return what is known now; of a log that is read at once, as of its latest message."""
@@ -221,7 +237,7 @@ class BusMonitor:
             self._announce()
         self._on_outage(text)
 
-    def _hears_talk(self, timeout: float) -> bool:
+    def _receives_talk(self, timeout: float) -> bool:
         return any(packet.channel in TALK_CHANNELS for packet in self.receive(timeout))
 
     def _awaits_known_node(self, start: float) -> bool:

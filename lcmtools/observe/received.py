@@ -14,7 +14,6 @@ from lcmtools.messages.registry import Message
 from lcmtools.names import Resolver, resolve_namespace
 from lcmtools.observe.arrivals import ArrivalStream, SelectedPacket, taken
 from lcmtools.observe.decoding import Decoder
-from lcmtools.observe.find import ask_nodes
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.selection import select_topics
 from lcmtools.observe.senders import SenderNames
@@ -87,7 +86,7 @@ def messages(
     selections = [select_topics(topic, names, with_path=False) for topic in topics]
     with ExitStack() as stack:
         monitor = stack.enter_context(_monitor(url, log))
-        ask_nodes(monitor)
+        monitor.discover()
         stream = ArrivalStream(
             monitor, selections, names, wall_time=wall_time or not monitor.is_live, strict_time=True
         )

@@ -20,7 +20,18 @@ _BATCH = 100  # messages of a log at a time, so that reading can be stopped
 
 
 class Observer(Protocol):
-    """A source that sees all messages: the tap, a subscription to everything, or a log."""
+    """A source that sees all messages: the tap, a subscription to everything, or a log.
+
+    Attributes:
+        is_live: Messages come in real time; else a log is read at once by its own times.
+    """
+
+    is_live: bool
+
+    @property
+    def is_log(self) -> bool:
+        """True for a log, also one that is played: no node answers and none subscribes."""
+        ...
 
     @property
     def port(self) -> int:
@@ -52,6 +63,7 @@ class LogObserver:
     """
 
     port = 0
+    is_live, is_log = False, True
 
     def __init__(self, path: str) -> None:
         self._packets = _read(path)

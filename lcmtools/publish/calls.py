@@ -11,13 +11,8 @@ from lcmtools.errors import LcmtoolsError, NothingReceived, ServiceTimeout, Unkn
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.registry import Message, ServiceType, service_class, service_name
 from lcmtools.node.service import Client
+from lcmtools.observe.find import OfferedService, near_service, offered_services
 from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.services import (
-    OfferedService,
-    full_service_name,
-    near_service,
-    offered_services,
-)
 from lcmtools.publish.incoming import Notify, Template
 from lcmtools.publish.own_node import own_node
 from lcmtools.publish.schedule import due_times
@@ -47,13 +42,12 @@ def split_type(
     return service_class(named), list(words[1:])
 
 
-def wait_for_service(monitor: BusMonitor, service: str, longest: float, notify: Notify) -> None:
-    """Wait until a living node offers a service; ``notify`` is called if that takes long.
+def wait_for_service(monitor: BusMonitor, name: str, longest: float, notify: Notify) -> None:
+    """Wait until a living node offers a service of this full name; ``notify`` if it takes long.
 
     Raises:
         NothingReceived: None does within ``longest`` seconds.
     """
-    name = full_service_name(service)
 
     def tell() -> None:
         known = [one.name for one in offered_services(monitor.graph(), show_all=False)]

@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING, TypeVar
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Graph, Staleness
 from lcmtools.messages.registry import Message
-from lcmtools.observe.find import find_node
+from lcmtools.observe.find import OfferedService, find_node, offered_services
 from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.services import OfferedService, offered_services
 from lcmtools.publish.own_node import own_node
 
 if TYPE_CHECKING:

@@ -11,9 +11,9 @@ from lcmtools.cli.output import talk
 from lcmtools.errors import UsageError
 from lcmtools.graph.drawing.diagram import Diagram
 from lcmtools.graph.drawing.selection import Selection, members_only, select
+from lcmtools.observe.activity import Activity
 from lcmtools.observe.diagram import diagram_of
 from lcmtools.observe.programs import programs
-from lcmtools.observe.settled import Rates, settled
 
 _MEASURED = 1.0  # [s]
 
@@ -103,11 +103,11 @@ def command(
     named = (tuple(map(in_names, words)) for words in (namespace, topics, excluded))
     parts, wanted_topics, left_out = named
     wanted = Selection(parts, wanted_topics, left_out, show_all, leaf_topics, tools, with_services)
-    rates = Rates()
+    activity, wait = Activity(), _MEASURED if hz and wait is None else wait
     with open_monitor("graph") as monitor:
-        graph = settled(monitor, _MEASURED if hz and wait is None else wait, rates)
+        graph = monitor.settle(wait=wait, count=activity.add)
         url = monitor.url
-    whole = diagram_of(graph, programs(graph, url), rates.by_channel() if hz else None)
+    whole = diagram_of(graph, programs(graph, url), activity.rates() if hz else None)
     diagram, left = select(whole, wanted)
     diagram = replace(members_only(diagram) if nodes_only else diagram, is_grouped=is_grouped)
     output.write(diagram)

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from lcmtools.bus.processes import usage_of
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.names import is_hidden
-from lcmtools.observe.describe import callback_record, callback_times, host_text
+from lcmtools.observe.counters import callback_record, callback_times
+from lcmtools.observe.describe import host_text
 from lcmtools.observe.programs import is_here, user_name
 
 _TITLES = {

@@ -3,13 +3,13 @@
 import math
 
 from lcmtools.cli.declare import argument, duration, option, rate, subcommand, whole_number
-from lcmtools.cli.options import bus_options, json_option, notify, open_monitor
+from lcmtools.cli.options import bus_options, json_option, looking_names, notify, open_monitor
 from lcmtools.cli.output import data, talk
 from lcmtools.cli.words import WITHOUT_END, CommandWithWords
 from lcmtools.messages.plain import to_json
 from lcmtools.messages.text import format_message
 from lcmtools.observe.describe import node_text
-from lcmtools.observe.services import OfferedService, find_service, full_service_name
+from lcmtools.observe.find import OfferedService, find_service, full_service_name
 from lcmtools.publish.calls import call_all, requests_in_time, split_type, wait_for_service
 from lcmtools.publish.incoming import read_requests
 
@@ -71,7 +71,7 @@ def command(
       lcmtools service call --wait=10s /add '{a: 1, b: -2}' --timeout 500ms
       lcmtools service call -r 2 /switch true
     """
-    full_service_name(service)  # an empty name is wrong whatever is on the bus
+    service = full_service_name(service, looking_names().namespace)
     with open_monitor("service_call") as monitor:
         monitor.settle(foreign=False)
         if wait is not None:

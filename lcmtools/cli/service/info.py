@@ -1,11 +1,12 @@
 """``lcmtools service info``."""
 
 from lcmtools.cli.declare import argument, subcommand
-from lcmtools.cli.options import in_names, json_option, looking_options, open_monitor
+from lcmtools.cli.options import in_names, json_option, looking_names, looking_options, open_monitor
 from lcmtools.cli.output import document, lines
 from lcmtools.graph.model import Endpoint, Node
-from lcmtools.observe.describe import callback_record, callback_times, listed_node, node_record
-from lcmtools.observe.services import OfferedService, find_service
+from lcmtools.observe.counters import callback_record, callback_times
+from lcmtools.observe.describe import listed_node, node_record
+from lcmtools.observe.find import OfferedService, find_service
 
 
 @subcommand("info")
@@ -22,7 +23,8 @@ def command(services: tuple[str, ...], *, as_json: bool) -> None:
     """
     with open_monitor("service_info") as monitor:
         graph = monitor.settle(foreign=False)
-    found = [find_service(graph, in_names(name)) for name in services]
+    namespace = looking_names().namespace
+    found = [find_service(graph, in_names(name), namespace) for name in services]
     if as_json:
         document([_record(service) for service in found])
         return

@@ -4,7 +4,7 @@ from lcmtools.cli.declare import argument, option, subcommand
 from lcmtools.cli.options import all_option, in_names, json_option, looking_options, open_monitor
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.messages.registry import service_name
-from lcmtools.observe.services import OfferedService, offered_services
+from lcmtools.observe.find import OfferedService, offered_services
 
 
 @subcommand("list")

@@ -1,11 +1,11 @@
 """``lcmtools service type`` and ``args``."""
 
 from lcmtools.cli.declare import argument, subcommand
-from lcmtools.cli.options import in_names, json_option, looking_options, open_monitor
+from lcmtools.cli.options import in_names, json_option, looking_names, looking_options, open_monitor
 from lcmtools.cli.output import data, document, lines
 from lcmtools.errors import LcmtoolsError
 from lcmtools.messages.fields import visible_fields
-from lcmtools.observe.services import find_service
+from lcmtools.observe.find import find_service
 
 
 @subcommand("type")
@@ -21,7 +21,9 @@ def type_(service: str, *, as_json: bool) -> None:
       lcmtools srv show $(lcmtools service type /reset)
     """
     with open_monitor("service_type") as monitor:
-        found = find_service(monitor.settle(foreign=False), in_names(service))
+        found = find_service(
+            monitor.settle(foreign=False), in_names(service), looking_names().namespace
+        )
     if as_json:
         document({"service": found.name, "type": found.type_text if found.types else None})
     elif not found.types:
@@ -43,6 +45,8 @@ def args(service: str, *, as_json: bool) -> None:
       lcmtools service args /switch --json
     """
     with open_monitor("service_args") as monitor:
-        found = find_service(monitor.settle(foreign=False), in_names(service))
+        found = find_service(
+            monitor.settle(foreign=False), in_names(service), looking_names().namespace
+        )
     names = [field.name for field in visible_fields(found.type_class().Request)]
     document(names) if as_json else data(" ".join(names))

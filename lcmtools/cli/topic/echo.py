@@ -26,7 +26,6 @@ from lcmtools.messages.registry import message_class, packages
 from lcmtools.messages.text import Writer
 from lcmtools.observe.arrivals import ArrivalStream, taken
 from lcmtools.observe.decoding import Decoder
-from lcmtools.observe.find import ask_nodes
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.selection import select_topics
 from lcmtools.observe.sources import LogObserver
@@ -143,7 +142,7 @@ def command(
     names = looking_names()
     meant = [select_topics(topic, names) for topic in topics]
     with _open(bag) as monitor:
-        ask_nodes(monitor)
+        monitor.discover()
         stream = ArrivalStream(monitor, meant, names)
         for types, path in stream.announced():
             asked.check(types, path)

@@ -6,7 +6,6 @@ from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.graph.model import Topic
 from lcmtools.messages.registry import candidates, message_class, type_name
 from lcmtools.names import is_hidden
-from lcmtools.observe.settled import settled
 
 
 @subcommand("find")
@@ -27,7 +26,7 @@ def command(type_: str, *, count_topics: bool, show_all: bool, as_json: bool) ->
     """
     name = type_name(message_class(type_))
     with open_monitor("find") as monitor:
-        graph, url = settled(monitor), monitor.url
+        graph, url = monitor.settle(), monitor.url
     topics = [topic for topic in graph.topic_names() if show_all or not is_hidden(topic)]
     found = [topic for topic in topics if is_of_type(graph.topic(topic), name)]
     if count_topics:

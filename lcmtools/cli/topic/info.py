@@ -6,10 +6,11 @@ from lcmtools.cli.declare import argument, duration, option, subcommand
 from lcmtools.cli.options import json_option, looking_names, looking_options, open_monitor
 from lcmtools.cli.output import document, lines
 from lcmtools.graph.model import Endpoint, Node, Topic
-from lcmtools.observe.counters import Counters, counted
+from lcmtools.observe.counters import Counters
 from lcmtools.observe.describe import fingerprint_rows, node_text, program_text, type_text
 from lcmtools.observe.find import find_topic
 from lcmtools.observe.losses import Loss
+from lcmtools.observe.measure import counted
 
 
 @subcommand("info")
@@ -52,9 +53,9 @@ def _text(topic: Topic, counters: Counters, *, verbose: bool) -> list[str]:
         rows.append(f"Also accepted: {', '.join(sorted(accepted))}")
     published = _nodes(topic.publishers, counters, verbose=verbose)
     for rows_of_node, (node, _) in zip(published, topic.publishers, strict=True):
-        rows_of_node.extend(_lost(counters.lost_of(node)))
+        rows_of_node.extend(_lost(counters.lost(node)))
     published += [
-        [program_text(seen), counters.of_program(seen), *_lost(counters.lost_of_program(seen))]
+        [program_text(seen), counters.of_program(seen), *_lost(counters.lost(seen))]
         for seen in topic.foreign
     ]
     subscribed = _nodes(topic.subscribers, counters, verbose=verbose)
@@ -97,7 +98,7 @@ def _record(topic: Topic, counters: Counters) -> dict[str, object]:
         "types": list(topic.types),
         "fingerprints": [f"{value:#018x}" for value in topic.fingerprints],
         "publishers": [
-            {**counters.record(node, e), **_lost_record(counters.lost_of(node))}
+            {**counters.record(node, e), **_lost_record(counters.lost(node))}
             for node, e in topic.publishers
         ],
         "subscribers": [counters.record(node, e) for node, e in topic.subscribers],
@@ -109,7 +110,7 @@ def _record(topic: Topic, counters: Counters) -> dict[str, object]:
                 "bytes": seen.bytes,
                 "rate": seen.rate(),
                 "last_time": seen.last_time,
-                **_lost_record(counters.lost_of_program(seen)),
+                **_lost_record(counters.lost(seen)),
             }
             for seen in topic.foreign
         ],

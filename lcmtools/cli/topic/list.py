@@ -14,9 +14,9 @@ from lcmtools.cli.options import (
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Graph, Topic
+from lcmtools.observe.activity import Activity
 from lcmtools.observe.computers import by_computer
 from lcmtools.observe.describe import type_text
-from lcmtools.observe.settled import Rates, settled
 
 _MEASURED = 1.0  # [s]
 
@@ -85,11 +85,11 @@ def command(
     """
     if published and subscribed:
         raise UsageError("-p and -s exclude each other", "leave out both for all topics")
-    counted = Rates()
+    activity, wait = Activity(), _MEASURED if hz and wait is None else wait
     with open_monitor("list") as monitor:
-        graph = settled(monitor, _MEASURED if hz and wait is None else wait, counted)
+        graph = monitor.settle(wait=wait, count=activity.add)
         url = monitor.url
-    rates = counted.by_channel() if hz else None
+    rates = activity.rates() if hz else None
     options = _ListOptions(not subscribed, not published, verbose, show_types, rates)
     topics = [topic for topic in _topics(graph, namespace, show_all=show_all) if options.has(topic)]
     if count_topics:

@@ -12,18 +12,18 @@ from lcmtools.cli.declare import argument, duration, option, subcommand, whole_n
 from lcmtools.cli.options import json_option, looking_names, looking_options, notify, open_monitor
 from lcmtools.cli.output import data, lines, talk
 from lcmtools.messages.filter import Filter
+from lcmtools.observe.arrivals import SelectedPacket
 from lcmtools.observe.decoding import Decoder
-from lcmtools.observe.measure import (
-    BandwidthMeter,
-    DelayMeter,
-    ListenOptions,
-    Measurement,
-    Meter,
-    RateMeter,
-    lossy_senders,
-)
+from lcmtools.observe.measure import Delays, ItemT, ListenOptions, Measurement, lossy_senders
 from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.rates import Bandwidth, Delay, Rate
+from lcmtools.observe.rates import (
+    Bandwidth,
+    BandwidthWindow,
+    DelayWindow,
+    RateWindow,
+    Statistics,
+    Window,
+)
 
 _GAP = "   "
 _KILO = 1e3
@@ -96,7 +96,7 @@ def _measuring(
     return declare
 
 
-def _seconds(value: Rate | Delay) -> list[str]:
+def _seconds(value: Statistics) -> list[str]:
     numbers = (value.mean, value.shortest, value.longest, value.deviation)
     return [*(f"{number:.4}" for number in numbers), str(value.window)]
 
@@ -155,14 +155,14 @@ def hz(request: _Request, *, condition: str | None) -> None:
     """
     wanted = Filter(condition) if condition is not None else None
     request = replace(request, options=replace(request.options, condition=wanted))
-    meters = {topic: RateMeter(request.window) for topic in request.topics}
+    windows = {topic: RateWindow(request.window) for topic in request.topics}
     with open_monitor("hz", whole=condition is not None) as monitor:
         try:
-            _measure(monitor, meters, request, _RATE)
+            _measure(monitor, windows, lambda found: found.time, request, _RATE)
         finally:
             for sentence in lossy_senders(monitor, request.topics, request.options.names):
                 notify(sentence)
-    _tell_single(meters, "rate")
+    _tell_single(windows, "rate")
 
 
 @_measuring("bw", least=2, usual=100)
@@ -177,10 +177,10 @@ def bw(request: _Request) -> None:
       lcmtools bw /husky0/image
       lcmtools bw EXAMPLE /chatter -w 1000
     """
-    meters = {topic: BandwidthMeter(request.window) for topic in request.topics}
+    windows = {topic: BandwidthWindow(request.window) for topic in request.topics}
     with open_monitor("bw") as monitor:
-        _measure(monitor, meters, request, _BANDWIDTH)
-    _tell_single(meters, "bandwidth")
+        _measure(monitor, windows, _time_and_size, request, _BANDWIDTH)
+    _tell_single(windows, "bandwidth")
 
 
 @_measuring("delay", least=1, usual=50_000)
@@ -196,16 +196,23 @@ def delay(request: _Request) -> None:
       lcmtools delay /husky0/odometry -w 100 --json
     """
     with open_monitor("delay", whole=True) as monitor:
-        decoder = Decoder(monitor.types_of)
-        meters = {topic: DelayMeter(request.window, decoder, notify) for topic in request.topics}
-        _measure(monitor, meters, request, _DELAY)
+        windows = {topic: DelayWindow(request.window) for topic in request.topics}
+        _measure(monitor, windows, Delays(Decoder(monitor.types_of), notify), request, _DELAY)
+
+
+def _time_and_size(found: SelectedPacket) -> tuple[int, int]:
+    return found.time, found.packet.size
 
 
 def _measure(
-    monitor: BusMonitor, meters: Mapping[str, Meter[Any]], request: _Request, form: _Form
+    monitor: BusMonitor,
+    windows: Mapping[str, Window[ItemT, Any]],
+    item: Callable[[SelectedPacket], ItemT | None],
+    request: _Request,
+    form: _Form,
 ) -> None:
     """Measure topics until the options, a log or Ctrl-C end it, and print each report."""
-    measurement = Measurement(monitor, meters, request.options, notify)
+    measurement = Measurement(monitor, windows, item, request.options, notify)
     for channel in measurement.channels:
         talk(f"subscribed to [{channel}]")
     if measurement.is_simulated:
@@ -243,7 +250,7 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     return [head, rule, *body, ""]
 
 
-def _tell_single(meters: Mapping[str, RateMeter | BandwidthMeter], noun: str) -> None:
-    for topic, meter in meters.items():
-        if meter.total == 1:
+def _tell_single(windows: Mapping[str, Window[Any, Any]], noun: str) -> None:
+    for topic, window in windows.items():
+        if window.total == 1:
             notify(f"only one message came on {topic}: a {noun} takes two")

@@ -10,7 +10,6 @@ from lcmtools.messages.registry import message_class
 from lcmtools.names import Resolver
 from lcmtools.observe.describe import UNKNOWN, fingerprint_rows, type_text
 from lcmtools.observe.find import find_topic, known_spelling
-from lcmtools.observe.settled import settled
 
 
 @subcommand("type")
@@ -30,7 +29,7 @@ def command(topic: str, *, as_json: bool) -> None:
     """
     looking_names().spellings(topic)  # an empty name is wrong whatever the bus is
     with open_monitor("type") as monitor:
-        graph = settled(monitor)
+        graph = monitor.settle()
     found, path = _find(graph, topic, looking_names())
     text = type_text(found)
     if path.steps:

@@ -7,8 +7,7 @@ from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Part, Statement, cases, rule, state
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
-from lcmtools.observe.callbacks import busy_share, callback_time
-from lcmtools.observe.rates import counted_rate
+from lcmtools.observe.counters import busy_share, callback_time, counted_rate
 
 _NEARLY_ALL = 0.9  # of the time between two messages: a callback that takes it cannot keep up
 _ALWAYS = 0.95  # of the time in callbacks: everything else that waits comes late

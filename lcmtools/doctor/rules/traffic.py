@@ -20,8 +20,8 @@ from lcmtools.doctor.rules.callbacks import busy_nodes
 from lcmtools.doctor.rules.types import disagree
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
+from lcmtools.observe.counters import average_rate, counted_rate
 from lcmtools.observe.losses import Loss
-from lcmtools.observe.rates import average_rate, counted_rate
 
 _SHARED = frozenset({"/rosout", "/tf", "/tf_static", "/diagnostics"})
 _SILENCE = 3.0  # [s]

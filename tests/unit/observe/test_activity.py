@@ -1,21 +1,20 @@
-"""What goes on on channels, from packets: rates, jitter, bandwidth, and silence."""
+"""The traffic of channels, from packets: rates, jitter, bandwidth, and silence."""
 
 import pytest
 
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
-from lcmtools.graph.protocol import NODE_CHANNEL
-from lcmtools.observe.activity import Activity, Flow, all_topics
+from lcmtools.observe.activity import Activity, Flow
 from lcmtools.wire.packet import Packet, Sender
 
 S = 1_000_000_000
 START = 1_795_000_000 * S
 
 
-def heard(*times: float, window: float | None = 2.0, size: int = 10) -> Activity:
+def arrived(*times: float, window: float | None = 2.0, size: int = 10) -> Activity:
     """An activity after messages on A at some times [s]."""
     activity = Activity(window)
     for time in times:
-        activity.hear(Packet("A", bytes(size), START + round(time * S)))
+        activity.add(Packet("A", bytes(size), START + round(time * S)))
     return activity
 
 
@@ -26,19 +25,19 @@ def flow(activity: Activity, now: float) -> Flow:
 
 
 def test_rate_is_one_over_the_mean_interval_and_jitter_their_spread() -> None:
-    found = flow(heard(0, 0.1, 0.3, 0.4), 0.4)
+    found = flow(arrived(0, 0.1, 0.3, 0.4), 0.4)
     assert found.rate == pytest.approx(3 / 0.4)
     assert found.jitter == pytest.approx(0.1)
     assert found.bandwidth == pytest.approx(30 / 0.4)
     assert (found.messages, found.bytes, found.last_time) == (4, 40, START + round(0.4 * S))
 
 
-def test_a_channel_of_which_nothing_was_heard_has_no_flow() -> None:
-    assert heard().flow("A", START) is None
+def test_a_channel_of_which_nothing_has_come_has_no_flow() -> None:
+    assert arrived().flow("A", START) is None
 
 
 def test_one_message_is_no_rate_and_two_are_no_jitter() -> None:
-    first, second = flow(heard(0), 0), flow(heard(0, 0.5), 0.5)
+    first, second = flow(arrived(0), 0), flow(arrived(0, 0.5), 0.5)
     assert (first.messages, first.rate, first.jitter, first.bandwidth) == (1, None, None, None)
     assert (second.rate, second.jitter) == (pytest.approx(2), None)
 
@@ -46,61 +45,54 @@ def test_one_message_is_no_rate_and_two_are_no_jitter() -> None:
 def test_what_is_older_than_the_window_no_longer_counts() -> None:
     slow = [i * 1.0 for i in range(5)]
     fast = [4 + i * 0.1 for i in range(1, 31)]
-    activity = heard(*slow, *fast)
+    activity = arrived(*slow, *fast)
     assert flow(activity, 7.0).rate == pytest.approx(10)
     assert flow(activity, 7.0).messages == 35
 
 
 def test_without_a_window_everything_counts_and_nothing_is_ever_silent() -> None:
     times = [0.0, 1.0, 2.0, 2.1, 2.2]
-    found = flow(heard(*times, window=None), 100.0)
+    found = flow(arrived(*times, window=None), 100.0)
     assert found.rate == pytest.approx(4 / 2.2)
     assert found.jitter == pytest.approx(0.9)
 
 
 def test_a_slow_channel_keeps_its_rate_between_messages() -> None:
-    activity = heard(0, 5, 10, 15)
+    activity = arrived(0, 5, 10, 15)
     assert flow(activity, 19).rate == pytest.approx(0.2)
     assert flow(activity, 29).rate == pytest.approx(0.2)
     assert flow(activity, 31).rate == 0.0
 
 
 def test_a_channel_falls_silent_and_wakes_again() -> None:
-    activity = heard(*(i * 0.1 for i in range(11)))
+    activity = arrived(*(i * 0.1 for i in range(11)))
     assert flow(activity, 3.9).rate == pytest.approx(10)
     assert flow(activity, 4.1) == Flow(11, 110, START + S, 0.0, None, 0.0)
     for i in range(40):
-        activity.hear(Packet("A", b"", START + 10 * S + i * S // 10))
+        activity.add(Packet("A", b"", START + 10 * S + i * S // 10))
     assert flow(activity, 13.9).rate == pytest.approx(10)
 
 
 def test_bandwidth_counts_whole_messages_where_only_heads_came() -> None:
     activity = Activity(None)
     for i in range(3):
-        activity.hear(Packet("A", bytes(8), START + i * S, whole_bytes=1000))
+        activity.add(Packet("A", bytes(8), START + i * S, whole_bytes=1000))
     assert flow(activity, 3).bandwidth == pytest.approx(1000)
 
 
 def test_times_that_go_back_are_no_harm() -> None:
-    found = flow(heard(1.0, 0.5, 1.5), 1.5)
+    found = flow(arrived(1.0, 0.5, 1.5), 1.5)
     assert found.rate == pytest.approx(2)
-    assert flow(heard(1.0, 1.0), 1.0).rate is None
+    assert flow(arrived(1.0, 1.0), 1.0).rate is None
 
 
-def test_what_nodes_say_of_themselves_is_left_out() -> None:
-    activity = Activity()
-    activity.hear(Packet(NODE_CHANNEL, bytes(8), START))
-    assert activity.flow(NODE_CHANNEL, START) is None
-    assert activity.last_time == START
-
-
-def test_clear_begins_anew() -> None:
-    activity = heard(0, 1)
+def test_clear_begins_again() -> None:
+    activity = arrived(0, 1)
     activity.clear()
     assert activity.flow("A", START) is None
 
 
-def test_all_topics_are_the_graphs_own_topics() -> None:
+def test_all_topics_at_once_are_those_one_by_one() -> None:
     here, there = Sender("127.0.0.1", 1), Sender("127.0.0.1", 2)
     ends = (Endpoint("/a", Role.PUBLISHER), Endpoint("/b", Role.SUBSCRIBER))
     nodes = (
@@ -114,5 +106,5 @@ def test_all_topics_are_the_graphs_own_topics() -> None:
         for sender in (here, there, None)
     )
     graph = Graph(nodes, traffic)
-    assert all_topics(graph) == [graph.topic(name) for name in graph.topic_names()]
-    assert [topic.name for topic in all_topics(graph)] == ["/a", "/b", "/x"]
+    assert graph.topics() == [graph.topic(name) for name in graph.topic_names()]
+    assert [topic.name for topic in graph.topics()] == ["/a", "/b", "/x"]

@@ -41,7 +41,7 @@ def make(
     activity, builder = Activity(), GraphBuilder()
     numbers: dict[Sender, Sequence] = {}
     for one in packets:
-        activity.hear(one)
+        activity.add(one)
         builder.add(one)
         if one.sender is not None and one.seqno is not None:
             numbers.setdefault(one.sender, Sequence()).add(one.seqno)

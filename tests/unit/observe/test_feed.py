@@ -19,9 +19,11 @@ class Bus:
     """A bus that does what a test says."""
 
     port = 0
+    is_live = True
 
-    def __init__(self, behaviour: Behaviour) -> None:
+    def __init__(self, behaviour: Behaviour, *, is_log: bool = False) -> None:
         self._behaviour = behaviour
+        self.is_log = is_log
 
     def receive(self, timeout: float) -> list[Packet]:
         """What the test says."""
@@ -29,7 +31,7 @@ class Bus:
         return self._behaviour()
 
     def send(self, channel: str, payload: bytes) -> None:
-        """Nobody receives it."""
+        """There is no receiver."""
 
     def close(self) -> None:
         """Nothing is open."""
@@ -49,8 +51,8 @@ def snapshot_of(wait_until: Callable[..., None]) -> Callable[..., Snapshot]:
         meanwhile: Callable[[Feed], None] = lambda _: None,
         url: BusUrl = MEMORY,
     ) -> Snapshot:
-        watch = BusMonitor(url, "spy", {}, Bus(behaviour))
-        feed = Feed(watch, ChannelSelection())
+        monitor = BusMonitor(url, "spy", {}, Bus(behaviour, is_log=url.provider == "file"))
+        feed = Feed(monitor, ChannelSelection())
         feed.start()
         try:
             meanwhile(feed)

@@ -1,14 +1,20 @@
-"""How long callbacks take, from two looks at the counters."""
+"""Rates and durations of callbacks, from two looks at the counters."""
 
 from dataclasses import replace
 
 import pytest
 
 from lcmtools.graph.model import Endpoint, Node, Role
-from lcmtools.observe.callbacks import busy_share, callback_time, duration_text
+from lcmtools.observe.counters import (
+    average_rate,
+    busy_share,
+    callback_time,
+    counted_rate,
+    duration_text,
+)
 
 SECOND = 1_000_000_000
-EAR = Endpoint("/a", Role.SUBSCRIBER, calls=10, busy=500)
+ENDPOINT = Endpoint("/a", Role.SUBSCRIBER, calls=10, busy=500)
 NODE = Node("/n", "n", "h", 1, sent=5 * SECOND, busy=SECOND)
 
 
@@ -19,7 +25,7 @@ NODE = Node("/n", "n", "h", 1, sent=5 * SECOND, busy=SECOND)
 def test_a_callback_takes_what_it_took_between_two_looks(
     calls: int, busy: int, mean: float | None
 ) -> None:
-    assert callback_time(EAR, replace(EAR, calls=calls, busy=busy)) == mean
+    assert callback_time(ENDPOINT, replace(ENDPOINT, calls=calls, busy=busy)) == mean
 
 
 @pytest.mark.parametrize(
@@ -58,3 +64,25 @@ def test_a_node_that_does_not_say_when_it_sent_is_not_judged() -> None:
 )
 def test_times_are_short_for_people(nanoseconds: float, text: str) -> None:
     assert duration_text(nanoseconds) == text
+
+
+def _counted(messages: int, last: float) -> Endpoint:
+    return Endpoint("/a", Role.PUBLISHER, messages=messages, last_time=round(last * SECOND))
+
+
+def test_a_counted_rate_is_exact_however_short_the_look_was() -> None:
+    assert counted_rate(_counted(7, 100.0), _counted(8, 100.1)) == pytest.approx(10)
+    assert counted_rate(_counted(7, 100.0), _counted(12, 101.0)) == pytest.approx(5)
+
+
+def test_where_nothing_was_counted_there_is_no_rate() -> None:
+    assert counted_rate(_counted(7, 100.0), _counted(7, 100.0)) is None
+    assert counted_rate(_counted(0, 0), _counted(1, 100.0)) is None
+    assert counted_rate(_counted(9, 100.0), _counted(1, 101.0)) is None
+
+
+def test_an_average_rate_is_from_the_nodes_start_to_its_last_message() -> None:
+    node = Node("/a", "id", "host", 1, start_time=90 * SECOND)
+    assert average_rate(node, _counted(20, 100.0)) == pytest.approx(2)
+    assert average_rate(node, _counted(1, 100.0)) is None
+    assert average_rate(node, _counted(5, 80.0)) is None
