@@ -36,10 +36,9 @@ class Node:
         line: The line in which it begins, from 1.
         key_line: The line of its key in a mapping; else its own.
         is_quoted: True for text that was quoted, a block, or tagged ``!!str``.
-        weight: Number of values in it, those that aliases repeat counted.
     """
 
-    __slots__ = ("is_quoted", "key_line", "line", "value", "weight")
+    __slots__ = ("is_quoted", "key_line", "line", "value")
 
     def __init__(
         self,
@@ -51,7 +50,6 @@ class Node:
         self.value = value
         self.line = self.key_line = line
         self.is_quoted = is_quoted
-        self.weight = 1
 
     @property
     def is_nothing(self) -> bool:
@@ -108,6 +106,10 @@ def read_file(text: str, source: str) -> Node | None:
     return found[0] if found else None
 
 
+_Key: TypeAlias = "tuple[str, int]"
+_NO_KEY: _Key = ("", 0)  # values in a list, and the root, have none
+
+
 class _Tree:
     """The nodes of one document while its events come in."""
 
@@ -117,7 +119,7 @@ class _Tree:
         self._yaml = yaml
         self.root: Node | None = None
         self._open: list[tuple[Node, str | None]] = []  # collections, each with its anchor
-        self._keys: list[tuple[str, int] | None] = []  # of the open ones: the key that has come
+        self._keys: list[_Key | None] = [_NO_KEY]  # the key of the next value; None: it comes next
         self._anchors: dict[str, Node] = {}
         self._repeated = 0
 
@@ -129,46 +131,39 @@ class _Tree:
         """
         yaml = self._yaml
         if isinstance(event, yaml.ScalarEvent):
-            if self._wants_key():
+            if self._keys[-1] is None:
                 self._set_key(event, event.value)
             else:
                 self._add(_scalar(event), event.anchor)
         elif isinstance(event, yaml.CollectionStartEvent):
-            self._start(event, [] if isinstance(event, yaml.SequenceStartEvent) else {})
+            self._start(event, is_list=isinstance(event, yaml.SequenceStartEvent))
         elif isinstance(event, yaml.CollectionEndEvent):
             self._keys.pop()
             self._add(*self._open.pop())
         elif isinstance(event, yaml.AliasEvent):
             self._take_alias(event)
 
-    def _start(
-        self, event: "yaml.CollectionStartEvent", value: list[Node] | dict[str, Node]
-    ) -> None:
-        if self._wants_key():
+    def _start(self, event: "yaml.CollectionStartEvent", *, is_list: bool) -> None:
+        if self._keys[-1] is None:
             raise _bad(event, "a key must be a word", quote_hint("{{"))
         if len(self._open) == DEEPEST:
             raise _bad(event, f"nested more than {DEEPEST} levels deep")
         if event.tag not in _COLLECTION_TAGS:
             raise _unknown_tag(event)
-        self._open.append((Node(value, _line(event)), event.anchor))
-        self._keys.append(None)
+        self._open.append((Node([] if is_list else {}, _line(event)), event.anchor))
+        self._keys.append(_NO_KEY if is_list else None)
 
     def _take_alias(self, event: "yaml.AliasEvent") -> None:
         known = self._anchors.get(event.anchor or "")
         if known is None:
             raise _bad(event, f"unknown alias '*{event.anchor}'", quote_hint("*"))
-        self._repeated += known.weight
+        self._repeated += _count(known)
         if self._repeated > MOST_REPEATED:
             raise _bad(event, f"aliases repeat more than {MOST_REPEATED} values")
-        if self._wants_key():
+        if self._keys[-1] is None:
             self._set_key(event, known.plain())
-            return
-        node = Node(known.value, known.line, is_quoted=known.is_quoted)
-        node.weight = known.weight
-        self._add(node, None)
-
-    def _wants_key(self) -> bool:
-        return bool(self._open) and not self._keys[-1] and isinstance(self._open[-1][0].value, dict)
+        else:
+            self._add(Node(known.value, known.line, is_quoted=known.is_quoted), None)
 
     def _set_key(self, event: "yaml.NodeEvent", key: object) -> None:
         if not isinstance(key, str):
@@ -187,14 +182,20 @@ class _Tree:
         if not self._open:
             self.root = None if node.is_nothing else node
             return
-        collection = self._open[-1][0]
-        collection.weight += node.weight
-        value, key = collection.value, self._keys[-1]
+        value, key = self._open[-1][0].value, self._keys[-1]
         if isinstance(value, list):
             value.append(node)
         elif key and isinstance(value, dict):
             value[key[0]], node.key_line = node, key[1]
             self._keys[-1] = None
+
+
+def _count(node: Node) -> int:
+    """Return the number of values in a node, those that aliases repeat counted each time."""
+    value = node.value
+    if isinstance(value, dict):
+        return 1 + sum(map(_count, value.values()))
+    return 1 + sum(map(_count, value)) if isinstance(value, list) else 1
 
 
 def _scalar(event: "yaml.ScalarEvent") -> Node:
