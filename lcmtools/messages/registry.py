@@ -7,45 +7,51 @@ here reads the environment, the working directory or the command line.
 """
 
 import importlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
-from typing import cast
+from typing import ClassVar, Protocol, cast
 
 from lcmtools.errors import UnknownType
 from lcmtools.messages import type_source
-from lcmtools.messages.message import Message, ServiceType
 from lcmtools.messages.type_names import STUDENTS, find, full_name, near_miss, preference
 from lcmtools.messages.type_source import Problem, Supply, TypeSource
 
-__all__ = [
-    "Message",
-    "Registry",
-    "ServiceType",
-    "candidates",
-    "default_registry",
-    "fingerprint",
-    "message_class",
-    "packages",
-    "problems",
-    "service_class",
-    "service_name",
-    "service_names",
-    "shipped_types",
-    "type_name",
-    "type_names",
-]
-
 _SHIPPED = "lcmtools.types."
 _USERS = "lcmtools_types_"  # packages.cache puts what it makes below a package named so
+
+
+class Message(Protocol):
+    """The interface of every class made by lcm-gen.
+
+    The tables have one entry a field, in wire order: its name, its LCM type (nested types as
+    ``module.Name``) and its array sizes (numbers, or names of length fields), None for no array.
+    """
+
+    __slots__: ClassVar[list[str]]
+    __typenames__: ClassVar[list[str]]
+    __dimensions__: ClassVar[list[list[int | str] | None]]
+
+    def encode(self) -> bytes:
+        """Return the payload, as lcm-gen's code makes it; ``codec.encode`` is the safe way."""
+
+    def get_hash(self) -> int:
+        """Return the fingerprint, unsigned 64-bit."""
+
+
+class ServiceType(Protocol):
+    """A service's pair of message types, such as lcmtools.types.std_srvs.Trigger."""
+
+    Request: type[Message]
+    Response: type[Message]
 
 
 class Registry:
     """All types of some sources; an earlier source wins where two have the same name.
 
     Args:
-        sources: What is always there.
-        supply: What a user may have besides.
-        warn: Told what is doubtful about a type that is used.
+        sources: The fixed sources.
+        supply: The user's own types.
+        warn: Called with a warning about a type that is used.
     """
 
     def __init__(
@@ -91,8 +97,7 @@ class Registry:
             UnknownType: There is no such service, or several packages have it.
         """
         found = self.service_name(name)
-        asked = (self._usual, self._all)
-        source = next(one for ask in asked for one in ask() if found in one.services)
+        source = next(one for some in self._tiers() for one in some if found in one.services)
         return cast("type[ServiceType]", _load(source.prefix, found))
 
     def service_name(self, name: str) -> str:
@@ -101,21 +106,18 @@ class Registry:
         Raises:
             UnknownType: There is no such service, or several packages have it.
         """
-        found = self._find_service(name, self._usual()) or self._find_service(name, self._all())
-        if not found:
-            hint = near_miss(name, self.service_names()) or "see: lcmtools srv list"
-            raise UnknownType(f"unknown service type '{name}'", hint)
-        return found
+        for sources in self._tiers():
+            if found := _find_service(name, sources):
+                return found
+        hint = near_miss(name, self.service_names()) or "see: lcmtools srv list"
+        raise UnknownType(f"unknown service type '{name}'", hint)
 
     def candidates(self, fingerprint: int) -> list[str]:
-        """Names of the types with this fingerprint, the likeliest first (see PREFERRED).
-
-        Types with equal field names and types share a fingerprint, so this is a list.
-        """
-        for sources in (self._usual, self._all):
+        """Names of the types with this fingerprint (equal fields), the likeliest first."""
+        for sources in self._tiers():
             names = {
                 name
-                for source in sources()
+                for source in sources
                 for name, number in source.fingerprints.items()
                 if number == fingerprint
             }
@@ -137,8 +139,7 @@ class Registry:
     def _type(self, name: str, number: int | None) -> tuple[TypeSource, str]:
         """The source of a type, and its full name."""
         problem = None
-        for ask in (self._usual, self._all):
-            sources = ask()
+        for sources in self._tiers():
             found = find(name, {one for source in sources for one in source.fingerprints}, "type")
             problem = _problem(found or full_name(name), sources)
             having = [one for one in sources if found in one.fingerprints]
@@ -151,17 +152,17 @@ class Registry:
             raise problem.error()
         raise UnknownType(f"unknown type '{name}'", self._type_hint(name))
 
-    def _usual(self) -> list[TypeSource]:
-        """The sources that it costs nothing to ask."""
+    def _tiers(self) -> Iterator[list[TypeSource]]:
+        """The sources that cost nothing to look into; then all, where those do not do."""
         near = self._supply.near() if self._supply else None
-        return [*([near] if near else []), *self._fixed]
+        yield (usual := [*([near] if near else []), *self._fixed])
+        far = self._supply.far() if self._supply else None
+        yield [*usual, *([far] if far else [])]
 
     def _all(self) -> list[TypeSource]:
-        far = self._supply.far() if self._supply else None
-        return [*self._usual(), *([far] if far else [])]
+        return list(self._tiers())[-1]
 
     def _warn_once(self, source: TypeSource, name: str) -> None:
-        """Say that there is another type of this name."""
         notes = [source.notes[name]] if name in source.notes else []
         file = source.files.get(name)
         number = source.fingerprints[name]
@@ -175,7 +176,7 @@ class Registry:
 
     def _type_hint(self, name: str) -> str:
         sources = self._all()
-        service = self._find_service(name, sources)
+        service = _find_service(name, sources)
         if service:
             return f"{service} is a service; its messages are {service}_Request and _Response"
         near = near_miss(name, (one for source in sources for one in source.fingerprints))
@@ -185,9 +186,9 @@ class Registry:
                 return str(problem.error())
         return near or "see: lcmtools msg list"
 
-    @staticmethod
-    def _find_service(name: str, sources: Sequence[TypeSource]) -> str | None:
-        return find(name, {one for source in sources for one in source.services}, "service")
+
+def _find_service(name: str, sources: Sequence[TypeSource]) -> str | None:
+    return find(name, {one for source in sources for one in source.services}, "service")
 
 
 def _problem(name: str, sources: Sequence[TypeSource]) -> Problem | None:
@@ -235,19 +236,29 @@ def _log(text: str) -> None:
     logging.getLogger("lcmtools").warning("%s", text)
 
 
+def message_class(name: str, number: int | None = None) -> type[Message]:
+    """The class of a type; see ``Registry.message_class``."""
+    return default_registry().message_class(name, number)
+
+
+def service_class(name: str) -> type[ServiceType]:
+    """The pair of a service; see ``Registry.service_class``."""
+    return default_registry().service_class(name)
+
+
+def service_name(name: str) -> str:
+    """The full name of a service pair; see ``Registry.service_name``."""
+    return default_registry().service_name(name)
+
+
+def candidates(fingerprint: int) -> list[str]:
+    """Names of the types with this unsigned fingerprint, the likeliest first."""
+    return default_registry().candidates(fingerprint)
+
+
 def type_names() -> list[str]:
     """Names of all message types, sorted."""
     return default_registry().type_names()
-
-
-def problems() -> Sequence[Problem]:
-    """The problems of the user's own .lcm files, whose types may be missing."""
-    return default_registry().problems()
-
-
-def packages() -> list[str]:
-    """Names of the packages that have message types, sorted."""
-    return sorted({name.partition("/")[0] for name in type_names() if "/" in name})
 
 
 def service_names() -> list[str]:
@@ -255,37 +266,14 @@ def service_names() -> list[str]:
     return default_registry().service_names()
 
 
-def message_class(name: str, number: int | None = None) -> type[Message]:
-    """The class of a type (see Registry.message_class).
-
-    Raises:
-        UnknownType: There is no such type, or several packages have it.
-        InvalidFile: The .lcm file that should have it is wrong.
-    """
-    return default_registry().message_class(name, number)
+def packages() -> list[str]:
+    """Names of the packages that have message types, sorted."""
+    return sorted({name.partition("/")[0] for name in type_names() if "/" in name})
 
 
-def service_class(name: str) -> type[ServiceType]:
-    """The pair of a service (see Registry.service_class).
-
-    Raises:
-        UnknownType: There is no such service, or several packages have it.
-    """
-    return default_registry().service_class(name)
-
-
-def service_name(name: str) -> str:
-    """The full name of a service pair (see Registry.service_name).
-
-    Raises:
-        UnknownType: There is no such service, or several packages have it.
-    """
-    return default_registry().service_name(name)
-
-
-def candidates(fingerprint: int) -> list[str]:
-    """Names of the types with this unsigned fingerprint, the likeliest first."""
-    return default_registry().candidates(fingerprint)
+def problems() -> Sequence[Problem]:
+    """The problems of the user's own .lcm files, whose types may be missing."""
+    return default_registry().problems()
 
 
 def type_name(message: Message | type[Message]) -> str:

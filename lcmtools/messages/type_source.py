@@ -16,11 +16,11 @@ class Problem:
     """A problem that makes a file, or one type in it, unusable.
 
     Attributes:
-        file: Its path, in full.
-        line: Where in it, from 1 on; 0 where that is not known.
-        what: What is wrong.
-        hint: What to do about it, or "".
-        type: The type that is meant; "" for the whole file.
+        file: Its full path.
+        line: The line in it, from 1; 0 where it is unknown.
+        what: The problem.
+        hint: The remedy, or "".
+        type: The type concerned; "" for the whole file.
     """
 
     file: str
@@ -30,12 +30,12 @@ class Problem:
     type: str = ""
 
     def error(self) -> InvalidFile:
-        """The same as an error to raise."""
+        """Return the problem as an error to raise."""
         line = f":{self.line}" if self.line else ""
         return InvalidFile(f"{shown(self.file)}{line}: {self.what}", self.hint)
 
     def concerns(self, name: str) -> bool:
-        """Return whether it may be the reason why the type ``package/Name`` is not there."""
+        """Return True if it may be the reason why the type ``package/Name`` is missing."""
         if self.type:
             return name in (self.type, self.type.rpartition("/")[2])
         package, _, short = name.rpartition("/")
@@ -54,7 +54,7 @@ class TypeSource:
         fingerprints: Every type's name ("geometry_msgs/Twist") and fingerprint.
         services: Names of the service pairs ("std_srvs/Trigger").
         files: The .lcm file of each type, where that is known.
-        problems: What cannot be used, and why.
+        problems: The types and files that cannot be used.
         notes: Types that another file has too, by their name, with a sentence that says so.
     """
 

@@ -1,8 +1,8 @@
-"""Users' own packages: where they are, their nodes, and their message types made usable.
+"""Users' own packages: finding them, their nodes, and their message types made usable.
 
-Belongs here: folders with a pyproject.toml or .lcm files, lcm-gen, the cache of what it has made,
-and the text of a new package. Must not know the bus, what is inside a message, or how anything is
-printed. What is in the environment comes in as an argument.
+Belongs here: folders with a pyproject.toml or .lcm files, lcm-gen, the cache of its output, and the
+text of a new package. Must not know the bus, the content of messages, or printing. The environment
+comes in as an argument.
 """
 
 import os
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from lcmtools.messages.type_source import Supply, has_supply, set_supply
 
 if TYPE_CHECKING:  # imported with the first look-up
-    from lcmtools.messages.message import Message
+    from lcmtools.messages.registry import Message
 
 
 def provide_user_types() -> None:
@@ -30,9 +30,10 @@ def provide_user_types() -> None:
         starts.insert(0, Path.cwd())
 
     def make() -> Supply:
-        from lcmtools.packages.user_types import supply
+        from lcmtools.messages.registry import shipped_types
+        from lcmtools.packages.user_types import UserTypes
 
-        return supply(environment, starts)
+        return UserTypes(environment, starts, shipped_types().fingerprints)
 
     set_supply(make)
 

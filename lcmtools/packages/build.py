@@ -1,10 +1,10 @@
 """From .lcm files to Python packages that can be imported, and the table of what is in them.
 
-Belongs here: which types can be used and which cannot, the packages' ``__init__``, the pairs of
-services, fingerprints. Must not know where the files come from or where the result is kept.
+Belongs here: the types that can be used, the packages' ``__init__``, the pairs of services,
+fingerprints. Must not know the source of the files or the place of the result.
 
-A type is taken with lcm-gen's own module; the package of a type that only lcmtools brings
-(geometry_msgs) is made of names that lead to ``lcmtools.types``.
+A type is lcm-gen's own module; the package of a type that only lcmtools ships (geometry_msgs) is
+made of names that lead to ``lcmtools.types``.
 """
 
 import importlib
@@ -17,19 +17,19 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from lcmtools.messages.type_source import Problem
+from lcmtools.packages.cache import INDEX
 from lcmtools.packages.generated import Generated, generate, move, unknown_type
-from lcmtools.packages.index import INDEX
 from lcmtools.packages.type_files import LcmFile
 from lcmtools.wire.datagram import MESSAGE_MAX
 
-SHIPPED = "lcmtools.types"
+_SHIPPED = "lcmtools.types"
 
 _INIT = '''"""Made by lcmtools of .lcm files: change those, not this."""
 
 {imports}
 
 def __getattr__(name: str) -> object:
-    """What this package has not itself, lcmtools may bring."""
+    """Import a type that only lcmtools ships."""
     from importlib import import_module
 
     if {shipped} and not name.startswith("__"):
@@ -52,8 +52,6 @@ class {name}:
 
 @dataclass(slots=True)
 class _Build:
-    """A build while it is made."""
-
     prefix: str
     folder: Path
     shipped: Collection[str]
@@ -66,7 +64,7 @@ class _Build:
         return self.folder / self.prefix
 
     def add(self, file: LcmFile) -> None:
-        """Add the types of one file; of two files that have the same one, the first counts."""
+        """Add the types of one file; of two with the same name, the first has precedence."""
         with TemporaryDirectory(dir=self.folder) as name:
             scratch = Path(name)
             found, problems = generate(file, self.prefix, scratch)
@@ -88,7 +86,7 @@ class _Build:
                 self._drop(one.name)
 
     def drop_incomplete(self) -> None:
-        """Take out types with fields of types that there are not, until all are complete."""
+        """Take out types with fields of unknown types, until all are complete."""
         while incomplete := [found for one in self.types.values() if (found := self._missing(one))]:
             known = {name for name, one in self.types.items() if one.tables} | set(self.shipped)
             for one, missing in incomplete:
@@ -145,7 +143,7 @@ class _Build:
         self.types.pop(name).module.unlink()
 
     def _elements(self, name: str, counts: dict[str, int]) -> int:
-        """The fewest elements that a message of a type has; ``counts`` are those known."""
+        """Return the least number of elements of a type's messages; ``counts`` are those known."""
         one = self.types.get(name)
         if name not in counts and one and one.tables:
             counts[name] = 1  # while it is counted: for what contains itself
@@ -158,7 +156,7 @@ class _Build:
         return counts.get(name, 1)
 
     def _named(self, path: str) -> str:
-        """The name of the type with a module path: "PREFIX.geometry_msgs.Twist"."""
+        """Return the name of the type with a module path: "PREFIX.geometry_msgs.Twist"."""
         return "/".join(path.removeprefix(f"{self.prefix}.").rsplit(".", 1))
 
     def _missing(self, one: Generated) -> tuple[Generated, str] | None:
@@ -170,7 +168,7 @@ class _Build:
         return None
 
     def _packages(self, names: Iterable[str]) -> set[str]:
-        """All packages and those around them; also those that only lcmtools brings."""
+        """Return all packages and those around them; also those that only lcmtools ships."""
         packages = {_package(name) for name in (*names, *self.shipped)}
         for package in list(packages):
             parts = package.split(".")
@@ -184,7 +182,7 @@ class _Build:
         text = _INIT.format(
             imports="".join(f"from .{name} import {name} as {name}\n" for name in names),
             shipped=shipped,
-            home=f"{SHIPPED}.{package}",
+            home=f"{_SHIPPED}.{package}",
         )
         (folder / "__init__.py").write_text(text, "utf-8")
 
@@ -198,11 +196,8 @@ class _Build:
 def build(files: Sequence[LcmFile], prefix: str, folder: Path, shipped: Mapping[str, int]) -> None:
     """Fill an empty folder with the types of some files, and a table of them.
 
-    Args:
-        files: The .lcm files; of two that have the same type, the first counts.
-        prefix: The name of the package above all others.
-        folder: Where all of it goes.
-        shipped: The types that lcmtools brings, which theirs may be made of.
+    The types are below a package ``prefix``; ``shipped`` are the types that their fields may have
+    besides. Of two files with the same type, the first has precedence.
 
     Raises:
         MissingExtra: There is no lcm-gen.

@@ -1,10 +1,11 @@
 """The cache of compiled .lcm files in the user's cache folder, keyed by their content.
 
-Belongs here: the folder, and that two processes can make the same thing at once. Must not know how
-it is made, see ``build``. What only making needs is imported then: most commands find what is kept.
+Belongs here: the folder, its index, and that two processes can make the same thing at once. Must
+not know how it is made, see ``build``, which is imported only then: most commands find it made.
 """
 
 import hashlib
+import json
 import os
 import sys
 import time
@@ -15,10 +16,12 @@ from threading import Lock
 
 from lcmtools import __version__
 from lcmtools.errors import LcmtoolsError
-from lcmtools.messages.type_source import TypeSource
-from lcmtools.packages.index import read_index
+from lcmtools.messages.type_source import Problem, TypeSource
 from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.packages.type_files import LcmFile
+
+INDEX = "index.json"
+"""The table of the types in a folder, which ``build`` writes."""
 
 _FORM = "2"  # of what is kept; another number invalidates the cache
 _PREFIX = "lcmtools_types_"
@@ -29,21 +32,21 @@ _ONE_AT_A_TIME = Lock()
 def cached_types(
     files: Sequence[LcmFile], environment: Mapping[str, str], shipped: Mapping[str, int]
 ) -> TypeSource:
-    """The types of some files, made now unless that has been done before, and ready to import.
+    """Return the types of some files, ready to import; they are compiled unless that is done.
 
     Args:
-        files: In the order in which they count.
-        environment: Where the user's cache folder is (XDG_CACHE_HOME, HOME).
-        shipped: The types that lcmtools brings.
+        files: In the order of their precedence.
+        environment: XDG_CACHE_HOME and HOME, which name the user's cache folder.
+        shipped: The fingerprints of the types that lcmtools ships.
 
     Raises:
         MissingExtra: There is no lcm-gen.
-        LcmtoolsError: What is made can be kept nowhere.
+        LcmtoolsError: The result cannot be written.
     """
     prefix = _PREFIX + digest(files)
     with _ONE_AT_A_TIME:
         root = _cache_folder(environment)
-        if not _is_whole(prefix, root / prefix):
+        if _read_index(prefix, root / prefix) is None:
             _make(files, prefix, root, shipped)
         return _importable(prefix, root / prefix)
 
@@ -60,7 +63,9 @@ def digest(files: Sequence[LcmFile]) -> str:
 
 
 def _importable(prefix: str, folder: Path) -> TypeSource:
-    source = read_index(prefix, folder)
+    source = _read_index(prefix, folder)
+    if source is None:
+        raise LcmtoolsError(f"cannot read {folder / INDEX}")
     with suppress(OSError):
         os.utime(folder)  # it is in use: see _forget_old
     if str(folder) not in sys.path:
@@ -68,17 +73,23 @@ def _importable(prefix: str, folder: Path) -> TypeSource:
     return source
 
 
-def _is_whole(prefix: str, folder: Path) -> bool:
-    """Return whether it is there, and undamaged."""
+def _read_index(prefix: str, folder: Path) -> TypeSource | None:
+    """Return the types of a folder that ``build`` has filled; None where it is not whole."""
     try:
-        read_index(prefix, folder)
+        table = json.loads((folder / INDEX).read_text("utf-8"))
+        return TypeSource(
+            prefix,
+            {name: int(digits, 16) for name, digits in table["fingerprints"].items()},
+            table["services"],
+            table["files"],
+            [Problem(**problem) for problem in table["problems"]],
+            table["notes"],
+        )
     except (OSError, ValueError, LookupError, TypeError, AttributeError):
-        return False
-    return True
+        return None
 
 
 def _make(files: Sequence[LcmFile], prefix: str, root: Path, shipped: Mapping[str, int]) -> None:
-    """Make it in a folder of its own, and put that in its place at once."""
     import shutil
     import tempfile
 
@@ -91,11 +102,11 @@ def _make(files: Sequence[LcmFile], prefix: str, root: Path, shipped: Mapping[st
     target = root / prefix
     try:
         build(files, prefix, scratch, shipped)
-        if not _is_whole(prefix, target):  # else another process was faster, with the same
+        if _read_index(prefix, target) is None:  # else another process was faster, with the same
             shutil.rmtree(target, ignore_errors=True)
             scratch.rename(target)
     except OSError as error:
-        if not _is_whole(prefix, target):
+        if _read_index(prefix, target) is None:
             raise LcmtoolsError(f"cannot write in {root}: {error.strerror}") from error
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
@@ -103,10 +114,10 @@ def _make(files: Sequence[LcmFile], prefix: str, root: Path, shipped: Mapping[st
 
 
 def _cache_folder(environment: Mapping[str, str]) -> Path:
-    """The user's own, or, where that cannot be written, one for this process only."""
-    said = environment.get("XDG_CACHE_HOME", "")
+    """Return the user's cache folder; one of this process only where that cannot be written."""
+    named = environment.get("XDG_CACHE_HOME", "")
     home = environment.get("HOME", "")
-    base = Path(said) if said.startswith("/") else Path(home) / ".cache" if home else None
+    base = Path(named) if named.startswith("/") else Path(home) / ".cache" if home else None
     if base is not None:
         folder = base / "lcmtools" / "types"
         with suppress(OSError):
@@ -127,7 +138,7 @@ def _scratch_folder() -> Path:
 
 
 def _forget_old(root: Path) -> None:
-    """Remove what no process has made or asked for in a month."""
+    """Remove types that no process has used in a month."""
     import shutil
 
     oldest = time.time() - _KEPT_DAYS * 86400

@@ -1,7 +1,7 @@
 """The output of lcm-gen for one file, read without importing it.
 
-Belongs here: moving the modules of a run into one tree, and reading the table of a module's nested
-types. Must not know caches or fingerprints.
+Belongs here: a module's tables, and the problems of its types. Must not know caches or
+fingerprints.
 """
 
 import ast
@@ -39,7 +39,6 @@ _LCM_NAMES = {
 }
 """Type names of C, Python and ROS, and LCM's names for them."""
 
-
 _COMMENT = re.compile(rb"//[^\n]*|/\*.*?\*/", re.DOTALL)
 _STRANGE = re.compile(rb"[^\w\s;{}\[\].,=+\-/*]", re.ASCII)
 
@@ -50,9 +49,9 @@ class Generated:
 
     Attributes:
         name: Its type's name: "geometry_msgs/Twist", or "pose_t" outside of any package.
-        file: The .lcm file that it is of.
-        module: Where it is.
-        tables: What fields it has; None for an enum.
+        file: The .lcm file that it is made of.
+        module: Its path.
+        tables: Its fields; None for an enum.
     """
 
     name: str
@@ -66,7 +65,7 @@ class Generated:
 
 
 def generate(source: LcmFile, prefix: str, folder: Path) -> tuple[list[Generated], list[Problem]]:
-    """Let lcm-gen write the Python modules of one .lcm file into an empty folder.
+    """Write the Python modules of one .lcm file into an empty folder with lcm-gen.
 
     It gets the file without its comments: it would copy them into Python's, and quotation marks in
     one would end that, so that the rest would be run.
@@ -89,8 +88,8 @@ def generate(source: LcmFile, prefix: str, folder: Path) -> tuple[list[Generated
     for module in sorted(root.rglob("*.py")):
         if module.name == "__init__.py":  # lcmtools writes its own: see build
             continue
-        name = type_name(module.relative_to(root).with_suffix("").parts)
-        one = _look(module, name, file)
+        *packages, short = module.relative_to(root).with_suffix("").parts
+        one = _read_tables(module, f"{'.'.join(packages)}/{short}".lstrip("/"), file)
         if isinstance(one, Problem):
             problems.append(one)
         else:
@@ -99,17 +98,11 @@ def generate(source: LcmFile, prefix: str, folder: Path) -> tuple[list[Generated
 
 
 def move(one: Generated, old_root: Path, new_root: Path) -> Generated:
-    """Put a module into the tree of all of them."""
+    """Move a module into another tree."""
     target = new_root / one.module.relative_to(old_root)
     target.parent.mkdir(parents=True, exist_ok=True)
     shutil.move(one.module, target)
-    return Generated(one.name, one.file, target, one.tables)
-
-
-def type_name(parts: tuple[str, ...]) -> str:
-    """The name of a type from the parts of its module's path."""
-    package = ".".join(parts[:-1])
-    return f"{package}/{parts[-1]}" if package else parts[-1]
+    return replace(one, module=target)
 
 
 def unknown_type(one: Generated, missing: str, known: set[str]) -> Problem:
@@ -138,12 +131,12 @@ def _like(missing: str, one: Generated, known: set[str]) -> str:
 
 
 def _without_comments(text: bytes) -> bytes:
-    """The text with its lines where they were."""
+    """Return the text, its line numbers unchanged."""
     return _COMMENT.sub(lambda comment: b" " + b"\n" * comment[0].count(b"\n"), text)
 
 
-def _look(module: Path, name: str, file: Path) -> Generated | Problem:
-    """A module's tables, or why Python cannot import it."""
+def _read_tables(module: Path, name: str, file: Path) -> Generated | Problem:
+    """Return a module with its tables, or the problem for which Python cannot import it."""
     try:
         body = ast.parse(module.read_bytes()).body
     except (SyntaxError, ValueError) as error:

@@ -1,22 +1,28 @@
-"""Running lcm-gen, which comes with the lcm package, on one file at a time.
+"""lcm-gen, which comes with the lcm package: run on one file at a time, for any of its languages.
 
-Belongs here: finding it, running it, and what its complaints mean. One file at a time, because it
-lets the package of a file count for the next one that names none. Must not know what is generated.
+Belongs here: finding it, running it, the meaning of its errors. One file at a time, because it lets
+the package of a file count for the next one that names none. Must not know which types there are.
 """
 
 import os
 import re
-from collections.abc import Sequence
-from functools import cache
+from collections.abc import Iterable, Sequence
 from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 
-from lcmtools.errors import MissingExtra
+from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.messages.type_source import Problem
 
-_LONGEST = 30.0
-"""Seconds that one file may take; it is milliseconds usually."""
+_OPTIONS = {
+    "c": ("--c", "--c-cpath", "{}", "--c-hpath", "{}"),
+    "cpp": ("--cpp", "--cpp-std", "c++11", "--cpp-hpath", "{}"),
+    "java": ("--java", "--jpath", "{}"),
+    "python": ("--python", "--ppath", "{}"),
+}
+LANGUAGES = tuple(_OPTIONS)
+
+_LONGEST = 30.0  # [s] for one file; it is milliseconds usually
 _HINTS = {
     "expected token {": "lcm-gen wants a space or a new line before '{'",
     "expected token ;": "a ';' is missing before this",
@@ -27,13 +33,8 @@ _HINTS = {
 }
 
 
-@cache
 def find_lcm_gen() -> str:
-    """The path of lcm-gen.
-
-    Raises:
-        MissingExtra: There is none.
-    """
+    """Return the path of lcm-gen; MissingExtra where there is none."""
     spec = find_spec("lcm")
     if spec and spec.origin:  # the program itself: the one on the PATH starts a Python first
         program = Path(spec.origin).parent.parent / "bin" / "lcm-gen"
@@ -48,11 +49,7 @@ def find_lcm_gen() -> str:
 
 
 def run_lcm_gen(file: Path, options: Sequence[str]) -> Problem | None:
-    """Run lcm-gen on one file; return what is wrong with the file, None for nothing.
-
-    Raises:
-        MissingExtra: There is no lcm-gen.
-    """
+    """Run lcm-gen on one file; return the problem of the file, None for a good one."""
     import subprocess
 
     command = [find_lcm_gen(), *options, str(file)]
@@ -72,8 +69,45 @@ def run_lcm_gen(file: Path, options: Sequence[str]) -> Problem | None:
     return _problem(file, done.stdout) if done.returncode else None
 
 
+def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Path]:
+    """Write the code of some .lcm files into a folder; return the written files, sorted.
+
+    Other files in the folder stay; files of the same names are overwritten.
+
+    Raises:
+        InvalidFile: lcm-gen refuses a file; then nothing is written.
+        LcmtoolsError: The folder cannot be written.
+        MissingExtra: There is no lcm-gen.
+    """
+    import shutil
+    import tempfile
+
+    def copy(path: Path, source: Path, target: Path) -> None:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if path.name == "__init__.py" and target.exists():
+            _join(source, target)
+        else:
+            shutil.copyfile(source, target)
+
+    with tempfile.TemporaryDirectory(prefix="lcmtools-generate-") as name:
+        scratch = Path(name)
+        options = [word.format(scratch) for word in _OPTIONS[language]]
+        for file in files:
+            problem = run_lcm_gen(file, options)
+            if problem:
+                raise problem.error()
+        made = sorted(path.relative_to(scratch) for path in scratch.rglob("*") if path.is_file())
+        try:
+            for path in made:
+                copy(path, scratch / path, folder / path)
+        except OSError as error:
+            where = error.filename or folder
+            raise LcmtoolsError(f"cannot write {where}: {error.strerror}") from error
+    return [folder / path for path in made]
+
+
 def _problem(file: Path, output: str) -> Problem:
-    """The form of lcm-gen's errors: a sentence, ``FILE : LINE``, and the line itself."""
+    """Read lcm-gen's error: a sentence, ``FILE : LINE``, and the line itself."""
     said = [line.strip() for line in output.splitlines() if line.strip()]
     for before, line in pairwise(said):
         if place := re.fullmatch(rf"{re.escape(str(file))} : (\d+)", line):
@@ -85,3 +119,10 @@ def _problem(file: Path, output: str) -> Problem:
 def _hint(reason: str) -> str:
     known = (hint for start, hint in _HINTS.items() if reason.lower().startswith(start))
     return next(known, "")
+
+
+def _join(new: Path, old: Path) -> None:
+    """Keep what an earlier run has put into a package, as lcm-gen itself does."""
+    known = old.read_text("utf-8").splitlines()
+    more = [line for line in new.read_text("utf-8").splitlines() if line.startswith("from ")]
+    old.write_text("\n".join([*known, *(line for line in more if line not in known), ""]), "utf-8")

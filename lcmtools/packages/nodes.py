@@ -1,8 +1,7 @@
 """Nodes that can be run by name: of installed packages, and of the workspace without installing.
 
-Belongs here: which nodes there are, which one is meant, and importing one. A node is an entry point
-"lcmtools.nodes": of a distribution, or as a workspace package's pyproject.toml writes it. Must not
-know the command line.
+Belongs here: finding nodes and importing one. A node is an entry point "lcmtools.nodes": of a
+distribution, or as a workspace package's pyproject.toml writes it. Must not know the command line.
 """
 
 import importlib
@@ -32,8 +31,7 @@ class Program(Protocol):
     """A node's main function."""
 
     def __call__(self, args: Sequence[str] | None = None) -> int | None:
-        """Run until asked to end; return an exit code, None for 0."""
-        ...
+        """Run until the end; return an exit code, None for 0."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,9 +40,9 @@ class Runnable:
 
     Attributes:
         package: Its package's name.
-        name: Its own.
-        target: Where its main function is, as "module:function".
-        folder: Where its code is imported from; None for an installed package.
+        name: Its own name.
+        target: Its main function, as "module:function".
+        folder: The folder that its code is imported from; None for an installed package.
     """
 
     package: str
@@ -61,14 +59,15 @@ class Runnable:
         """Import its main function; other workspace packages can be imported from then on too.
 
         Raises:
-            LcmtoolsError: Its module or function is not there.
+            LcmtoolsError: Its module or function does not exist.
             MissingExtra: It needs a package that is not installed.
             Exception: Its own code fails when it is imported.
         """
         if self.folder is not None:
             sys.path.insert(0, str(self.folder))
             for package in workspace(self.folder, Path.cwd()).packages:
-                _add_to_path(package.import_folder())
+                if str(package.import_folder()) not in sys.path:
+                    sys.path.append(str(package.import_folder()))
         module, _, path = self.target.partition(":")
         try:
             value: object = importlib.import_module(module)
@@ -170,7 +169,6 @@ def find_node(words: Sequence[str], known: Sequence[Runnable]) -> tuple[Runnable
 
 
 def _unknown(first: str, rest: Sequence[str], known: Iterable[Runnable]) -> UsageError:
-    """The error for a name that neither a package nor a node has."""
     names = {node.name for node in known}
     packages = {node.package for node in known}
     hint = did_you_mean(first, names | packages) or "lcmtools run --list shows them"
@@ -182,11 +180,5 @@ def _unknown(first: str, rest: Sequence[str], known: Iterable[Runnable]) -> Usag
 
 
 def _package_of(entry: EntryPoint) -> str:
-    """The name that an installed node's package goes by."""
     module = entry.module.partition(".")[0]
     return OWN if module in (OWN, "lcmtools_sim") else module
-
-
-def _add_to_path(folder: Path) -> None:
-    if str(folder) not in sys.path:
-        sys.path.append(str(folder))

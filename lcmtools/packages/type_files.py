@@ -1,6 +1,6 @@
-"""The .lcm files that users have: on LCMTOOLS_TYPE_PATH, in the workspace, in installed packages.
+"""Users' .lcm files: on LCMTOOLS_TYPE_PATH, in the workspace, in installed packages.
 
-Belongs here: which files there are, and reading them. Must not know what is in them.
+Belongs here: finding and reading them. Must not know their content.
 """
 
 import os
@@ -24,28 +24,10 @@ _OTHER_FOLDERS = {"build", "dist", "node_modules", "site-packages", "venv"}
 
 @dataclass(frozen=True, slots=True)
 class LcmFile:
-    """A file as it was when it was read.
-
-    Attributes:
-        path: Where it is, in full.
-        content: Its bytes.
-    """
+    """A file as it was when it was read, with its full path."""
 
     path: Path
     content: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class Found:
-    """The files found in some folders.
-
-    Attributes:
-        files: In the order in which they count: of two that have the same type, the first.
-        problems: What cannot be read.
-    """
-
-    files: Sequence[LcmFile]
-    problems: Sequence[Problem]
 
 
 def variable_folders(environment: Mapping[str, str]) -> list[Path]:
@@ -76,8 +58,8 @@ def shipped_folder() -> Path:
     return installed if installed.is_dir() else package.parent / "lcm_types"
 
 
-def read_folders(folders: Sequence[Path]) -> Found:
-    """All .lcm files below some folders, each once, sorted within a folder."""
+def read_folders(folders: Sequence[Path]) -> tuple[list[LcmFile], list[Problem]]:
+    """All .lcm files below some folders, each once, sorted within a folder; and the problems."""
     files: dict[Path, LcmFile] = {}
     problems: list[Problem] = []
     for folder in dict.fromkeys(folders):
@@ -90,13 +72,12 @@ def read_folders(folders: Sequence[Path]) -> Found:
                 files[path] = one
             elif one not in problems:
                 problems.append(one)
-    return Found(list(files.values()), problems)
+    return list(files.values()), problems
 
 
 def _paths(folder: Path) -> Iterator[Path]:
     """The .lcm files below a folder; of one that is very large, those that are found in time."""
-    walk = islice(os.walk(folder), _MOST_FOLDERS)
-    for place, folders, names in walk:
+    for place, folders, names in islice(os.walk(folder), _MOST_FOLDERS):
         folders[:] = sorted(one for one in folders if one[0] != "." and one not in _OTHER_FOLDERS)
         yield from (Path(place, name) for name in sorted(names) if name.endswith(".lcm"))
 

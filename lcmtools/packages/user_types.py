@@ -1,4 +1,4 @@
-"""Users' own types: where they are looked for, in which order, and compiling them.
+"""Users' own types: the places that they come from, their precedence, and compiling them.
 
 Near are LCMTOOLS_TYPE_PATH and the workspace: they take precedence over the shipped types, because
 they are under development. Far are installed packages: they come last, and only for a type that is
@@ -19,11 +19,10 @@ from lcmtools.messages.registry import (
     default_registry,
     message_class,
     packages,
-    shipped_types,
     type_name,
     type_names,
 )
-from lcmtools.messages.type_source import Problem, TypeSource
+from lcmtools.messages.type_source import TypeSource
 from lcmtools.names import did_you_mean
 from lcmtools.packages import provide_user_types
 from lcmtools.packages.type_files import (
@@ -36,12 +35,12 @@ from lcmtools.packages.workspace import package_folders
 
 _NEAR_AGAIN = 1.0
 _FAR_AGAIN = 10.0
-"""Seconds after which files are looked at again: they may be edited while a command runs."""
+"""Seconds after which files are read again: they may be edited while a command runs."""
 
 
 @dataclass(slots=True)
 class _Found:
-    """The types found by the last look at the files, its time, and its folders."""
+    """The types found last, with the time and the starts of that search."""
 
     time: float = float("-inf")
     folders: object = None
@@ -53,7 +52,7 @@ class UserTypes:
 
     Args:
         environment: LCMTOOLS_TYPE_PATH, and the variables that name the cache's folder.
-        starts: The folders whose workspaces count.
+        starts: The folders whose workspaces are searched.
         shipped: The fingerprints of the types that lcmtools ships.
         clock: A monotonic clock [s].
     """
@@ -85,7 +84,7 @@ class UserTypes:
         return self._read([*folders, *self.far_folders()]) or TypeSource("", {})
 
     def near_folders(self) -> list[Path]:
-        """The folders that count before what lcmtools brings."""
+        """The folders that take precedence over the shipped types."""
         return [*variable_folders(self._environment), *package_folders(*self._starts)]
 
     def far_folders(self) -> list[Path]:
@@ -93,7 +92,7 @@ class UserTypes:
         return [*self.near_folders(), *installed_folders()]
 
     def add_start(self, folder: Path) -> None:
-        """Let the workspace of one more folder count."""
+        """Search the workspace of one more folder too."""
         if folder not in self._starts:
             self._starts.append(folder)
 
@@ -106,17 +105,13 @@ class UserTypes:
         return found.source
 
     def _read(self, folders: Sequence[Path]) -> TypeSource | None:
-        found = read_folders(folders)
-        if not found.files:
-            return _only_problems(found.problems)
+        files, problems = read_folders(folders)
+        if not files:
+            return TypeSource("", {}, problems=problems) if problems else None
         from lcmtools.packages.cache import cached_types
 
-        source = cached_types(found.files, self._environment, self._shipped)
-        return replace(source, problems=[*found.problems, *source.problems])
-
-
-def _only_problems(problems: Sequence[Problem]) -> TypeSource | None:
-    return TypeSource("", {}, problems=problems) if problems else None
+        source = cached_types(files, self._environment, self._shipped)
+        return replace(source, problems=[*problems, *source.problems])
 
 
 def user_types() -> UserTypes:
@@ -126,21 +121,16 @@ def user_types() -> UserTypes:
     return cast("UserTypes", type_source.supply())
 
 
-def supply(environment: Mapping[str, str], starts: Sequence[Path]) -> UserTypes:
-    """The supply of a process with this environment, started in or from these folders."""
-    return UserTypes(environment, starts, shipped_types().fingerprints)
-
-
 def compile_folders(folders: Sequence[Path]) -> TypeSource:
-    """The types of the .lcm files in some folders, made now; with what is wrong with others."""
+    """The types of the .lcm files in some folders, compiled now, and the problems of the others."""
     return user_types().compiled(folders)
 
 
 def sources_of(words: Sequence[str]) -> list[Path]:
-    """The .lcm files of types, and of all types that these are made of, sorted.
+    """The .lcm files of types and of all types of their fields, sorted.
 
     Args:
-        words: Types, or packages; none for all of the user's own.
+        words: Types or packages; none for all of the user's own types.
 
     Raises:
         UnknownType: There is no such type or package, or no type of the user's own.
@@ -161,7 +151,7 @@ def package_messages(module: str, file: str) -> Callable[[str], type[Message]]:
 
     Args:
         module: The module's ``__name__``: "air_lab0.msg".
-        file: Its ``__file__``: its workspace counts, wherever the program was started.
+        file: Its ``__file__``: its workspace is searched, wherever the program was started.
     """
     package = module.rpartition(".")[0] or module
 

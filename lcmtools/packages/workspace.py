@@ -1,8 +1,7 @@
 """Packages: folders of the workspace whose pyproject.toml has a table [tool.lcmtools].
 
-Belongs here: finding them. The workspace is the nearest folder, from the current one upwards, that
-holds packages, itself or in ``src``. Folders of other users are never taken. Must not know nodes
-or messages.
+The workspace is the nearest folder, from the current one upwards, that holds packages, itself or in
+``src``. Folders of other users are never taken. Must not know nodes or messages.
 """
 
 import os
@@ -26,12 +25,7 @@ _MOST_LEVELS = 16
 
 @dataclass(frozen=True, slots=True)
 class Package:
-    """A package of the workspace.
-
-    Attributes:
-        name: As Python imports it: "air_lab0".
-        folder: Where its pyproject.toml is.
-    """
+    """A package of the workspace: its import name ("air_lab0") and its pyproject.toml's folder."""
 
     name: str
     folder: Path
@@ -48,7 +42,7 @@ class Workspace:
 
     Attributes:
         packages: Sorted by name; of two with the same name, the nearer one.
-        problems: What is wrong with others: one broken package stops no other.
+        problems: The errors of others: one broken package stops no other.
     """
 
     packages: list[Package]
@@ -123,23 +117,18 @@ def _workspace(start: Path) -> list[Path]:
         found = [*_children(level), *_children(level / "src")]
         if found and _is_meant(level, start, found):
             return found
-        if _is_package(level) and _is_alone(level):
+        if _is_package(level) and level not in _children(level.parent):  # too many are beside it
             return [level]
     return []
 
 
 def _is_meant(level: Path, start: Path, found: list[Path]) -> bool:
-    """True if the packages in a folder concern somebody at ``start``, which is it or below it.
+    """Return True if the packages in a folder concern ``start``, which is it or below it.
 
-    In a folder that everybody can write, such as /tmp, only if that is in it or in one of them.
+    In a folder that everybody can write, such as /tmp, only if that is the folder or in a package.
     """
     is_shared = level.stat().st_mode & stat.S_IWOTH
     return not is_shared or level == start or any(start.is_relative_to(one) for one in found)
-
-
-def _is_alone(folder: Path) -> bool:
-    """Return whether the folder above holds too much to be looked into."""
-    return folder not in _children(folder.parent)
 
 
 def _children(folder: Path) -> list[Path]:

@@ -7,7 +7,7 @@ import click
 from lcmtools.cli.declare import argument, option, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import show, talk
-from lcmtools.packages.languages import LANGUAGES, generate
+from lcmtools.packages.lcm_gen import LANGUAGES, generate_code
 from lcmtools.packages.user_types import sources_of
 
 
@@ -27,7 +27,7 @@ def command(*, lang: str, folder: str, types: tuple[str, ...], as_json: bool) ->
       lcmtools msg generate --lang cpp generated geometry_msgs/Twist std_msgs/String
       lcmtools msg generate --lang c generated air_lab0
     """
-    written = list(map(str, generate(sources_of(types), lang, Path(folder).expanduser())))
+    written = list(map(str, generate_code(sources_of(types), lang, Path(folder).expanduser())))
     show(written, written, as_json=as_json)
     if not as_json:
         talk(f"{len(written)} file{'s'[: len(written) != 1]} in {folder}")
