@@ -1,8 +1,8 @@
 """A quick probe of a bus: its graph within some hundredths of a second, for shell completion.
 
-The probe leaves at once, and the answers wait in the socket while the caller does something else;
-``graph`` reads them. On Linux a filter in the kernel keeps only the head of other messages, so that
-a bus full of images cannot crowd the answers out.
+The constructor sends the probe, and the answers wait in the socket until ``graph`` reads them. On
+Linux a filter in the kernel keeps only the head of other messages, so that a bus full of images
+cannot crowd the answers out.
 """
 
 import contextlib
@@ -20,7 +20,6 @@ from lcmtools.errors import BusError
 if TYPE_CHECKING:  # imported while the answers are on their way
     from lcmtools.graph.builder import GraphBuilder
     from lcmtools.graph.model import Graph
-    from lcmtools.graph.protocol import Announcement
 
 PROBE = (
     b"LC02\0\0\0\0/_lcmtools/probe\0\x36\xa8\xcc\x66\xfe\xbe\x4d\xc8\0\0\0\x01\0\0\0\0\0\0\0\0\0"
@@ -79,7 +78,7 @@ class QuickProbe:
         self._sender.close()
 
     def graph(self, expected: Iterable[str] = ()) -> "Graph":
-        """The graph by the answers so far, complete where nodes answer in time.
+        """Return the graph by the answers so far, complete where nodes answer in time.
 
         Args:
             expected: Ids of nodes known to run, whose answers are awaited for up to AT_MOST.
@@ -93,11 +92,11 @@ class QuickProbe:
             if answered:
                 missing -= answered
                 soonest = max(soonest, time.monotonic() + _QUIET)
-        self._read(builder, 0.0)  # where this process itself was held up, what came meanwhile
+        self._read(builder, 0.0)  # if this process was held up, more has come
         return builder.snapshot(time.time_ns())
 
     def replies(self, channel: str, deadline: float) -> Iterator[bytes]:
-        """The payloads that come on a channel until the deadline [s of ``time.monotonic``]."""
+        """Yield the payloads on a channel until the deadline [s of ``time.monotonic``]."""
         from lcmtools.wire.datagram import ShortMessage, parse
 
         while (left := deadline - time.monotonic()) > 0:
@@ -107,32 +106,19 @@ class QuickProbe:
                     yield message.payload
 
     def _read(self, builder: "GraphBuilder", timeout: float) -> set[str]:
-        """Read what has arrived; return the ids of the nodes among it."""
+        """Read all waiting datagrams, or heads of them; return the ids of announced nodes."""
         if not select.select([self._receiver], [], [], timeout)[0]:
             return set()
-        until = time.monotonic() + _QUIET
+        from lcmtools.wire.packet import Sender
+        from lcmtools.wire.reader import Reader
+
+        reader, until = Reader(whole=False, always_whole=()), time.monotonic() + _QUIET
         answered: set[str] = set()
         with contextlib.suppress(BlockingIOError):
             while time.monotonic() < until:
                 data, address = self._receiver.recvfrom(_MAX_DATAGRAM)
-                announcement = _learn(builder, data, address)
-                if announcement is not None:
+                packet = reader.read(data, Sender(*address), time.time_ns())
+                announcement = packet and builder.add(packet)
+                if announcement:
                     answered.add(announcement.node.id)
         return answered
-
-
-def _learn(builder: "GraphBuilder", data: bytes, address: tuple[str, int]) -> "Announcement | None":
-    """Add a datagram, or the head of one, to the graph; return its announcement, if it is one."""
-    from lcmtools.wire.datagram import Fragment, ShortMessage, parse
-    from lcmtools.wire.packet import Packet, Sender
-
-    message = parse(data)
-    if isinstance(message, ShortMessage):
-        payload = message.payload
-    elif isinstance(message, Fragment):
-        payload = message.part
-    else:
-        return None
-    if message.channel is None:
-        return None
-    return builder.add(Packet(message.channel, payload, time.time_ns(), Sender(*address)))

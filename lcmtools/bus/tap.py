@@ -1,11 +1,11 @@
 """The tap: a passive observer of a multicast group's datagrams.
 
-It joins the group beside everyone else and sees every sender, whether or not that program has
-ever heard of lcmtools. It decodes nothing, and no datagram makes it fail.
+It joins the group beside its members and sees every sender, a program without lcmtools too. It
+decodes nothing, and no datagram makes it fail.
 
-By default it takes the heads of large messages only: their first datagram tells channel, type,
-size and number, and on Linux a filter in the kernel drops the others, so that a bus full of images
-costs next to nothing to watch.
+By default it takes the heads of large messages only: their first datagram has channel, type, size
+and number, and on Linux a filter in the kernel drops the others, so that a bus full of images costs
+next to nothing to watch.
 """
 
 import contextlib
@@ -26,11 +26,11 @@ from lcmtools.errors import BusError
 from lcmtools.names import check_length
 from lcmtools.wire.datagram import fits_datagram, fragments, short_message
 from lcmtools.wire.packet import Packet, Sender
-from lcmtools.wire.reader import TALK, Reader
+from lcmtools.wire.reader import PROTOCOL_PREFIX, Reader
 from lcmtools.wire.sequence import Sequence
 
 _MAX_DATAGRAM = 65536
-_BATCH = 256  # datagrams taken at once before the caller is served
+_BATCH = 256  # datagrams taken in one turn
 _STREAM, _STREAM_GAP, _NAP = 8, 0.005, 0.01
 """After so many turns, each within so many seconds of the last, a turn begins with a nap [s]."""
 
@@ -41,9 +41,12 @@ class Tap:
     Args:
         url: The bus.
         whole: Put large messages together; else their heads come (``Packet.whole_bytes``).
-        in_kernel: Let the kernel drop what only whole messages need, where it can; the results
-            are the same without.
+        in_kernel: Let the kernel drop other fragments, where it can; the results are the same
+            without.
         always_whole: Channels that begin so come whole nevertheless.
+
+    Attributes:
+        malformed, sequences, ttls: As of ``Reader``.
 
     Raises:
         BusError: Multicast does not work here, with what to type.
@@ -68,7 +71,10 @@ class Tap:
         self._whole, self._wants_whole = whole, bool(always_whole)
         self._passing = 0  # bytes of the messages of which the filter lets all fragments pass
         self._filtered = not whole and in_kernel and attach(self._receiver, heads_only())
-        self._reader = Reader(whole=whole, always_whole=(TALK, *always_whole))
+        self._reader = Reader(whole=whole, always_whole=(PROTOCOL_PREFIX, *always_whole))
+        self.malformed: Mapping[Sender, str] = self._reader.malformed
+        self.sequences: Mapping[Sender, Sequence] = self._reader.sequences
+        self.ttls: Mapping[Sender, int] = self._reader.ttls
         self._buffer = memoryview(bytearray(_MAX_DATAGRAM))
         self._turns, self._last_turn = 0, 0.0
         request_arrival(self._receiver)
@@ -92,15 +98,10 @@ class Tap:
         return int(self._sender.getsockname()[1])
 
     @property
-    def malformed(self) -> Mapping[Sender, str]:
-        """The last reason for each sender whose datagrams could not be read."""
-        return self._reader.malformed
-
-    @property
     def numbered(self) -> dict[Sender, Sequence]:
-        """``sequences`` of the senders whose numbers tell of loss.
+        """The sequences that show loss: not those of ports that several programs share.
 
-        Not of a port that several programs share, as those in Java do: there the numbers are mixed.
+        Programs in Java do, and their numbers are mixed.
         """
         return {
             sender: sequence
@@ -108,20 +109,10 @@ class Tap:
             if sender.port != self._address[1] and not sequence.is_shared
         }
 
-    @property
-    def sequences(self) -> Mapping[Sender, Sequence]:
-        """Each sender's sequence of numbers, which shows its losses."""
-        return self._reader.sequences
-
-    @property
-    def ttls(self) -> Mapping[Sender, int]:
-        """Each sender's time to live: the routers that its datagrams may pass, 0 for none."""
-        return self._reader.ttls
-
     def drops(self) -> int | None:
-        """Datagrams that were lost here because they were not read fast enough.
+        """Return the number of datagrams lost here because they were not read fast enough.
 
-        None where the kernel does not tell, or counts those that its filter drops among them.
+        None where it is unknown, or counts those that the filter drops.
         """
         return None if self._filtered else dropped(self._receiver)
 
@@ -129,7 +120,7 @@ class Tap:
         """Publish one message, as an LCM instance of its own.
 
         Raises:
-            BusError: The system does not let it out.
+            BusError: The system does not send it.
             InvalidName: LCM cannot carry this channel name.
         """
         check_length(channel)
@@ -145,9 +136,9 @@ class Tap:
             raise BusError(f"cannot send to {self._address[0]}: {error.strerror}") from error
 
     def receive(self, timeout: float) -> list[Packet]:
-        """The messages that have arrived, waiting up to ``timeout`` seconds for the first."""
+        """Return the messages that have arrived, waiting up to ``timeout`` [s] for the first."""
         timeout = max(0.0, timeout)
-        if self._is_streaming():  # to be woken for each message costs more than to read it
+        if self._is_streaming():  # waking up for each message costs more than reading it
             time.sleep(min(_NAP, timeout))
         if not select.select([self._receiver], [], [], timeout)[0]:
             return []
@@ -160,18 +151,18 @@ class Tap:
                 packet = read(bytes(buffer[:size]), Sender(*address), received, ttl)
                 if packet is not None:
                     packets.append(packet)
-                    if packet.channel == SELF_TEST_CHANNEL:  # it may stay here whatever the URL
+                    if packet.channel == SELF_TEST_CHANNEL:  # it stays here even if others do not
                         self._reader.ttls.pop(Sender(*address), None)
-        wanted = self._reader.largest_wanted
-        if self._filtered and wanted > self._passing:  # by messages that come again
-            self._passing = wanted
-            self._filtered = attach(self._receiver, heads_only(but_up_to=wanted))
+        needed = self._reader.largest_whole
+        if self._filtered and needed > self._passing:  # for the next messages of their kind
+            self._passing = needed
+            self._filtered = attach(self._receiver, heads_only(but_up_to=needed))
         return packets
 
     def _is_streaming(self) -> bool:
-        """Return whether messages come so often that the turns follow each other at once.
+        """Return whether turns follow each other at once, so that a nap pays.
 
-        Whole messages are not waited for: they would fill the kernel's buffer meanwhile.
+        Never with whole messages, which would fill the kernel's buffer meanwhile.
         """
         now = time.monotonic()
         self._turns = self._turns + 1 if now - self._last_turn < _STREAM_GAP else 0

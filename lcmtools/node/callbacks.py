@@ -1,7 +1,7 @@
 """The callbacks that the spinning thread runs: of subscriptions, services and timers.
 
-Whatever user code raises ends here, in the node's log. What a node is called and what it announces
-is not known here.
+Exceptions of user code end here, in the node's log. A node's name and announcements are not known
+here.
 """
 
 import time
@@ -22,8 +22,8 @@ class Callbacks:
     """The callbacks of one node.
 
     Args:
-        logger: Where their faults are logged.
-        go_on: Whether the program should go on.
+        logger: The node's log, for their faults.
+        go_on: Returns whether the program should go on.
     """
 
     def __init__(self, logger: Logger, go_on: Callable[[], bool]) -> None:
@@ -36,11 +36,11 @@ class Callbacks:
         self._logger = logger
         self._go_on = go_on
         self._cleared = False
-        self._has_news = False
+        self._has_waiting = False
 
-    def note_news(self) -> None:
-        """Note that a message or a request waits. Called on the receiving thread."""
-        self._has_news = True
+    def note_message(self) -> None:
+        """Note that a message or a request waits; called on the receiving thread."""
+        self._has_waiting = True
 
     def clear(self) -> None:
         """Run nothing any more."""
@@ -51,37 +51,36 @@ class Callbacks:
 
     def run_ready(self) -> int:
         """Run every callback that is ready; return how many ran."""
-        ran = self._run_news() if self._has_news else 0
+        ran = self._run_waiting() if self._has_waiting else 0
         return ran + self._run_timers() if self.timers else ran
 
     def time(self) -> int:
-        """The timers' time [ns]: simulated, or else of a monotonic clock."""
+        """Return the timers' time [ns]: simulated, or else of a monotonic clock."""
         if isinstance(self.clock, ManualClock):
             return self.clock.now()
         return time.monotonic_ns()
 
     def busy(self) -> int:
-        """The time spent in callbacks so far [ns]; callable from any thread."""
-        stopwatches = [self._timed]
-        stopwatches += [subscription.stopwatch for subscription in tuple(self.subscriptions)]
-        stopwatches += [service.stopwatch for service in tuple(self.services)]
-        return sum(stopwatch.busy() for stopwatch in stopwatches)
+        """Return the time spent in callbacks so far [ns]; callable from any thread."""
+        stopwatches = [one.stopwatch for one in tuple(self.subscriptions)]
+        stopwatches += [one.stopwatch for one in tuple(self.services)]
+        return self._timed.busy() + sum(stopwatch.busy() for stopwatch in stopwatches)
 
     def time_to_timer(self) -> float | None:
-        """Seconds until the next timer; None when only a message can bring work."""
+        """Return the time until the next timer [s]; None if only a message can bring work."""
         if isinstance(self.clock, ManualClock):
             return None
         now = self.time()
         waits = [wait for t in self.timers if (wait := t.remaining(now)) is not None]
         return min(waits, default=None)
 
-    def _run_news(self) -> int:
-        """Run what has come. A program that spins without waiting asks for it all the time."""
-        self._has_news = False  # before looking: what comes from now on sets it again
+    def _run_waiting(self) -> int:
+        """Run the callbacks of waiting messages and requests."""
+        self._has_waiting = False  # before checking: a message from now on sets it again
         try:
             return self._run_subscriptions() + self._run_services()
-        except BaseException:  # Ctrl-C in a callback: others may wait still
-            self._has_news = True
+        except BaseException:  # Ctrl-C in a callback: more may wait
+            self._has_waiting = True
             raise
 
     def _run_subscriptions(self) -> int:
@@ -137,7 +136,7 @@ class Callbacks:
             call()
         except Exception as error:  # noqa: BLE001 - a node outlives its callbacks' faults
             if isinstance(error, LcmtoolsError) and not self._go_on():
-                return  # no fault: the program ends, and what it waited for with it
+                return  # no fault: the program ends, and its calls with it
             self._log_failure(what, error)
 
     def _log_failure(self, what: str, error: BaseException) -> None:

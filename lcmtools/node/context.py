@@ -7,7 +7,7 @@ import itertools
 import os
 import socket
 from collections.abc import Callable, Mapping
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from lcmtools.arguments import NodeArguments
 from lcmtools.bus.base import Bus
@@ -19,25 +19,11 @@ from lcmtools.graph.protocol import SHUTDOWN_CHANNEL, decode_shutdown
 from lcmtools.names import base_name_of, resolve_namespace
 from lcmtools.node.announcer import Announcer
 from lcmtools.node.graph_follower import GraphFollower
-from lcmtools.node.logger import Logger
 from lcmtools.node.wakeup import WakeupEvent
 from lcmtools.settings import usual_namespace
 
-
-class Participant(Protocol):
-    """A node as its context sees it; see lcmtools.node.node."""
-
-    def describe(self) -> Node:
-        """Return the announced description."""
-        ...
-
-    def get_logger(self) -> Logger:
-        """Return its log."""
-        ...
-
-    def destroy_node(self) -> None:
-        """Leave the bus."""
-        ...
+if TYPE_CHECKING:
+    from lcmtools.node import node as nodes
 
 
 class Context:
@@ -73,7 +59,7 @@ class Context:
         self._records = records
         self._recorded: dict[str, frozenset[tuple[str, Role]]] = {}
         self._plain_listeners = PlainListeners(url, self._pids_here) if url else None
-        self._participants: list[Participant] = []
+        self._participants: list[nodes.Node] = []
         self._stopping = False
         self._closed = False
         self._is_shutdown_requested = False
@@ -96,7 +82,7 @@ class Context:
         self._stopping = True
         self.wakeup.set()
 
-    def add(self, participant: Participant) -> None:
+    def add(self, participant: "nodes.Node") -> None:
         """Add a node: announce it, and record that it runs."""
         self._participants.append(participant)
         node = participant.describe()
@@ -108,7 +94,7 @@ class Context:
         self._record(node)
         self.announcer.announce_soon()
 
-    def remove(self, participant: Participant) -> None:
+    def remove(self, participant: "nodes.Node") -> None:
         """Remove a node: say goodbye for it."""
         if participant in self._participants:
             self._participants.remove(participant)

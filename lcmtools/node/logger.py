@@ -16,7 +16,7 @@ from lcmtools.types.rosgraph_msgs import Log
 
 
 class Severity(IntEnum):
-    """The severity of a line; the constants of rosgraph_msgs/Log."""
+    """The severity of an entry; the constants of rosgraph_msgs/Log."""
 
     DEBUG = 1
     INFO = 2
@@ -30,7 +30,7 @@ class LogEntry:
     """One line of a log.
 
     Attributes:
-        severity: How grave it is.
+        severity: Its severity.
         time: Nanoseconds on the node's clock.
         node: The node's full name.
         text: The line, or lines.
@@ -48,7 +48,7 @@ class LogEntry:
     line: int = 0
 
     def __str__(self) -> str:
-        """As ROS prints it."""
+        """Return it in ROS's format."""
         sec, nsec = split_stamp(self.time)
         return f"[{self.severity.name}] [{sec}.{nsec:09d}] [{self.node}]: {self.text}"
 
@@ -57,16 +57,18 @@ _COLORS = {Severity.WARN: YELLOW, Severity.ERROR: RED, Severity.FATAL: RED}
 
 
 def _print(entry: LogEntry, stream: TextIO | None) -> None:
-    """Print a line of the log; where it cannot be written, a robot's controller goes on.
+    """Print an entry, on a terminal in color; without room on a disk, a robot's controller goes on.
 
     Raises:
-        BrokenPipeError: Whoever reads the log has had enough.
+        BrokenPipeError: The reader of the log has ended.
     """
     if stream is None:  # standard error was closed before the program began
         return
+    color = _COLORS.get(entry.severity)
+    is_colored = color and stream_wants_color(stream, os.environ)
     try:
         # one write: lines of several threads do not mix
-        stream.write(f"{_colored(entry, stream)}\n")
+        stream.write(f"{paint(str(entry), color) if color and is_colored else entry}\n")
         stream.flush()
     except BrokenPipeError:
         raise
@@ -74,16 +76,8 @@ def _print(entry: LogEntry, stream: TextIO | None) -> None:
         return
 
 
-def _colored(entry: LogEntry, stream: TextIO) -> str:
-    """The line as ROS prints it on a terminal: what is wrong in yellow or red."""
-    color = _COLORS.get(entry.severity)
-    if color and stream_wants_color(stream, os.environ):
-        return paint(str(entry), color)
-    return str(entry)
-
-
 def log_message(entry: LogEntry) -> Log:
-    """The entry as it goes to ``/rosout``."""
+    """Return the message of an entry for ``/rosout``."""
     message = Log()
     message.header.stamp.sec, message.header.stamp.nsec = split_stamp(entry.time)
     message.level, message.name = entry.severity, entry.node
@@ -98,8 +92,8 @@ class Logger:
     Args:
         node: The node's full name.
         clock: Stamps the entries.
-        forward: Is given each entry as well (for ``/rosout``).
-        stream: Where lines go; standard error when None.
+        forward: Called with each entry (for ``/rosout``).
+        stream: The output; standard error when None.
     """
 
     def __init__(
@@ -119,11 +113,11 @@ class Logger:
         self._last_printed: dict[tuple[str, int], float] = {}
 
     def debug(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
-        """Log what helps to find a fault."""
+        """Log an aid to debugging; for the options see ``info``."""
         self._log(Severity.DEBUG, text, once=once, throttle=throttle)
 
     def info(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
-        """Log what is normal.
+        """Log a normal event.
 
         Args:
             text: The line.
@@ -133,17 +127,17 @@ class Logger:
         self._log(Severity.INFO, text, once=once, throttle=throttle)
 
     def warning(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
-        """Log what may be at fault."""
+        """Log a possible fault."""
         self._log(Severity.WARN, text, once=once, throttle=throttle)
 
     warn = warning
 
     def error(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
-        """Log what went wrong."""
+        """Log a fault."""
         self._log(Severity.ERROR, text, once=once, throttle=throttle)
 
     def fatal(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
-        """Log what the node cannot go on after."""
+        """Log a fault that the node cannot survive."""
         self._log(Severity.FATAL, text, once=once, throttle=throttle)
 
     def _log(self, severity: Severity, text: str, *, once: bool, throttle: float) -> None:
@@ -156,7 +150,7 @@ class Logger:
             severity,
             self.clock.now(),
             self._node,
-            str(text),  # whatever is to be logged; a log raises nothing
+            str(text),  # of any object; a log raises nothing
             Path(place[0]).name,
             caller.f_code.co_name if caller else "",
             place[1],

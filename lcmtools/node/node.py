@@ -280,7 +280,7 @@ class Node(NodeBase, Parametric):
 
     def __wake(self) -> None:
         """Let the spinning thread run callbacks; called on the receiving thread."""
-        self.__callbacks.note_news()  # before the thread wakes, which checks this alone
+        self.__callbacks.note_message()  # before the thread wakes, which checks this alone
         self.__context.wakeup.set()
 
     def __log_lost_message(self, error: BusError) -> None:

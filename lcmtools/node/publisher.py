@@ -19,7 +19,7 @@ class Publisher(Generic[MessageT]):
     Attributes:
         topic: The resolved topic, which is the LCM channel.
         message_type: The class of its messages.
-        depth: The queue depth that was asked for; announced, and not needed for sending on LCM.
+        depth: The requested queue depth, announced; LCM sends at once.
     """
 
     def __init__(
@@ -35,7 +35,7 @@ class Publisher(Generic[MessageT]):
         self.depth = depth
         self._bus = bus
         self.on_failure: Callable[[BusError], None] | None = None
-        """Told when a message cannot leave; None to have ``publish`` raise instead."""
+        """Called when a message cannot be sent; None to have ``publish`` raise instead."""
         self._graph = graph
         self._type_name = type_name(message_type)
         self._fingerprint = fingerprint(message_type)
@@ -46,8 +46,8 @@ class Publisher(Generic[MessageT]):
     def publish(self, message: MessageT) -> None:
         """Encode and send one message. Length fields are set here.
 
-        A message that the network does not take is lost, as any on LCM may be; the node's log says
-        so, and the next one is tried again.
+        A message that the network does not take is lost, as any on LCM may be, and the node's log
+        reports it.
 
         Raises:
             ValueMismatch: The message is of another type, or a field's value does not fit.
@@ -72,22 +72,22 @@ class Publisher(Generic[MessageT]):
         self._last_time = time.time_ns()
 
     def subscriber_count(self) -> int:
-        """The number of nodes with an announced subscription that matches this publisher.
+        """Return the number of nodes with an announced subscription that matches this publisher.
 
         Plain LCM programs never announce theirs and are not counted.
         """
         return len(self.subscriber_ids())
 
     def subscriber_ids(self) -> frozenset[str]:
-        """The ids of the nodes with an announced subscription that can hear this publisher."""
+        """Return the ids of the nodes with an announced subscription that matches."""
         return frozenset(
             node.id
             for node, endpoint in self._graph().topic(self.topic).subscribers
-            if self._can_hear(endpoint) and not node.stale
+            if self._matches(endpoint) and not node.stale
         )
 
     def endpoint(self) -> Endpoint:
-        """The announced description."""
+        """Return the announced description."""
         return Endpoint(
             topic=self.topic,
             role=Role.PUBLISHER,
@@ -99,5 +99,5 @@ class Publisher(Generic[MessageT]):
             last_time=self._last_time,
         )
 
-    def _can_hear(self, endpoint: Endpoint) -> bool:
+    def _matches(self, endpoint: Endpoint) -> bool:
         return not endpoint.fingerprints or self._fingerprint in endpoint.fingerprints

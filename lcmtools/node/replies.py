@@ -1,7 +1,4 @@
-"""The replies that a service has given: what a repeated request is answered from.
-
-Which requests there are and what is in a reply is not known here.
-"""
+"""The replies that a service has given, for repeated requests; their content is not known here."""
 
 from collections import OrderedDict
 from dataclasses import dataclass
@@ -19,15 +16,8 @@ Key = tuple[str, int]
 
 @dataclass(slots=True)
 class _Reply:
-    """A reply that was given.
-
-    Attributes:
-        payload: What was sent; None when that has been forgotten.
-        arrives: When a repeated request means that it was lost [s].
-    """
-
-    payload: bytes | None
-    arrives: float
+    payload: bytes | None  # None once forgotten
+    arrives: float  # time from which a repeated request means that it was lost [s]
 
 
 class Replies:
@@ -54,7 +44,7 @@ class Replies:
             self._bytes -= self._with_payload.pop(oldest, 0)
 
     def to_send(self, key: Key, now: float) -> bytes | None:
-        """The reply to send at ``now`` [s]; None while it is under way, or when it is forgotten."""
+        """Return the reply to send at ``now`` [s]; None while it is under way, or if forgotten."""
         reply = self._replies[key]
         if reply.payload is None or now < reply.arrives:
             return None

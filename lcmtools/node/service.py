@@ -37,12 +37,12 @@ ServiceCallback = Callable[[RequestT, ResponseT], ResponseT]
 
 
 def request_channel(service: str) -> str:
-    """The hidden channel that a service's requests travel on."""
+    """Return the hidden channel of a service's requests."""
     return f"{service}/_request"
 
 
 def reply_channel(service: str) -> str:
-    """The hidden channel that a service's replies travel on."""
+    """Return the hidden channel of a service's replies."""
     return f"{service}/_reply"
 
 
@@ -52,7 +52,7 @@ class Service(Generic[RequestT, ResponseT]):
     Attributes:
         name: The service's full name.
         service_type: Its pair of messages.
-        stopwatch: Measures how long its answers take.
+        stopwatch: Measures the time of its answers.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class Service(Generic[RequestT, ResponseT]):
         self._calls = 0
 
     def receive(self, payload: bytes, _time: int) -> None:
-        """Queue one request; called on the receiving thread. What is no request is passed over."""
+        """Queue one request; called on the receiving thread. Other payloads are ignored."""
         try:
             request = decode(ServiceRequest, payload)
         except DecodeError:
@@ -89,12 +89,12 @@ class Service(Generic[RequestT, ResponseT]):
         self.on_ready()
 
     def take(self) -> ServiceRequest | None:
-        """The oldest request that waits; None when none does."""
+        """Return the oldest waiting request; None if there is none."""
         with self._lock:
             return self._waiting.pop(0) if self._waiting else None
 
     def answer(self, request: ServiceRequest) -> BaseException | None:
-        """Call the callback and send its response; return what went wrong, if it did."""
+        """Call the callback and send its response; return the failure, if any."""
         key = _key(request)
         failure: BaseException | None = None
         if key not in self._replies:
@@ -107,12 +107,12 @@ class Service(Generic[RequestT, ResponseT]):
             return failure
         try:
             self._bus.publish(reply_channel(self.name), reply)
-        except BusError as error:  # lost, as any message may be; the client asks again
+        except BusError as error:  # lost, as any message may be; the client repeats its request
             return failure or error
         return failure
 
     def endpoint(self) -> Endpoint:
-        """The announced description."""
+        """Return the announced description."""
         return replace(
             _endpoint(self.name, Role.SERVICE, self.service_type, self._calls),
             calls=self.stopwatch.calls,
@@ -134,7 +134,7 @@ class Service(Generic[RequestT, ResponseT]):
             _check_size(reply.payload)
         except LcmtoolsError as error:
             reply.status, reply.error, reply.payload = ServiceReply.FAILED, _utf8(str(error)), b""
-        except Exception as error:  # noqa: BLE001 - whatever the callback raises, the node goes on
+        except Exception as error:  # noqa: BLE001 - a node outlives its callbacks' faults
             reply.status, reply.error, failure = ServiceReply.FAILED, _utf8(repr(error)), error
         return encode(reply), failure
 
@@ -211,7 +211,7 @@ class Client(Generic[RequestT, ResponseT]):
                 self._changed.notify_all()
 
     def endpoint(self) -> Endpoint:
-        """The announced description."""
+        """Return the announced description."""
         return _endpoint(self.name, Role.CLIENT, self.service_type, self._sequence)
 
     def _envelope(self, request: RequestT) -> ServiceRequest:
@@ -246,7 +246,7 @@ def _check_size(payload: bytes) -> None:
 
 
 def _utf8(text: str) -> str:
-    """A text as it can be sent: file names may be no UTF-8."""
+    """Return a text that can be sent: file names may be no UTF-8."""
     return text.encode("utf-8", "replace").decode()
 
 

@@ -18,24 +18,24 @@ class Stopwatch:
         self._began: list[int] = []
 
     def __enter__(self) -> None:
-        """A call begins."""
+        """Begin a call."""
         self.calls += 1
         self._began.append(time.monotonic_ns())
 
     def __exit__(self, *_: object) -> None:
-        """It has ended, by an error maybe."""
+        """End a call, perhaps by an error."""
         took = time.monotonic_ns() - self._began.pop()
         self._longest = max(self._longest, took)
         if not self._began:
             self._busy += took
 
     def busy(self) -> int:
-        """The time spent in calls, in one that runs too [ns]."""
+        """Return the time spent in calls, in one that runs too [ns]."""
         busy = self._busy  # before the rest: a call that ends now is missed once, never twice
         return busy + self._running()
 
     def longest(self) -> int:
-        """The time of the longest call, including one that is running [ns]."""
+        """Return the time of the longest call, of one that runs too [ns]."""
         return max(self._longest, self._running())
 
     def _running(self) -> int:

@@ -23,10 +23,10 @@ class Subscription:
     Attributes:
         topic: The resolved topic, which is the LCM channel.
         message_types: The classes it accepts, the declared one first.
-        depth: How many messages wait at most.
+        depth: The number of messages that wait at most.
         group: Subscriptions of a node with the same group are alternatives of each other.
         drops: Messages that newer ones pushed out.
-        stopwatch: Measures how long its messages take: to be decoded, and in the callback.
+        stopwatch: Measures the time of decoding and of the callback.
     """
 
     def __init__(
@@ -71,22 +71,22 @@ class Subscription:
         self.on_ready()
 
     def take(self) -> bytes | None:
-        """The oldest payload that waits; None when none does."""
+        """Return the oldest waiting payload; None if there is none."""
         with self._lock:
             return self._queue.popleft() if self._queue else None
 
     def close(self) -> None:
-        """Forget what waits, and take nothing more."""
+        """Drop waiting messages, and take no more."""
         with self._lock:
             self._closed = True
             self._queue.clear()
 
     def waiting(self) -> int:
-        """The number of messages that wait."""
+        """Return the number of waiting messages."""
         return len(self._queue)
 
     def decode(self, payload: bytes) -> Message:
-        """The message in a payload.
+        """Return the message in a payload.
 
         Raises:
             DecodeError: It is of another type than this subscription's, or damaged.
@@ -97,14 +97,14 @@ class Subscription:
         return decode(kind, payload)
 
     def is_warning_due(self, now: float) -> bool:
-        """Return whether to complain of a message at ``now`` [s]: seldom, whatever comes."""
+        """Return whether to log a bad message at ``now`` [s]: seldom."""
         if now < self._next_warning:
             return False
         self._next_warning = now + _WARNING_PERIOD
         return True
 
     def endpoint(self) -> Endpoint:
-        """The announced description."""
+        """Return the announced description."""
         return Endpoint(
             topic=self.topic,
             role=Role.SUBSCRIBER,

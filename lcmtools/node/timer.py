@@ -15,8 +15,8 @@ class Timer:
 
     Args:
         seconds: The period [s].
-        callback: What to call.
-        clock: Tells the present [ns]; ``is_due`` is asked with the same clock's time.
+        callback: The function.
+        clock: Returns the present [ns]; times passed to the methods are of the same clock.
 
     Raises:
         UsageError: The period is not positive and finite.
@@ -49,10 +49,10 @@ class Timer:
         return not self._cancelled and now >= self._next
 
     def advance(self, now: int) -> None:
-        """Note that it was called, and skip the periods that have passed since."""
+        """Schedule the next call, and skip periods that have passed."""
         missed = (now - self._next) // self.period
         self._next += (missed + 1) * self.period
 
     def remaining(self, now: int) -> float | None:
-        """Seconds until the next call; None when it is cancelled."""
+        """Return the time until the next call [s]; None if it is cancelled."""
         return None if self._cancelled else max(0, self._next - now) / NANOSECONDS

@@ -45,7 +45,7 @@ class Fragment:
     Attributes:
         seqno: The sender's number of the message, equal for all its fragments.
         message_size: Bytes of the whole payload.
-        offset: Where this part belongs in the payload, in bytes.
+        offset: Place of this part in the payload, in bytes.
         number: 0, 1, 2, ... below ``count``.
         count: Fragments of the message.
         channel: In fragment 0 only, else None.
@@ -63,7 +63,7 @@ class Fragment:
 
 @dataclass(frozen=True, slots=True)
 class Malformed:
-    """A datagram that is none of LCM's, with what is wrong with it."""
+    """A datagram that is none of LCM's, with the reason."""
 
     reason: str
 
@@ -79,13 +79,13 @@ def parse(datagram: bytes) -> ShortMessage | Fragment | Malformed:
 
 
 def short_message(seqno: int, channel: str, payload: bytes) -> bytes:
-    """The datagram of a message that fits into one (see SHORT_MESSAGE_MAX)."""
+    """Return the datagram of a message that fits into one (see SHORT_MESSAGE_MAX)."""
     name = _channel_bytes(channel)
     return _SHORT_HEADER.pack(MAGIC_SHORT, seqno & 0xFFFFFFFF) + name + payload
 
 
 def fragments(seqno: int, channel: str, payload: bytes) -> Iterator[bytes]:
-    """The datagrams of a message that does not fit into one, as liblcm cuts it.
+    """Yield the datagrams of a message that does not fit into one, as liblcm cuts it.
 
     Raises:
         ValueError: The payload is larger than receivers accept.

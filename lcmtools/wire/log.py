@@ -1,6 +1,6 @@
-"""LCM's log files as bytes: the events in one, whatever else is in it.
+"""The events in the bytes of an LCM log, which may be damaged.
 
-No file here: the bytes come in as an argument. The format: events one after another, each a sync
+The format: events one after another, each a sync
 word, a number, the time in microseconds since 1970, the sizes of channel and payload, and these
 two; all big-endian (https://lcm-proj.github.io/lcm/content/log-file-format.html).
 """
@@ -21,10 +21,7 @@ _HEAD = struct.Struct(">4sqqII")
 
 
 def events(log: "bytes | mmap.mmap") -> Iterator[Packet]:
-    """The messages of a log, in their order; their time is when they were recorded.
-
-    What is damaged or cut off is passed over, up to the next event.
-    """
+    """Yield the messages of a log, with the times of their recording; skip damaged events."""
     start = log.find(SYNC)
     while 0 <= start <= len(log) - _HEAD.size:
         _, _, time, channel_size, payload_size = _HEAD.unpack_from(log, start)

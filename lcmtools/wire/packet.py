@@ -1,7 +1,7 @@
-"""A message as it came over the bus, before anybody knows its type.
+"""A message as it came over the bus, before its type is known.
 
-These are made, hashed and compared for every message of a bus that is looked at, whence named
-tuples: frozen dataclasses take three times as long to make, and Python code to hash.
+These are made, hashed and compared for every observed message, so they are named tuples: frozen
+dataclasses take three times as long to make, and Python code to hash.
 """
 
 from typing import NamedTuple
@@ -19,7 +19,7 @@ class Sender(NamedTuple):
     port: int
 
     def __str__(self) -> str:
-        """Address and port, as ss and netstat print them."""
+        """Return address and port, as ss and netstat print them."""
         return f"{self.address}:{self.port}"
 
 
@@ -28,12 +28,11 @@ class Packet(NamedTuple):
 
     Attributes:
         channel: The channel's name.
-        payload: Fingerprint and encoded struct (or whatever was published); only its beginning
-            where ``whole_bytes`` says so.
-        time: When it arrived, nanoseconds since 1970; the kernel's time where it tells.
-        sender: Who sent it; None where the bus does not say (tcpq, memq, logs).
-        seqno: The sender's number of the message; None where the bus does not say.
-        whole_bytes: Bytes of the whole payload, where ``payload`` is only its beginning; else None.
+        payload: Fingerprint and encoded struct, or any other bytes.
+        time: Its arrival, nanoseconds since 1970; by the kernel where that is known.
+        sender: Its sender; None where the bus names none (tcpq, memq, logs).
+        seqno: The sender's number of the message; None where there is none.
+        whole_bytes: Bytes of the whole payload if ``payload`` is only its beginning; else None.
     """
 
     channel: str

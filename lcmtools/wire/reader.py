@@ -1,4 +1,4 @@
-"""From datagrams to messages, with what they tell of their senders on the way.
+"""Reading datagrams: their messages, and the losses and faults of their senders.
 
 Sans-I/O: bytes, senders and times come in as arguments, and no datagram makes it fail.
 """
@@ -16,9 +16,9 @@ from lcmtools.wire.reassembly import Reassembler
 from lcmtools.wire.sequence import Sequence
 
 HEAD_BYTES = 1024
-"""So much is kept of a large message's payload where its head is enough."""
+"""Size of the head of a large message's payload."""
 
-TALK = "/_lcmtools/"
+PROTOCOL_PREFIX = "/_lcmtools/"
 """The prefix of the channels of announcements and probes; they are read whole."""
 
 _MOST_SENDERS = 1000  # that are remembered
@@ -32,15 +32,15 @@ class Reader:
         always_whole: Channels that begin so come whole nevertheless.
     """
 
-    def __init__(self, *, whole: bool, always_whole: tuple[str, ...] = (TALK,)) -> None:
+    def __init__(self, *, whole: bool, always_whole: tuple[str, ...] = (PROTOCOL_PREFIX,)) -> None:
         self._whole = whole
         self._always_whole = always_whole
         self._reassembler = Reassembler()
-        self._wanted: dict[tuple[Sender, int], None] = {}
+        self._joined: dict[tuple[Sender, int], None] = {}
         self.needs_all = whole
-        """True if it has use for fragments that are not the first of their message."""
-        self.largest_wanted = 0
-        """Bytes of the largest message so far that is wanted whole where heads do otherwise."""
+        """True if it needs other fragments than the first of their message."""
+        self.largest_whole = 0
+        """Bytes of the largest message so far on the channels that come whole."""
         self.malformed: dict[Sender, str] = {}
         """The last reason for each sender whose datagrams could not be read."""
         self.sequences: dict[Sender, Sequence] = {}
@@ -49,13 +49,13 @@ class Reader:
         """Each sender's time to live: the routers that its datagrams may pass, 0 for none."""
 
     def read(self, data: bytes, sender: Sender, time: int, ttl: int | None = None) -> Packet | None:
-        """The message that this datagram completes, or whose head it is, if it does.
+        """Return the message that this datagram completes, or whose head it is, if any.
 
         Args:
             data: The datagram.
-            sender: Where it came from.
-            time: When it came, nanoseconds since 1970.
-            ttl: Its time to live, where that is known.
+            sender: Its source.
+            time: Its arrival, nanoseconds since 1970.
+            ttl: Its time to live, if known.
         """
         if not self.needs_all and _is_later_fragment(data):
             return None
@@ -71,12 +71,14 @@ class Reader:
             if found is None:
                 return None
             packet = found
-        self._count(sender, message.seqno, ttl)
+        self._sequence(sender).add(message.seqno)
+        if ttl is not None and sender in self.sequences:
+            self.ttls[sender] = ttl
         return packet
 
     def _join(self, fragment: Fragment, sender: Sender, time: int) -> Packet | None:
         channel, seqno = fragment.channel, fragment.seqno
-        if not (self._whole or self._is_wanted(fragment, sender)):
+        if not (self._whole or self._is_joined(fragment, sender)):
             if channel is None:
                 return None
             head = fragment.part[:HEAD_BYTES]
@@ -86,28 +88,23 @@ class Reader:
         whole = self._reassembler.add(sender, fragment)
         if whole is None:
             return None
-        self._wanted.pop((sender, seqno), None)
+        self._joined.pop((sender, seqno), None)
         return Packet(whole.channel, whole.payload, time, sender, seqno)
 
-    def _is_wanted(self, fragment: Fragment, sender: Sender) -> bool:
-        """Return whether this is of a message that is wanted whole however large it is."""
+    def _is_joined(self, fragment: Fragment, sender: Sender) -> bool:
+        """Return whether this is of a message on a channel that comes whole."""
         key = (sender, fragment.seqno)
         if fragment.channel is None or not fragment.channel.startswith(self._always_whole):
-            return fragment.channel is None and key in self._wanted
+            return fragment.channel is None and key in self._joined
         self.needs_all = True
-        self.largest_wanted = max(self.largest_wanted, fragment.message_size)
-        if len(self._wanted) >= _MOST_SENDERS:
-            self._wanted.pop(next(iter(self._wanted)))
-        self._wanted[key] = None
+        self.largest_whole = max(self.largest_whole, fragment.message_size)
+        if len(self._joined) >= _MOST_SENDERS:
+            self._joined.pop(next(iter(self._joined)))
+        self._joined[key] = None
         return True
 
-    def _count(self, sender: Sender, seqno: int, ttl: int | None) -> None:
-        self._sequence(sender).add(seqno)
-        if ttl is not None and sender in self.sequences:
-            self.ttls[sender] = ttl
-
     def _sequence(self, sender: Sender) -> Sequence:
-        """A sender's sequence; beyond a thousand senders none is kept."""
+        """Return a sender's sequence; beyond a thousand senders none is kept."""
         known = self.sequences.get(sender)
         if known is None:
             known = Sequence()
@@ -117,7 +114,7 @@ class Reader:
 
 
 def _is_later_fragment(data: bytes) -> bool:
-    """True if a filter in the kernel would have dropped it, which also knows no more than this."""
+    # as the filter in the kernel decides
     return (
         data[:4] == MAGIC_FRAGMENT and len(data) >= FRAGMENT_HEADER_BYTES and data[16:18] != b"\0\0"
     )

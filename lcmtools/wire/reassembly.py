@@ -17,8 +17,6 @@ _PART_COST = 256  # bytes that keeping a part takes beside its own, so that empt
 
 @dataclass(slots=True)
 class _Incomplete:
-    """The fragments of one message that have arrived."""
-
     message_size: int
     count: int
     channel: str | None = None
@@ -34,7 +32,7 @@ class _Incomplete:
             self.channel = fragment.channel
 
     def payload(self) -> bytes | None:
-        """The whole payload; None when the parts do not join without gap or overlap."""
+        """Return the whole payload; None if the parts do not join without gap or overlap."""
         position = 0
         ordered = [self.parts[number] for number in range(self.count)]
         for fragment in ordered:
@@ -48,8 +46,8 @@ class Reassembler:
     """Collects fragments into messages, forgetting the least recently touched when full.
 
     Args:
-        max_bytes: How much incomplete data is kept (liblcm: 16 MiB).
-        max_messages: How many incomplete messages are kept (liblcm: 1000).
+        max_bytes: Bytes of incomplete messages that are kept (liblcm: 16 MiB).
+        max_messages: Incomplete messages that are kept (liblcm: 1000).
     """
 
     def __init__(self, max_bytes: int = 64 << 20, max_messages: int = 1000) -> None:

@@ -1,8 +1,8 @@
-"""Loss as the senders' own numbers show it.
+"""Loss by the senders' own numbers.
 
-Sans-I/O. Each LCM instance numbers its messages, so a gap is a message that did not come. One that
-comes late closes its gap again, and numbers that restart are another run of the program. One of
-which only parts have come is lost as well, once a later one has begun.
+Sans-I/O. Each LCM instance numbers its messages, so a gap is a lost message. A late one closes its
+gap again, and numbers that restart are another run of the program. An incomplete message is lost
+once a later one has begun.
 """
 
 _MODULUS = 1 << 32
