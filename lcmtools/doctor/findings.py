@@ -29,20 +29,12 @@ class Severity(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """Something that a finding is about.
+    """Something that a finding is about."""
 
-    Attributes:
-        kind: "node", "process", "topic", "sender", "listener", "host", "interface", "user" or
-            "bus".
-        name: Its name, for people.
-        pid: Its process on this computer; None where there is none or it is not known.
-        address: Its address in the network; "" where it has none or it is not known.
-    """
-
-    kind: str
-    name: str
-    pid: int | None = None
-    address: str = ""
+    kind: str  # node, process, topic, sender, listener, host, interface, user or bus
+    name: str  # for people
+    pid: int | None = None  # its process on this computer, if there is one and it is known
+    address: str = ""  # in the network, if it has one and it is known
 
     def __str__(self) -> str:
         """Return the name."""
@@ -83,14 +75,9 @@ def subject(observed: Observed) -> Subject:
 
 @dataclass(frozen=True, slots=True)
 class Statement:
-    """A title, a fact or a remedy: what kind it is, and the subjects and values in it.
+    """A title, a fact or a remedy: its kind, and the subjects and values in it by their names."""
 
-    Attributes:
-        kind: The key of its sentence in ``words``; of a remedy, what to do ("wake", "export").
-        parts: Subjects and values by their names.
-    """
-
-    kind: str
+    kind: str  # the key of its sentence in ``words``; of a remedy, what to do ("wake", "export")
     parts: Mapping[str, Part]
 
     def subjects(self) -> Iterator[Subject]:
@@ -118,21 +105,13 @@ def _part(name: str, value: Any) -> Any:  # noqa: ANN401 - a part of any kind, a
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Something that is, or may be, wrong.
+    """Something that is, or may be, wrong."""
 
-    Attributes:
-        title: The fault.
-        facts: The single cases of it, or what else is known.
-        remedies: What to type or change.
-        severity: Its gravity.
-        rule: The id of the rule that found it ("unconnected-subscriptions").
-    """
-
-    title: Statement
-    facts: tuple[Statement, ...] = ()
-    remedies: tuple[Statement, ...] = ()
+    title: Statement  # the fault
+    facts: tuple[Statement, ...] = ()  # the single cases of it, or what else is known
+    remedies: tuple[Statement, ...] = ()  # what to type or change
     severity: Severity = Severity.WARNING
-    rule: str = ""
+    rule: str = ""  # the id of the rule that found it ("unconnected-subscriptions")
 
     def subjects(self) -> list[Subject]:
         """Everything it is about, each once."""
@@ -175,26 +154,17 @@ class Unchecked:
 
 
 Check = Callable[[Evidence], Iterator[Finding]]
-"""Looks at the evidence and yields findings, of which ``Rule.examine`` says whose they are."""
 
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A rule of ``wtf``.
+    """A rule of ``wtf``."""
 
-    Attributes:
-        id: Its name ("unconnected-subscriptions").
-        severity: The severity of its gravest finding.
-        explanation: A paragraph: what should be true, and why that matters.
-        remedy: The usual cure; findings give it more exactly.
-        check: The rule itself.
-    """
-
-    id: str
-    severity: Severity
-    explanation: str
-    remedy: str
-    check: Check
+    id: str  # its name ("unconnected-subscriptions")
+    severity: Severity  # of its gravest finding
+    explanation: str  # a paragraph: what should be true, and why that matters
+    remedy: str  # the usual one; findings give it more exactly
+    check: Check  # looks at the evidence and yields findings
 
     @property
     def title(self) -> str:

@@ -6,19 +6,21 @@ Belongs here: all that ``wtf`` reads besides the bus. Must not judge.
 import contextlib
 import fcntl
 import os
+import re
+import shutil
 import socket
 import struct
+import subprocess
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib.util import find_spec
-from ipaddress import IPv4Address
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from lcmtools.bus.processes import Process, UdpSocket, process_of, uses_lcm
 from lcmtools.bus.url import BusUrl, choose_url, misread_options
-from lcmtools.doctor.evidence import Host, LcmProcess
-from lcmtools.doctor.firewall import firewall
+from lcmtools.doctor.evidence import Host
 from lcmtools.doctor.self_test import LARGE_BYTES, large_problem, send_problem
 from lcmtools.errors import LcmtoolsError
 
@@ -26,9 +28,14 @@ _PROC, _NET = Path("/proc"), Path("/sys/class/net")
 _UP, _MULTICAST = 0x1, 0x1000  # linux/if.h
 _WORKS = _UP | _MULTICAST
 _GET_FLAGS = 0x8913  # linux/sockios.h; /sys may show another network's interfaces
-_KNOWN_GROUPS = frozenset({"224.0.0.251", "239.255.255.250", "224.0.0.252"})  # mDNS, SSDP, LLMNR
 _TYPE_PACKAGES = ("geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs")
-_VARIABLES = ("LCM_DEFAULT_URL", "LCMTOOLS_DOMAIN")
+_UFW = Path("/etc/ufw/ufw.conf")
+_FIREWALLD = Path("/run/firewalld.pid")
+_READERS = {"nftables": ("nft", "list", "ruleset"), "iptables": ("iptables-save",)}
+_TIMEOUT = 2.0  # [s]
+_MET = re.compile(r"\bhook (input|output)\b")
+_JUMPS = frozenset({"jump", "goto", "-j", "-g"})
+_REFUSALS = frozenset({"drop", "reject", "DROP", "REJECT"})
 
 
 def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
@@ -87,7 +94,7 @@ def silent_bridge(interface: str) -> str:
 def route_interface(group: str) -> str:
     """The interface that the route to a group leads to; "" where that is not known."""
     best, found = -1, ""
-    for line in _text(_PROC / "net/route").splitlines()[1:]:
+    for line in text_of(_PROC / "net/route").splitlines()[1:]:
         columns = line.split()
         with contextlib.suppress(ValueError, IndexError):
             network, mask = int(columns[1], 16), int(columns[7], 16)
@@ -109,116 +116,23 @@ def _flags(interface: str) -> int:
 
 def _routed_interfaces() -> set[str]:
     """The interfaces to which any route leads."""
-    rows = _text(_PROC / "net/route").splitlines()[1:]
+    rows = text_of(_PROC / "net/route").splitlines()[1:]
     return {columns[0] for row in rows if (columns := row.split())}
 
 
 def reassembly_failures() -> int:
     """IP datagrams so far whose pieces did not all come."""
-    rows = [line.split() for line in _text(_PROC / "net/snmp").splitlines() if line[:3] == "Ip:"]
+    rows = [line.split() for line in text_of(_PROC / "net/snmp").splitlines() if line[:3] == "Ip:"]
     with contextlib.suppress(ValueError, IndexError):
         return int(rows[1][rows[0].index("ReasmFails")])
     return 0
-
-
-def state_of(pid: int) -> str:
-    """A process's state as ps shows it; "" where there is none."""
-    return _text(_PROC / str(pid) / "stat").rpartition(")")[2].strip()[:1]
-
-
-def busy_time(pid: int) -> int:
-    """The time that a process's first thread has computed, or waited for a processor [ns]."""
-    numbers = _text(_PROC / str(pid) / "schedstat").split()
-    return int(numbers[0]) + int(numbers[1]) if len(numbers) > 1 else 0
-
-
-def waited_time(pid: int) -> int:
-    """The time that a process's threads have waited for a processor, all together [ns]."""
-    files = (_PROC / str(pid) / "task").glob("*/schedstat")
-    numbers = [_text(file).split() for file in files]
-    return sum(int(row[1]) for row in numbers if len(row) > 1)
-
-
-def never_reads(pid: int) -> bool:
-    """Return whether a process only sends, although it has a socket that receives.
-
-    lcm.jar makes one for sending too, and starts a thread that reads with the first subscription.
-    """
-    if Path(_text(_PROC / str(pid) / "cmdline").partition("\0")[0]).name != "java":
-        return False
-    names = [_text(file) for file in (_PROC / str(pid) / "task").glob("*/comm")]
-    return not any(name.startswith("Thread-") for name in names)
-
-
-def lcm_processes(
-    url: BusUrl, sockets: Iterable[UdpSocket], holders: Mapping[int, Process], seen: set[int]
-) -> tuple[LcmProcess, ...]:
-    """The processes of this user that have to do with LCM, with where they are.
-
-    Those that listen to a multicast group are there. One that only sends is where it was seen
-    (its port is one of ``seen``), or else where its variables say.
-    """
-    buses: dict[int, str] = {}
-    sending: dict[int, set[int]] = {}
-    own = os.getuid()
-    for row in sockets:
-        process = holders.get(row.inode)
-        multicast = IPv4Address(row.address).is_multicast and row.address not in _KNOWN_GROUPS
-        if not process or row.uid != own or process.pid == os.getpid():
-            continue
-        if row.port == url.port and (row.address == url.host or not multicast):
-            buses[process.pid] = ""
-        elif multicast:
-            buses.setdefault(process.pid, f"{row.address}:{row.port}")
-        else:
-            sending.setdefault(process.pid, set()).add(row.port)
-    found = [_lcm_process(pid, bus) for pid, bus in sorted(buses.items())]
-    for pid, ports in sorted(sending.items()):
-        if pid not in buses and uses_lcm(pid):
-            bus = "" if ports & seen else _said_bus(pid, url)
-            found.append(_lcm_process(pid, bus))
-    return tuple(found)
-
-
-def _said_bus(pid: int, url: BusUrl) -> str:
-    """The bus that a process's variables name, where that is another multicast one."""
-    with contextlib.suppress(LcmtoolsError):
-        said, _ = choose_url("", "", _variables(pid))
-        if said.is_multicast and (said.host, said.port) != (url.host, url.port):
-            return f"{said.host}:{said.port}"
-    return ""
-
-
-def _variables(pid: int) -> dict[str, str]:
-    entries = _text(_PROC / str(pid) / "environ").split("\0")
-    pairs = dict(entry.partition("=")[::2] for entry in entries if entry)
-    return {name: pairs[name] for name in _VARIABLES if pairs.get(name)}
-
-
-def _lcm_process(pid: int, bus: str) -> LcmProcess:
-    process = process_of(pid)
-    folder = _PROC / str(pid)
-    limits = [line.split() for line in _text(folder / "limits").splitlines()]
-    most = next((row[3] for row in limits if row[:3] == ["Max", "open", "files"]), "0")
-    open_files = 0
-    with contextlib.suppress(OSError):
-        open_files = sum(1 for _ in (folder / "fd").iterdir())
-    return LcmProcess(
-        pid,
-        process.command if process else "",
-        bus,
-        next((f"{name}={value}" for name, value in _variables(pid).items()), ""),
-        open_files,
-        int(most) if most.isdigit() else 0,
-        state_of(pid),
-    )
 
 
 def _joined(group: str) -> tuple[str, ...]:
     """The interfaces on which the group is joined."""
     packed = f"{struct.unpack('=I', socket.inet_aton(group))[0]:08X}"
     found, interface = [], ""
-    for line in _text(_PROC / "net/igmp").splitlines()[1:]:
+    for line in text_of(_PROC / "net/igmp").splitlines()[1:]:
         columns = line.split()
         if columns and not line[0].isspace():
             interface = columns[1].rstrip(":")
@@ -228,7 +142,7 @@ def _joined(group: str) -> tuple[str, ...]:
 
 
 def _container() -> str:
-    if "microsoft" in _text(_PROC / "version").lower():
+    if "microsoft" in text_of(_PROC / "version").lower():
         return "WSL"
     files = (Path("/.dockerenv"), Path("/run/.containerenv"))
     return "container" if any(file.exists() for file in files) else ""
@@ -260,7 +174,83 @@ def _found_twice(environment: Mapping[str, str]) -> Iterable[str]:
             yield f"Python finds {name} in {' and in '.join(map(str, places))}; the first counts"
 
 
-def _text(file: Path) -> str:
+def firewall() -> tuple[str, str]:
+    """The name of a firewall that may drop datagrams, and the reason if that is not known.
+
+    Both are empty where none is at work; at most one is not.
+    """
+    if "ENABLED=yes" in text_of(_UFW):
+        return "ufw", ""
+    if _FIREWALLD.exists():
+        return "firewalld", ""
+    if not Path("/proc").exists():
+        return "", "its rules are not known on this system"
+    if os.getuid() != 0:
+        return "", "only root can read its rules: sudo lcmtools wtf, or sudo nft list ruleset"
+    return _read_rules()
+
+
+def _read_rules() -> tuple[str, str]:
+    readers = {name: command for name, command in _READERS.items() if shutil.which(command[0])}
+    if not readers:
+        return "", "neither nft nor iptables-save is installed, which would show its rules"
+    found = (name for name, command in readers.items() if refuses(_output(command)))
+    return next(found, ""), ""
+
+
+@dataclass(slots=True)
+class _Chain:
+    is_met: bool = False  # by datagrams that come in or leave, without any jump
+    refuses: bool = False
+    jumps: set[str] = field(default_factory=set)
+
+
+def refuses(rules: str) -> bool:
+    """Return whether rules, as nft or iptables-save print them, drop incoming or outgoing traffic.
+
+    What is only forwarded for others, as Docker's rules are about, does not count.
+    """
+    chains: dict[str, _Chain] = {}
+    current = ""
+    for line in rules.splitlines():
+        words = line.replace(";", " ").split()
+        if words[:1] in (["chain"], ["-A"]) and len(words) > 1:
+            current = words[1]
+        elif words and words[0][:1] == ":":
+            current = words[0][1:]
+        chain = chains.setdefault(current, _Chain())
+        chain.is_met |= current in ("INPUT", "OUTPUT") or bool(_MET.search(line))
+        chain.refuses |= bool(_REFUSALS & set(words))
+        chain.jumps |= {b for a, b in pairwise(words) if a in _JUMPS}
+    return _meets_refusal(chains)
+
+
+def _meets_refusal(chains: Mapping[str, _Chain]) -> bool:
+    waiting = [name for name, chain in chains.items() if chain.is_met]
+    seen: set[str] = set()
+    while waiting:
+        name = waiting.pop()
+        if name in seen or name not in chains:
+            continue
+        seen.add(name)
+        if chains[name].refuses:
+            return True
+        waiting += chains[name].jumps
+    return False
+
+
+def _output(command: Sequence[str]) -> str:
+    try:
+        done = subprocess.run(  # noqa: S603 - a fixed command
+            command, capture_output=True, text=True, timeout=_TIMEOUT, check=False
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return done.stdout
+
+
+def text_of(file: Path) -> str:
+    """The text of a file; "" if it cannot be read."""
     try:
         return file.read_text(errors="replace")
     except OSError:
@@ -269,6 +259,6 @@ def _text(file: Path) -> str:
 
 def _number(file: Path) -> int:
     try:
-        return int(_text(file))
+        return int(text_of(file))
     except ValueError:
         return 0

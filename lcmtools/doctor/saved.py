@@ -22,6 +22,7 @@ VERSION = 1
 _KEY = "lcmtools_evidence"
 _MOST, _LEAST = (1 << 64) - 1, -(1 << 63)
 
+_hints = cache(get_type_hints)
 
 _Plain: TypeAlias = Any  # what JSON holds
 _Type: TypeAlias = Any  # a type as annotations have it
@@ -96,15 +97,24 @@ def _default(part: Field[Any]) -> object:
 
 
 def _value(plain: _Plain, kind: _Type, path: str) -> _Made:
-    """The value of a type that a plain one stands for."""
+    """The value of a type that a plain one is written for."""
     origin: object = get_origin(kind)
     if origin in (Union, types.UnionType):  # as in ``float | None``
         return None if plain is None else _value(plain, get_args(kind)[0], path)
     if origin is not None:
         return _collection(plain, origin, get_args(kind), path)
     if hasattr(kind, "_fields"):  # a named tuple
-        return kind(*_several(plain, tuple(get_type_hints(kind).values()), path))
+        return kind(*_several(plain, tuple(_hints(kind).values()), path))
     return _object(plain, kind, path) if is_dataclass(kind) else _single(plain, kind, path)
+
+
+def _object(plain: _Plain, kind: _Type, path: str) -> _Made:
+    _expect(isinstance(plain, dict), path)
+    hints = _hints(kind)
+    needed = {part.name for part in fields(kind) if _default(part) is MISSING}
+    for name in (plain.keys() - hints.keys()) | (needed - plain.keys()):
+        _expect(False, f"{path}.{name}")  # noqa: FBT003 - an assertion
+    return kind(**{n: _value(part, hints[n], f"{path}.{n}") for n, part in plain.items()})
 
 
 def _collection(plain: _Plain, origin: object, kinds: tuple[_Type, ...], path: str) -> _Made:
@@ -128,26 +138,10 @@ def _single(plain: _Plain, kind: _Type, path: str) -> _Made:
 def _several(plain: _Plain, kinds: tuple[_Type, ...], path: str) -> list[_Made]:
     """The values in a list: all of one type, or each of its own."""
     _expect(isinstance(plain, list), path)
-    each = [kinds[0]] * len(plain) if kinds[-1] is ... else list(kinds)
+    each = kinds[:1] * len(plain) if kinds[-1] is ... else kinds
     _expect(len(each) == len(plain), path)
-    pairs = enumerate(zip(plain, each, strict=True))
-    return [_value(part, kind, f"{path}[{index}]") for index, (part, kind) in pairs]
-
-
-def _object(plain: _Plain, kind: _Type, path: str) -> _Made:
-    _expect(isinstance(plain, dict), path)
-    hints, needed = _hints(kind)
-    for name in plain:
-        _expect(name in hints, f"{path}.{name}")
-    for name in needed:
-        _expect(name in plain, f"{path}.{name}")
-    return kind(**{n: _value(part, hints[n], f"{path}.{n}") for n, part in plain.items()})
-
-
-@cache
-def _hints(kind: _Type) -> tuple[dict[str, _Type], list[str]]:
-    """The types of a dataclass's fields, and the names of those without a default."""
-    return get_type_hints(kind), [part.name for part in fields(kind) if _default(part) is MISSING]
+    pairs = zip(plain, each, strict=True)
+    return [_value(part, kind, f"{path}[{n}]") for n, (part, kind) in enumerate(pairs)]
 
 
 def _expect(holds: bool, path: str) -> None:  # noqa: FBT001 - an assertion

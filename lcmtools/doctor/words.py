@@ -5,9 +5,8 @@ as it stands, and are not shown. Pure.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from string import Formatter
-from typing import Any
+from typing import Any, NamedTuple
 
 from lcmtools.doctor.findings import Finding, Statement, Subject, Unchecked
 from lcmtools.observe.counters import duration_text
@@ -111,6 +110,7 @@ FACTS = {
     "publisher": "{sender}: {topic}",
     "publishes": "{node} publishes {types:or}",
     "sender-reason": "{sender}: {reason}",
+    "sends": "{sender} sends {type}",
     "sends-with-ttl": "{sender} sends with ttl={ttl}",
     "silent-node": "{publisher}: {topic}, {seconds:.0f} s ago, {rate:.3g} Hz before",
     "silent-stream": "{publisher}: {topic}, {seconds:.1f} s ago, {rate:.3g} Hz before",
@@ -124,6 +124,7 @@ FACTS = {
     " members of the group",
     "text": "{text}",
     "two-channels": "{topic} from {sender}, and {other_topic} from {other_sender}",
+    "unknown-type": "{topic} from {senders:and}: {type}",
     "user-programs": "{user}: {programs:list}",
 }
 _LCM_GEN = "generate the code of both sides from the same .lcm files: lcm-gen"
@@ -216,15 +217,8 @@ UNCHECKED = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Description:
-    """A finding in words.
-
-    Attributes:
-        title: One line.
-        items: Lines below it, indented as they should appear.
-        remedies: What to type or change, one line each.
-    """
+class Description(NamedTuple):
+    """A finding in words: a line, lines to show below it, and what to type or change."""
 
     title: str
     items: tuple[str, ...]
@@ -274,20 +268,13 @@ def unchecked_text(unchecked: Unchecked) -> str:
 
 
 def _lines(fact: Statement) -> Iterator[str]:
-    yield f" * {_fact(fact)}"
+    yield f" * {_fill(FACTS[fact.kind], {**fact.parts, 'type': _type(fact)})}"
     if fact.kind == "node-topics":  # as roswtf lists them: a node, and its topics below it
         yield from (f"   * {topic}" for topic in fact.subjects() if topic.kind == "topic")
 
 
-def _fact(fact: Statement) -> str:
-    if fact.kind == "sends":
-        return _fill("{sender} sends ", fact.parts) + _type(fact)
-    if fact.kind == "unknown-type":
-        return _fill("{topic} from {senders:and}: ", fact.parts) + _type(fact)
-    return _fill(FACTS[fact.kind], fact.parts)
-
-
 def _type(fact: Statement) -> str:
+    """The type of messages that a fact is about, as far as it is known."""
     if "types" in fact.parts:
         return _fill("{types:or}", fact.parts)
     if "fingerprint" not in fact.parts:

@@ -13,8 +13,8 @@ from lcmtools.bus.multicast import receiving_socket
 from lcmtools.bus.processes import owners, udp_sockets
 from lcmtools.bus.url import parse_url
 from lcmtools.doctor import self_test
-from lcmtools.doctor.firewall import firewall
-from lcmtools.doctor.host import busy_time, host, lcm_processes, silent_bridge, state_of
+from lcmtools.doctor.host import firewall, host, silent_bridge
+from lcmtools.doctor.programs import busy_time, lcm_processes, state_of
 from lcmtools.doctor.self_test import large_problem, send_problem
 
 
@@ -192,8 +192,8 @@ def test_a_bridge_that_passes_everything_on_need_not_ask(interfaces: Path) -> No
 @pytest.fixture
 def rules(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
     """``rules("...")``: what nft prints; no other firewall is there, and the user is root."""
-    monkeypatch.setattr("lcmtools.doctor.firewall._UFW", tmp_path / "ufw.conf")
-    monkeypatch.setattr("lcmtools.doctor.firewall._FIREWALLD", tmp_path / "firewalld.pid")
+    monkeypatch.setattr("lcmtools.doctor.host._UFW", tmp_path / "ufw.conf")
+    monkeypatch.setattr("lcmtools.doctor.host._FIREWALLD", tmp_path / "firewalld.pid")
     monkeypatch.setattr("os.getuid", lambda: 0)
     monkeypatch.setenv("PATH", str(tmp_path))
 

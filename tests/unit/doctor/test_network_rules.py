@@ -7,7 +7,7 @@ from fixtures.judging import Judged, judge
 
 from lcmtools.doctor.evidence import Evidence, Host, HostClock, Listener, Oddity, SenderFacts
 from lcmtools.doctor.findings import Severity
-from lcmtools.doctor.firewall import refuses
+from lcmtools.doctor.host import refuses
 from lcmtools.doctor.rules.unchecked import unchecked
 from lcmtools.doctor.words import unchecked_text
 from lcmtools.graph.model import Graph, Traffic

@@ -1,0 +1,50 @@
+"""Nodes on other computers are requested to announce themselves until all senders have names."""
+
+from typing import cast
+
+import pytest
+
+from lcmtools.doctor.collect import _counted_again
+from lcmtools.doctor.listening import Listening
+from lcmtools.graph.model import Graph, Node, Traffic
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.wire.packet import Sender
+
+FAR, HERE = Sender("192.0.2.7", 4000), Sender("127.0.0.1", 4000)
+
+
+class _Monitor:
+    """A bus with one sender, whose node's answer comes after the request of this number."""
+
+    def __init__(self, sender: Sender, answered: int) -> None:
+        self.sender, self.answered, self.requests = sender, answered, 0
+
+    def probe(self) -> None:
+        self.requests += 1
+
+    def packets(self, _: float) -> tuple[()]:
+        return ()
+
+    def graph(self) -> Graph:
+        is_known = self.requests >= self.answered
+        node = Node("/far", "f", "h", 1, sender=self.sender)
+        traffic = (Traffic("/a", self.sender, (), 1, 8, 0, 0),)
+        return Graph((node,) if is_known else (), traffic)
+
+
+@pytest.mark.parametrize(
+    ("sender", "answered", "listen", "requests"),
+    [
+        pytest.param(FAR, 1, 1.0, 1, id="answered at once"),
+        pytest.param(FAR, 3, 1.0, 3, id="two answers were lost"),
+        pytest.param(FAR, 99, 1.0, 5, id="a plain LCM program"),
+        pytest.param(HERE, 99, 1.0, 1, id="no loss on this computer"),
+        pytest.param(FAR, 1, 0.05, 0, id="too short a look"),
+    ],
+)
+def test_requests_end_with_the_last_name(
+    sender: Sender, answered: int, listen: float, requests: int
+) -> None:
+    monitor = _Monitor(sender, answered)
+    _counted_again(cast("BusMonitor", monitor), Listening(lambda _: ()), listen)
+    assert monitor.requests == requests
