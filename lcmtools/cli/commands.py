@@ -15,34 +15,34 @@ TOPIC_COMMANDS = {
     "find": Entry(f"{_TOPIC}.find:command", "List the topics of a type."),
 }
 NODE_COMMANDS = {
-    "list": Entry("lcmtools.cli.node.list:command", "List the nodes on the bus."),
+    "list": Entry("lcmtools.cli.node.list:list_nodes", "List the nodes on the bus."),
     "info": Entry("lcmtools.cli.node.info:command", "Show a node's publications and more."),
-    "machine": Entry("lcmtools.cli.node.machine:command", "List the computers that nodes run on."),
+    "machine": Entry("lcmtools.cli.node.list:machine", "List the computers that nodes run on."),
     "ping": Entry("lcmtools.cli.node.ping:command", "Measure how fast a node answers."),
     "kill": Entry("lcmtools.cli.node.kill:command", "Ask nodes to shut down."),
-    "cleanup": Entry("lcmtools.cli.node.cleanup:command", "Forget nodes that were killed."),
+    "cleanup": Entry("lcmtools.cli.node.list:cleanup", "Forget nodes that were killed."),
 }
 _MSG = "lcmtools.cli.msg"
 MSG_COMMANDS = {
-    "list": Entry(f"{_MSG}.list:command", "List the message types."),
-    "show": Entry(f"{_MSG}.show:command", "Show the fields of a message type."),
-    "proto": Entry(f"{_MSG}.proto:command", "Print a message to fill in, for pub."),
-    "find-field": Entry(f"{_MSG}.find_field:command", "Find types by a field's name."),
-    "package": Entry(f"{_MSG}.list:package_command", "List the message types of a package."),
-    "packages": Entry(f"{_MSG}.list:packages_command", "List the packages."),
-    "fingerprint": Entry(f"{_MSG}.fingerprint:command", "Print a type's fingerprint."),
-    "build": Entry(f"{_MSG}.build:command", "Check and compile your own .lcm files."),
-    "generate": Entry(f"{_MSG}.generate:command", "Write C, C++, Java or Python code."),
-    "info": Entry(f"{_MSG}.show:command", "show, as ROS.", is_alias=True),
-    "md5": Entry(f"{_MSG}.fingerprint:command", "fingerprint, as ROS.", is_alias=True),
+    "list": Entry(f"{_MSG}.look:list_types", "List the message types."),
+    "show": Entry(f"{_MSG}.look:show_type", "Show the fields of a message type."),
+    "proto": Entry(f"{_MSG}.look:proto", "Print a message to fill in, for pub."),
+    "find-field": Entry(f"{_MSG}.look:find_field", "Find types by a field's name."),
+    "package": Entry(f"{_MSG}.look:package_command", "List the message types of a package."),
+    "packages": Entry(f"{_MSG}.look:packages_command", "List the packages."),
+    "fingerprint": Entry(f"{_MSG}.look:print_fingerprint", "Print a type's fingerprint."),
+    "build": Entry(f"{_MSG}.build:build", "Check and compile your own .lcm files."),
+    "generate": Entry(f"{_MSG}.build:generate_code", "Write C, C++, Java or Python code."),
+    "info": Entry(f"{_MSG}.look:show_type", "show, as ROS.", is_alias=True),
+    "md5": Entry(f"{_MSG}.look:print_fingerprint", "fingerprint, as ROS.", is_alias=True),
 }
 _PKG = "lcmtools.cli.pkg"
 PKG_COMMANDS = {
     "create": Entry(f"{_PKG}.create:command", "Make a package: a node, a test and more."),
-    "list": Entry(f"{_PKG}.list:command", "List the packages and their folders."),
-    "find": Entry(f"{_PKG}.list:find_command", "Print a package's folder."),
-    "build": Entry(f"{_PKG}.build:command", "Check and compile packages' messages."),
-    "prefix": Entry(f"{_PKG}.list:find_command", "find, as ROS 2 names it.", is_alias=True),
+    "list": Entry(f"{_PKG}.look:list_packages", "List the packages and their folders."),
+    "find": Entry(f"{_PKG}.look:find_command", "Print a package's folder."),
+    "build": Entry(f"{_PKG}.look:build", "Check and compile packages' messages."),
+    "prefix": Entry(f"{_PKG}.look:find_command", "find, as ROS 2 names it.", is_alias=True),
 }
 SRV_COMMANDS = {
     "list": Entry("lcmtools.cli.srv:list_types", "List the service types."),
@@ -50,21 +50,21 @@ SRV_COMMANDS = {
 }
 _SERVICE = "lcmtools.cli.service"
 SERVICE_COMMANDS = {
-    "list": Entry(f"{_SERVICE}.list:list_services", "List the services that nodes offer."),
-    "info": Entry(f"{_SERVICE}.info:command", "Show a service's node, type and arguments."),
+    "list": Entry(f"{_SERVICE}.look:list_services", "List the services that nodes offer."),
+    "info": Entry(f"{_SERVICE}.look:info", "Show a service's node, type and arguments."),
     "call": Entry(f"{_SERVICE}.call:command", "Call a service and print its response."),
-    "type": Entry(f"{_SERVICE}.type:type_", "Print a service's type."),
-    "find": Entry(f"{_SERVICE}.list:find", "List the services of a type."),
-    "args": Entry(f"{_SERVICE}.type:args", "Print a service's arguments."),
+    "type": Entry(f"{_SERVICE}.look:type_", "Print a service's type."),
+    "find": Entry(f"{_SERVICE}.look:find", "List the services of a type."),
+    "args": Entry(f"{_SERVICE}.look:args", "Print a service's arguments."),
 }
 _PARAM = "lcmtools.cli.param"
 PARAM_COMMANDS = {
-    "list": Entry(f"{_PARAM}.list:command", "List the parameters of nodes that run."),
-    "get": Entry(f"{_PARAM}.get:command", "Print a parameter, or all of a node's."),
-    "set": Entry(f"{_PARAM}.set:command", "Change parameters of a node that runs."),
-    "describe": Entry(f"{_PARAM}.describe:command", "Say what a parameter is for, and its range."),
-    "dump": Entry(f"{_PARAM}.dump:command", "Write parameters into a YAML file."),
-    "load": Entry(f"{_PARAM}.load:command", "Set parameters from a YAML file."),
+    "list": Entry(f"{_PARAM}.read:list_parameters", "List the parameters of nodes that run."),
+    "get": Entry(f"{_PARAM}.read:get", "Print a parameter, or all of a node's."),
+    "set": Entry(f"{_PARAM}.write:set_parameters", "Change parameters of a node that runs."),
+    "describe": Entry(f"{_PARAM}.read:describe", "Say what a parameter is for, and its range."),
+    "dump": Entry(f"{_PARAM}.read:dump", "Write parameters into a YAML file."),
+    "load": Entry(f"{_PARAM}.write:load", "Set parameters from a YAML file."),
 }
 PARAM_ABSENT = {
     "delete": "a node has its parameters for as long as it runs; param set gives one another value"

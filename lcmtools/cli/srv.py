@@ -33,7 +33,7 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
       lcmtools srv show std_srvs/SetBool
       lcmtools srv show Trigger --json
     """
-    from lcmtools.cli.msg.show import source_text  # list does without it
+    from lcmtools.cli.msg.look import source_text  # list does without it
     from lcmtools.messages.definition import definition
 
     pair, name = service_class(type_), service_name(type_)

@@ -1,4 +1,4 @@
-"""``lcmtools msg build``; and folders of .lcm files compiled, for ``pkg build`` too."""
+"""``lcmtools msg build`` and ``generate``."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -6,19 +6,21 @@ from pathlib import Path
 
 import click
 
-from lcmtools.cli.declare import argument, subcommand
+from lcmtools.cli.declare import argument, option, subcommand
 from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import complain, show
+from lcmtools.cli.output import complain, show, talk
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.messages.type_source import shown
-from lcmtools.packages.user_types import compile_folders, user_types
+from lcmtools.packages import lcm_gen
+from lcmtools.packages.lcm_gen import LANGUAGES
+from lcmtools.packages.user_types import compile_folders, sources_of, user_types
 
 
 @subcommand("build")
 @argument("folder", metavar="[DIR]", required=False, type=click.Path())
 @json_option
-def command(folder: str | None, *, as_json: bool) -> int:
+def build(folder: str | None, *, as_json: bool) -> int:
     """Check and compile the .lcm files in DIR, or in LCMTOOLS_TYPE_PATH and the workspace.
 
     Nothing needs this: types are compiled when they are first used. It says at once what is wrong.
@@ -50,11 +52,35 @@ def build_folders(folders: Sequence[Path], *, as_json: bool) -> int:
     ]
     record = {"types": types, "problems": [asdict(problem) for problem in problems]}
     show(record, (f"{name}  {shown(file)}" for name, file in made.items()), as_json=as_json)
-    command = click.get_current_context().meta.get(COMMAND, "lcmtools")
+    build = click.get_current_context().meta.get(COMMAND, "lcmtools")
     for problem in problems:
-        complain(str(command), problem.error())
+        complain(str(build), problem.error())
     return 1 if problems else 0
 
 
 def _is_in(file: str, folders: Sequence[Path]) -> bool:
     return any(Path(file).is_relative_to(folder) for folder in folders)
+
+
+@subcommand("generate")
+@option("--lang", required=True, type=click.Choice(LANGUAGES), help="The language.")
+@argument("folder", metavar="DIR", type=click.Path())
+@argument("types", nargs=-1, completer="messages:types")
+@json_option
+def generate_code(*, lang: str, folder: str, types: tuple[str, ...], as_json: bool) -> None:
+    """Write code for message types into DIR with lcm-gen, for programs on plain LCM.
+
+    TYPES are types or packages, shipped or your own; none means all your own. Types that they are
+    made of are written too.
+
+    \b
+    Examples:
+      lcmtools msg generate --lang cpp generated geometry_msgs/Twist std_msgs/String
+      lcmtools msg generate --lang c generated air_lab0
+    """
+    written = list(
+        map(str, lcm_gen.generate_code(sources_of(types), lang, Path(folder).expanduser()))
+    )
+    show(written, written, as_json=as_json)
+    if not as_json:
+        talk(f"{len(written)} file{'s'[: len(written) != 1]} in {folder}")

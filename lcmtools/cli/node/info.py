@@ -4,10 +4,10 @@ import time
 
 from lcmtools.cli.declare import argument, option, subcommand
 from lcmtools.cli.node import sections
-from lcmtools.cli.node.programs import program_record, program_sections
+from lcmtools.cli.node.sections import program_record, program_sections
 from lcmtools.cli.options import in_names, json_option, looking_options, open_monitor
 from lcmtools.cli.output import document, lines
-from lcmtools.cli.param.common import block, json_values
+from lcmtools.cli.param.read import block, json_values
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node
 from lcmtools.observe.describe import node_record

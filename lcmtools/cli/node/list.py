@@ -1,14 +1,25 @@
-"""``lcmtools node list``."""
+"""``lcmtools node list``, ``machine`` and ``cleanup``."""
 
 import contextlib
+import socket
 from collections import Counter, deque
 
 from lcmtools.cli.declare import argument, duration, option, subcommand
-from lcmtools.cli.node.programs import program_record, program_rows
-from lcmtools.cli.options import in_names, json_option, looking_names, looking_options, open_monitor
+from lcmtools.cli.node.sections import program_record, program_rows
+from lcmtools.cli.options import (
+    all_option,
+    bus_options,
+    in_names,
+    json_option,
+    looking_names,
+    looking_options,
+    open_monitor,
+)
 from lcmtools.cli.output import data, document, lines, talk
-from lcmtools.graph.model import Node
-from lcmtools.names import Pattern
+from lcmtools.errors import LcmtoolsError
+from lcmtools.graph.model import Node, Staleness
+from lcmtools.names import Pattern, did_you_mean
+from lcmtools.observe.computers import Computers
 from lcmtools.observe.describe import listed_node, node_record
 from lcmtools.observe.programs import programs
 
@@ -29,7 +40,7 @@ _HEADING = "Programs that are no nodes (seen on the bus):"
 @option("--wait", type=duration, help="With -a: listen so long for other programs.")
 @json_option
 @looking_options
-def command(
+def list_nodes(
     namespace: str, *, show_all: bool, uri: bool, count: bool, wait: float | None, as_json: bool
 ) -> None:
     """List the nodes on the bus. A node that was killed or hangs is shown as stale.
@@ -83,3 +94,78 @@ def _span(nanoseconds: int) -> str:
         if seconds >= 2 * length:
             return f"{seconds / length:.1f} {unit}"
     return f"{seconds:.0f} s"
+
+
+@subcommand("machine")
+@argument("host", required=False, completer="bus:hosts")
+@all_option
+@json_option
+@bus_options
+def machine(host: str | None, *, show_all: bool, as_json: bool) -> None:
+    """List the computers that nodes run on, or the nodes of one computer.
+
+    HOST is its name or its address.
+
+    \b
+    Examples:
+      lcmtools node machine
+      lcmtools node machine husky0-pc
+    """
+    with open_monitor("node_machine") as monitor:
+        graph, url = monitor.settle(foreign=False), monitor.url
+    nodes = [node for node in graph.nodes if show_all or not node.is_hidden]
+    computers = Computers(graph.nodes)
+    names: dict[str, list[Node]] = {name: [] for name in sorted(set(map(computers.of, nodes)))}
+    found = nodes if host is None else _nodes_of(host, nodes, computers)
+    for node in found:
+        names[computers.of(node)].append(node)
+    if as_json:
+        document([{"host": h, "nodes": [n.name for n in of]} for h, of in names.items() if of])
+    else:
+        lines(names if host is None else map(listed_node, found))
+    if not nodes:
+        talk(f"no nodes on {url}")
+
+
+def _nodes_of(host: str, nodes: list[Node], computers: Computers) -> list[Node]:
+    """The nodes of a computer, by its name or its address.
+
+    Raises:
+        LcmtoolsError: No node runs on it; with what may have been meant.
+    """
+    wanted = socket.gethostname() if host in ("localhost", "127.0.0.1") else host
+    found = [
+        node
+        for node in nodes
+        if wanted in (node.host, computers.of(node), node.sender and node.sender.address)
+    ]
+    if not found:
+        hint = did_you_mean(host, {node.host for node in nodes})
+        what = f"no node runs on machine {host}"
+        raise LcmtoolsError(what, hint or "lcmtools node machine lists the machines")
+    return found
+
+
+@subcommand("cleanup")
+@option("-y", "--yes", is_flag=True, expose_value=False, help="Changes nothing: nothing is asked.")
+@json_option
+@bus_options
+def cleanup(*, as_json: bool) -> None:
+    """Forget the nodes that ended without saying goodbye, and print their names.
+
+    A node that runs and does not answer is not forgotten; so there is nothing to ask before.
+
+    \b
+    Examples:
+      lcmtools node cleanup
+      lcmtools node cleanup --domain 3
+    """
+    with open_monitor("node_cleanup") as monitor:
+        nodes = monitor.settle(foreign=False).nodes
+        ended = [node for node in nodes if node.stale is Staleness.ENDED]
+        for node in ended:
+            monitor.forget(node)
+    names = [node.name for node in ended]
+    document(names) if as_json else lines(names)
+    if not ended:
+        talk("no node has ended without saying goodbye")

@@ -3,7 +3,7 @@
 import pytest
 
 from lcmtools.bus.processes import Process, UdpSocket
-from lcmtools.cli.node.programs import command_text, program_record, program_rows
+from lcmtools.cli.node.sections import command_text, program_record, program_rows
 from lcmtools.observe.nodes import program_names
 from lcmtools.observe.programs import Program
 

@@ -1,13 +1,14 @@
-"""``lcmtools pkg list`` and ``pkg find``."""
+"""``lcmtools pkg list``, ``find`` and ``build``."""
 
 from collections.abc import Iterable
 from importlib.util import find_spec
 from pathlib import Path
 
 from lcmtools.cli.declare import argument, subcommand
+from lcmtools.cli.msg.build import build_folders
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import columns, show, talk
-from lcmtools.errors import UsageError
+from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.names import did_you_mean
 from lcmtools.packages.nodes import OWN, installed_packages, runnables
 from lcmtools.packages.workspace import workspace
@@ -15,7 +16,7 @@ from lcmtools.packages.workspace import workspace
 
 @subcommand("list")
 @json_option
-def command(*, as_json: bool) -> None:
+def list_packages(*, as_json: bool) -> None:
     """List the packages of the workspace and those that are installed, with their folders.
 
     The workspace is the nearest folder, from the current one upwards, that holds packages.
@@ -82,3 +83,29 @@ def _installed(name: str) -> Path | None:
         return None
     places = (spec and spec.submodule_search_locations) or ()
     return next(iter(map(Path, places)), None) if name != OWN else Path(__file__).parents[2]
+
+
+@subcommand("build")
+@argument("name", required=False, completer="programs:packages")
+@json_option
+def build(name: str | None, *, as_json: bool) -> int:
+    """Check and compile the messages of the workspace's packages, or of one.
+
+    Nothing needs this: messages are compiled when they are first used. It says at once what is
+    wrong. The exit code is 1 if anything is.
+
+    \b
+    Examples:
+      lcmtools pkg build
+      lcmtools pkg build air_lab0
+    """
+    found = workspace(Path.cwd()).packages
+    chosen = [one for one in found if name in (None, one.name)]
+    if not chosen and name:
+        raise unknown_package(name, (one.name for one in found))
+    if not chosen:
+        raise LcmtoolsError("there is no package here", "lcmtools pkg create NAME makes one")
+    code = build_folders([one.folder for one in chosen], as_json=as_json)
+    if code == 0:
+        talk(f"ready: {', '.join(one.name for one in chosen)}")
+    return code

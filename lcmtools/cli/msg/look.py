@@ -1,0 +1,192 @@
+"""The commands of ``lcmtools msg`` and ``srv`` that show types."""
+
+import sys
+from pathlib import Path
+
+from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.options import json_option
+from lcmtools.cli.output import data, document, show, talk
+from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
+from lcmtools.messages.definition import declaration, definition, prototype
+from lcmtools.messages.fields import visible_fields
+from lcmtools.messages.plain import to_json
+from lcmtools.messages.registry import (
+    Message,
+    default_registry,
+    fingerprint,
+    message_class,
+    packages,
+    problems,
+    type_name,
+    type_names,
+)
+from lcmtools.names import did_you_mean
+from lcmtools.packages.type_files import shipped_folder
+
+_single_line_option = option(
+    "-s", "--single-line", is_flag=True, help="All in one line, with blanks between."
+)
+
+
+@subcommand("list")
+@json_option
+def list_types(*, as_json: bool) -> None:
+    """List the message types that lcmtools knows.
+
+    \b
+    Examples:
+      lcmtools msg list
+      lcmtools msg list --json
+    """
+    for problem in problems():
+        talk(str(problem.error()), "lcmtools msg list")
+    show(type_names(), type_names(), as_json=as_json)
+
+
+@subcommand("package")
+@argument("package", completer="messages:packages")
+@_single_line_option
+@json_option
+def package_command(package: str, *, single_line: bool, as_json: bool) -> None:
+    """List the message types of a package.
+
+    \b
+    Examples:
+      lcmtools msg package geometry_msgs
+      lcmtools msg package std_msgs --json
+    """
+    found = [name for name in type_names() if name.startswith(f"{package}/")]
+    if not found:
+        hint = did_you_mean(package, packages()) or "see: lcmtools msg packages"
+        raise UnknownType(f"unknown package '{package}'", hint)
+    show(found, [" ".join(found)] if single_line else found, as_json=as_json)
+
+
+@subcommand("packages")
+@_single_line_option
+@json_option
+def packages_command(*, single_line: bool, as_json: bool) -> None:
+    """List the packages that have message types.
+
+    \b
+    Examples:
+      lcmtools msg packages
+      lcmtools msg packages --json
+    """
+    found = packages()
+    show(found, [" ".join(found)] if single_line else found, as_json=as_json)
+
+
+@subcommand("find-field")
+@argument("name")
+@json_option
+def find_field(name: str, *, as_json: bool) -> None:
+    """Find the message types that have a field of this name themselves, not in a nested type.
+
+    \b
+    Examples:
+      lcmtools msg find-field covariance
+      lcmtools msg find-field header --json
+    """
+    known = [(t, field) for t in type_names() for field in visible_fields(message_class(t))]
+    found = [(type_, declaration(field)) for type_, field in known if field.name == name]
+    if not found:
+        hint = did_you_mean(name, sorted({field.name for _, field in known}))
+        raise LcmtoolsError(f"no message type has a field '{name}'", hint)
+    record = [{"type": type_, "field": text} for type_, text in found]
+    show(record, (f"{type_}: {text}" for type_, text in found), as_json=as_json)
+
+
+@subcommand("fingerprint")
+@argument("type_", metavar="TYPE", completer="messages:types")
+@json_option
+def print_fingerprint(type_: str, *, as_json: bool) -> None:
+    """Print a type's fingerprint: the first 8 bytes of its messages, in hexadecimal.
+
+    Types with the same fields have the same fingerprint. TYPE without its package stands for each
+    type of that name.
+
+    \b
+    Examples:
+      lcmtools msg fingerprint geometry_msgs/Twist
+      lcmtools msg md5 Twist
+    """
+    named = [name for name in type_names() if name.rpartition("/")[2] == type_]
+    kinds = map(message_class, named or [type_])
+    found = {type_name(kind): f"{fingerprint(kind):016x}" for kind in kinds}
+    record = [{"type": name, "fingerprint": digits} for name, digits in found.items()]
+    rows = (f"[{name}]: {digits}" if named else digits for name, digits in found.items())
+    show(record, rows, as_json=as_json)
+
+
+@subcommand("proto")
+@argument("type_", metavar="TYPE", completer="messages:types")
+@json_option
+def proto(type_: str, *, as_json: bool) -> None:
+    """Print a message of a type to fill in: YAML of all fields with their defaults, for pub.
+
+    \b
+    Examples:
+      lcmtools msg proto geometry_msgs/Twist
+      lcmtools msg proto sensor_msgs/Joy > joy.yaml
+    """
+    kind = message_class(type_)
+    data(to_json(kind()) if as_json else prototype(kind))
+
+
+_EXAMPLE = "for example lcmtools msg show geometry_msgs/Twist"
+
+
+@subcommand("show")
+@argument("type_", metavar="[TYPE]", default="-", completer="messages:types")
+@option("-r", "--raw", is_flag=True, help="Show its .lcm file, with the comments.")
+@json_option
+def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
+    """Show the fields of a message type, nested ones expanded.
+
+    TYPE is geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or Twist; "-" or none
+    is the one that standard input says.
+
+    \b
+    Examples:
+      lcmtools msg show geometry_msgs/Twist
+      lcmtools msg show -r sensor_msgs/LaserScan
+      lcmtools type /husky0/odometry | lcmtools msg show
+    """
+    type_ = _piped() if type_ == "-" else type_
+    kind = message_class(type_)
+    name, text = type_name(kind), (source_text if raw else definition)(kind)
+    if as_json:
+        number = f"{fingerprint(kind):#018x}"
+        document({"type": name, "fingerprint": number, "definition": text})
+    else:
+        data(text if "/" in type_ or "." in type_ else f"[{name}]:\n{text}")
+
+
+def source_text(kind: type[Message]) -> str:
+    """Return the .lcm file of a message type, as its author wrote it.
+
+    Raises:
+        LcmtoolsError: The file cannot be read.
+    """
+    name = type_name(kind)
+    file = default_registry().files().get(name) or f"{shipped_folder() / name}.lcm"
+    try:
+        return Path(file).read_text("utf-8").strip()
+    except (OSError, UnicodeDecodeError) as error:
+        raise LcmtoolsError(f"cannot read {file}, where {name} is from: {error}") from error
+
+
+def _piped() -> str:
+    """The type that standard input says.
+
+    Raises:
+        UsageError: It says none, or somebody would have to type it.
+    """
+    if sys.stdin is None or sys.stdin.isatty():
+        raise UsageError("no type is given", _EXAMPLE)
+    words = sys.stdin.read().replace(",", " ").split()
+    if len(words) != 1:
+        what = "several types" if words else "no type"
+        raise UsageError(f"standard input has {what}", _EXAMPLE)
+    return words[0]
