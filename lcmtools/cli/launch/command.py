@@ -16,7 +16,7 @@ from lcmtools.cli.launch.answers import (
 )
 from lcmtools.cli.launch.screen import Screen
 from lcmtools.cli.options import bus_options, chosen_url, json_option
-from lcmtools.cli.output import document, lines, talk
+from lcmtools.cli.output import show, talk
 from lcmtools.errors import UsageError
 from lcmtools.launch.command_line import read_words
 from lcmtools.launch.file import STANDARD_INPUT, read_file, read_standard_input
@@ -144,7 +144,7 @@ def command(
 
 def _print(answer: Answer, *, as_json: bool) -> int:
     value, rows = answer
-    document(value) if as_json else lines(rows)
+    show(value, rows, as_json=as_json)
     return 0
 
 

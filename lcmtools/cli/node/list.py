@@ -15,7 +15,7 @@ from lcmtools.cli.options import (
     looking_options,
     open_monitor,
 )
-from lcmtools.cli.output import data, document, lines, talk
+from lcmtools.cli.output import data, document, lines, show, talk
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Node, Staleness
 from lcmtools.names import Pattern, did_you_mean
@@ -119,10 +119,11 @@ def machine(host: str | None, *, show_all: bool, as_json: bool) -> None:
     found = nodes if host is None else _nodes_of(host, nodes, computers)
     for node in found:
         names[computers.of(node)].append(node)
-    if as_json:
-        document([{"host": h, "nodes": [n.name for n in of]} for h, of in names.items() if of])
-    else:
-        lines(names if host is None else map(listed_node, found))
+    show(
+        [{"host": h, "nodes": [n.name for n in of]} for h, of in names.items() if of],
+        names if host is None else map(listed_node, found),
+        as_json=as_json,
+    )
     if not nodes:
         talk(f"no nodes on {url}")
 
@@ -166,6 +167,6 @@ def cleanup(*, as_json: bool) -> None:
         for node in ended:
             monitor.forget(node)
     names = [node.name for node in ended]
-    document(names) if as_json else lines(names)
+    show(names, names, as_json=as_json)
     if not ended:
         talk("no node has ended without saying goodbye")

@@ -5,11 +5,16 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
-import click
-
 from lcmtools.cli.declare import argument, duration, option, subcommand
-from lcmtools.cli.options import all_option, in_names, json_option, looking_options, open_monitor
-from lcmtools.cli.output import document, lines, talk
+from lcmtools.cli.options import (
+    all_option,
+    in_names,
+    json_option,
+    looking_options,
+    notify,
+    open_monitor,
+)
+from lcmtools.cli.output import document, lines, show, talk
 from lcmtools.errors import LcmtoolsError, ServiceError, ServiceTimeout, UsageError
 from lcmtools.graph.model import Graph, Node, Staleness
 from lcmtools.messages.plain import plain_json
@@ -39,7 +44,7 @@ def living_nodes(graph: Graph, *, show_all: bool) -> list[Node]:
     """Return the nodes with parameters; print which ones run and do not answer."""
     hang = [n for n in graph.nodes if n.stale is Staleness.HANGS and not (n.tool or n.is_hidden)]
     for node in hang:
-        talk(f"{click.get_current_context().command_path}: {node.name} {node.stale}")
+        notify(f"{node.name} {node.stale}")
     known = nodes_with_parameters(graph)
     return [node for node in known if not node.stale and (show_all or not node.is_hidden)]
 
@@ -47,7 +52,7 @@ def living_nodes(graph: Graph, *, show_all: bool) -> list[Node]:
 def complain_of(errors: Sequence[ServiceError]) -> int:
     """Print which nodes did not answer; return the exit code."""
     for error in errors:
-        talk(f"{click.get_current_context().command_path}: {error}")
+        notify(f"{error}")
     return ServiceTimeout.exit_code if errors else 0
 
 
@@ -120,15 +125,11 @@ def list_parameters(
         nodes = living_nodes(graph, show_all=show_all)
     answers, errors = client.get_all(nodes)
     found = [(name, p) for name, parameters in answers.items() for p in parameters.values()]
-    if as_json:
-        document([record(name, parameter) for name, parameter in found])
-    else:
-        lines(
-            f"{name}/{p.name}"
-            + (f" [{p.kind}]" if show_types else "")
-            + (f": {p.text}" if show_values else "")
-            for name, p in found
-        )
+    rows = (
+        f"{name}/{p.name}{f' [{p.kind}]' * show_types}{f': {p.text}' * show_values}"
+        for name, p in found
+    )
+    show([record(name, p) for name, p in found], rows, as_json=as_json)
     if not nodes:
         talk(f"no node with parameters on {client.url}")
     return complain_of(errors)
@@ -161,18 +162,16 @@ def get(
     if target.is_namespace:
         answers, errors = client.get_all(target.nodes)
         values = {node: json_values(parameters) for node, parameters in answers.items()}
-        document(values) if as_json else lines(tree(answers))
+        show(values, tree(answers), as_json=as_json)
         return complain_of(errors)
     found = client.get(target.node.name)
     if target.parameter is None:
-        document(json_values(found)) if as_json else lines(block(found))
+        show(json_values(found), block(found), as_json=as_json)
         return 0
     parameter = pick(found, target.parameter, target.node.name)
     value = parameter.value()
-    if as_json:
-        document(json_value(parameter))
-    else:
-        lines((value if is_pretty and isinstance(value, str) else parameter.text).split("\n"))
+    text = value if is_pretty and isinstance(value, str) else parameter.text
+    show(json_value(parameter), text.split("\n"), as_json=as_json)
     return 0
 
 
@@ -196,10 +195,8 @@ def describe(node: str, name: str, *, timeout: float, as_json: bool) -> None:
     found = client.get(full)
     wanted = target.parameter
     parameters = list(found.values()) if wanted is None else [pick(found, wanted, full)]
-    if as_json:
-        document([record(full, parameter) for parameter in parameters])
-    else:
-        lines(row for parameter in parameters for row in _rows(full, parameter))
+    rows = (row for parameter in parameters for row in _rows(full, parameter))
+    show([record(full, parameter) for parameter in parameters], rows, as_json=as_json)
 
 
 def _rows(node: str, parameter: RemoteParameter) -> list[str]:

@@ -9,7 +9,7 @@ from lcmtools.cli.options import (
     looking_options,
     open_monitor,
 )
-from lcmtools.cli.output import data, document, lines, talk
+from lcmtools.cli.output import data, document, lines, show, talk
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Endpoint, Node
 from lcmtools.messages.fields import visible_fields
@@ -41,10 +41,8 @@ def list_services(
     with open_monitor("service_list") as monitor:
         graph, url = monitor.settle(foreign=False), monitor.url
     services = offered_services(graph, in_names(namespace), show_all=show_all)
-    if as_json:
-        document([_listed_record(service) for service in services])
-    else:
-        lines(_row(s, show_types=show_types, show_nodes=show_nodes) for s in services)
+    rows = (_row(s, show_types=show_types, show_nodes=show_nodes) for s in services)
+    show(list(map(_listed_record, services)), rows, as_json=as_json)
     if not services:
         talk(f"no services{f' in {namespace}' if namespace else ''} on {url}")
 
@@ -88,7 +86,7 @@ def find(type_: str, *, show_all: bool, as_json: bool) -> None:
     with open_monitor("service_find") as monitor:
         graph, url = monitor.settle(foreign=False), monitor.url
     found = [s.name for s in offered_services(graph, show_all=show_all) if name in s.types]
-    document(found) if as_json else lines(found)
+    show(found, found, as_json=as_json)
     if not found:
         talk(f"no services of type {name} on {url}")
 

@@ -2,7 +2,7 @@
 
 from lcmtools.cli.declare import argument, option, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options, open_monitor
-from lcmtools.cli.output import data, document, lines, talk
+from lcmtools.cli.output import data, show, talk
 from lcmtools.graph.model import Topic
 from lcmtools.messages.registry import candidates, message_class, type_name
 from lcmtools.names import is_hidden
@@ -32,10 +32,7 @@ def command(type_: str, *, count_topics: bool, show_all: bool, as_json: bool) ->
     if count_topics:
         data(str(len(found)))
         return
-    if as_json:
-        document(found)
-    else:
-        lines(found)
+    show(found, found, as_json=as_json)
     if not found:
         talk(f"no topics of type {name} on {url}")
 
