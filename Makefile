@@ -15,7 +15,7 @@ EDITABLE ?= -e
 BIN := $(VENV)/bin
 FAST := $(addprefix tests/,unit house cli physics process)
 SLOW := $(addprefix tests/,faults labs docs hosts)
-SOURCES := lcmtools sim tests bench lcm_types hatch_build.py
+SOURCES := lcmtools sim tests bench lcm_types hatch_build.py docs/man_pages.py
 
 .PHONY: demo test test-slow check types man format bench clean
 
@@ -42,7 +42,7 @@ types: $(VENV)/.installed-dev
 	$(BIN)/python lcm_types/generate.py
 
 man: $(VENV)/.installed-dev
-	$(BIN)/python -m lcmtools.cli.manual build/man
+	$(BIN)/python docs/man_pages.py build/man
 
 format: $(VENV)/.installed-dev
 	$(BIN)/ruff check --fix $(SOURCES)

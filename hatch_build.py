@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
@@ -17,7 +18,8 @@ class ManPages(BuildHookInterface):  # type: ignore[type-arg]
         del version
         self._folder = TemporaryDirectory(prefix="lcmtools-man-")
         path = os.pathsep.join([self.root, *filter(None, [os.environ.get("PYTHONPATH")])])
-        command = [sys.executable, "-m", "lcmtools.cli.manual", self._folder.name]
+        script = Path(self.root) / "docs" / "man_pages.py"
+        command = [sys.executable, str(script), self._folder.name]
         environment = {**os.environ, "PYTHONPATH": path}
         subprocess.run(command, env=environment, check=True)  # noqa: S603 - our own module
         build_data["shared_data"][self._folder.name] = "share/man/man1"

@@ -10,12 +10,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from man_pages import commands
 
 import lcmtools
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
 from lcmtools.cli.main import main
-from lcmtools.cli.manual import commands
 from lcmtools.names import is_hidden
 
 Complaint = Callable[[str], tuple[int, str]]

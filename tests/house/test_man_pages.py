@@ -6,8 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-
-from lcmtools.cli.manual import commands, main, page
+from man_pages import commands, main, page
 
 PAGES = [*commands()]
 KNOWN = {".TH", ".SH", ".B", ".BR", ".I", ".PP", ".TP", ".nf", ".fi"}

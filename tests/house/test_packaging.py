@@ -11,8 +11,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
-
-from lcmtools.cli.manual import commands, page
+from man_pages import commands, page
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -21,9 +21,9 @@ from typing import IO, Any
 
 import click
 import pytest
+from man_pages import commands
 
 from lcmtools.cli.main import root
-from lcmtools.cli.manual import commands
 
 _ROBOT = """
 import lcmtools

@@ -1,6 +1,6 @@
 """The man pages, made from the commands' own help.
 
-``python -m lcmtools.cli.manual FOLDER`` writes them; building a wheel does so (hatch_build.py).
+``python docs/man_pages.py FOLDER`` writes them; building a wheel does so (hatch_build.py).
 """
 
 import re
