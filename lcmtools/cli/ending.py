@@ -106,7 +106,6 @@ def explain(error: BaseException, command: str, *, as_json: bool = False) -> int
 
 
 def _failure(error: Exception) -> LcmtoolsError:
-    """The error as one with a hint and an exit code."""
     if isinstance(error, LcmtoolsError):
         return error
     if isinstance(error, OSError):
@@ -117,7 +116,6 @@ def _failure(error: Exception) -> LcmtoolsError:
 
 
 def _usage_error(error: click.ClickException, command: str) -> int:
-    """Print a usage error in one line."""
     context = getattr(error, "ctx", None)
     command = context.command_path if context else command
     message = " ".join(error.format_message().split()).rstrip(".")

@@ -40,9 +40,6 @@ def write_atomically(path: Path, text: str, *, private: bool = False) -> None:
 
     Where ``path`` is a link, as a settings file kept elsewhere may be, its target is written.
     A private file can be read by the user only; others keep their mode.
-
-    Raises:
-        OSError: It cannot be written; nothing has changed.
     """
     import tempfile  # completion seldom writes
 

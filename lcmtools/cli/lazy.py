@@ -133,7 +133,6 @@ def _mannered(command: click.Command) -> click.Command:
 
 
 def _usual_values(command: click.Command) -> dict[str, str]:
-    """The values of a command's options in the user's file."""
     if not any(parameter.name == "timeout" for parameter in command.params):
         return {}
     try:

@@ -66,11 +66,7 @@ def _remember_names(ctx: click.Context, parameter: click.Parameter, value: objec
 
 
 def take_names(ctx: click.Context, words: Sequence[str]) -> list[str]:
-    """Take ``__ns:=`` and ``a:=b`` out of a looking command's words; return the others.
-
-    Raises:
-        UsageError: One of them is wrong, or means nothing to a command that is no node.
-    """
+    """Take ``__ns:=`` and ``a:=b`` out of a looking command's words; return the others."""
     end = [*words, "--"].index("--")
     _add_names(ctx, list(filter(is_assignment, words[:end])))
     return [*(word for word in words[:end] if not is_assignment(word)), *words[end:]]
@@ -170,11 +166,7 @@ def bus_choice() -> BusChoice:
 
 
 def chosen_url() -> "BusUrl":
-    """Return the bus that the command line and the environment select.
-
-    Raises:
-        UsageError: The URL or the domain is wrong.
-    """
+    """Return the bus that the command line and the environment select."""
     from lcmtools.bus.url import choose_url
 
     choice = bus_choice()
@@ -191,10 +183,6 @@ def open_monitor(tool: str, *, whole: bool = False, plays: bool = False) -> "Bus
         tool: The command's name.
         whole: Put large messages together; else their heads come.
         plays: Play a log at its own speed; else it is read at once.
-
-    Raises:
-        UsageError: The URL or the domain is wrong.
-        BusError: The bus cannot be reached, with what to type.
     """
     from lcmtools.observe.monitor import BusMonitor
 
@@ -223,22 +211,14 @@ def end_as_asked() -> None:
 
 
 def looking_names() -> Resolver:
-    """The names of a command that looks: its namespace and its remaps.
-
-    Raises:
-        UsageError: The namespace is wrong.
-    """
+    """The names of a command that looks: its namespace and its remaps."""
     said = bus_choice().names
     namespace = usual_namespace(os.environ) if said.namespace is None else said.namespace
     return Resolver(resolve_namespace(namespace), remaps=tuple(said.remaps))
 
 
 def looking_pattern(text: str, *, hidden: bool) -> Pattern:
-    """A topic, namespace or pattern as a looking command reads it.
-
-    Raises:
-        UsageError: The namespace is wrong.
-    """
+    """A topic, namespace or pattern as a looking command reads it."""
     names = looking_names()
     word = text if has_wildcard(text) else in_names(text)
     return Pattern(word, names.namespace, hidden=hidden)

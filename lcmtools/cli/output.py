@@ -71,12 +71,7 @@ def complain(command: str, error: LcmtoolsError, *, as_json: bool = False) -> No
 
 
 def _write(text: str) -> None:
-    """Write to standard output at once.
-
-    Raises:
-        BrokenPipeError: The reader has closed the pipe.
-        LcmtoolsError: It cannot be written, as on a full disk.
-    """
+    """Write to standard output at once."""
     try:
         sys.stdout.write(text)
         sys.stdout.flush()

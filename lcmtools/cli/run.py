@@ -50,7 +50,6 @@ def command(name: str | None, arguments: tuple[str, ...], *, show_list: bool, as
 
 
 def _is_package(name: str, arguments: Sequence[str], known: Sequence[Runnable]) -> bool:
-    """Return True for a package's name alone that is no node's."""
     named = {node.name for node in known}
     packages = {one.package for one in known} | {one.name for one in workspace(Path.cwd()).packages}
     return not arguments and name in packages - named

@@ -26,7 +26,6 @@ def summary(target: str, folder: Path | None = None) -> str:
 
 
 def _find(parts: Sequence[str], folder: Path | None) -> ModuleSpec | None:
-    """A module's specification, found without importing its packages."""
     if folder is None:
         spec = importlib.util.find_spec(parts[0])
     else:

@@ -38,7 +38,6 @@ class CommandWithWords(click.Command):
         return rest
 
     def _shielded(self, words: Sequence[str]) -> Iterator[str]:
-        """The words as click takes them for what they are."""
         options = self._options_with_value()
         for before, word in pairwise(["", *words]):
             if before in options:
@@ -49,7 +48,6 @@ class CommandWithWords(click.Command):
                 yield self._shield(word)
 
     def _options_with_value(self) -> Collection[str]:
-        """The names of the options that take the next word."""
         options = (p for p in self.params if isinstance(p, click.Option) and not p.is_flag)
         return {name for option in options for name in option.opts} - set(self.may_stand_alone)
 

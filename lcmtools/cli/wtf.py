@@ -27,7 +27,6 @@ _FILE = click.Path(dir_okay=False, path_type=Path)
 
 
 def _known(_: click.Context, __: click.Parameter, value: Sequence[str] | str | None) -> object:
-    """The rules of these ids, each once."""
     wanted = [value] if isinstance(value, str) else list(value or ())
     by_id = {rule.id: rule for rule in RULES}
     for identifier in wanted:
@@ -124,7 +123,6 @@ def _look(listen: float, *, as_json: bool, at_least: float = 0.0) -> Evidence:
 
 
 def _watch(look: Callable[[], Evidence], rules: Sequence[Rule], *, as_json: bool) -> None:
-    """Show the changes from look to look, without end."""
     for number, changes in enumerate(report.watch(look, rules)):
         if not (number or changes or as_json):
             data("No errors or warnings")

@@ -96,7 +96,6 @@ def _be_silent() -> None:
 
 
 def _log() -> None:
-    """Write the error to the user's state folder, if LCMTOOLS_DEBUG is set."""
     import traceback
 
     from lcmtools.cli.files import home_folder

@@ -111,7 +111,6 @@ def uninstall(wanted: Plan) -> Iterator[str]:
 
 
 def _without_ours(text: str) -> str:
-    """The text but for the line of an earlier installation."""
     rows = text.splitlines(keepends=True)
     return "".join(row for row in rows if not row.rstrip("\n").endswith(_MARK))
 

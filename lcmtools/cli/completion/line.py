@@ -97,7 +97,6 @@ def _take_argument(place: Place, word: str, describe: Describe) -> Place | None:
 
 
 def _argument(place: Place) -> Argument | None:
-    """The argument that comes next."""
     arguments = place.command.arguments
     if place.arguments < len(arguments):
         return arguments[place.arguments]

@@ -149,7 +149,6 @@ def _fields(cls: type[Message], path: str) -> Iterator[Candidate]:
 
 
 def _prototype(cls: type[Message]) -> str:
-    """The fields of a type with their defaults, as YAML in one line."""
     from lcmtools.messages.plain import to_plain
 
     return _flow(to_plain(cls()))

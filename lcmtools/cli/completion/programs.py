@@ -141,7 +141,6 @@ def _values(situation: Situation, source: str, before: str = "") -> Iterator[Can
 
 
 def _own_arguments(situation: Situation, before: Sequence[str]) -> Iterator[Candidate]:
-    """The words that the node's own package gives."""
     for entry in entry_points(group=_GROUP, name=situation.last("name")):
         if complete := _package_completer(entry):
             for word in complete(before, situation.word):

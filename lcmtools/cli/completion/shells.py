@@ -147,7 +147,6 @@ def scan(line: str, breaks: str = "") -> list[Word]:
 
 
 def _text_of(found: re.Match[str]) -> str:
-    """A piece of a line without its quotes and backslashes."""
     if found["double"] is not None:
         return _ESCAPED.sub(r"\1", found["double"])
     return next((text for text in found.group("single", "escaped") if text is not None), found[0])

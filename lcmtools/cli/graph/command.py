@@ -121,7 +121,6 @@ def command(
 
 
 def _counted(diagram: Diagram) -> str:
-    """The numbers of nodes, programs, topics and services."""
     services = sum(channel.is_service for channel in diagram.channels)
     counts = {
         "node": sum(member.is_node for member in diagram.members),

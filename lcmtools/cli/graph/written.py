@@ -35,11 +35,7 @@ class Output:
     file: str = STDOUT
 
     def write(self, diagram: Diagram) -> None:
-        """Write a diagram.
-
-        Raises:
-            LcmtoolsError: It cannot be written.
-        """
+        """Write a diagram."""
         if self.file == STDOUT and self.format == "text":
             width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
             lines(text.write(diagram, text.signs_for(sys.stdout.encoding, os.environ), width))
@@ -52,12 +48,7 @@ class Output:
 
 
 def chosen(format_: str | None, file: str | None, *, as_json: bool, force: bool) -> Output:
-    """The output that the options --format, --output, --json and --force mean.
-
-    Raises:
-        UsageError: They contradict each other, no format fits the file's name, or the file exists.
-        MissingExtra: Graphviz is not installed.
-    """
+    """The output that the options --format, --output, --json and --force mean."""
     if as_json and format_ not in (None, "json"):
         raise UsageError(
             f"--json and --format {format_} exclude each other", "leave out one of them"
@@ -88,7 +79,6 @@ def _by_suffix(file: str) -> str:
 
 
 def _document(diagram: Diagram, format_: str) -> str:
-    """A diagram as a whole file, ended by a newline."""
     if format_ == "json":
         document = json.dumps(as_json.write(diagram), ensure_ascii=False, indent=2)
         # a channel that is not UTF-8 has surrogates, which JSON writes as it escapes them
@@ -101,11 +91,7 @@ def _document(diagram: Diagram, format_: str) -> str:
 
 
 def _svg(document: str) -> str:
-    """A diagram in Graphviz's language as SVG, laid out by Graphviz.
-
-    Raises:
-        LcmtoolsError: Graphviz fails.
-    """
+    """A diagram in Graphviz's language as SVG, laid out by Graphviz."""
     done = subprocess.run(  # noqa: S603 - our own document
         [_graphviz(), "-Tsvg"], input=document.encode(), capture_output=True, check=False
     )
@@ -116,11 +102,7 @@ def _svg(document: str) -> str:
 
 
 def _graphviz() -> str:
-    """The path of Graphviz's program.
-
-    Raises:
-        MissingExtra: It is not installed.
-    """
+    """The path of Graphviz's program."""
     if path := shutil.which("dot"):
         return path
     raise MissingExtra(

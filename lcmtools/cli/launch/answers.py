@@ -76,7 +76,6 @@ def _dry_run(plan: Plan, _node: str) -> Answer:
 
 
 def _rows(node: NodePlan) -> Iterator[str]:
-    """Return a node as it would be run: a comment, and a line for the shell."""
     about = [f"output {node.output.value}"]
     if node.respawn:
         about.append(f"respawn after {node.respawn_delay:g} s" if node.respawn_delay else "respawn")

@@ -149,7 +149,6 @@ def _print(answer: Answer, *, as_json: bool) -> int:
 
 
 def _run(plan: Plan, output: str | None, timeouts: StopTimeouts) -> int:
-    """Run the nodes; return the exit code."""
     if not plan.nodes:
         hint = "lcmtools launch --dry-run shows it"
         raise UsageError("the launch file has no nodes to run", hint)
@@ -166,7 +165,6 @@ def _run(plan: Plan, output: str | None, timeouts: StopTimeouts) -> int:
 
 
 def _with_output(node: NodePlan, output: str | None) -> NodePlan:
-    """Return a node whose lines go where the command line says."""
     if output is None:
         return node
     return replace(node, output=Output.BOTH if output == "screen" else Output.LOG)

@@ -22,11 +22,7 @@ class Screen:
         self._colors_talk = stream_wants_color(sys.stderr, os.environ)
 
     def line(self, node: NodeProcess, text: str, *, is_error: bool) -> None:
-        """Show a line that a node has written, unchanged.
-
-        Raises:
-            BrokenPipeError: Nothing reads any more.
-        """
+        """Show a line that a node has written, unchanged."""
         prefix = f"[{node.label}]"
         if self._colors_talk if is_error else self._colors_lines:
             prefix = paint(prefix, _COLORS[node.number % len(_COLORS)])

@@ -164,11 +164,7 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
 
 
 def source_text(kind: type[Message]) -> str:
-    """Return the .lcm file of a message type, as its author wrote it.
-
-    Raises:
-        LcmtoolsError: The file cannot be read.
-    """
+    """Return the .lcm file of a message type, as its author wrote it."""
     name = type_name(kind)
     file = default_registry().files().get(name) or f"{shipped_folder() / name}.lcm"
     try:
@@ -178,11 +174,7 @@ def source_text(kind: type[Message]) -> str:
 
 
 def _piped() -> str:
-    """The type that standard input says.
-
-    Raises:
-        UsageError: It says none, or somebody would have to type it.
-    """
+    """The type that standard input says."""
     if sys.stdin is None or sys.stdin.isatty():
         raise UsageError("no type is given", _EXAMPLE)
     words = sys.stdin.read().replace(",", " ").split()

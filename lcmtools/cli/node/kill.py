@@ -61,11 +61,7 @@ def command(
 
 
 def _confirmed(nodes: list[Node], *, yes: bool) -> list[Node]:
-    """The nodes, if the person agrees; none otherwise.
-
-    Raises:
-        UsageError: There is nobody to ask.
-    """
+    """The nodes, if the person agrees; none otherwise."""
     if yes:
         return nodes
     if not sys.stdin.isatty():

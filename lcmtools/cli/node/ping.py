@@ -71,7 +71,6 @@ def _ping_one(
 
 
 def _ping_all(monitor: BusMonitor, nodes: list[Node], timeout: float, *, as_json: bool) -> int:
-    """Ping every node once; return the exit code."""
     if not nodes:
         talk(f"no nodes on {monitor.url}")
     if nodes and not as_json:

@@ -97,7 +97,6 @@ def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
 
 
 def _up_time(node: Node, now: int) -> float:
-    """The time since its start [s], by the clock of its own computer."""
     return max(0.0, (node.time_there(now) - node.start_time) / 1e9)
 
 
@@ -125,7 +124,6 @@ def _ends(node: Node) -> tuple[Endpoint, ...]:
 
 
 def _peers(node: Node, graph: Graph) -> Iterator[tuple[Endpoint, str, list[str]]]:
-    """Each topic of a node with the names of the other nodes at its other end."""
     for endpoint in _ends(node):
         topic = graph.topic(endpoint.topic)
         outbound = endpoint.role is Role.PUBLISHER
@@ -135,7 +133,6 @@ def _peers(node: Node, graph: Graph) -> Iterator[tuple[Endpoint, str, list[str]]
 
 
 def _share(spent: float, seconds: float) -> float:
-    """A time in percent of a longer one, both in seconds."""
     return 100 * spent / max(1e-9, seconds)
 
 
@@ -221,7 +218,6 @@ def command_text(program: Program) -> str:
 
 
 def _type_text(seen: Traffic) -> str:
-    """The type that messages are likely of, by their fingerprints."""
     names = [found[0] for value in seen.fingerprints if (found := candidates(value))]
     return ", ".join(dict.fromkeys(names)) or UNKNOWN
 

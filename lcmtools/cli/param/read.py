@@ -200,7 +200,6 @@ def describe(node: str, name: str, *, timeout: float, as_json: bool) -> None:
 
 
 def _rows(node: str, parameter: RemoteParameter) -> list[str]:
-    """The lines of ros2 param describe, and the value."""
     rows = [
         f"Parameter: {node}/{parameter.name}",
         f"  Type: {parameter.kind}",

@@ -54,7 +54,6 @@ def set_parameters(words: tuple[str, ...], *, timeout: float) -> None:
 
 
 def _texts(client: ParameterClient, target: Target, value: str) -> Mapping[str, str]:
-    """The new values by name: one, or those in a dict."""
     if target.parameter is not None:
         return {target.parameter: value}
     values = parse_values([value])

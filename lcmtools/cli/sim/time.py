@@ -12,7 +12,6 @@ from lcmtools.types.std_srvs import Trigger
 
 
 def _trigger(verb: str, about: str, example: str) -> click.Command:
-    """Make a command that calls a service without arguments."""
 
     @subcommand(verb)
     @json_sim_options

@@ -107,13 +107,7 @@ def command(
 
 
 def _live(selection: ChannelSelection, view: View) -> int:
-    """Show the live view until it is left; return the exit code.
-
-    Raises:
-        UsageError: There is no terminal.
-        MissingExtra: textual is not installed.
-        BusError: The bus cannot be reached.
-    """
+    """Show the live view until it is left; return the exit code."""
     if not all(stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):
         raise UsageError("spy needs a terminal", "--once prints the table")
     try:

@@ -93,7 +93,6 @@ def _field_line(
 
 
 def _span_text(found: Curve) -> str:
-    """The range of a number."""
     if not found.bars or found.low == found.high:
         return "constant" if found.bars else ""
     first, last = number_text(found.low), number_text(found.high)

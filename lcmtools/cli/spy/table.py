@@ -85,7 +85,6 @@ def layout(columns: Sequence[Column], widths: Mapping[str, int], room: int | Non
 
 
 def _least(columns: Sequence[Column], widths: Mapping[str, int], gap: int) -> int:
-    """The room that columns need when everything is cut."""
     least = (min(widths[c.name], c.least or widths[c.name]) for c in columns)
     return sum(least) + gap * (len(columns) - 1)
 

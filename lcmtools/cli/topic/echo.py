@@ -155,11 +155,7 @@ def command(
 def _topics_and_type(
     words: tuple[str, ...], bag: str | None, *, all_topics: bool
 ) -> tuple[tuple[str, ...], str]:
-    """The topics among the words, and the type, which may stand last; "" where it does not.
-
-    Raises:
-        UsageError: There is no topic, or options exclude each other.
-    """
+    """The topics among the words, and the type, which may stand last; "" where it does not."""
     if all_topics and bag is None:
         raise UsageError("--all is for logs", "name one with -b, or echo '**'")
     if all_topics and words:
@@ -172,11 +168,7 @@ def _topics_and_type(
 
 
 def _open(bag: str | None) -> BusMonitor:
-    """The bus, or a log.
-
-    Raises:
-        UsageError: Both are named.
-    """
+    """The bus, or a log."""
     if bag is None:
         return open_monitor("echo", whole=True, plays=True)
     if bus_choice().url or bus_choice().domain:
@@ -185,5 +177,4 @@ def _open(bag: str | None) -> BusMonitor:
 
 
 def _can_clear() -> bool:
-    """Return whether standard output is a screen that can be cleared."""
     return sys.stdout.isatty() and os.environ.get("TERM", "dumb") != "dumb"

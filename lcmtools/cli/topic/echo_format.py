@@ -46,10 +46,6 @@ class EchoFormatter:
 
         A message that has not what is asked for is passed over, which is said once, where others
         have it or may have it.
-
-        Raises:
-            ValueMismatch: It is the first and has no such field, or the filter cannot be worked
-                out.
         """
         try:
             text = self._shown(found)
@@ -97,7 +93,6 @@ class EchoFormatter:
         return replace(view, origin=found.time) if self._options.is_relative else view
 
     def _row(self, found: SelectedPacket, message: Message, plain: Plain) -> dict[str, Cell]:
-        """The cells of a row: the header's stamp, else the arrival, and the values."""
         stamped = stamp(message)
         time = found.time if stamped is None else stamped
         topic: dict[str, Cell] = {"topic": found.packet.channel} if self._is_one_of_many() else {}
@@ -146,7 +141,6 @@ class EchoFormatter:
 
 
 def _plain(found: dict[str, Selection], view: View) -> Plain:
-    """One part of a message; or several, by their paths."""
     if len(found) == 1:
         return plain_selection(next(iter(found.values())), view)
     return {path: plain_selection(selection, view) for path, selection in found.items()}

@@ -45,11 +45,7 @@ class DisplayOptions:
         return self.form in ("raw", "raw json")
 
     def paths(self, behind_topic: Path) -> tuple[Path, ...]:
-        """Return all parts to show, from the message on.
-
-        Raises:
-            UsageError: They are parts of bytes that are not decoded.
-        """
+        """Return all parts to show, from the message on."""
         paths = tuple(behind_topic.then(field) for field in self.fields) or (behind_topic,)
         if self.is_raw and any(path.steps for path in paths):
             raise UsageError("--raw shows whole messages", "leave out the field, or --raw")
@@ -61,11 +57,7 @@ class DisplayOptions:
         return is_as_it_is and paths == (Path(),)
 
     def check(self, types: tuple[str, ...], behind_topic: Path) -> None:
-        """Find unknown fields before a message has come, where one type is announced.
-
-        Raises:
-            UsageError: There are such fields, or parts of bytes that are not decoded are wanted.
-        """
+        """Find unknown fields before a message has come, where one type is announced."""
         paths = self.paths(behind_topic)
         cls = self.message_class or _announced_class(types)
         if cls is None:
@@ -89,9 +81,6 @@ def display_options(
         fields: The --field options.
         condition: The --filter option.
         others: Whether each of the options was given that change how values are shown.
-
-    Raises:
-        UsageError: Something is wrong, or two options exclude each other.
     """
     given = [option for option, is_given in form_flags.items() if is_given]
     if len(given) > 1 and given != ["--json", "--raw"]:

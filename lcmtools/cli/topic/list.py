@@ -130,7 +130,6 @@ def _hosts(topics: list[Topic], options: _ListOptions) -> list[str]:
 
 
 def _verbose(topics: list[Topic], options: _ListOptions) -> list[str]:
-    """The sections of rostopic list -v."""
     published = {topic: len(topic.publishers) + len(topic.foreign) for topic in topics}
     subscribed = {topic: len(topic.subscribers) for topic in topics}
     rows = [""]

@@ -142,7 +142,6 @@ class Overview(LivePage):
         self.draw()
 
     def _find(self, text: str, step: int) -> None:
-        """Put the cursor on the next row with a text in its channel."""
         names = [row.channel for row in self._rows]
         key = self.table.cursor_key
         start = names.index(key) + step if key in names else 0
