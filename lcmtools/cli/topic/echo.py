@@ -2,7 +2,7 @@
 
 import os
 import sys
-from dataclasses import replace
+from collections.abc import Mapping
 from itertools import islice
 
 import click
@@ -18,18 +18,20 @@ from lcmtools.cli.options import (
     open_monitor,
 )
 from lcmtools.cli.output import data
-from lcmtools.cli.topic.echo_format import EchoFormatter
-from lcmtools.cli.topic.echo_options import display_options
 from lcmtools.errors import UsageError
+from lcmtools.messages.filter import Filter
+from lcmtools.messages.path import parse_path
 from lcmtools.messages.plain import View
 from lcmtools.messages.registry import message_class, packages
 from lcmtools.messages.text import Writer
 from lcmtools.observe.arrivals import ArrivalStream, taken
 from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.formatter import DisplayOptions, Form, MessageFormatter
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.selection import select_topics
 from lcmtools.observe.sources import LogObserver
 
+_FORMS: dict[str, Form] = {"--json": "json", "--csv": "csv", "--flow-style": "flow", "--raw": "raw"}
 _ALL_TOPICS = "**"
 _CLEAR = "\033[2J\033[;H"  # the screen, and the cursor to its corner
 
@@ -130,8 +132,10 @@ def command(
     if offset and bag is not None:
         raise UsageError("--offset is relative to now, and a log has no now", "leave out --offset")
     topics, type_ = _topics_and_type(words, bag, all_topics=all_topics)
-    asked = replace(
-        display_options(forms, fields, condition, changes),
+    asked = DisplayOptions(
+        _form(forms, changes),
+        tuple(map(parse_path, fields)),
+        Filter(condition) if condition is not None else None,
         view=View(noarr, nostr, longest, is_table=as_csv),
         writer=Writer(width),
         is_relative=offset,
@@ -147,9 +151,22 @@ def command(
         for types, path in stream.announced():
             asked.check(types, path)
         decoder = Decoder(monitor.types_of, asked.message_class, keep_stray=True)
-        formatter = EchoFormatter(decoder, asked, lambda: stream.is_one_of_many)
+        formatter = MessageFormatter(decoder, asked, lambda: stream.is_one_of_many, notify)
         for text in islice(taken(stream, formatter.text, timeout, notify), limit):
             data(f"{prefix}{text}")
+
+
+def _form(forms: Mapping[str, bool], changing: Mapping[str, bool]) -> Form:
+    """The form that flags mean, beside those that change how values are shown."""
+    given = [flag for flag, is_given in forms.items() if is_given]
+    if len(given) > 1 and given != ["--json", "--raw"]:
+        raise UsageError(f"{' and '.join(given)} exclude each other", f"leave out {given[-1]}")
+    changes = [flag for flag, is_given in changing.items() if is_given]
+    if "--raw" in given and changes:
+        raise UsageError("--raw shows whole messages", f"leave out {' and '.join(changes)}")
+    if "-w" in changes and given and given != ["--flow-style"]:
+        raise UsageError(f"-w and {given[0]} exclude each other", f"leave out {given[0]} or -w")
+    return "raw json" if len(given) > 1 else _FORMS[given[0]] if given else "text"
 
 
 def _topics_and_type(

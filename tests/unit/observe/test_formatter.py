@@ -1,9 +1,9 @@
 """What echo shows of messages that differ in type, and by which clock."""
 
+import sys
+
 import pytest
 
-from lcmtools.cli.topic.echo_format import EchoFormatter
-from lcmtools.cli.topic.echo_options import DisplayOptions
 from lcmtools.errors import UsageError, ValueMismatch
 from lcmtools.messages.codec import encode
 from lcmtools.messages.filter import Filter
@@ -11,14 +11,19 @@ from lcmtools.messages.path import Path, parse_path
 from lcmtools.messages.registry import Message
 from lcmtools.observe.arrivals import SelectedPacket
 from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.formatter import DisplayOptions, MessageFormatter
 from lcmtools.types.geometry_msgs import Point, PointStamped
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Packet
 
 
-def formatter(look: DisplayOptions, *, many: bool = False) -> EchoFormatter:
-    return EchoFormatter(Decoder(lambda _: (), look.message_class), look, lambda: many)
+def _say(text: str) -> None:
+    sys.stderr.write(f"{text}\n")
+
+
+def formatter(look: DisplayOptions, *, many: bool = False) -> MessageFormatter:
+    return MessageFormatter(Decoder(lambda _: (), look.message_class), look, lambda: many, _say)
 
 
 def match(message: Message, path: str = "", channel: str = "/a") -> SelectedPacket:
@@ -42,7 +47,7 @@ def test_a_type_without_the_field_is_passed_over_when_another_had_it(
     assert one.text(match(String(), "header.seq")) is None
     assert one.text(match(PointStamped(), "header.seq")) == "0\n---"
     assert capsys.readouterr().err == (
-        "lcmtools echo: a message on /a is left out: header: std_msgs/String has no field 'header'"
+        "a message on /a is left out: header: std_msgs/String has no field 'header'"
         " (fields: data)\n"
     )
 
@@ -67,7 +72,7 @@ def test_the_first_message_without_the_field_is_a_mistake() -> None:
 def test_one_topic_of_many_without_the_field_is_none(capsys: pytest.CaptureFixture[str]) -> None:
     one = formatter(DisplayOptions(), many=True)
     assert one.text(match(String(), "header")) is None
-    assert capsys.readouterr().err.startswith("lcmtools echo: a message on /a is left out: ")
+    assert capsys.readouterr().err.startswith("a message on /a is left out: ")
 
 
 def test_raw_has_no_fields() -> None:

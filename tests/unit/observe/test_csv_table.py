@@ -1,9 +1,7 @@
 """The rows of ``echo --csv``: columns that stay where they are."""
 
-import pytest
-
-from lcmtools.cli.topic.echo_format import CsvTable
 from lcmtools.messages.plain import Plain, cells
+from lcmtools.observe.formatter import CsvTable
 
 
 def row(table: CsvTable, time: int, plain: Plain, kind: str = "a/B") -> str | None:
@@ -11,39 +9,42 @@ def row(table: CsvTable, time: int, plain: Plain, kind: str = "a/B") -> str | No
 
 
 def test_a_row_has_the_columns_of_the_first_one() -> None:
-    table = CsvTable()
+    table = CsvTable(lambda *_: None)
     assert row(table, 1, {"a": [1, 2], "b": "x"}) == "%time,field.a0,field.a1,field.b\n1,1,2,x"
     assert row(table, 2, {"a": [3, 4], "b": "y"}) == "2,3,4,y"
     assert row(table, 3, {"a": [5], "b": "z"}) == "3,5,,z"
 
 
-def test_values_without_a_column_are_left_out_and_that_is_said_once(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    table = CsvTable()
+def test_values_without_a_column_are_left_out_and_that_is_said() -> None:
+    said: list[tuple[str, str]] = []
+    table = CsvTable(lambda *reason: said.append(reason))
     row(table, 1, {"a": [1]})
     assert row(table, 2, {"a": [2, 3]}) == "2,2"
     assert row(table, 3, {"a": [4, 5]}) == "3,4"
-    assert capsys.readouterr().err == (
-        "lcmtools echo: no column for 1 more in an array that was shorter in the first message;"
-        " --field with a slice gives all rows the same columns\n"
-    )
+    assert {*said} == {
+        (
+            "more",
+            "no column for 1 more in an array that was shorter in the first message;"
+            " --field with a slice gives all rows the same columns",
+        )
+    }
 
 
 def test_text_is_quoted_where_it_must_be() -> None:
-    table = CsvTable()
+    table = CsvTable(lambda *_: None)
     assert row(table, 1, 'a, "b"\nc') == '%time,field\n1,"a, ""b""\nc"'
 
 
-def test_messages_of_another_type_are_left_out_and_that_is_said_once(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    table = CsvTable()
+def test_messages_of_another_type_are_left_out_and_that_is_said() -> None:
+    said: list[tuple[str, str]] = []
+    table = CsvTable(lambda *reason: said.append(reason))
     row(table, 1, 5, "std_msgs/Int32")
     assert row(table, 2, "x", "std_msgs/String") is None
     assert row(table, 3, "y", "std_msgs/String") is None
     assert row(table, 4, 6, "std_msgs/Int32") == "4,6"
-    assert capsys.readouterr().err == (
-        "lcmtools echo: messages of std_msgs/String are left out: the columns are those of"
-        " std_msgs/Int32\n"
-    )
+    assert {*said} == {
+        (
+            "kind std_msgs/String",
+            "messages of std_msgs/String are left out: the columns are those of std_msgs/Int32",
+        )
+    }

@@ -1,20 +1,20 @@
-"""The texts that ``lcmtools echo`` prints for messages."""
+"""Messages as text, JSON and comma-separated values: all of them, or parts, as echo shows them."""
 
 import csv
 import io
 import json
 from collections.abc import Callable
-from dataclasses import replace
-from typing import cast
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Literal, cast
 
-from lcmtools.cli.output import talk
-from lcmtools.cli.topic.echo_options import DisplayOptions
-from lcmtools.errors import DecodeError, ValueMismatch
-from lcmtools.messages.fields import stamp
-from lcmtools.messages.path import Path, Selection, select
-from lcmtools.messages.plain import Cell, Plain, View, cells, plain_json, plain_selection
-from lcmtools.messages.registry import Message
-from lcmtools.messages.text import format_message
+from lcmtools.errors import DecodeError, UnknownType, UsageError, ValueMismatch
+from lcmtools.messages.fields import MessageClass, stamp
+from lcmtools.messages.filter import Filter
+from lcmtools.messages.path import Path, Selection, select, target
+from lcmtools.messages.plain import NOTHING, Cell, Plain, View, cells, plain_json, plain_selection
+from lcmtools.messages.registry import Message, message_class
+from lcmtools.messages.text import FREE, Writer, format_message
 from lcmtools.observe.arrivals import SelectedPacket
 from lcmtools.observe.decoding import Decoder, UnknownFingerprint, remedy_of_unknown
 from lcmtools.wire.packet import Packet
@@ -22,22 +22,72 @@ from lcmtools.wire.packet import Packet
 _SHOWN_BYTES = 64
 
 
-class EchoFormatter:
-    """Turns packets into the texts that echo prints.
+Form = Literal["text", "json", "csv", "flow", "raw", "raw json"]
+
+
+@dataclass(frozen=True, slots=True)
+class DisplayOptions:
+    """The form and the parts of messages that are shown."""
+
+    form: Form = "text"
+    fields: tuple[Path, ...] = ()  # from where the topic's own path ends; none for all of it
+    condition: Filter | None = None  # that messages must fulfil
+    view: View = NOTHING  # values that are not shown as they are
+    writer: Writer = FREE  # of numbers in text
+    is_relative: bool = False  # times are relative to the message's arrival
+    message_class: MessageClass | None = None  # None where the fingerprints decide
+
+    @property
+    def is_raw(self) -> bool:
+        """True if payloads are shown as they are."""
+        return self.form in ("raw", "raw json")
+
+    def paths(self, behind_topic: Path) -> tuple[Path, ...]:
+        """Return all parts to show, from the message on."""
+        paths = tuple(behind_topic.then(field) for field in self.fields) or (behind_topic,)
+        if self.is_raw and any(path.steps for path in paths):
+            raise UsageError("--raw shows whole messages", "leave out the field, or --raw")
+        return paths
+
+    def is_whole(self, paths: tuple[Path, ...]) -> bool:
+        """Return whether all of a message is shown, as it is."""
+        is_as_it_is = not self.view and not self.is_relative and self.writer == FREE
+        return is_as_it_is and paths == (Path(),)
+
+    def check(self, types: tuple[str, ...], behind_topic: Path) -> None:
+        """Find unknown fields before a message has come, where one type is announced."""
+        paths = self.paths(behind_topic)
+        cls = self.message_class or _announced_class(types)
+        if cls is None:
+            return
+        for path in paths:
+            target(cls, path)
+        if self.condition:
+            self.condition.check(cls)
+
+
+class MessageFormatter:
+    """Turns packets into texts.
 
     Args:
         decoder: Decodes them.
         options: The form and the parts that are shown.
-        is_one_of_many: Returns whether each text must say its topic.
+        is_one_of_many: Returns whether each text must name its topic.
+        notify: Called with a sentence about what is left out, once for each reason.
     """
 
     def __init__(
-        self, decoder: Decoder, options: DisplayOptions, is_one_of_many: Callable[[], bool]
+        self,
+        decoder: Decoder,
+        options: DisplayOptions,
+        is_one_of_many: Callable[[], bool],
+        notify: Callable[[str], None],
     ) -> None:
-        self._is_one_of_many = is_one_of_many
         self._decoder = decoder
         self._options = options
-        self._table = CsvTable()
+        self._is_one_of_many = is_one_of_many
+        self._notify = notify
+        self._table = CsvTable(self._tell)
         self._told: set[str] = set()
         self._has_shown = False
 
@@ -79,8 +129,10 @@ class EchoFormatter:
             return self._headed(found, f"{format_message(message)}\n---")
         selected = {str(path): select(message, path) for path in paths}
         plain = _plain(selected, self._view(found))
+        if form == "json" and self._is_one_of_many():
+            return plain_json({"topic": found.packet.channel, "message": plain})
         if form == "json":
-            return self._record(found, plain)
+            return plain_json(plain)
         if form == "csv":
             row = self._row(found, message, plain)
             return self._table.row(row, ", ".join(map(_kind, selected.values())))
@@ -98,11 +150,6 @@ class EchoFormatter:
         topic: dict[str, Cell] = {"topic": found.packet.channel} if self._is_one_of_many() else {}
         origin = found.time if self._options.is_relative else 0
         return {"%time": time - origin, **topic, **cells(plain)}
-
-    def _record(self, found: SelectedPacket, plain: Plain) -> str:
-        if not self._is_one_of_many():
-            return plain_json(plain)
-        return plain_json({"topic": found.packet.channel, "message": plain})
 
     def _raw(self, found: SelectedPacket) -> str:
         if self._options.form == "raw json":
@@ -137,7 +184,7 @@ class EchoFormatter:
     def _tell(self, about: str, text: str) -> None:
         if about not in self._told:
             self._told.add(about)
-            talk(f"lcmtools echo: {text}")
+            self._notify(text)
 
 
 def _plain(found: dict[str, Selection], view: View) -> Plain:
@@ -166,46 +213,45 @@ def _raw_text(packet: Packet, reason: str) -> str:
 class CsvTable:
     """Rows of comma-separated values under the columns of the first one.
 
-    All rows are of one kind of message: others are left out, which is said once for each kind.
+    Rows of another kind of message are left out. ``tell`` is called with the reason for what is
+    left out, and a sentence.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, tell: Callable[[str, str], None]) -> None:
         self._columns: list[str] = []
         self._kind = ""
-        self._told: set[str] = set()
+        self._tell = tell
 
     def row(self, cells: dict[str, Cell], kind: str) -> str | None:
         """The row of a message, after the line with the columns' names if it is the first.
 
-        A column that a message does not have is empty; values without a column are left out, which
-        is said once.
-
-        Args:
-            cells: The values by column.
-            kind: What the values are of: the name of a type, or several.
+        A column that a message does not have is empty; values without a column are left out.
+        ``kind`` is the name of the values' type, or several.
         """
         head = "" if self._columns else f"{_line(list(cells))}\n"
         if head:
             self._columns, self._kind = list(cells), kind
         elif kind != self._kind:
-            self._tell(f"messages of {kind} are left out: the columns are those of {self._kind}")
+            columns = f"the columns are those of {self._kind}"
+            self._tell(f"kind {kind}", f"messages of {kind} are left out: {columns}")
             return None
-        more = len(cells.keys() - set(self._columns))
-        if more and "more" not in self._told:
-            self._told.add("more")
-            talk(
-                f"lcmtools echo: no column for {more} more in an array that was shorter in the"
-                " first message; --field with a slice gives all rows the same columns"
+        if more := len(cells.keys() - set(self._columns)):
+            self._tell(
+                "more",
+                f"no column for {more} more in an array that was shorter in the first message;"
+                " --field with a slice gives all rows the same columns",
             )
         return head + _line([cells.get(column, "") for column in self._columns])
-
-    def _tell(self, text: str) -> None:
-        if text not in self._told:
-            self._told.add(text)
-            talk(f"lcmtools echo: {text}")
 
 
 def _line(cells: "list[str] | list[Cell]") -> str:
     text = io.StringIO()
     csv.writer(text, lineterminator="").writerow(cells)
     return text.getvalue()
+
+
+def _announced_class(types: tuple[str, ...]) -> type[Message] | None:
+    """The class of the one type that is announced; None for none, several, or an unknown one."""
+    with suppress(UnknownType):
+        return message_class(types[0]) if len(types) == 1 else None
+    return None
