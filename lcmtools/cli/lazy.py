@@ -24,26 +24,15 @@ COMMAND = "lcmtools.command"
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A command of a group.
+    """A command of a group."""
 
-    Attributes:
-        home: "module:attribute" of the click command.
-        help: One line for the group's help.
-        is_alias: Left out of the group's help: a second name of a command that is listed.
-    """
-
-    home: str
-    help: str
+    home: str  # "module:attribute" of the click command
+    help: str  # one line for the group's help, which leaves out aliases
     is_alias: bool = False
 
 
 class LazyGroup(click.Group):
-    """A group that knows its commands by a table.
-
-    Args:
-        entries: The commands by name.
-        absent: Hints for commands that ROS has and that make no sense here.
-    """
+    """A group with a table of commands; ``absent`` has hints for ROS's that make no sense here."""
 
     def __init__(
         self,
@@ -56,18 +45,16 @@ class LazyGroup(click.Group):
         self._entries = entries
         self._absent = absent
 
-    def list_commands(self, ctx: click.Context) -> list[str]:
+    def list_commands(self, _: click.Context) -> list[str]:
         """Return the commands that help lists."""
-        del ctx
         return [name for name, _ in self.help_lines()]
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+    def get_command(self, _: click.Context, cmd_name: str) -> click.Command | None:
         """Import one command; None when there is none of this name."""
-        del ctx
         entry = self._entries.get(cmd_name)
         if entry is None:
             return None
-        module, _, attribute = entry.home.partition(":")
+        module, attribute = entry.home.split(":")
         return _mannered(cast(click.Command, getattr(import_module(module), attribute)))
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -96,9 +83,8 @@ class LazyGroup(click.Group):
                 return name, command, take_names(ctx, args[1:])
         return super().resolve_command(ctx, args)
 
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+    def format_commands(self, _: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands from the table, importing none."""
-        del ctx
         with formatter.section("Commands"):
             formatter.write_dl(self.help_lines())
 
@@ -112,12 +98,9 @@ class LazyGroup(click.Group):
 
     def with_pages(self) -> list[str]:
         """Return the commands that are not aliases of another one in this group."""
-        homes = {entry.home for entry in self._entries.values() if not entry.is_alias}
-        return [
-            name
-            for name, entry in self._entries.items()
-            if not entry.is_alias or entry.home not in homes
-        ]
+        listed = dict(self.help_lines())
+        homes = {self._entries[name].home for name in listed}
+        return [n for n, entry in self._entries.items() if n in listed or entry.home not in homes]
 
 
 def _mannered(command: click.Command) -> click.Command:

@@ -132,10 +132,7 @@ def main(arguments: Sequence[str], signals: Sequence[int] = ()) -> int:
 
     Nothing is left behind: no signal handler, environment variable, thread or socket. Python code
     and tests call it as often as they like.
-
-    Args:
-        arguments: The command line, without the program's name.
-        signals: The signals that have interrupted the command, where the caller handles them.
+    ``signals`` are those that have interrupted the command, where the caller handles them.
     """
     context: click.Context | None = None
     provide_user_types()

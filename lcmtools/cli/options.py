@@ -177,17 +177,12 @@ def chosen_url() -> "BusUrl":
 
 
 def open_monitor(tool: str, *, whole: bool = False, plays: bool = False) -> "BusMonitor":
-    """Open the bus or the log that the command line selects.
+    """Open the bus or the log that the command line selects, for the command ``tool``.
 
-    Args:
-        tool: The command's name.
-        whole: Put large messages together; else their heads come.
-        plays: Play a log at its own speed; else it is read at once.
+    Large messages come as a whole, or only their heads; a log is played at its own speed, or read
+    at once. A request to shut down ends the command as SIGTERM does.
     """
     from lcmtools.observe.monitor import BusMonitor
-
-    def tell(text: str) -> None:
-        talk(f"lcmtools {tool}: {text}")
 
     return BusMonitor(
         chosen_url(),
@@ -195,19 +190,14 @@ def open_monitor(tool: str, *, whole: bool = False, plays: bool = False) -> "Bus
         os.environ,
         whole=whole,
         plays=plays,
-        on_outage=tell,
-        on_shutdown=end_as_asked,
+        on_outage=lambda text: talk(f"lcmtools {tool}: {text}"),
+        on_shutdown=lambda: signal.raise_signal(signal.SIGTERM),
     )
 
 
 def notify(text: str) -> None:
     """Tell the person something in the name of the command that runs."""
     talk(f"{click.get_current_context().command_path}: {text}")
-
-
-def end_as_asked() -> None:
-    """End this program as SIGTERM does, because another one asks for it."""
-    signal.raise_signal(signal.SIGTERM)
 
 
 def looking_names() -> Resolver:

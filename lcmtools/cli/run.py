@@ -12,9 +12,9 @@ from lcmtools.cli.declare import argument, option, subcommand
 from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import bus_choice, bus_options, json_option
 from lcmtools.cli.output import document, lines, talk
-from lcmtools.cli.summaries import summary
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.packages.nodes import OWN, Runnable, find_node, runnables
+from lcmtools.packages.summaries import summary
 from lcmtools.packages.workspace import workspace
 
 

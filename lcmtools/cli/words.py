@@ -23,12 +23,9 @@ class CommandWithWords(click.Command):
     """A command whose last argument takes negative numbers and YAML as they are.
 
     A word behind an option that takes a value is that value, whatever it looks like.
-
-    Attributes:
-        may_stand_alone: Options whose value is given with "=" or not at all.
     """
 
-    may_stand_alone: ClassVar[tuple[str, ...]] = ()
+    may_stand_alone: ClassVar[tuple[str, ...]] = ()  # options with "=" and a value, or without
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse the command line."""

@@ -16,9 +16,8 @@ Source = str | Sequence[Sequence[str]]
 class Completer:
     """The completer of a parameter, as click's ``shell_complete`` takes it.
 
-    Args:
-        source: Where the candidates come from; a module without a dot is one of this package.
-        is_fixed: True if they change with the code only: they are read with the command, and kept.
+    A module without a dot is one of this package. Fixed candidates change with the code only: they
+    are read with the command, and kept.
     """
 
     def __init__(self, source: Source, *, is_fixed: bool = False) -> None:

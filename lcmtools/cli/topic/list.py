@@ -11,7 +11,7 @@ from lcmtools.cli.options import (
     looking_pattern,
     open_monitor,
 )
-from lcmtools.cli.output import data, document, lines, talk
+from lcmtools.cli.output import data, show, talk
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Graph, Topic
 from lcmtools.observe.activity import Activity
@@ -23,21 +23,13 @@ _MEASURED = 1.0  # [s]
 
 @dataclass(frozen=True, slots=True)
 class _ListOptions:
-    """The topics that are listed, and the form.
+    """The topics that are listed, and the form."""
 
-    Attributes:
-        published: Whether those that are published are.
-        subscribed: Whether those that are subscribed to are.
-        verbose: In rostopic's sections.
-        types: Each with its type.
-        rates: How often messages come [Hz], by topic; None where that is not to be shown.
-    """
-
-    published: bool = True
-    subscribed: bool = True
-    verbose: bool = False
-    types: bool = False
-    rates: Mapping[str, float] | None = None
+    published: bool  # those that are published are listed
+    subscribed: bool
+    verbose: bool  # in rostopic's sections
+    types: bool  # each with its type
+    rates: Mapping[str, float] | None  # [Hz] by topic; None where they are not shown
 
     def has(self, topic: Topic) -> bool:
         """Return whether a topic is listed at all."""
@@ -95,12 +87,8 @@ def command(
     if count_topics:
         data(str(len(topics)))
         return
-    if as_json:
-        document([_record(topic, options) for topic in topics])
-    elif by_hosts:
-        lines(_hosts(topics, options))
-    else:
-        lines(_rows(topics, options))
+    rows = _hosts(topics, options) if by_hosts else _rows(topics, options)
+    show([_record(topic, options) for topic in topics], rows, as_json=as_json)
     if not topics:
         talk(f"no topics{f' in {namespace}' if namespace else ''} on {url}")
 
@@ -132,15 +120,14 @@ def _hosts(topics: list[Topic], options: _ListOptions) -> list[str]:
 def _verbose(topics: list[Topic], options: _ListOptions) -> list[str]:
     published = {topic: len(topic.publishers) + len(topic.foreign) for topic in topics}
     subscribed = {topic: len(topic.subscribers) for topic in topics}
+    sections = (
+        (options.published, "Published topics:", published, "publisher"),
+        (options.subscribed, "Subscribed topics:", subscribed, "subscriber"),
+    )
     rows = [""]
-    if options.published:
-        rows.append("Published topics:")
-        rows += [_row(topic, n, "publisher", options) for topic, n in published.items() if n]
-        rows.append("")
-    if options.subscribed:
-        rows.append("Subscribed topics:")
-        rows += [_row(topic, n, "subscriber", options) for topic, n in subscribed.items() if n]
-        rows.append("")
+    for is_shown, title, counts, noun in sections:
+        if is_shown:
+            rows += [title, *(_row(t, n, noun, options) for t, n in counts.items() if n), ""]
     return rows
 
 

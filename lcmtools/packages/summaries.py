@@ -10,9 +10,7 @@ from pathlib import Path
 def summary(target: str, folder: Path | None = None) -> str:
     """Return the first line of the docstring of "module:function"'s module, or "".
 
-    Args:
-        target: The place of a node's main function.
-        folder: The folder that its code is imported from; None for an installed package.
+    ``folder`` is the one that its code is imported from; None for an installed package.
     """
     try:
         spec = _find(target.partition(":")[0].split("."), folder)
