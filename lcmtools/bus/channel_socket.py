@@ -1,8 +1,8 @@
 """A socket that receives one channel, whose messages wait in the kernel until they are read.
 
 Waking up for each message costs far more than reading many at once. A filter in the kernel (Linux
-only) accepts nothing but the channel. It is for small messages that may be read a little later: of
-what does not fit into the socket's buffer between two reads, the newest are lost.
+only) accepts nothing but the channel. It is for small messages that may be read a little later: if
+the socket's buffer fills up between two reads, the newest are lost.
 """
 
 import contextlib
@@ -25,13 +25,7 @@ _MOST_AT_ONCE = 4096  # messages: a flood must not occupy the reader
 
 
 class ChannelSocket:
-    """The messages of one channel of a multicast bus, from now on.
-
-    ``take`` never blocks; use it from one thread at a time.
-
-    Args:
-        url: The bus.
-        channel: The channel.
+    """The messages of one channel of a multicast bus, from now on; for one thread at a time.
 
     Raises:
         BusError: The group cannot be joined, or this system has no such filter.
@@ -51,10 +45,7 @@ class ChannelSocket:
         mark(self._receiver, SELECTIVE)
 
     def take(self) -> list[tuple[bytes, int]]:
-        """Return the payloads and their receive times [ns since 1970], oldest first.
-
-        Nothing when it is closed.
-        """
+        """Return waiting payloads with their receive times [ns since 1970]; never blocks."""
         taken: list[tuple[bytes, int]] = []
         start = SHORT_HEADER_BYTES + len(self._name)
         with contextlib.suppress(OSError):  # BlockingIOError: that was all

@@ -6,7 +6,6 @@ subscribe apart.
 """
 
 import contextlib
-import math
 import os
 import queue
 import re
@@ -65,7 +64,7 @@ class LcmBus:
         return [self._paced.port] if self._paced else []
 
     def publish(self, channel: str, payload: bytes) -> None:
-        """Send one message; a large one goes out as paced fragments, behind the caller's back.
+        """Send one message; a large one goes out as paced fragments, after this returns.
 
         Raises:
             BusError: It cannot be sent.
@@ -85,7 +84,7 @@ class LcmBus:
             raise BusError(f"cannot publish on {channel}: {error.strerror or error}") from error
 
     def subscribe(self, channel: str, handler: Handler) -> None:
-        """Have ``handler`` called for each message on exactly this channel.
+        """Call ``handler`` for each message on this channel.
 
         Raises:
             BusError: The subscription cannot be made.
@@ -100,7 +99,7 @@ class LcmBus:
             self._on_receiver(lambda: self._unsubscribe(channel, handler))
 
     def close(self) -> None:
-        """Send what waits, stop the receiving thread and leave the bus."""
+        """Send waiting messages, stop the receiving thread and leave the bus."""
         with self._requesting:
             if self._closed:
                 return
@@ -126,7 +125,7 @@ class LcmBus:
         os.write(self._wake_write, b"\0")
 
     def _on_receiver(self, work: Callable[[], None]) -> None:
-        """Run ``work`` on the receiving thread and wait for it; raise here what it raises."""
+        """Run ``work`` on the receiving thread and wait for it; its exception is raised here."""
         if threading.current_thread() is self._thread:
             work()
             return
@@ -212,13 +211,11 @@ class LcmBus:
 
     def _wait(self, instance: Instance | None) -> tuple[bool, list[int]]:
         """Return whether the connection works, and the descriptors that can be read, if any."""
-        sources, longest = [self._wake_read], self._connection.left()
         try:
-            if instance is not None:
-                sources.append(instance.fileno())
-                longest = _CHECK_PERIOD if self._can_break else math.inf
-            timeout = None if longest == math.inf else longest
-            return True, select.select(sources, [], [], timeout)[0]
+            if instance is None:
+                return True, select.select([self._wake_read], [], [], self._connection.left())[0]
+            longest = _CHECK_PERIOD if self._can_break else None
+            return True, select.select([self._wake_read, instance.fileno()], [], [], longest)[0]
         except (OSError, ValueError):  # closed by the publishing thread, when it broke
             return False, []
 

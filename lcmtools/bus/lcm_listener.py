@@ -71,8 +71,7 @@ class LcmListener:
             EOFError: The log has ended, or the bus is closed.
         """
         connection = self._connection
-        if connection.is_lost:
-            left = connection.left()
+        if (left := connection.left()) is not None:
             time.sleep(max(0.0, min(left, timeout)))
             if left <= timeout:
                 connection.try_again()

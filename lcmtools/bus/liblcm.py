@@ -78,9 +78,9 @@ class Connection:
         """True while the server is tried again."""
         return self._due < math.inf
 
-    def left(self) -> float:
-        """Return the time until the next attempt [s]; infinite if the connection is not lost."""
-        return max(0.0, self._due - time.monotonic())
+    def left(self) -> float | None:
+        """Return the time until the next attempt [s]; None if the connection is not lost."""
+        return max(0.0, self._due - time.monotonic()) if self.is_lost else None
 
     def close(self) -> None:
         """Let go of the instance."""

@@ -1,7 +1,7 @@
-"""LCM URLs: which bus is meant, read as liblcm reads them.
+"""LCM URLs, read as liblcm reads them, and the choice of the bus.
 
-Pure text. One thing is stricter than liblcm: a group without a port is an error, where liblcm
-takes port 0 and hangs for ten seconds.
+Pure text. Stricter than liblcm in one way: a group without a port is an error, where liblcm takes
+port 0 and hangs for ten seconds.
 """
 
 from collections.abc import Iterator, Mapping
@@ -31,7 +31,7 @@ _MAX_TTL = 255
 
 @dataclass(frozen=True, slots=True)
 class BusUrl:
-    """The place of a bus.
+    """The URL of a bus.
 
     Attributes:
         provider: "udpm", "mpudpm", "tcpq", "memq" or "file".
@@ -58,12 +58,12 @@ class BusUrl:
         return int(self.options.get("ttl", "0")) & 0xFF
 
     def with_option(self, key: str, value: str) -> "BusUrl":
-        """The same bus with one option more, unless it is there already."""
+        """Return the same bus with one option more, unless it is there already."""
         options = {key: value, **self.options}
         return BusUrl(self.provider, self.network, options, self.host, self.port)
 
     def __str__(self) -> str:
-        """The URL as liblcm takes it."""
+        """Return the URL as liblcm takes it."""
         options = "&".join(f"{key}={value}" for key, value in self.options.items())
         network = f"{self.host}:{self.port}" if self.host else self.network
         return f"{self.provider}://{network}" + (f"?{options}" if options else "")
@@ -75,14 +75,11 @@ def choose_url(
     environment: Mapping[str, str],
     file: UserFile = NO_FILE,
 ) -> tuple[BusUrl, str]:
-    """The bus that is meant, and what says so.
+    """Return the chosen bus, and the source of the choice.
 
-    In this order: the URL given, LCM_DEFAULT_URL, the domain given, LCMTOOLS_DOMAIN, the URL and
-    the domain of the user's file, LCM's default. An empty value counts as not given, as in liblcm.
-
-    Returns:
-        The bus and its source: "--lcm-url", "LCM_DEFAULT_URL", "--domain", "LCMTOOLS_DOMAIN", the
-        line of the user's file, or "default".
+    In this order: the URL given ("--lcm-url"), LCM_DEFAULT_URL, the domain given ("--domain"),
+    LCMTOOLS_DOMAIN, the URL and the domain of the user's file (its line), LCM's default
+    ("default"). An empty value counts as not given, as in liblcm.
 
     Raises:
         InvalidUrl: The URL is wrong.
@@ -104,7 +101,7 @@ def choose_url(
 
 
 def domain_url(domain: str, source: str = "domain") -> BusUrl:
-    """The bus of a domain: LCM's default group on port 7667 + domain, staying on this host."""
+    """Return the bus of a domain: LCM's default group, port 7667 + domain, staying on this host."""
     if not (_is_number(domain) and int(domain) <= MAX_DOMAIN):
         raise UsageError(
             f"{source} '{domain}' is not a domain", f"a domain is a number from 0 to {MAX_DOMAIN}"
@@ -113,14 +110,10 @@ def domain_url(domain: str, source: str = "domain") -> BusUrl:
 
 
 def parse_url(text: str, source: str = "LCM URL") -> BusUrl:
-    """Read an LCM URL (``provider://network?key=value&key=value``).
-
-    Args:
-        text: The URL.
-        source: Where it came from, for the message.
+    """Read an LCM URL (``provider://network?key=value&key=value``) from a source.
 
     Raises:
-        InvalidUrl: Saying what is wrong and how it should look.
+        InvalidUrl: It is wrong, with the right form.
     """
     provider, separator, rest = text.partition("://")
     if not separator or provider not in _PROVIDERS:
@@ -142,7 +135,7 @@ def parse_url(text: str, source: str = "LCM URL") -> BusUrl:
 
 
 def misread_options(url: BusUrl) -> Iterator[str]:
-    """The options of a URL that liblcm takes otherwise than they look, a sentence each."""
+    """Yield a sentence for each option that liblcm ignores or reads in another way."""
     known = _OPTIONS.get(url.provider, ())
     for key, value in url.options.items():
         if key not in known:
@@ -153,7 +146,7 @@ def misread_options(url: BusUrl) -> Iterator[str]:
 
 
 def _parse_options(text: str) -> dict[str, str]:
-    """The options; those that liblcm does not know are kept, for liblcm ignores them too."""
+    # unknown options are kept: liblcm ignores them too
     pairs = (part.partition("=") for part in text.split("&") if part)
     return {key: value for key, _, value in pairs}
 
@@ -183,7 +176,7 @@ def _parse_group(where: str, provider: str, network: str) -> tuple[str, int]:
 
 
 def _parse_server(where: str, network: str) -> tuple[str, int]:
-    """As liblcm does, for which both the server and its port may be missing."""
+    # as in liblcm, both the server and its port may be missing
     host, colon, port = network.partition(":")
     example = _example("tcpq", host)
     return host or DEFAULT_SERVER, _parse_port(where, port, example) if colon else SERVER_PORT

@@ -1,8 +1,8 @@
 """The protocol of announcements: its hidden channels and the messages on them.
 
 Every node publishes a lcmtools_msgs/Announcement on NODE_CHANNEL once a second, at once on a
-change and at once when a lcmtools_msgs/Probe on PROBE_CHANNEL asks for it; and one that says
-LEAVING when it ends. A lcmtools_msgs/Shutdown on SHUTDOWN_CHANNEL asks a node's program to end.
+change, at once on a lcmtools_msgs/Probe on PROBE_CHANNEL, and one with the state LEAVING when it
+ends. A lcmtools_msgs/Shutdown on SHUTDOWN_CHANNEL requests that a node's program end.
 """
 
 from dataclasses import dataclass, replace
@@ -57,7 +57,7 @@ class Announcement:
 
 @dataclass(frozen=True, slots=True)
 class Probe:
-    """A question to nodes to announce themselves.
+    """A request to nodes to announce themselves.
 
     Attributes:
         target: A node's full name; "" for every node.
@@ -74,8 +74,8 @@ class Shutdown:
 
     Attributes:
         target: The node's id.
-        nonce: Comes back in an announcement, which says that the request was heard.
-        requester: Who asks, for the node's log.
+        nonce: Comes back in an announcement, which acknowledges the request.
+        requester: The requesting program, for the node's log.
     """
 
     target: str
@@ -87,8 +87,8 @@ class Head(NamedTuple):
     """The head of an announcement, read without decoding it; empty where there is none.
 
     Attributes:
-        identity: Equal in all announcements of a node but its goodbye, and no other node's.
-        revision: Equal while nothing of the node has changed but its counters and its clock.
+        identity: Equal in all announcements of one node but its goodbye, and in no others.
+        revision: Equal until more of the node changes than its counters and its clock.
     """
 
     identity: bytes
@@ -96,14 +96,14 @@ class Head(NamedTuple):
 
 
 def encode_probe(probe: Probe) -> bytes:
-    """The payload of a probe."""
+    """Return the payload of a probe."""
     message = msgs.Probe()
     message.target, message.nonce = probe.target, probe.nonce
     return encode(message)
 
 
 def decode_probe(payload: bytes) -> Probe | None:
-    """The probe in a payload; None when there is none."""
+    """Return the probe in a payload; None if there is none."""
     try:
         message = decode(msgs.Probe, payload)
     except DecodeError:
@@ -112,7 +112,7 @@ def decode_probe(payload: bytes) -> Probe | None:
 
 
 def encode_shutdown(request: Shutdown) -> bytes:
-    """The payload of a request to end."""
+    """Return the payload of a request to end."""
     message = msgs.Shutdown()
     message.target, message.nonce = request.target, request.nonce
     message.requester = _sendable(request.requester)
@@ -120,7 +120,7 @@ def encode_shutdown(request: Shutdown) -> bytes:
 
 
 def decode_shutdown(payload: bytes) -> Shutdown | None:
-    """The request to end in a payload; None when there is none."""
+    """Return the request to end in a payload; None if there is none."""
     try:
         message = decode(msgs.Shutdown, payload)
     except DecodeError:
@@ -129,7 +129,7 @@ def decode_shutdown(payload: bytes) -> Shutdown | None:
 
 
 def encode_announcement(announcement: Announcement) -> bytes:
-    """The payload of an announcement."""
+    """Return the payload of an announcement."""
     node = announcement.node
     message = msgs.Announcement()
     message.name, message.id, message.host = node.name, node.id, node.host
@@ -145,7 +145,7 @@ def encode_announcement(announcement: Announcement) -> bytes:
 
 
 def decode_announcement(payload: bytes) -> Announcement | None:
-    """The announcement in a payload; None when it is none (another version, a foreign message)."""
+    """Return the announcement in a payload; None if it is of another version or type."""
     try:
         message = decode(msgs.Announcement, payload)
         endpoints = tuple(_endpoint(part) for part in message.endpoints)
@@ -169,7 +169,7 @@ def decode_announcement(payload: bytes) -> Announcement | None:
 
 
 def head_of(payload: bytes) -> Head:
-    """The identity of an announcement's node, found without decoding."""
+    """Return the head of an announcement, read without decoding it."""
     if not payload.startswith(_FINGERPRINT):
         return Head(b"", b"")
     end = _NAME_OFFSET
@@ -179,15 +179,14 @@ def head_of(payload: bytes) -> Head:
 
 
 def _revision(node: Node) -> int:
-    """A number that differs when anything of a node has changed but its endpoints' counters."""
-    plain = [_uncounted(endpoint) for endpoint in node.endpoints]
+    """Return a number that changes with anything of a node but its endpoints' counters."""
+    plain = [
+        replace(one, messages=0, bytes=0, drops=0, last_time=0, calls=0, busy=0, longest=0)
+        for one in node.endpoints
+    ]
     structure = repr((node.command, node.tool, node.ports, plain)).encode("utf-8", "replace")
     digest = blake2b(structure, digest_size=_REVISION_BYTES).digest()
     return int.from_bytes(digest, "big", signed=True)
-
-
-def _uncounted(endpoint: Endpoint) -> Endpoint:
-    return replace(endpoint, messages=0, bytes=0, drops=0, last_time=0, calls=0, busy=0, longest=0)
 
 
 def _endpoint_message(endpoint: Endpoint) -> msgs.Endpoint:
@@ -221,7 +220,7 @@ def _endpoint(message: msgs.Endpoint) -> Endpoint:
 
 
 def _sendable(command: str) -> str:
-    """A command line as it can be sent each second: file names may be no UTF-8, or thousands."""
+    """Return a command line that can be sent each second: names may be no UTF-8, or thousands."""
     return command[:MOST_OF_COMMAND].encode("utf-8", "replace").decode()
 
 

@@ -50,7 +50,7 @@ class Callbacks:
         self.timers.clear()
 
     def run_ready(self) -> int:
-        """Run every callback that is ready; return how many ran."""
+        """Run every callback that is ready; return their number."""
         ran = self._run_waiting() if self._has_waiting else 0
         return ran + self._run_timers() if self.timers else ran
 
@@ -131,7 +131,7 @@ class Callbacks:
         return self._go_on() and not self._cleared
 
     def _guard(self, what: str, call: Callable[[], object]) -> None:
-        """Call user code; log what it raises and go on."""
+        """Call user code; log its exceptions and go on."""
         try:
             call()
         except Exception as error:  # noqa: BLE001 - a node outlives its callbacks' faults

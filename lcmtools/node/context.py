@@ -144,7 +144,7 @@ class Context:
         self.wakeup.close()
 
     def _warn(self, text: str) -> None:
-        """Log once what concerns all nodes of the process; commands report it themselves."""
+        """Log once a trouble of all nodes of the process; commands report it themselves."""
         nodes = (one for one in tuple(self._participants) if not one.describe().tool)
         for node in itertools.islice(nodes, 1):
             node.get_logger().warning(text)

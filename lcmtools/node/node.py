@@ -45,7 +45,7 @@ _LOST_MESSAGE_PERIOD = 5.0  # [s] between two complaints about a bus that takes 
 class Node(NodeBase, Parametric):
     """A named participant of the bus.
 
-    Names are resolved by the ROS rules: "/a" is global, "a" stands in the node's namespace, "~a"
+    Names are resolved by the ROS rules: "/a" is global, "a" is in the node's namespace, "~a"
     below the node itself; then the remaps of the command line apply.
 
     Args:

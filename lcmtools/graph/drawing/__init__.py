@@ -1,4 +1,4 @@
-"""Drawing a graph: choosing what is drawn, and writing it as text, dot, Mermaid or JSON.
+"""Drawing a graph: selecting its parts, and writing them as text, dot, Mermaid or JSON.
 
-Pure: a diagram of plain values goes in, text comes out. Must not know where the text goes.
+Pure: from a diagram of plain values to text.
 """

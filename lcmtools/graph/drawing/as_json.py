@@ -1,8 +1,7 @@
 """A diagram as plain values for JSON, whose keys stay as they are.
 
-Besides ``nodes``, ``topics``, ``services`` and ``edges`` there are ``cycles``, ids in the order in
-which data flow. Ids are good for one document only. A key whose value is not known is there all
-the same: it is null.
+``cycles`` are ids in the order in which data flow. Ids are good for one document only. The value of
+a key is null if it is unknown.
 """
 
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member
@@ -10,7 +9,7 @@ from lcmtools.graph.drawing.order import cycles
 
 
 def write(diagram: Diagram) -> dict[str, object]:
-    """The document of a diagram; lists that may be empty."""
+    """Return the document of a diagram; lists that may be empty."""
     return {
         "nodes": [_member(member) for member in diagram.members],
         "topics": [_channel(c, "topic") for c in diagram.channels if not c.is_service],

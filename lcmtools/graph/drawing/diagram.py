@@ -1,6 +1,6 @@
-"""The values that a diagram is made of: members of the bus, channels, and who uses which.
+"""The values of a diagram: members of the bus, channels, and the flows between them.
 
-Must not know how a diagram is written.
+Must not know the formats of diagrams.
 """
 
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ class Member:
         is_tool: A command of lcmtools, such as echo or pub.
         publishes: It sends messages; a command that does is more than an onlooker.
         listens: A program that receives from the bus, on channels that LCM does not reveal.
-        stale: Why a node counts as stale; "" for one that is alive.
+        stale: The reason why a node counts as stale; "" for one that is alive.
     """
 
     id: str
@@ -79,7 +79,7 @@ class Channel:
         name: Its full name.
         types: As announced, else as seen; () if unknown.
         is_service: True for a service.
-        messages: How many were announced as sent, or seen; 0 for a service.
+        messages: Number announced as sent, or observed; 0 for a service.
         rate: Message rate [Hz]; None if not measured.
     """
 
@@ -107,7 +107,7 @@ class Channel:
 
     @property
     def type_text(self) -> str:
-        """Its types, for people."""
+        """Its types in a line."""
         return ", ".join(self.types) or "unknown type"
 
 
@@ -116,12 +116,12 @@ class Edge:
     """A flow of messages or calls.
 
     Attributes:
-        source: The id of where they come from.
-        target: The id of where they go.
-        flow: What the member does.
-        messages: How many, as the member counts them, or as seen.
+        source: The id of their origin.
+        target: The id of their destination.
+        flow: The member's role.
+        messages: Their number, as counted by the member, or observed.
         rate: Message rate [Hz]; None if not measured.
-        topics: Where channels are not drawn: the names of those that this stands for.
+        topics: Where channels are not drawn: the names of those that this replaces.
     """
 
     source: str
@@ -149,15 +149,15 @@ class Diagram:
     is_grouped: bool = False
 
     def vertices(self) -> list[Member | Channel]:
-        """All members and channels, members first."""
+        """Return all members and channels, members first."""
         return [*self.members, *self.channels]
 
     def ids(self) -> list[str]:
-        """All ids, members first."""
+        """Return all ids, members first."""
         return [vertex.id for vertex in self.vertices()]
 
     def arrows(self) -> list[tuple[str, str]]:
-        """The ids at both ends of each edge."""
+        """Return the ids at both ends of each edge."""
         return [(edge.source, edge.target) for edge in self.edges]
 
     def groups(self) -> dict[str, list[str]]:
@@ -169,6 +169,6 @@ class Diagram:
 
 
 def outermost(name: str) -> str:
-    """The first namespace of a global name ("/husky0" of "/husky0/odometry"); "" for none."""
+    """Return the first namespace of a name ("/husky0" of "/husky0/odometry"); "" for none."""
     first, slash, _ = name[1:].partition("/")
     return f"/{first}" if name.startswith("/") and slash and first else ""

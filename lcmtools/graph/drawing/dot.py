@@ -1,6 +1,6 @@
 """A diagram in Graphviz's language (https://graphviz.org/doc/info/lang.html).
 
-Names stand in quotes: a quote and a backslash get a backslash, and "&" becomes an entity, since
+Names are in quotes: a quote and a backslash get a backslash, and "&" becomes an entity, since
 Graphviz reads entities wherever it writes text.
 """
 
@@ -26,7 +26,7 @@ _FOREIGN = "#616161"
 
 
 def write(diagram: Diagram) -> str:
-    """The document of a diagram, ended by a newline."""
+    """Return the document of a diagram, ended by a newline."""
     labels, tips = vertex_labels(diagram), vertex_tips(diagram)
     styles = {member.id: _member(member) for member in diagram.members}
     styles.update({channel.id: _channel(channel) for channel in diagram.channels})
@@ -73,6 +73,5 @@ def _edge(edge: Edge) -> str:
 
 
 def _text(lines: Iterable[str]) -> str:
-    """Lines as a quoted string."""
     rows = (line.replace("\\", "\\\\").replace('"', '\\"').replace("&", "&amp;") for line in lines)
     return '"' + "\\n".join(rows) + '"'

@@ -7,7 +7,7 @@ _MOST_TOPICS = 4  # beside an arrow
 
 
 def title(member: Member) -> str:
-    """A member's name: a node's own, or a program's command without its folder."""
+    """Return a member's name: a node's own, or a program's command without its folder."""
     if member.is_node:
         return member.name
     if not member.name.strip():
@@ -19,7 +19,7 @@ def title(member: Member) -> str:
 
 
 def notes(member: Member) -> list[str]:
-    """Short notes on a member besides its name."""
+    """Return short notes on a member besides its name."""
     said = []
     if not member.is_node:
         said.append("no node" if member.pid is None else f"no node, pid {member.pid}")
@@ -35,7 +35,7 @@ def notes(member: Member) -> list[str]:
 
 
 def names(diagram: Diagram) -> dict[str, str]:
-    """The name of each vertex by its id; members of one name get their pid."""
+    """Return the name of each vertex by its id; members of one name get their pid."""
     titles = [title(member) for member in diagram.members]
     found = {channel.id: channel.name for channel in diagram.channels}
     for member, name in zip(diagram.members, titles, strict=True):
@@ -45,12 +45,12 @@ def names(diagram: Diagram) -> dict[str, str]:
 
 
 def rate_text(rate: float | None) -> str:
-    """A rate as it is shown; "" if it was not measured."""
+    """Return a rate in words; "" if it was not measured."""
     return "" if rate is None else f"{rate:.1f} Hz"
 
 
 def vertex_labels(diagram: Diagram) -> dict[str, list[str]]:
-    """The lines in each vertex, the name first."""
+    """Return the lines in each vertex, the name first."""
     known = names(diagram)
     lines = {m.id: [known[m.id], *_short_notes(m)] for m in diagram.members}
     for c in diagram.channels:
@@ -59,7 +59,7 @@ def vertex_labels(diagram: Diagram) -> dict[str, list[str]]:
 
 
 def edge_label(edge: Edge) -> list[str]:
-    """The lines beside an arrow: its rate, or the topics that it stands for."""
+    """Return the lines beside an arrow: its rate, or the topics that it replaces."""
     rows = [rate_text(edge.rate)] if edge.rate is not None else []
     rows += [printable(topic) for topic in edge.topics]
     if len(rows) > _MOST_TOPICS:
@@ -68,23 +68,23 @@ def edge_label(edge: Edge) -> list[str]:
 
 
 def vertex_tips(diagram: Diagram) -> dict[str, list[str]]:
-    """The lines that pop up over each vertex."""
+    """Return the lines that pop up over each vertex."""
     lines = {member.id: _member_tip(member) for member in diagram.members}
     lines.update({c.id: _channel_tip(c) for c in diagram.channels})
     return {id_: [printable(line) for line in rows] for id_, rows in lines.items()}
 
 
 def edge_tip(edge: Edge) -> list[str]:
-    """The lines that pop up over an arrow."""
+    """Return the lines that pop up over an arrow."""
     counted = f", {edge.messages} messages" if edge.messages else ""
     rate = f", {rate_text(edge.rate)}" if edge.rate is not None else ""
     return [f"{edge.flow.value}{counted}{rate}", *map(printable, edge.topics)]
 
 
 def printable(text: str) -> str:
-    """A text whose every character can be shown and stand in XML: others are escaped.
+    """Return a text with all characters escaped that cannot be shown, or not in XML.
 
-    A channel's name may be any bytes: what is not UTF-8 comes as surrogates.
+    A channel's name may be any bytes: others than UTF-8 come as surrogates.
     """
     if text.isprintable():  # as nearly all are
         return text
@@ -92,7 +92,7 @@ def printable(text: str) -> str:
 
 
 def _short_notes(member: Member) -> list[str]:
-    """The notes without a stale node's long reason, which its tip has."""
+    # a stale node's long reason is in its tip
     return ["(stale)" if note.startswith("stale") else f"({note})" for note in notes(member)]
 
 

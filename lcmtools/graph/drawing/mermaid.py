@@ -1,7 +1,7 @@
 """A diagram in Mermaid's language (https://mermaid.js.org/syntax/flowchart.html).
 
-Ids are ours; names stand in quotes, with everything that the language, HTML or Markdown could take
-for its own written as an entity: "#" and the character's number and ";".
+Ids are ours; names are in quotes, with all characters of meaning to the language, HTML or Markdown
+written as entities: "#" and the character's number and ";".
 """
 
 import re
@@ -17,11 +17,11 @@ _STYLES = """\
   classDef program fill:#fff,stroke:#616161,color:#111,stroke-dasharray:4 3
   classDef stale fill:#fff,stroke:#c62828,color:#c62828,stroke-dasharray:4 3"""
 _OWN = re.compile(r"[^\w /.,:()=-]|(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])|^[-=]|^\d(?=\d*[.)]\s)")
-"""Signs that need escaping, and what starts emphasis or a list in Markdown."""
+"""Signs that need escaping, also those that start emphasis or a list in Markdown."""
 
 
 def write(diagram: Diagram) -> str:
-    """The document of a diagram, ended by a newline."""
+    """Return the document of a diagram, ended by a newline."""
     labels = vertex_labels(diagram)
     rows = {m.id: f"{m.id}([{_text(labels[m.id])}]):::{_kind(m)}" for m in diagram.members}
     rows.update({c.id: _channel(c, _text(labels[c.id])) for c in diagram.channels})
@@ -35,7 +35,7 @@ def write(diagram: Diagram) -> str:
 
 
 def fenced(document: str) -> str:
-    """A document as a block in Markdown, which GitHub and others draw."""
+    """Return a document as a block in Markdown, which GitHub and others draw."""
     return f"```mermaid\n{document}```\n"
 
 
@@ -58,7 +58,6 @@ def _edge(edge: Edge) -> str:
 
 
 def _text(lines: Iterable[str]) -> str:
-    """Lines as a quoted string."""
     return f'"{"<br/>".join(_OWN.sub(_entity, line) for line in lines)}"'
 
 

@@ -1,4 +1,4 @@
-"""Choosing the part of a diagram that is drawn. Functions from diagrams to diagrams."""
+"""Selecting the part of a diagram that is drawn. Functions from diagrams to diagrams."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -12,14 +12,12 @@ from lcmtools.names import Pattern, has_wildcard
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """The selection of a picture's content.
+    """The selection of a diagram's content.
 
     Attributes:
-        parts: Namespaces, names or patterns of what is drawn with its direct neighbours; () for
-            all.
-        topics: Names or patterns of topics and services that are drawn with their users; () for
-            all.
-        excluded: Namespaces, names or patterns of what is not drawn.
+        parts: Namespaces, names or patterns to draw with their direct neighbours; () for all.
+        topics: Names or patterns of topics and services to draw with their users; () for all.
+        excluded: Namespaces, names or patterns to leave out.
         everything: Draw hidden names, quiet topics, tools and leaf topics.
         leaf_topics: Draw topics with one side only and no message.
         tools: Draw commands that look on.
@@ -45,7 +43,7 @@ class LeftOut:
     hidden: int = 0
 
     def text(self) -> str:
-        """All of it in one line, with the options that show it; "" if nothing is left out."""
+        """Return it in one line, with the options that show it; "" if nothing is left out."""
         tools = "commands that look on" if self.tools > 1 else "command that looks on"
         parts = {
             f"{self.leaf_topics} topic{'s' * (self.leaf_topics > 1)} with one side only"
@@ -59,7 +57,7 @@ class LeftOut:
 
 
 def select(diagram: Diagram, wanted: Selection) -> tuple[Diagram, LeftOut]:
-    """The selected part of a diagram, and what is left out of it that may be missed."""
+    """Return the selected part of a diagram, and the content left out."""
     named = _named(diagram, wanted)
     members = [m for m in named.members if _is_drawn(m, wanted)]
     channels = [c for c in named.channels if _is_shown(c, wanted)]
@@ -78,7 +76,7 @@ def select(diagram: Diagram, wanted: Selection) -> tuple[Diagram, LeftOut]:
 
 
 def members_only(diagram: Diagram) -> Diagram:
-    """The same without channels: publishers are connected to subscribers."""
+    """Return a diagram without channels: publishers are connected to subscribers."""
     names = {channel.id: channel.name for channel in diagram.channels}
     into: dict[str, list[Edge]] = {}
     out: dict[str, list[Edge]] = {}
@@ -101,9 +99,9 @@ def members_only(diagram: Diagram) -> Diagram:
 
 
 def is_meant(name: str, wanted: str, *, is_topic: bool = False) -> bool:
-    """Return whether a word means a name: the name, its last part, a namespace or a pattern of it.
+    """Return whether a word means a name: the name, its last part, a namespace or a pattern.
 
-    A pattern of one part is of a node's last part too, but not of a topic's.
+    A pattern of one part matches a node's last part too, but not a topic's.
     """
     pattern = _pattern(wanted)
     return pattern.covers(name) if is_topic and has_wildcard(wanted) else pattern.means_node(name)
@@ -119,7 +117,6 @@ def _pattern(word: str) -> Pattern:
 
 
 def _named(diagram: Diagram, wanted: Selection) -> Diagram:
-    """The members selected by name and kind."""
     members = [m for m in diagram.members if not _is_any(m, wanted.excluded)]
     channels = [
         channel
@@ -136,7 +133,7 @@ def _named(diagram: Diagram, wanted: Selection) -> Diagram:
 
 
 def _around(diagram: Diagram, parts: Sequence[str]) -> Diagram:
-    """The named parts and their direct neighbours: over a channel, the other side."""
+    # neighbours over a channel are those on its other side
     near = {m.id for m in diagram.members if _is_any(m, parts)}
     near |= {c.id for c in diagram.channels if _is_topic(c.name, parts)}
     channels = {channel.id for channel in diagram.channels}
@@ -181,7 +178,7 @@ def _is_named(channel: Channel, wanted: Selection) -> bool:
 
 
 def _active(diagram: Diagram, wanted: Selection) -> list[Channel]:
-    """The channels that carry messages or have both sides, and all services."""
+    # those that carry messages or have both sides, and all services
     fed = {edge.target for edge in diagram.edges}
     feeding = {edge.source for edge in diagram.edges}
     return [
@@ -195,7 +192,7 @@ def _active(diagram: Diagram, wanted: Selection) -> list[Channel]:
 
 
 def _with(diagram: Diagram, members: Sequence[Member], channels: Sequence[Channel]) -> Diagram:
-    """The same with these members alone, and those of these channels that they use."""
+    # of the channels, those that these members use
     there = {member.id for member in members} | {channel.id for channel in channels}
     edges = tuple(e for e in diagram.edges if e.source in there and e.target in there)
     used = Counter(end for edge in edges for end in (edge.source, edge.target))

@@ -1,7 +1,7 @@
 """A diagram as a tree of lines for a terminal: publisher, topic, subscriber.
 
-Members stand in the order in which data flow; one that only subscribes stands below its topics.
-Names go as they are, but for characters that no terminal should get.
+Members are in the order in which data flow; one that only subscribes is below its topics. Names are
+unchanged, but for characters that no terminal should get.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -12,34 +12,23 @@ from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member
 from lcmtools.graph.drawing.labels import names, notes, printable, rate_text
 from lcmtools.graph.drawing.order import cycles, reading_order
 
-NO_PUBLISHER = "(nobody publishes)"
+NO_PUBLISHER = "(no publisher)"
 NO_CLIENT = "(no client announced)"
 _T = TypeVar("_T")
 
 
 @dataclass(frozen=True, slots=True)
 class Signs:
-    """The characters that lines are drawn with.
-
-    Attributes:
-        branch: Before a branch that others follow.
-        last: Before the last branch.
-        bar: Beside what is below a branch that others follow.
-        gap: Beside what is below the last branch.
-        line: Between a member and its topic.
-        arrow: Before a subscriber.
-        to: Between two names in one line.
-        cut: In place of what is left out of a long name.
-    """
+    """The characters that lines are drawn with."""
 
     branch: str = "├"
-    last: str = "└"
-    bar: str = "│  "
-    gap: str = "   "
-    line: str = "─ "
-    arrow: str = "→ "
-    to: str = " → "
-    cut: str = "…"
+    last: str = "└"  # the last branch
+    bar: str = "│  "  # beside the rows below a branch
+    gap: str = "   "  # beside those below the last one
+    line: str = "─ "  # between a member and its topic
+    arrow: str = "→ "  # before a subscriber
+    to: str = " → "  # between two names in one line
+    cut: str = "…"  # for the rest of a long name
 
 
 UNICODE = Signs()
@@ -47,13 +36,7 @@ ASCII = Signs("|", "`", "|  ", "   ", "- ", "> ", " -> ", "...")
 
 
 def write(diagram: Diagram, signs: Signs = UNICODE, width: int | None = None) -> list[str]:
-    """The lines of a diagram; none for an empty one.
-
-    Args:
-        diagram: What is drawn.
-        signs: The characters of lines.
-        width: Columns there are: types that do not fit are left out. None for any number.
-    """
+    """Return the lines of a diagram; types that do not fit into ``width`` columns are left out."""
     tree = _Tree(diagram, signs, width)
     rows = [row for block in tree.blocks() for row in block]
     found = tree.cycles()
@@ -73,7 +56,7 @@ class _Tree:
             self._out[edge.source].append(edge)
 
     def blocks(self) -> Iterator[list[str]]:
-        """The lines of each member that publishes, or is connected to nothing."""
+        """Yield the lines of each member that publishes, or is connected to nothing."""
         fed = {edge.target for edge in self._diagram.edges}
         for vertex in reading_order(self._diagram.ids(), self._diagram.arrows()):
             if vertex in self._members and (self._out[vertex] or vertex not in fed):
@@ -109,7 +92,7 @@ class _Tree:
         return rows
 
     def _branched(self, items: Iterable[_T]) -> Iterator[tuple[str, str, _T]]:
-        """Each item with what stands before its row, and beside the rows below it."""
+        """Yield the start of each item's row, that of the rows below it, and the item."""
         signs, known = self._signs, list(items)
         for item in known[:-1]:
             yield signs.branch, signs.bar, item
@@ -132,7 +115,7 @@ class _Tree:
 
 
 def signs_for(encoding: str | None, environment: Mapping[str, str]) -> Signs:
-    """The characters that can be shown: ASCII alone where the encoding or the C locale says so."""
+    """Return the characters that can be shown: ASCII for such an encoding, or the C locale."""
     variables = (environment.get(name) for name in ("LC_ALL", "LC_CTYPE", "LANG"))
     locale = next((value for value in variables if value), "C")
     try:

@@ -32,8 +32,11 @@ class _Server:
         """The times that ``count`` attempts wait."""
         found = []
         for _ in range(count):
-            found.append(round(connection.left(), 3))
-            self.now += connection.left()
+            left = connection.left()
+            assert left is not None
+            found.append(round(left, 3))
+            self.now += left
+            assert connection.left() == 0.0
             connection.try_again()
         return found
 
@@ -53,7 +56,7 @@ def _connection(server: _Server, url: str = "tcpq://localhost:7700") -> Connecti
 
 def test_a_connection_that_works_waits_for_nothing(server: _Server) -> None:
     connection = _connection(server)
-    assert (connection.is_lost, connection.left(), server.subscribed) == (False, float("inf"), 1)
+    assert (connection.is_lost, connection.left(), server.subscribed) == (False, None, 1)
 
 
 def test_each_attempt_waits_twice_as_long_up_to_two_seconds(server: _Server) -> None:

@@ -40,7 +40,7 @@ def test_cycles_are_named(draw: Draw) -> None:
 
 
 def test_what_nobody_publishes_stands_at_the_end(draw: Draw) -> None:
-    assert write(draw("/t > /a")) == ["(nobody publishes)", "└─ /t [a/B]", "   └→ /a"]
+    assert write(draw("/t > /a")) == ["(no publisher)", "└─ /t [a/B]", "   └→ /a"]
 
 
 def test_services_are_marked(draw: Draw) -> None:
