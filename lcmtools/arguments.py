@@ -16,11 +16,12 @@ from lcmtools.errors import UsageError
 _ASSIGNMENT = re.compile(
     r"([~/A-Za-z_][A-Za-z0-9_/]*|_[A-Za-z][A-Za-z0-9_/.]*):=(.*)", re.ASCII | re.DOTALL
 )
-# Common mistakes in place of it: with blanks, or only one of the two signs.
+# Mistakes in it: with blanks, or with one of the two signs only.
 _MISSPELT = re.compile(
     r"([~/A-Za-z_][A-Za-z0-9_/]*)(?:=|:|:=|=:|==)([^:=].*)", re.ASCII | re.DOTALL
 )
-_FLAGS = ("--ns", "--name", "--param", "--remap", "-r", "--lcm-url", "--domain")
+_FIELDS = {"--ns": "namespace", "--name": "name", "--lcm-url": "lcm_url", "--domain": "domain"}
+_FLAGS = (*_FIELDS, "--param", "--remap", "-r")
 # ROS's own special keys that have no meaning on LCM; accepted so that old command lines work.
 _IGNORED_SPECIALS = ("__log", "__ip", "__hostname", "__master")
 
@@ -30,12 +31,12 @@ class NodeArguments:
     """The names, parameters and bus of a node's command line.
 
     Attributes:
-        namespace: From ``__ns:=`` or ``--ns``; None when not given.
-        name: From ``__name:=`` or ``--name``; None when not given.
+        namespace: From ``__ns:=`` or ``--ns``; None if not given, as of all texts here.
+        name: From ``__name:=`` or ``--name``.
         remaps: Pairs (from, to), as written.
         parameters: Private parameters, name to YAML text.
-        lcm_url: From ``--lcm-url``; None when not given.
-        domain: From ``--domain``; None when not given.
+        lcm_url: From ``--lcm-url``.
+        domain: From ``--domain``.
     """
 
     namespace: str | None = None
@@ -94,7 +95,7 @@ def misspelt(words: Sequence[str], unknown: str, *, of_node: bool = True) -> str
 
     Args:
         words: The command line.
-        unknown: The word of it that has no meaning: "a=b", or a part of "a := b".
+        unknown: The unknown word in it: "a=b", or a part of "a := b".
         of_node: A value that is no name is for a parameter; a launch has arguments only.
     """
     if unknown == "--ros-args":
@@ -125,22 +126,15 @@ def _next_value(flag: str, words: Iterator[str]) -> str:
 
 
 def _take_flag(said: NodeArguments, flag: str, value: str) -> None:
-    if flag == "--ns":
-        said.namespace = value
-    elif flag == "--name":
-        said.name = value
-    elif flag == "--lcm-url":
-        said.lcm_url = value
-    elif flag == "--domain":
-        said.domain = value
-    else:
-        bare = value.lstrip("~/_")
-        assignment = _ASSIGNMENT.fullmatch(
-            f"_{bare}" if flag == "--param" and bare[:1].isalpha() else value
-        )
-        if not assignment:
-            raise UsageError(f"{flag} {value}: expected two names with := between", _EXAMPLES[flag])
-        _take_assignment(said, *assignment.groups())
+    if flag in _FIELDS:
+        setattr(said, _FIELDS[flag], value)
+        return
+    bare = value.lstrip("~/_")
+    is_parameter = flag == "--param" and bare[:1].isalpha()
+    assignment = _ASSIGNMENT.fullmatch(f"_{bare}" if is_parameter else value)
+    if not assignment:
+        raise UsageError(f"{flag} {value}: expected two names with := between", _EXAMPLES[flag])
+    _take_assignment(said, *assignment.groups())
 
 
 def _take_assignment(said: NodeArguments, key: str, value: str) -> None:

@@ -1,6 +1,6 @@
-"""Time as integer nanoseconds, and where it comes from.
+"""Time as integer nanoseconds, and its sources.
 
-Nothing here knows messages or nodes: a node on simulated time feeds a SimClock from ``/clock``.
+Must not know messages or nodes: a node on simulated time sets a ManualClock from ``/clock``.
 """
 
 import time
@@ -15,7 +15,6 @@ class Clock(Protocol):
 
     def now(self) -> int:
         """Nanoseconds since 1970 (UTC), or since the simulation's start on simulated time."""
-        ...
 
 
 class SystemClock:

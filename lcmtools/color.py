@@ -1,7 +1,7 @@
-"""Colour for terminals: whether it is wanted, and how it is written.
+"""Colour for terminals: the decision for or against it, and its escape sequences.
 
-The caller says what the environment and the stream are; nothing is printed here. Colour is used
-sparsely: for what is wrong, and how grave it is.
+The caller gives the environment and the stream; nothing is printed here. Colour is used sparsely:
+for faults and their severity.
 """
 
 from collections.abc import Mapping
@@ -17,16 +17,16 @@ BOLD_RED = "1;31"
 
 
 def is_wanted(environment: Mapping[str, str], usual: str = "auto", *, is_terminal: bool) -> bool:
-    """Return whether to colour what goes to a stream.
+    """Return whether the text for a stream gets colour.
 
     LCMTOOLS_COLOR counts first (``--color`` sets it), then NO_COLOR (https://no-color.org), then
-    FORCE_COLOR and CLICOLOR_FORCE, then what is usual; else a terminal gets colour, unless it is
-    a dumb one.
+    FORCE_COLOR and CLICOLOR_FORCE, then the setting; else a terminal gets colour, unless it is a
+    dumb one.
 
     Args:
         environment: The process's environment variables.
-        usual: What the user's settings say: "auto", "always" or "never".
-        is_terminal: Whether the stream is a terminal.
+        usual: The user's setting: "auto", "always" or "never".
+        is_terminal: True if the stream is a terminal.
     """
     chosen = environment.get("LCMTOOLS_COLOR") or "auto"
     if chosen == "auto" and environment.get("NO_COLOR"):
@@ -43,21 +43,18 @@ def is_wanted(environment: Mapping[str, str], usual: str = "auto", *, is_termina
 
 
 def stream_wants_color(stream: TextIO, environment: Mapping[str, str]) -> bool:
-    """True if to colour what goes to this stream, by the environment and the user's settings."""
+    """Return ``is_wanted`` for a stream, with the user's setting."""
     try:
         usual = read_user_file(environment).values.get("color", "auto")
     except LcmtoolsError:  # the code that needs the settings reports it
         usual = "auto"
-    return is_wanted(environment, usual, is_terminal=_is_terminal(stream))
+    try:
+        is_terminal = stream.isatty()
+    except (AttributeError, ValueError):  # a stream of the user's own, or a closed one
+        is_terminal = False
+    return is_wanted(environment, usual, is_terminal=is_terminal)
 
 
 def paint(text: str, color: str) -> str:
-    """The text in a colour, of which there are names above."""
+    """Return the text in a colour, such as ``RED``."""
     return f"\x1b[{color}m{text}\x1b[0m"
-
-
-def _is_terminal(stream: TextIO) -> bool:
-    try:
-        return stream.isatty()
-    except (AttributeError, ValueError):  # a stream of somebody's own, or a closed one
-        return False

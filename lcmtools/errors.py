@@ -14,9 +14,9 @@
     +-- MissingExtra     an optional dependency is not installed      exit code 3
     +-- NothingReceived  nothing came within the time given           exit code 4
 
-Every error says what is wrong and where (``what``) and, where it can, what to type or change
-(``hint``). Library code raises; only ``lcmtools.cli`` prints them and turns them into exit codes.
-This module knows nothing else of lcmtools.
+Every error has the fault and its place (``what``) and, where there is one, the remedy (``hint``).
+Library code raises; only ``lcmtools.cli`` prints errors and turns them into exit codes. This module
+knows nothing else of lcmtools.
 """
 
 
@@ -24,8 +24,8 @@ class LcmtoolsError(Exception):
     """Something could not be done.
 
     Attributes:
-        what: What is wrong and where, in one line without a full stop.
-        hint: What the user can do about it, or "".
+        what: The error and its place, in one line without a full stop.
+        hint: The remedy, or "".
     """
 
     exit_code = 1

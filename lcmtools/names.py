@@ -1,7 +1,7 @@
 """Names of topics, nodes and services: the ROS graph resource name rules, without ROS.
 
-Resolution, remapping, patterns and validation live here, as functions of text. What a name refers
-to, who uses it and where it came from (command line, environment) is not this module's business.
+Belongs here: resolution, remapping, patterns and validation, as functions of text. Must not know
+the command line, the environment or the bus.
 
 The rules: https://wiki.ros.org/Names and https://wiki.ros.org/Remapping%20Arguments.
 """
@@ -21,13 +21,13 @@ _LEGAL_BASE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 _WILDCARD = re.compile(r"\*\*|[*?]")
 _MEANINGS = {"**": ".*", "*": "[^/]*", "?": "[^/]"}
 
-# Channels of LCM's own machinery: its self test and the bookkeeping of mpudpm.
+# Channels that LCM itself uses: its self test and the bookkeeping of mpudpm.
 _LCM_INTERNAL = ("LCM_SELF_TEST", "#!mpudpm")
 
 
 @dataclass(frozen=True, slots=True)
 class Resolver:
-    """Turns the names that a node's code uses into topics.
+    """The meaning of the names in a node's code.
 
     Attributes:
         namespace: The node's namespace, global ("/" or "/husky0").
@@ -96,11 +96,7 @@ def resolve_namespace(namespace: str) -> str:
 
 
 def check_legal(name: str) -> None:
-    """Refuse what is no graph resource name. The empty name is legal: it means the namespace.
-
-    Raises:
-        InvalidName: Naming the rule that is broken.
-    """
+    """Raise InvalidName unless it is a graph resource name or empty, which is the namespace."""
     if name and not _LEGAL_NAME.fullmatch(name):
         raise InvalidName(
             f"'{name}' is not a legal name",
@@ -109,22 +105,14 @@ def check_legal(name: str) -> None:
 
 
 def check_node(name: str) -> None:
-    """Refuse what is no full name of a node.
-
-    Raises:
-        InvalidName: It is empty, not global, or has characters that names do not have.
-    """
+    """Raise InvalidName unless it is the full name of a node."""
     check_legal(name)
     if resolve(name) != name or name == "/":
         raise InvalidName(f"'{name}' is not a node's full name", "for example /husky0/driver")
 
 
 def check_channel(channel: str) -> str:
-    """Return ``channel``, or refuse what cannot be published on: see also ``check_length``.
-
-    Raises:
-        InvalidName: It is empty, too long, or not UTF-8.
-    """
+    """Return a channel to publish on; raise InvalidName if it is empty, too long or not UTF-8."""
     try:
         channel.encode()
     except UnicodeEncodeError:
@@ -133,11 +121,7 @@ def check_channel(channel: str) -> str:
 
 
 def check_base_name(name: str) -> None:
-    """Refuse what is no node name of its own: one part, without a namespace.
-
-    Raises:
-        InvalidName: Naming the rule that is broken.
-    """
+    """Raise InvalidName unless it is a node's name without a namespace: one part."""
     if not _LEGAL_BASE_NAME.fullmatch(name):
         raise InvalidName(
             f"'{name}' is not a legal node name",
@@ -147,14 +131,9 @@ def check_base_name(name: str) -> None:
 
 
 def check_length(channel: str, name: str = "") -> str:
-    """Return ``channel``, or refuse it where LCM could not carry it.
+    """Return a channel; raise InvalidName if it is empty or longer than 63 bytes in UTF-8.
 
-    Args:
-        channel: The resolved name.
-        name: The name as it was written, for the message.
-
-    Raises:
-        InvalidName: The channel is empty or longer than 63 bytes in UTF-8.
+    The error repeats the ``name`` that the channel was resolved from.
     """
     try:
         size = len(channel.encode("utf-8", "surrogateescape"))
@@ -173,12 +152,12 @@ def check_length(channel: str, name: str = "") -> str:
 
 
 def is_hidden(name: str) -> bool:
-    """True if lists leave this name out: a part starts with "_", or it is LCM's own machinery."""
+    """True if lists omit this name: a part starts with "_", or LCM itself uses the channel."""
     return name.startswith(_LCM_INTERNAL) or any(part.startswith("_") for part in name.split("/"))
 
 
 def namespace_of(name: str) -> str:
-    """The namespace that a full name stands in ("/husky0/odometry" is in "/husky0")."""
+    """The namespace of a full name ("/husky0/odometry" is in "/husky0")."""
     return name.rpartition("/")[0] or "/"
 
 
@@ -199,9 +178,9 @@ def spellings(name: str, namespace: str = "/") -> Sequence[str]:
 
 
 class Pattern:
-    """Names with wildcards, of which all commands have the same meaning.
+    """A name with wildcards, with one meaning in all commands.
 
-    ``*`` stands for any characters but "/", ``**`` for any characters, ``?`` for one character but
+    ``*`` is any characters but "/", ``**`` for any characters, ``?`` for one character but
     "/". Hidden names match only a pattern that has a hidden part itself. A relative pattern
     matches as it is and in the namespace.
 
@@ -239,7 +218,6 @@ def has_wildcard(text: str) -> bool:
 
 
 def _expression(pattern: str) -> str:
-    """The regular expression of a pattern."""
     end, parts = 0, []
     for wildcard in _WILDCARD.finditer(pattern):
         parts += [re.escape(pattern[end : wildcard.start()]), _MEANINGS[wildcard[0]]]

@@ -152,7 +152,7 @@ def usual_namespace(environment: Mapping[str, str]) -> str:
 
 @lru_cache(maxsize=4)
 def _read(path: Path, modified: int, size: int) -> UserFile:
-    """Return the file in the state that was seen: a program that runs long may ask often."""
+    """Return the file in the state that was seen: a long running program may read it often."""
     del modified
     from lcmtools.formats.strict_yaml import read_file  # most people have no settings file
 

@@ -1,8 +1,8 @@
 """Expressions in Python's syntax, checked and worked out without Python's own evaluation.
 
-Belongs here: the syntax tree. Whatever is not listed is refused. The cost of an expression is
-bounded by its length and by the arrays it is given: there are no loops. Must not know where names
-get their values from: see ``Scope``.
+Belongs here: the syntax tree. All that is not listed is refused. The cost of an expression is
+bounded by its length and by the arrays it is given: there are no loops. Must not know the source of
+the names' values: see ``Scope``.
 """
 
 import ast
@@ -45,16 +45,7 @@ class Scope(Protocol):
 
 
 class ExpressionFault(Exception):  # noqa: N818 - named for what happened, as in errors.py
-    """An expression that cannot be worked out with the values it was given.
-
-    Attributes:
-        place: The part of the expression, shortened.
-        reason: What is wrong there.
-    """
-
-    def __init__(self, place: str, reason: str) -> None:
-        super().__init__(f"'{place}': {reason}")
-        self.place, self.reason = place, reason
+    """An expression that cannot be worked out with the values it was given."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,15 +72,7 @@ class Language:
 
 
 class Expression:
-    """An expression whose form has been checked.
-
-    Args:
-        text: The expression.
-        language: Its kind.
-
-    Attributes:
-        text: The expression without spaces around it.
-        root: Its tree.
+    """An expression of a language whose form has been checked: its ``text`` and its tree ``root``.
 
     Raises:
         UsageError: It is none, is too long or has a part that is not allowed, which is named.
@@ -103,11 +86,7 @@ class Expression:
         self._check(self.root, 0)
 
     def value(self, scope: Scope) -> object:
-        """Return the value of the expression.
-
-        Raises:
-            ExpressionFault: It cannot be worked out.
-        """
+        """Return the value of the expression; raise ExpressionFault where it has none."""
         return self._value(self.root, scope)
 
     def place(self, node: ast.AST) -> str:
@@ -173,7 +152,7 @@ class Expression:
         return isinstance(node, (*_PLAIN_NODES, *fields, *choices))
 
     def _hint(self, node: ast.AST) -> str:
-        """Return what to write in place of a part that is not allowed."""
+        """Return the hint for a part that is not allowed."""
         operation = type(getattr(node, "op", None))
         if operation in (ast.BitAnd, ast.BitOr, ast.Invert):
             return "write and, or, not"
@@ -187,16 +166,8 @@ class Expression:
         try:
             return self._ways[type(node)](self, node, scope)
         except _FAULTS as fault:
-            raise ExpressionFault(self.place(node), str(fault) or type(fault).__name__) from None
-
-    def _constant(self, node: ast.Constant, _: Scope) -> object:
-        return node.value
-
-    def _named(self, node: ast.Name, scope: Scope) -> object:
-        return scope.named(node.id)
-
-    def _attribute(self, node: ast.Attribute, scope: Scope) -> object:
-        return scope.attribute(self._value(node.value, scope), node.attr)
+            reason = str(fault) or type(fault).__name__
+            raise ExpressionFault(f"'{self.place(node)}': {reason}") from None
 
     def _element(self, node: ast.Subscript, scope: Scope) -> object:
         array = cast("tuple[object, ...]", self._value(node.value, scope))
@@ -249,9 +220,11 @@ class Expression:
         return tuple(self._value(element, scope) for element in node.elts)
 
     _ways: ClassVar[Mapping[type[ast.AST], Callable[..., object]]] = {
-        ast.Constant: _constant,
-        ast.Name: _named,
-        ast.Attribute: _attribute,
+        ast.Constant: lambda _, node, _scope: node.value,
+        ast.Name: lambda _, node, scope: scope.named(node.id),
+        ast.Attribute: lambda self, node, scope: scope.attribute(
+            self._value(node.value, scope), node.attr
+        ),
         ast.Subscript: _element,
         ast.Slice: _slice,
         ast.Call: _call,

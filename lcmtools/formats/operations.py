@@ -66,11 +66,7 @@ def comparable(value: object) -> object:
 
 
 def number(value: object) -> float:
-    """Return a number.
-
-    Raises:
-        TypeError: The value is none.
-    """
+    """Return a value that is a number; raise TypeError for others."""
     if not isinstance(value, (bool, int, float)):
         kinds: dict[type, str] = {str: "text", tuple: "an array"}
         raise TypeError(f"a number is needed, not {kinds.get(type(value), 'a message')}")
@@ -78,22 +74,14 @@ def number(value: object) -> float:
 
 
 def bounded(value: object) -> object:
-    """Return a result.
-
-    Raises:
-        OverflowError: It is a whole number larger than 64 bits.
-    """
+    """Return a result; raise OverflowError for a whole number larger than 64 bits."""
     if isinstance(value, int) and abs(value) > LARGEST:
         raise OverflowError("the number is larger than 64 bits")
     return value
 
 
 def joined(left: str, right: str) -> str:
-    """Return two texts as one.
-
-    Raises:
-        ValueError: It is too long.
-    """
+    """Return two texts as one; raise ValueError where it is too long."""
     if len(left) + len(right) > _LONGEST_TEXT:
         raise ValueError(f"the text is longer than {_LONGEST_TEXT} characters")
     return left + right

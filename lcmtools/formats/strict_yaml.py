@@ -7,7 +7,7 @@ of several equal keys, and forget what was quoted.
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 from lcmtools.errors import InvalidFile
 from lcmtools.formats.yaml_problem import BadYaml, explained, forbidden_character, quote_hint
@@ -228,7 +228,7 @@ def _line(event: "yaml.NodeEvent") -> int:
 
 
 def _bad(event: "yaml.Event", problem: str, hint: str = "") -> BadYaml:
-    return BadYaml.at(event.start_mark, problem, hint)
+    return BadYaml.at(cast("yaml.Mark | None", event.start_mark), problem, hint)
 
 
 def _unknown_tag(event: "yaml.ScalarEvent | yaml.CollectionStartEvent") -> BadYaml:

@@ -1,7 +1,7 @@
-"""Mistakes in YAML: the parser's words and places in ours, with what to type instead."""
+"""Mistakes in YAML: the parser's errors in our words, with the text to type instead."""
 
 import re
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import yaml
@@ -14,26 +14,14 @@ _NO_COMMA = "did not find expected ','"
 _IN_BRACKETS = (_NO_COMMA, "did not find expected node content")
 
 
-class Mark(Protocol):
-    """A place in the text, as the YAML library has it; both count from 0."""
-
-    @property
-    def line(self) -> int:
-        """The line."""
-
-    @property
-    def column(self) -> int:
-        """The character in it."""
-
-
 class BadYaml(ValueError):  # noqa: N818 - named for what happened, as in errors.py
     """A text that is not the YAML that is accepted here.
 
     Attributes:
-        line: The line of the mistake, from 1; 0 where it is unknown.
-        column: The character of that line, from 1; 0 where it is unknown.
-        problem: What is wrong there.
-        hint: What to type instead, or "".
+        problem: The mistake.
+        line: Its line, from 1; 0 where it is unknown.
+        column: Its character in that line, from 1; 0 where it is unknown.
+        hint: The text to type instead, or "".
     """
 
     def __init__(self, problem: str, line: int = 0, column: int = 0, hint: str = "") -> None:
@@ -41,7 +29,7 @@ class BadYaml(ValueError):  # noqa: N818 - named for what happened, as in errors
         self.problem, self.line, self.column, self.hint = problem, line, column, hint
 
     @classmethod
-    def at(cls, mark: Mark | None, problem: str, hint: str = "") -> "BadYaml":
+    def at(cls, mark: "yaml.Mark | None", problem: str, hint: str = "") -> "BadYaml":
         """Return the error for a place of the YAML library."""
         line, column = (mark.line + 1, mark.column + 1) if mark else (0, 0)
         return cls(problem, line, column, hint)
@@ -78,7 +66,7 @@ def forbidden_character(text: str) -> BadYaml:
     return BadYaml(f"the character U+{ord(match[0]):04X} is not allowed", line, column)
 
 
-def _reworded(problem: str, mark: Mark | None, text: str) -> BadYaml:
+def _reworded(problem: str, mark: "yaml.Mark | None", text: str) -> BadYaml:
     lines = text.split("\n")
     line = lines[mark.line] if mark and mark.line < len(lines) else ""
     at = line[mark.column : mark.column + 1] if mark else ""
@@ -96,7 +84,7 @@ def _reworded(problem: str, mark: Mark | None, text: str) -> BadYaml:
     return BadYaml.at(mark, problem, hint)
 
 
-def _nesting_hint(mark: Mark | None) -> str:
+def _nesting_hint(mark: "yaml.Mark | None") -> str:
     """Return the hint for "linear: x: 1", and for text as "note: this"."""
     if mark and mark.line:
         return "indent the keys of one entry alike"
@@ -113,7 +101,7 @@ def _flow_hint(problem: str, line: str) -> str:
 
 
 def _colon_hint(text: str) -> str:
-    """Return the hint for "x:1", if that is what broke the YAML."""
+    """Return the hint for "x:1"; "" where there is none in the text."""
     match = _WORD_BEFORE_COLON.search(text)
     if not match:
         return ""

@@ -1,13 +1,14 @@
 """The documents of a text of YAML or JSON, each as soon as its last line is there.
 
-Belongs here: where a document begins and ends, for texts that come line by line and never end. Must
-not know messages. A document ends at a line of ``---`` or ``...``; one that is in brackets, as JSON
+Belongs here: the ends of documents in texts that come line by line and never end. Must not know
+messages. A document ends at a line of ``---`` or ``...``; one that is in brackets, as JSON
 is, at the line that closes them. JSON's own reader is far faster than YAML's and knows JSON's
 escapes (two of four digits each for one character).
 """
 
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 from lcmtools.errors import ValueMismatch
@@ -52,10 +53,10 @@ class Documents:
         self._has_content = False
 
     def take(self, line: str) -> Iterator[Document]:
-        """Take the next line, without its end.
+        """Take the next line, without its end; return the documents that it completes.
 
         Raises:
-            ValueMismatch: The document that ends here is bad, or too long.
+            ValueMismatch: Such a document is bad, or too long.
         """
         self._number += 1
         if self._number == 1:
@@ -69,14 +70,10 @@ class Documents:
         yield from self._closed_brackets()
 
     def end(self) -> Iterator[Document]:
-        """Return the last document, which the text's end has completed.
-
-        Raises:
-            ValueMismatch: It is bad.
-        """
+        """Return the last document, which the text's end completes; ValueMismatch for a bad one."""
         if self._lines:
             yield from self._parsed()
-            self._begin()
+            self._lines, self._length, self._has_content = [], 0, False
 
     def _add(self, line: str) -> None:
         is_content = not _NOTHING.fullmatch(_BREAK.sub("", line))
@@ -97,25 +94,15 @@ class Documents:
         closing = _BRACKETS.get(self._lines[0][:1]) if self._lines else None
         last = self._lines[-1].rstrip() if closing else ""
         if closing and last.endswith(closing) and not last[0].isspace():
-            try:
-                yield from self._parsed()
-            except _OpenDocument:
-                return
-            self._begin()
+            with suppress(_OpenDocument):
+                yield from self.end()
 
     def _parsed(self) -> list[Document]:
         return list(parse("\n".join(self._lines), self._first))
 
-    def _begin(self) -> None:
-        self._lines, self._length, self._has_content = [], 0, False
-
 
 def parse(text: str, first_line: int = 1) -> Iterator[Document]:
-    """Return the documents of a complete text; empty ones are left out.
-
-    Args:
-        text: JSON, or YAML.
-        first_line: The number of its first line.
+    """Return the documents of a complete text of JSON or YAML; empty ones are left out.
 
     Raises:
         ValueMismatch: The YAML is bad; the documents before it have been returned by then.

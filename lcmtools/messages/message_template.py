@@ -71,10 +71,7 @@ def draft(cls: type[M], value: Value) -> MessageTemplate[M]:
 
 
 def _spelled_out(cls: type[Message], value: Value, place: Place, places: list[Place]) -> Value:
-    """The value with its words for times replaced, and their places noted.
-
-    What does not fit is left as it is, for ``fill`` to say so.
-    """
+    """The value with its words for times replaced and their places noted; ``fill`` checks it."""
     if not _holds_time(cls):
         return value
     if isinstance(value, Mapping):
@@ -141,7 +138,7 @@ def _elements(
 
 @cache
 def _holds_time(cls: type[Message]) -> bool:
-    """True if there is a time in messages of this type; the others need no look at their values."""
+    """True if messages of this type have a time in them."""
     return is_time(cls) or any(
         field.message_class is not None and _holds_time(field.message_class)
         for field in visible_fields(cls)

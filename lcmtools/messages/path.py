@@ -1,6 +1,6 @@
 """Field paths: ``pose.pose.position``, ``/ranges[0:5]``, ``transforms[0].header/stamp``.
 
-Belongs here: how a path is written, what it means for a type, and the value it selects. Must not
+Belongs here: the syntax of paths, their targets in a type, and the values they select. Must not
 know the bus, files or the terminal, nor how a value is shown.
 
 Names are separated by dots, as in ROS 2, or slashes, as rostopic has them. Indices and slices are
@@ -34,11 +34,7 @@ _EXAMPLES = "write [0], [-1], [0:5] or [::2]"
 
 @dataclass(frozen=True, slots=True)
 class Path:
-    """The way from a message to a value in it.
-
-    Attributes:
-        steps: From the message inwards; none for the message itself.
-    """
+    """The steps from a message inwards to a value; none for the message itself."""
 
     steps: tuple[Step, ...] = ()
 
@@ -77,7 +73,7 @@ class Target:
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """A value that was selected, and what it is."""
+    """A selected value."""
 
     value: object
     target: Target
@@ -109,6 +105,7 @@ def parse_path(text: str) -> Path:
     return Path(tuple(steps))
 
 
+@cache
 def target(cls: type[Message], path: Path) -> Target:
     """The target of a path in all messages of a type, known without a message.
 
@@ -116,7 +113,14 @@ def target(cls: type[Message], path: Path) -> Target:
         ValueMismatch: The type has no such field, or the path goes on where nothing is; it names
             the path and the fields there are.
     """
-    return _target(cls, path)
+    found = root_target(cls)
+    for done, step in enumerate(path.steps):
+        where = str(Path(path.steps[:done]))
+        if isinstance(step, str):
+            found = field_target(found, step, where)
+        else:
+            found = element_target(found, step, where)
+    return found
 
 
 def select(message: Message, path: Path) -> Selection:
@@ -125,7 +129,7 @@ def select(message: Message, path: Path) -> Selection:
     Raises:
         ValueMismatch: As ``target``; or an index is outside of the message's array.
     """
-    found = _target(type(message), path)  # first: it checks the names
+    found = target(type(message), path)  # first: it checks the names
     return Selection(_walk(message, path.steps, path), found)
 
 
@@ -173,18 +177,6 @@ def element_target(owner: Target, step: int | Slice, where: str) -> Target:
     if isinstance(size, int) and not owner.sliced and not -size <= step < size:
         raise _outside(f"{where}[{step}]", size)
     return replace(owner, dimensions=owner.dimensions[1:], sliced=False)
-
-
-@cache
-def _target(cls: type[Message], path: Path) -> Target:
-    found = root_target(cls)
-    for done, step in enumerate(path.steps):
-        where = str(Path(path.steps[:done]))
-        if isinstance(step, str):
-            found = field_target(found, step, where)
-        else:
-            found = element_target(found, step, where)
-    return found
 
 
 def _walk(value: object, steps: tuple[Step, ...], path: Path) -> object:

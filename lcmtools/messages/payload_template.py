@@ -1,6 +1,6 @@
 """Messages of which only some numbers change, encoded beforehand: for what is sent very often.
 
-Belongs here: where in a payload a field is. Must not know channels or datagrams, nor who fills it.
+Belongs here: the place of a field in a payload. Must not know channels or datagrams.
 """
 
 import struct
@@ -25,11 +25,11 @@ class PayloadTemplate:
 
     Faster than making a message and encoding it, as bench/codec.py shows:
 
-        odometry = Stencil(message, "header.stamp", "pose.pose.position", "twist.twist")
+        odometry = PayloadTemplate(message, "header.stamp", "pose.pose.position", "twist.twist")
         payload = odometry.fill((3, 500_000_000), (1.0, 2.0, 0.0), (0.5, 0.0, 0.0, 0.0, 0.0, 0.3))
 
     Args:
-        message: What stands in all that is no hole; it is not kept.
+        message: The values of all other fields; it is not kept.
         holes: Paths of fields that are numbers, or hold nothing but numbers ("header.stamp",
             "ranges", "transforms[0].transform"). An array keeps the size that it has in the
             message. They may come in any order, and must not overlap.
@@ -70,13 +70,9 @@ class PayloadTemplate:
 
 @dataclass(frozen=True, slots=True)
 class _Leaf:
-    """A field that is no message.
+    """A field that is no message: its bytes in the payload, and their ``struct`` codes.
 
-    Attributes:
-        path: Where it is in the message.
-        start: Where its bytes are in the payload.
-        size: How many they are.
-        codes: How ``struct`` packs it; "" for what is no number.
+    The codes are "" for a value that is no number.
     """
 
     path: str
@@ -88,7 +84,8 @@ class _Leaf:
 def _leaves(message: Message, path: str, start: int) -> Iterator[_Leaf]:
     """The fields of a message that was decoded, as they follow each other."""
     for part in fields(type(message)):
-        for where, value in _elements(getattr(message, part.name), part, path + part.name):
+        depth = 0 if part.type in FORMATS else len(part.dimensions)
+        for where, value in _elements(getattr(message, part.name), depth, path + part.name):
             if part.message_class:
                 inner = list(_leaves(cast("Message", value), f"{where}.", start))
             else:
@@ -97,20 +94,12 @@ def _leaves(message: Message, path: str, start: int) -> Iterator[_Leaf]:
             start += sum(leaf.size for leaf in inner)
 
 
-def _elements(value: object, part: Field, path: str) -> Iterator[tuple[str, object]]:
-    """The elements of a field, if it is an array of elements without a fixed size."""
-    if part.type in FORMATS:
-        yield path, value
-    else:
-        yield from _flat(value, len(part.dimensions), path)
-
-
-def _flat(value: object, depth: int, path: str) -> Iterator[tuple[str, object]]:
+def _elements(value: object, depth: int, path: str) -> Iterator[tuple[str, object]]:
     if not depth:
         yield path, value
         return
     for index, element in enumerate(cast("Sequence[object]", value)):
-        yield from _flat(element, depth - 1, f"{path}[{index}]")
+        yield from _elements(element, depth - 1, f"{path}[{index}]")
 
 
 def _leaf(message: Message, part: Field, value: object, path: str, start: int) -> _Leaf:
@@ -122,7 +111,7 @@ def _leaf(message: Message, part: Field, value: object, path: str, start: int) -
 
 
 def _hole(leaves: Iterable[_Leaf], path: str, name: str) -> tuple[int, str]:
-    """The start of a hole in the payload, and the packing of its numbers."""
+    """The start of a hole in the payload, and the ``struct`` codes of its numbers."""
     inside = [leaf for leaf in leaves if _is_in(leaf.path, path)]
     if not inside:
         raise ValueMismatch(f"{name} has no field {path}")

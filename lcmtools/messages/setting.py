@@ -1,8 +1,8 @@
 """Values that are in no message, as parameters are: their kinds, and their YAML in one line.
 
-Belongs here: from a text to a value of a kind, and back. Must not know nodes, nor what a value is
-for. Text is read as a field of a message would read it: ``1e-3`` is a number, ``on`` is true where
-a boolean is wanted and text where text is.
+Belongs here: from a text to a value of a kind, and back. Must not know nodes. Text is read as in
+a message's field: ``1e-3`` is a number, ``on`` is true where a boolean is wanted and text where
+text is.
 """
 
 import math
@@ -14,7 +14,7 @@ from lcmtools.errors import ValueMismatch
 from lcmtools.messages.fill import Value
 from lcmtools.messages.scalars import Misfit, Scalar, from_python, from_text, given
 from lcmtools.messages.shape import each
-from lcmtools.messages.text import quoted
+from lcmtools.messages.text import RESERVED_WORDS, quoted
 
 Setting: TypeAlias = "Scalar | Sequence[Scalar] | None"
 """A single value, a list of them, or nothing."""
@@ -30,7 +30,6 @@ _QUOTES = "'\""
 _WHOLE = re.compile(r"[-+]?(?:[0-9]+|0x[0-9a-f]+|0o[0-7]+|0b[01]+)", re.IGNORECASE)
 # Text that no YAML parser takes for anything else, in a list of flow style neither.
 _WORDS = re.compile(r"[A-Za-z/_]([\w ./+@%-]*[\w./+@%-])?", re.ASCII)
-_RESERVED = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
 
 
 def kind_of(value: Setting) -> str:
@@ -99,7 +98,7 @@ def write_setting(value: Setting) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        is_plain = _WORDS.fullmatch(value) and value.lower() not in _RESERVED
+        is_plain = _WORDS.fullmatch(value) and value.lower() not in RESERVED_WORDS
         return value if is_plain else quoted(value)
     if isinstance(value, Sequence):
         return f"[{', '.join(map(write_setting, value))}]"
@@ -118,8 +117,7 @@ def _converted(
             return _elements(value, kind.removesuffix("[]"), scalar)
         return scalar(value, kind)
     except Misfit as misfit:
-        misfit.inside(path)
-        raise misfit.mismatch("") from None
+        raise misfit.inside(path).mismatch("") from None
 
 
 def _elements(value: object, kind: str, scalar: Callable[[object, str], Scalar]) -> list[Scalar]:

@@ -1,6 +1,6 @@
 """Messages as the text that ``rostopic echo`` prints, which ``message_from_values`` takes back.
 
-Belongs here: how a message looks in a terminal. Must not know where it goes, nor other formats.
+Belongs here: the layout of messages and plain values as text. Must not know its destination.
 
     header:
       frame_id: "base_link"
@@ -55,7 +55,8 @@ _STRAY = re.compile("[\udc80-\udcff]")
 _NSEC_WIDTH = 9
 _NUMBERS = frozenset((bool, int, float))
 _PLAIN = frozenset((bool, int, float, str))
-_RESERVED = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
+RESERVED_WORDS = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
+"""Words that YAML parsers do not take for text."""
 
 
 def format_message(message: Message) -> str:
@@ -82,11 +83,9 @@ def _quoted_at_end(text: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Writer:
-    """The format of plain values.
+    """The format of plain values, with ``width`` characters of a number as of ``rostopic echo -w``.
 
-    Attributes:
-        width: Characters of a number, as ``rostopic echo -w`` has them; None for as many as it
-            needs.
+    It is the plain twin of ``format_message``, which is faster and takes whole messages only.
     """
 
     width: int | None = None
@@ -144,12 +143,12 @@ class Writer:
 
 
 FREE = Writer()
-"""Numbers take as much room as they need."""
+"""The format in which numbers have as many characters as they need."""
 
 
 def _word_or_quoted(text: str) -> str:
     """A string in a list: without quotes where no YAML parser needs them."""
-    is_word = _WORD.fullmatch(text) and text.lower() not in _RESERVED
+    is_word = _WORD.fullmatch(text) and text.lower() not in RESERVED_WORDS
     return text if is_word else _quoted_at_end(text)
 
 
@@ -159,12 +158,10 @@ def _message_text(message: Message, indent: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _Form:
-    """The format of one class's messages: a text with gaps, and the values for them.
+    """The format of one class's messages: a text with %r for numbers and %s for texts.
 
-    Attributes:
-        template: The text; %r where a number goes, %s where a text does.
-        values: What goes there, out of a message.
-        texts: The gaps of texts, by number, and what turns their values into them.
+    ``values`` takes their values out of a message; ``texts`` are the places of texts among them and
+    the functions that write them.
     """
 
     template: str
@@ -172,7 +169,6 @@ class _Form:
     texts: tuple[tuple[int, Callable[[object], str]], ...]
 
     def fill(self, message: Message) -> str:
-        """The text of a message."""
         values = list(self.values(message))
         for place, text in self.texts:
             values[place] = text(values[place])

@@ -1,9 +1,8 @@
 """Messages from the YAML that users type: arguments, as ``rostopic pub`` takes them, and texts.
 
-Belongs here: the forms of YAML that are accepted, and the errors for others. Must not know types
-(see ``plain`` and ``draft``) nor the source of the text. Every scalar stays text until the
-type of a field says what it is, so that ``1e-3`` is a number and ``on`` a word wherever one is
-wanted.
+Belongs here: the forms of YAML that are accepted, and the errors for others. Must not know the
+source of the text. Every scalar stays text until a field's type decides (see ``fill``), so that
+``1e-3`` is a number and ``on`` a word wherever one is wanted.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -57,7 +56,7 @@ def drafts_from_lines(
     Args:
         cls: The messages' class.
         lines: The text's lines as they come; None where none has come for a while, which is
-            handed on.
+            yielded too.
 
     Raises:
         ValueMismatch: As ``draft_from_values``, with the number of the document and of the line.
