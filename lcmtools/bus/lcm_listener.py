@@ -1,5 +1,6 @@
 """Observing all messages of a bus that is no multicast group; see ``observe.sources.Observer``."""
 
+import contextlib
 import select
 import time
 from collections.abc import Callable
@@ -10,7 +11,7 @@ from lcmtools.errors import BusError
 from lcmtools.wire.packet import Packet
 
 
-class LcmListener:
+class LcmListener(contextlib.AbstractContextManager["LcmListener"]):
     """An observer of a bus that is no multicast group: an ordinary subscription to everything.
 
     It has the tap's interface and less information: neither senders nor sequence numbers.
@@ -33,10 +34,6 @@ class LcmListener:
         self.is_log = url.provider == "file"
         self._packets: list[Packet] = []
         self._connection = Connection(url, self._subscribe, on_outage)
-
-    def __enter__(self) -> "LcmListener":
-        """Use the listener as a context manager."""
-        return self
 
     def __exit__(self, *_: object) -> None:
         """Leave the bus."""

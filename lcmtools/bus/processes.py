@@ -22,38 +22,23 @@ _SOCKET_TABLE = _PROC / "net" / "udp"
 
 @dataclass(frozen=True, slots=True)
 class UdpSocket:
-    """A row of the system's UDP socket table.
+    """A row of the system's UDP socket table."""
 
-    Attributes:
-        address: Local IPv4 address; "0.0.0.0" for any.
-        port: Local port.
-        inode: The socket's identity.
-        uid: The user it belongs to.
-        drops: Datagrams that the kernel dropped because its buffer was full.
-        queued_bytes: Size of the waiting datagrams, with the kernel's overhead.
-    """
-
-    address: str
+    address: str  # IPv4; "0.0.0.0" for any
     port: int
-    inode: int
+    inode: int  # the socket's identity
     uid: int
-    drops: int
-    queued_bytes: int = 0
+    drops: int  # datagrams that did not fit into its buffer
+    queued_bytes: int = 0  # waiting datagrams, with the kernel's overhead
 
 
 @dataclass(frozen=True, slots=True)
 class Process:
-    """A process of this computer.
-
-    Attributes:
-        pid: Its number.
-        command: Its command line.
-        start_ticks: Its start, in clock ticks since boot: with the pid, its identity.
-    """
+    """A process of this computer."""
 
     pid: int
-    command: str
-    start_ticks: int = 0
+    command: str  # its command line
+    start_ticks: int = 0  # its start, in clock ticks since boot: with the pid, its identity
 
     def called(self, most: int) -> str:
         """Return the command line in so many characters; first its words lose their folders."""
@@ -65,19 +50,12 @@ class Process:
 
 @dataclass(frozen=True, slots=True)
 class Usage:
-    """A process's use of this computer.
-
-    Attributes:
-        uid: The user it belongs to.
-        start_time: Its start, nanoseconds since 1970, to a hundredth of a second.
-        memory_bytes: Physical memory.
-        processor_time: Processor time so far, all threads together [s].
-    """
+    """A process's use of this computer."""
 
     uid: int
-    start_time: int
-    memory_bytes: int
-    processor_time: float
+    start_time: int  # nanoseconds since 1970, to a hundredth of a second
+    memory_bytes: int  # physical
+    processor_time: float  # so far, all threads together [s]
 
 
 def udp_sockets() -> list[UdpSocket]:
@@ -91,15 +69,10 @@ def udp_sockets() -> list[UdpSocket]:
 
 @dataclass(frozen=True, slots=True)
 class Senders:
-    """The possible senders from a local UDP port.
+    """The possible senders from a local UDP port."""
 
-    Attributes:
-        candidates: The known ones, sorted by pid.
-        are_all: True if there can be no others.
-    """
-
-    candidates: tuple[Process, ...]
-    are_all: bool = True
+    candidates: tuple[Process, ...]  # the known ones, sorted by pid
+    are_all: bool = True  # there can be no others
 
     @property
     def only(self) -> Process | None:

@@ -36,7 +36,7 @@ _QUIET = 0.012  # [s] without an announcement after which the answers count as c
 _MAX_DATAGRAM = 65536
 
 
-class QuickProbe:
+class QuickProbe(contextlib.AbstractContextManager["QuickProbe"]):
     """A request to the nodes of a multicast bus, sent by the constructor.
 
     Args:
@@ -63,10 +63,6 @@ class QuickProbe:
             self.close()
             raise BusError(f"cannot send to {url.host}: {error.strerror}") from error
         self._sent = time.monotonic()
-
-    def __enter__(self) -> "QuickProbe":
-        """Use the probe as a context manager."""
-        return self
 
     def __exit__(self, *_: object) -> None:
         """Leave the bus."""

@@ -35,7 +35,7 @@ _STREAM, _STREAM_GAP, _NAP = 8, 0.005, 0.01
 """After so many turns, each within so many seconds of the last, a turn begins with a nap [s]."""
 
 
-class Tap:
+class Tap(contextlib.AbstractContextManager["Tap"]):
     """An observer of one multicast group.
 
     Args:
@@ -78,10 +78,6 @@ class Tap:
         self._buffer = memoryview(bytearray(_MAX_DATAGRAM))
         self._turns, self._last_turn = 0, 0.0
         request_arrival(self._receiver)
-
-    def __enter__(self) -> "Tap":
-        """Use the tap as a context manager."""
-        return self
 
     def __exit__(self, *_: object) -> None:
         """Leave the group."""

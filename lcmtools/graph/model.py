@@ -285,7 +285,3 @@ def _topic(
         if seen.sender not in senders and not (seen.sender is None and publishers)
     )
     return Topic(name, publishers, subscribers, tuple(traffic), tuple(foreign))
-
-
-def _topic_of(endpoint: Endpoint) -> str:
-    return endpoint.topic

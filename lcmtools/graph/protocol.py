@@ -38,17 +38,11 @@ _REVISION_BYTES = 8
 
 @dataclass(frozen=True, slots=True)
 class Announcement:
-    """A node's announcement of itself.
-
-    Attributes:
-        node: The node.
-        leaving: It is ending.
-        answers: The nonce of the probe that this answers; 0 for none.
-    """
+    """A node's announcement of itself."""
 
     node: Node
-    leaving: bool = False
-    answers: int = 0
+    leaving: bool = False  # it is ending
+    answers: int = 0  # the nonce of the probe that this answers; 0 for none
 
     def sent_at(self, time: int) -> "Announcement":
         """The same, as it is sent at a time [ns since 1970]."""
@@ -57,30 +51,19 @@ class Announcement:
 
 @dataclass(frozen=True, slots=True)
 class Probe:
-    """A request to nodes to announce themselves.
+    """A request to nodes to announce themselves."""
 
-    Attributes:
-        target: A node's full name; "" for every node.
-        nonce: Comes back in the answer.
-    """
-
-    target: str = ""
-    nonce: int = 0
+    target: str = ""  # a node's full name; "" for every node
+    nonce: int = 0  # comes back in the answer
 
 
 @dataclass(frozen=True, slots=True)
 class Shutdown:
-    """A request to a node's program to end, as by SIGTERM.
+    """A request to a node's program to end, as by SIGTERM."""
 
-    Attributes:
-        target: The node's id.
-        nonce: Comes back in an announcement, which acknowledges the request.
-        requester: The requesting program, for the node's log.
-    """
-
-    target: str
-    nonce: int = 0
-    requester: str = ""
+    target: str  # the node's id
+    nonce: int = 0  # comes back in an announcement, which acknowledges the request
+    requester: str = ""  # for the node's log
 
 
 class Head(NamedTuple):

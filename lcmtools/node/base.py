@@ -51,11 +51,16 @@ class NodeBase:
 
     def graph(self) -> model.Graph:
         """Return the announced nodes of the bus; the first call subscribes to announcements."""
-        return self.__context.graph()
+        return self.__context.follower.graph()
 
     def subscribed_topics(self) -> frozenset[str]:
         """Return the topics with announced subscriptions, so that others need not be computed."""
-        return self.__context.subscribed_topics()
+        return frozenset(
+            endpoint.topic
+            for node in self.__context.follower.graph().nodes
+            if not node.stale
+            for endpoint in node.having(model.Role.SUBSCRIBER)
+        )
 
     def has_plain_listeners(self, *, at_once: bool = False) -> bool:
         """Return whether programs that are no nodes can be listening, to any topic.
@@ -66,4 +71,5 @@ class NodeBase:
             at_once: Look now, and count every possible one, instead of waiting a second or two
                 to be sure.
         """
-        return self.__context.has_plain_listeners(at_once=at_once)
+        listeners = self.__context.plain_listeners
+        return bool(listeners and listeners.possible(at_once=at_once))

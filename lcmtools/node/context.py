@@ -3,7 +3,6 @@
 The choice among a process's contexts, and signals, are process.py's business.
 """
 
-import itertools
 import os
 import socket
 from collections.abc import Callable, Mapping
@@ -14,7 +13,7 @@ from lcmtools.bus.base import Bus
 from lcmtools.bus.listeners import PlainListeners
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl
-from lcmtools.graph.model import Graph, Node, Role
+from lcmtools.graph.model import Node, Role
 from lcmtools.graph.protocol import SHUTDOWN_CHANNEL, decode_shutdown
 from lcmtools.names import base_name_of, resolve_namespace
 from lcmtools.node.announcer import Announcer
@@ -58,14 +57,14 @@ class Context:
         self.host = socket.gethostname()
         self._records = records
         self._recorded: dict[str, frozenset[tuple[str, Role]]] = {}
-        self._plain_listeners = PlainListeners(url, self._pids_here) if url else None
+        self.plain_listeners = PlainListeners(url, self._pids_here) if url else None
         self._participants: list[nodes.Node] = []
         self._stopping = False
         self._closed = False
         self._is_shutdown_requested = False
         self.is_ending = False
         """True once the program has seen that it is to end, and may take its time."""
-        self._follower = GraphFollower(bus, url)
+        self.follower = GraphFollower(bus, url)
         self.announcer = Announcer(bus, self._describe)
         bus.subscribe(SHUTDOWN_CHANNEL, self._receive_shutdown)
 
@@ -108,26 +107,9 @@ class Context:
         """Return whether no node has been made yet: ``__name:=`` names the first one."""
         return not self._participants
 
-    def graph(self) -> Graph:
-        """Return the announced nodes of the bus; see ``GraphFollower``."""
-        return self._follower.graph()
-
-    def subscribed_topics(self) -> frozenset[str]:
-        """Return the topics that nodes announce to subscribe to."""
-        return frozenset(
-            endpoint.topic
-            for node in self.graph().nodes
-            if not node.stale
-            for endpoint in node.having(Role.SUBSCRIBER)
-        )
-
-    def has_plain_listeners(self, *, at_once: bool = False) -> bool:
-        """Return whether there can be programs that listen, to any topic, and never announce it."""
-        return bool(self._plain_listeners and self._plain_listeners.possible(at_once=at_once))
-
     def _pids_here(self) -> frozenset[int]:
         """Return the processes of this computer that are nodes, always with this one."""
-        others = (node.pid for node in self.graph().nodes if node.host == self.host)
+        others = (node.pid for node in self.follower.graph().nodes if node.host == self.host)
         return frozenset((os.getpid(), *others))
 
     def close(self) -> None:
@@ -139,15 +121,16 @@ class Context:
         for participant in tuple(self._participants):
             participant.destroy_node()
         self.announcer.close()
-        self._follower.close()
+        self.follower.close()
         self.bus.close()
         self.wakeup.close()
 
     def _warn(self, text: str) -> None:
         """Log once a trouble of all nodes of the process; commands report it themselves."""
-        nodes = (one for one in tuple(self._participants) if not one.describe().tool)
-        for node in itertools.islice(nodes, 1):
-            node.get_logger().warning(text)
+        for participant in tuple(self._participants):
+            if not participant.describe().tool:
+                participant.get_logger().warning(text)
+                return
 
     def _describe(self) -> list[Node]:
         nodes = [participant.describe() for participant in tuple(self._participants)]

@@ -27,23 +27,13 @@ class Severity(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class LogEntry:
-    """One line of a log.
-
-    Attributes:
-        severity: Its severity.
-        time: Nanoseconds on the node's clock.
-        node: The node's full name.
-        text: The line, or lines.
-        file: Source file that logged it.
-        function: Function that logged it.
-        line: Line number in the file.
-    """
+    """One entry of a log."""
 
     severity: Severity
-    time: int
-    node: str
-    text: str
-    file: str = ""
+    time: int  # nanoseconds on the node's clock
+    node: str  # its full name
+    text: str  # a line, or lines
+    file: str = ""  # source file, function and line that logged it
     function: str = ""
     line: int = 0
 

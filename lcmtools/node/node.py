@@ -121,7 +121,7 @@ class Node(NodeBase, Parametric):
         """
         resolved = names.check_channel(topic) if literal else self.resolve_name(topic)
         context = self.__context
-        publisher = Publisher(context.bus, message_type, resolved, depth, context.graph)
+        publisher = Publisher(context.bus, message_type, resolved, depth, context.follower.graph)
         publisher.on_failure = None if self.__identity.tool else self.__log_lost_message
         self.__publishers.append(publisher)  # type: ignore[arg-type] # kept to be announced only
         context.announcer.announce_soon()

@@ -40,24 +40,14 @@ class ShortMessage(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Fragment:
-    """One part of a message that is too large for a datagram.
+    """One part of a message that is too large for a datagram."""
 
-    Attributes:
-        seqno: The sender's number of the message, equal for all its fragments.
-        message_size: Bytes of the whole payload.
-        offset: Place of this part in the payload, in bytes.
-        number: 0, 1, 2, ... below ``count``.
-        count: Fragments of the message.
-        channel: In fragment 0 only, else None.
-        part: The bytes.
-    """
-
-    seqno: int
-    message_size: int
-    offset: int
-    number: int
-    count: int
-    channel: str | None
+    seqno: int  # the sender's number of the message
+    message_size: int  # bytes of the whole payload
+    offset: int  # place of this part in the payload [byte]
+    number: int  # 0, 1, 2, ... below count
+    count: int  # fragments of the message
+    channel: str | None  # in fragment 0 only
     part: bytes
 
 

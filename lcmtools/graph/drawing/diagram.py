@@ -24,35 +24,20 @@ class Flow(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """A node, or a program that is not a node.
+    """A node, or a program that is not a node; texts are "" and numbers None if unknown."""
 
-    Attributes:
-        id: Unique in its diagram, letters and digits: "n1".
-        name: A node's full name, or a program's command line; "" if unknown.
-        host: Its computer's name, or address if only that is known; "" if unknown.
-        is_here: True if that is this computer.
-        pid: Its process; None if unknown.
-        command: Its command line; "" if unknown.
-        user: The process's owner; "" if unknown.
-        is_node: False for a program seen from outside only.
-        is_tool: A command of lcmtools, such as echo or pub.
-        publishes: It sends messages; a command that does is more than an onlooker.
-        listens: A program that receives from the bus, on channels that LCM does not reveal.
-        stale: The reason why a node counts as stale; "" for one that is alive.
-    """
-
-    id: str
-    name: str
-    host: str = ""
-    is_here: bool = True
+    id: str  # unique in its diagram, letters and digits: "n1"
+    name: str  # a node's full name, or a program's command line
+    host: str = ""  # its computer's name, or address if only that is known
+    is_here: bool = True  # on this computer
     pid: int | None = None
     command: str = ""
-    user: str = ""
-    is_node: bool = True
-    is_tool: bool = False
+    user: str = ""  # the process's owner
+    is_node: bool = True  # False for a program seen from outside only
+    is_tool: bool = False  # a command of lcmtools, such as echo or pub
     publishes: bool = False
-    listens: bool = False
-    stale: str = ""
+    listens: bool = False  # a program that receives, on channels that LCM does not reveal
+    stale: str = ""  # the reason why a node counts as stale; "" for one that is alive
 
     @property
     def looks_on(self) -> bool:
@@ -72,23 +57,14 @@ class Member:
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """A topic, or a service.
+    """A topic, or a service."""
 
-    Attributes:
-        id: Unique in its diagram, letters and digits: "t1", or "s1" for a service.
-        name: Its full name.
-        types: As announced, else as seen; () if unknown.
-        is_service: True for a service.
-        messages: Number announced as sent, or observed; 0 for a service.
-        rate: Message rate [Hz]; None if not measured.
-    """
-
-    id: str
+    id: str  # unique in its diagram: "t1", or "s1" for a service
     name: str
-    types: tuple[str, ...] = ()
+    types: tuple[str, ...] = ()  # as announced, else as seen
     is_service: bool = False
-    messages: int = 0
-    rate: float | None = None
+    messages: int = 0  # announced as sent, or observed
+    rate: float | None = None  # [Hz], if measured
 
     @property
     def is_hidden(self) -> bool:
@@ -113,40 +89,24 @@ class Channel:
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """A flow of messages or calls.
+    """A flow of messages or calls."""
 
-    Attributes:
-        source: The id of their origin.
-        target: The id of their destination.
-        flow: The member's role.
-        messages: Their number, as counted by the member, or observed.
-        rate: Message rate [Hz]; None if not measured.
-        topics: Where channels are not drawn: the names of those that this replaces.
-    """
-
-    source: str
+    source: str  # ids of both ends
     target: str
-    flow: Flow
-    messages: int = 0
-    rate: float | None = None
-    topics: tuple[str, ...] = ()
+    flow: Flow  # the member's role
+    messages: int = 0  # as counted by the member, or observed
+    rate: float | None = None  # [Hz], if measured
+    topics: tuple[str, ...] = ()  # those that it replaces, where channels are not drawn
 
 
 @dataclass(frozen=True, slots=True)
 class Diagram:
-    """The content of a picture.
-
-    Attributes:
-        members: Nodes and programs.
-        channels: Topics and services; none where members are connected directly.
-        edges: Between them.
-        is_grouped: True if each namespace gets a frame.
-    """
+    """The content of a picture; without channels, members are connected directly."""
 
     members: tuple[Member, ...] = ()
     channels: tuple[Channel, ...] = ()
     edges: tuple[Edge, ...] = ()
-    is_grouped: bool = False
+    is_grouped: bool = False  # each namespace gets a frame
 
     def vertices(self) -> list[Member | Channel]:
         """Return all members and channels, members first."""

@@ -12,24 +12,14 @@ from lcmtools.names import Pattern, has_wildcard
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """The selection of a diagram's content.
+    """The selection of a diagram's content: namespaces, names and patterns; () selects all."""
 
-    Attributes:
-        parts: Namespaces, names or patterns to draw with their direct neighbours; () for all.
-        topics: Names or patterns of topics and services to draw with their users; () for all.
-        excluded: Namespaces, names or patterns to leave out.
-        everything: Draw hidden names, quiet topics, tools and leaf topics.
-        leaf_topics: Draw topics with one side only and no message.
-        tools: Draw commands that look on.
-        services: Draw services.
-    """
-
-    parts: tuple[str, ...] = ()
-    topics: tuple[str, ...] = ()
-    excluded: tuple[str, ...] = ()
-    everything: bool = False
-    leaf_topics: bool = False
-    tools: bool = False
+    parts: tuple[str, ...] = ()  # drawn with their direct neighbours
+    topics: tuple[str, ...] = ()  # topics and services, drawn with their users
+    excluded: tuple[str, ...] = ()  # not drawn
+    everything: bool = False  # hidden names, quiet topics, tools and leaf topics too
+    leaf_topics: bool = False  # topics with one side only and no message
+    tools: bool = False  # commands that look on
     services: bool = False
 
 
