@@ -17,7 +17,7 @@ from lcmtools.doctor.renaming import (
     remap_argument,
     start_with,
 )
-from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Topic
 from lcmtools.messages.registry import candidates
 from lcmtools.names import base_name_of, is_hidden, namespace_of
 
@@ -30,19 +30,12 @@ Loose = dict[Node, list[Endpoint]]
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """A way to connect a loose subscription.
+    """A way to connect a loose subscription."""
 
-    Attributes:
-        remedy: What to do, and why.
-        listener: The id of the node that subscribes.
-        channel: The channel that it may have meant.
-        publisher: The id of the node that publishes that; "" where it is no node.
-    """
-
-    remedy: Statement
-    listener: str
-    channel: str
-    publisher: str = ""
+    remedy: Statement  # what to do, and why
+    listener: str  # the id of the node that subscribes
+    channel: str  # that it may have meant
+    publisher: str = ""  # the id of the node that publishes that; "" where it is no node
 
 
 def is_simulator(node: Node) -> bool:
@@ -51,13 +44,7 @@ def is_simulator(node: Node) -> bool:
 
 
 def loose_ends(graph: Graph, role: Role, *, of_tools: bool = False) -> Loose:
-    """The publications, or subscriptions, of live nodes that have nothing at the other end.
-
-    Args:
-        graph: All nodes.
-        role: Which of the two.
-        of_tools: Include those of commands of lcmtools.
-    """
+    """The publications, or subscriptions, of live nodes that have nothing at the other end."""
     other = Role.PUBLISHER if role is Role.SUBSCRIBER else Role.SUBSCRIBER
     connected = {e.topic for node in graph.nodes if not node.stale for e in node.having(other)}
     if role is Role.SUBSCRIBER:
@@ -89,20 +76,14 @@ def _first_of_each_group(endpoints: Iterable[Endpoint]) -> Iterator[Endpoint]:
 
 
 def ways(graph: Graph, loose: Loose, names: Mapping[str, str]) -> list[Way]:
-    """The ways to connect loose subscriptions, where any is known; each way once.
-
-    Args:
-        graph: All nodes and traffic.
-        loose: The subscriptions.
-        names: The senders on the channels, for people.
-    """
-    search = _Search(graph, loose_ends(graph, Role.PUBLISHER, of_tools=True), names)
-    found: dict[str, Way] = {}
-    for node, endpoints in loose.items():
-        for endpoint in endpoints:
-            for way in search.ways(node, endpoint):
-                found.setdefault(repr(way.remedy), way)
-    return list(found.values())
+    """The known ways to connect loose subscriptions; ``names`` are the senders'."""
+    outputs = loose_ends(graph, Role.PUBLISHER, of_tools=True)
+    return [
+        way
+        for node, endpoints in loose.items()
+        for endpoint in endpoints
+        for way in _Search(graph, outputs, names, node, endpoint).ways()
+    ]
 
 
 def ways_out(graph: Graph, node: Node, endpoint: Endpoint) -> Iterator[Statement]:
@@ -120,10 +101,6 @@ def _fit(one: Endpoint, other: Endpoint) -> bool:
     return bool(set(one.fingerprints) & set(other.fingerprints))
 
 
-def _is_alike(one: str, other: str) -> bool:
-    return base_name_of(one) == base_name_of(other) or are_near(one, other)
-
-
 def _as_seen_by(node: Node, topic: str) -> str:
     """A topic's name for a node: short in its own namespace."""
     own = namespace_of(node.name)
@@ -136,16 +113,29 @@ class _Search:
 
     graph: Graph
     outputs: Loose
-    names: Mapping[str, str]
+    names: Mapping[str, str]  # of the senders on the channels, for people
+    node: Node
+    endpoint: Endpoint
 
-    def ways(self, node: Node, endpoint: Endpoint) -> list[Way]:
+    def ways(self) -> list[Way]:
         kinds = (self._elsewhere, self._near, self._unmapped, self._beside, self._of_another_type)
-        return next((found for kind in kinds if (found := list(kind(node, endpoint)))), [])
+        return next((found for kind in kinds if (found := list(kind()))), [])
 
-    def _publications(self, listener: Node) -> Iterator[tuple[Node, Endpoint]]:
+    def _way(
+        self,
+        remedy: Statement,
+        reason: str,
+        channel: str,
+        by_node: Node | None = None,
+        **parts: Part,
+    ) -> Way:
+        remedy = because(remedy, reason, channel=channel, **parts)
+        return Way(remedy, self.node.id, channel, by_node.id if by_node else "")
+
+    def _publications(self) -> Iterator[tuple[Node, Endpoint]]:
         """The publications of other live nodes."""
         for node in self.graph.nodes:
-            if not node.stale and node.id != listener.id:
+            if not node.stale and node.id != self.node.id:
                 for endpoint in node.having(Role.PUBLISHER):
                     yield node, endpoint
 
@@ -155,133 +145,125 @@ class _Search:
     def _sender(self, channel: str, fallback: object = "unknown sender") -> Subject:
         return Subject("sender", self.names.get(channel, str(fallback)))
 
-    def _elsewhere(self, node: Node, endpoint: Endpoint) -> Iterator[Way]:
+    def _elsewhere(self) -> Iterator[Way]:
         """The same name in another namespace: one of the two nodes is in the wrong one."""
-        base = base_name_of(endpoint.topic)
+        base, space = base_name_of(self.endpoint.topic), namespace_of(self.endpoint.topic)
         announced = [
             (publisher, other)
-            for publisher, other in self._publications(node)
-            if base_name_of(other.topic) == base and _fit(endpoint, other)
+            for publisher, other in self._publications()
+            if base_name_of(other.topic) == base and _fit(self.endpoint, other)
         ]
-        if announced and namespace_of(node.name) == namespace_of(endpoint.topic):
+        misplaced = [pair for pair in announced if self._is_loose(*pair)]
+        if announced and namespace_of(self.node.name) == space:
             publisher, other = announced[0]
-            first, *more = dict.fromkeys(namespace_of(o.topic) for _, o in announced)
+            first, *more = dict.fromkeys(namespace_of(one.topic) for _, one in announced)
             parts = {"or": tuple(more)} if more else {}
-            remedy = state("namespace", node=node, namespace=first, **parts)
-            remedy = because(remedy, "published", channel=other.topic)
-            yield Way(remedy, node.id, other.topic, publisher.id)
-            return
-        for publisher, other in announced:
-            if self._is_loose(publisher, other):  # else it is where it should be
-                yield self._moved(publisher, other.topic, node, endpoint)
-                return
-        if not announced:
-            yield from self._sent_elsewhere(node, endpoint)
+            remedy = state("namespace", node=self.node, namespace=first, **parts)
+            yield self._way(remedy, "published", other.topic, publisher)
+        elif misplaced:
+            yield self._moved(misplaced[0][0], misplaced[0][1].topic)
+        elif not announced:
+            yield from self._sent_elsewhere()
 
-    def _moved(self, publisher: Node, topic: str, node: Node, endpoint: Endpoint) -> Way:
+    def _moved(self, publisher: Node, topic: str) -> Way:
         """The publisher has the wrong name, not the subscription."""
-        remedy = publish_on(publisher, topic, endpoint.topic)
-        remedy = because(remedy, "publishes", publisher=publisher, channel=topic)
-        return Way(remedy, node.id, topic, publisher.id)
+        remedy = publish_on(publisher, topic, self.endpoint.topic)
+        return self._way(remedy, "publishes", topic, publisher, publisher=subject(publisher))
 
-    def _sent_elsewhere(self, node: Node, endpoint: Endpoint) -> Iterator[Way]:
+    def _sent_elsewhere(self) -> Iterator[Way]:
         """The same for senders that are no nodes."""
-        base = base_name_of(endpoint.topic)
-        is_own = namespace_of(node.name) == namespace_of(endpoint.topic)
+        wanted = self.endpoint.topic
+        is_own = namespace_of(self.node.name) == namespace_of(wanted)
         for seen in self.graph.foreign():
-            channel = seen.channel
-            sent = set(seen.fingerprints) & set(endpoint.fingerprints)
-            if base_name_of(channel) != base or not sent:
+            channel, sent = seen.channel, set(seen.fingerprints) & set(self.endpoint.fingerprints)
+            if base_name_of(channel) != base_name_of(wanted) or not sent:
                 continue
             if is_own and is_legal(channel):
-                remedy = state("namespace", node=node, namespace=namespace_of(channel))
+                remedy = state("namespace", node=self.node, namespace=namespace_of(channel))
             elif not self.graph.topic(channel).subscribers:
-                remedy = state("republish", topic=endpoint.topic)
+                remedy = state("republish", topic=wanted)
             else:
                 continue
-            by = self._sender(channel, seen.sender)
-            yield Way(because(remedy, "published", by=by, channel=channel), node.id, channel)
+            yield self._way(remedy, "published", channel, by=self._sender(channel, seen.sender))
             return
 
-    def _near(self, node: Node, endpoint: Endpoint) -> Iterator[Way]:
+    def _near(self) -> Iterator[Way]:
         """Nearly the same name, and not of a wrong type."""
+        wanted = self.endpoint.topic
         for name in self.graph.topic_names():
-            if name == endpoint.topic or is_hidden(name) or not are_near(name, endpoint.topic):
+            if name == wanted or is_hidden(name) or not are_near(name, wanted):
                 continue
             topic = self.graph.topic(name)
-            sent = {f for _, e in topic.publishers for f in e.fingerprints}
-            sent |= set(topic.fingerprints)
-            others = [(n, e) for n, e in topic.publishers if n.id != node.id]
-            fits = not endpoint.fingerprints or not sent or sent & set(endpoint.fingerprints)
-            if not fits or not (others or topic.traffic):
+            sent, taken = _sent(topic), set(self.endpoint.fingerprints)
+            others = [(n, e) for n, e in topic.publishers if n.id != self.node.id]
+            if (taken and sent and not sent & taken) or not (others or topic.traffic):
                 continue
             publisher = next((n for n, e in others if self._is_loose(n, e)), None)
-            if is_legal(name) and publisher and _has_the_slip(publisher, name, node, endpoint):
-                yield self._moved(publisher, name, node, endpoint)
+            if is_legal(name) and publisher and self._is_slip_of(publisher, name):
+                yield self._moved(publisher, name)
                 return
             known: dict[str, Part] = {} if others else {"by": self._sender(name)}
             if is_legal(name):
-                remedy = start_with(node, endpoint.topic, name)
+                remedy = start_with(self.node, wanted, name)
                 if not (others or topic.subscribers):
-                    known["or_publish_on"] = endpoint.topic
+                    known["or_publish_on"] = wanted
             else:
-                remedy = state("republish", topic=endpoint.topic)
-            remedy = because(remedy, "published", channel=name, **known)
-            yield Way(remedy, node.id, name, publisher.id if publisher else "")
+                remedy = state("republish", topic=wanted)
+            yield self._way(remedy, "published", name, publisher, **known)
             return
 
-    def _unmapped(self, node: Node, endpoint: Endpoint) -> Iterator[Way]:
-        """A remap that leads away from a topic that is published."""
-        argument = remap_argument(node, endpoint.topic)
-        before = expanded(argument.partition(":=")[0], node)
-        topic = self.graph.topic(before)
-        others = any(one.id != node.id and not one.stale for one, _ in topic.publishers)
-        sent = {f for _, e in topic.publishers for f in e.fingerprints} | set(topic.fingerprints)
-        if argument and (others or topic.foreign) and sent & set(endpoint.fingerprints):
-            remedy = state("drop-remap", node=node, argument=argument)
-            yield Way(because(remedy, "published", channel=before), node.id, before)
+    def _is_slip_of(self, publisher: Node, name: str) -> bool:
+        """Return whether the publisher, not the subscriber, has the name that is to be changed."""
+        if remap_argument(publisher, name) or remap_argument(self.node, self.endpoint.topic):
+            return bool(remap_argument(publisher, name))
+        is_foreign = namespace_of(self.node.name) != namespace_of(self.endpoint.topic)
+        return publisher.tool or is_foreign
 
-    def _beside(self, node: Node, endpoint: Endpoint) -> Iterator[Way]:
+    def _unmapped(self) -> Iterator[Way]:
+        """A remap that leads away from a topic that is published."""
+        argument = remap_argument(self.node, self.endpoint.topic)
+        before = expanded(argument.partition(":=")[0], self.node)
+        topic = self.graph.topic(before)
+        others = any(one.id != self.node.id and not one.stale for one, _ in topic.publishers)
+        is_fed = (others or topic.foreign) and _sent(topic) & set(self.endpoint.fingerprints)
+        if argument and is_fed:
+            remedy = state("drop-remap", node=self.node, argument=argument)
+            yield self._way(remedy, "published", before)
+
+    def _beside(self) -> Iterator[Way]:
         """Publications of the same type and namespace without subscribers: a remap is missing.
 
         The names of a simulator's topics are fixed; others are remapped to them.
         """
-        for publisher, publication in self._publications(node):
+        wanted = self.endpoint.topic
+        for publisher, publication in self._publications():
             topic = publication.topic
-            is_beside = namespace_of(topic) == namespace_of(endpoint.topic)
-            if not is_beside or not _fit(endpoint, publication):
+            is_beside = namespace_of(topic) == namespace_of(wanted)
+            if not is_beside or not _fit(self.endpoint, publication):
                 continue
             if is_simulator(publisher):
-                if not is_simulator(node):
-                    remedy = start_with(node, endpoint.topic, _as_seen_by(node, topic))
-                    remedy = because(remedy, "same-type", channel=topic)
-                    yield Way(remedy, node.id, topic, publisher.id)
+                if not is_simulator(self.node):
+                    remedy = start_with(self.node, wanted, _as_seen_by(self.node, topic))
+                    yield self._way(remedy, "same-type", topic, publisher)
             elif self._is_loose(publisher, publication) and not publisher.tool:
-                remedy = publish_on(publisher, topic, _as_seen_by(publisher, endpoint.topic))
-                remedy = because(remedy, "no-subscriber", channel=topic)
-                yield Way(remedy, node.id, topic, publisher.id)
+                remedy = publish_on(publisher, topic, _as_seen_by(publisher, wanted))
+                yield self._way(remedy, "no-subscriber", topic, publisher)
 
-    def _of_another_type(self, node: Node, endpoint: Endpoint) -> Iterator[Way]:
+    def _of_another_type(self) -> Iterator[Way]:
         """The same name in another namespace, or nearly the same name, but of another type."""
-        if not endpoint.fingerprints:
-            return
-        sent = [
-            (subject(publisher), other.topic, other.type, publisher.id)
-            for publisher, other in self._publications(node)
-        ]
+        wanted = self.endpoint.topic
+        sent = [(subject(n), other.topic, other.type, n.id) for n, other in self._publications()]
         for seen in self.graph.foreign():
             known = [name for number in seen.fingerprints for name in candidates(number)]
             sent += [(self._sender(seen.channel), seen.channel, name, "") for name in known[:1]]
-        for publisher, topic, name, identity in sent:
-            if _is_alike(topic, endpoint.topic):
-                types = {"type": name, "expected": endpoint.type}
-                remedy = state("change-type", publisher=publisher, topic=topic, node=node, **types)
-                yield Way(remedy, node.id, topic, identity)
+        for publisher, topic, name, identity in sent if self.endpoint.fingerprints else ():
+            if base_name_of(topic) == base_name_of(wanted) or are_near(topic, wanted):
+                types = {"type": name, "topic": topic, "expected": self.endpoint.type}
+                remedy = state("change-type", publisher=publisher, node=self.node, **types)
+                yield Way(remedy, self.node.id, topic, identity)
                 return
 
 
-def _has_the_slip(publisher: Node, name: str, listener: Node, endpoint: Endpoint) -> bool:
-    """Return whether the publisher, and not the listener, has the name that is to be changed."""
-    if remap_argument(publisher, name) or remap_argument(listener, endpoint.topic):
-        return bool(remap_argument(publisher, name))
-    return publisher.tool or namespace_of(listener.name) != namespace_of(endpoint.topic)
+def _sent(topic: Topic) -> set[int]:
+    """The types that are announced or sent on a topic."""
+    return {f for _, e in topic.publishers for f in e.fingerprints} | set(topic.fingerprints)
