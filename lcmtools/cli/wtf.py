@@ -26,22 +26,18 @@ _COLORS = {"ERROR": RED, "WARNING": YELLOW, "NOTE": BOLD, "CLEARED": BOLD}
 _FILE = click.Path(dir_okay=False, path_type=Path)
 
 
-def _known(_: click.Context, __: click.Parameter, value: Sequence[str] | str | None) -> object:
-    wanted = [value] if isinstance(value, str) else list(value or ())
+def _rule(identifier: str) -> Rule:
     by_id = {rule.id: rule for rule in RULES}
-    for identifier in wanted:
-        if identifier not in by_id:
-            near = did_you_mean(identifier, by_id)
-            hint = f"; {near}" if near else ""
-            raise click.BadParameter(f"no rule '{identifier}'{hint}")
-    rules = [by_id[identifier] for identifier in dict.fromkeys(wanted)]
-    return (rules[0] if rules else None) if isinstance(value, str | None) else rules
+    if identifier not in by_id:
+        near = did_you_mean(identifier, by_id)
+        raise click.BadParameter(f"no rule '{identifier}'{f'; {near}' if near else ''}")
+    return by_id[identifier]
 
 
 def _rule_option(*names: str, text: str, multiple: bool) -> Callable[..., Callable[..., object]]:
-    rules = complete("programs:rules", is_fixed=True)
+    ids = complete("programs:rules", is_fixed=True)
     return option(
-        *names, metavar="ID", multiple=multiple, callback=_known, help=text, shell_complete=rules
+        *names, metavar="ID", multiple=multiple, type=_rule, help=text, shell_complete=ids
     )
 
 
@@ -90,7 +86,7 @@ def command(
         else:
             lines(report.rules_text(shown, in_full=explain is not None))
         return 0
-    rules = [rule for rule in only or RULES if rule not in ignore]
+    rules = [rule for rule in dict.fromkeys(only or RULES) if rule not in ignore]
     if not rules:
         raise UsageError("no rule is left", "lcmtools wtf --list shows them")
     if watch:

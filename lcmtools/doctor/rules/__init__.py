@@ -8,8 +8,6 @@ from lcmtools.doctor.findings import Finding, Rule
 from lcmtools.doctor.rules import (
     bus,
     callbacks,
-    channels,
-    clocks,
     connections,
     content,
     listeners,
@@ -19,10 +17,7 @@ from lcmtools.doctor.rules import (
     types,
 )
 
-_FAMILIES = (
-    *(bus, network, nodes, callbacks, types, connections, traffic, channels),
-    *(listeners, content, clocks),
-)
+_FAMILIES = bus, network, nodes, callbacks, types, connections, traffic, listeners, content
 RULES = tuple(one for family in _FAMILIES for one in vars(family).values() if type(one) is Rule)
 
 _EXPLAINED_BY = {"no-traffic": {"other-buses", "silent", "stuck-listeners", "loss", "malformed"}}

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, cases, rule, state
-from lcmtools.doctor.rules.clocks import has_wrong_clock
+from lcmtools.doctor.rules.network import has_wrong_clock
 
 
 @rule("not-finite", "find where it divides by zero, and do not publish it")
