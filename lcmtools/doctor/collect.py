@@ -27,8 +27,7 @@ from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.graph.protocol import PERIOD
 from lcmtools.observe.losses import losses
 from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.programs import is_here, user_name
-from lcmtools.observe.senders import SocketTable
+from lcmtools.observe.senders import SocketTable, is_here, user_name
 
 _REQUESTS = 5  # for announcements at the end of a look, at most
 _ANSWER_TIME = 0.05  # [s] several times what nodes need

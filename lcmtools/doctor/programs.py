@@ -19,8 +19,7 @@ from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.programs import is_here
-from lcmtools.observe.senders import SenderNames, SocketTable
+from lcmtools.observe.senders import SenderNames, SocketTable, is_here
 
 _PROC = Path("/proc")
 _KNOWN_GROUPS = frozenset({"224.0.0.251", "239.255.255.250", "224.0.0.252"})  # mDNS, SSDP, LLMNR

@@ -1,57 +1,79 @@
-"""The one stream of arrivals: what comes on the topics that are selected, from a bus or a log.
-
-``echo``, ``hz``, ``bw`` and ``delay`` pull it, and so does ``messages``, which is public.
-"""
+"""The one stream of arrivals on the selected topics, from a bus or a log, and its clock."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple, TypeVar
 
-from lcmtools.errors import LcmtoolsError, NothingReceived
+from lcmtools.clock import join_stamp
+from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived
 from lcmtools.graph.model import Graph
+from lcmtools.messages.codec import decode
 from lcmtools.messages.path import Path
 from lcmtools.names import Resolver, is_hidden
-from lcmtools.observe.arrival_clock import CLOCK, ArrivalClock, is_simulated
 from lcmtools.observe.find import GLOBAL, known_spelling, near_topic
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.selection import OneTopic, TopicPattern
 from lcmtools.wire.packet import Packet
 
+CLOCK = "/clock"
+"""The topic of a simulator's time."""
 _LOOK_PERIOD = 0.5  # [s] between looks for topics that a pattern matches
 _MOST_NAMED = 8  # topics in a line
 _WAIT = 0.2  # [s] at most before a timeout is looked at again
 PATIENCE = 2.0
-"""[s] without a message before it is said what is on the bus."""
+"""[s] without a message before a person reads what is on the bus."""
 
 
 class SelectedPacket(NamedTuple):
-    """A packet of a topic that is selected.
+    """A packet of a topic that is selected."""
 
-    Attributes:
-        topic: The selection, as it was typed.
-        packet: The packet.
-        time: When it arrived, by the clock of the stream [ns].
-        path: The field path behind its topic.
-    """
-
-    topic: str
+    topic: str  # the selection, as it was typed
     packet: Packet
-    time: int
-    path: Path = Path()
+    time: int  # of its arrival, by the clock of the stream [ns]
+    path: Path = Path()  # of the field behind its topic
 
 
 class Batch(NamedTuple):
-    """The packets that arrived together.
-
-    Attributes:
-        arrivals: Those that are selected.
-        now: The time by the clock of the stream [ns].
-        is_reset: Simulated time went back: what came before is of another time.
-    """
+    """The selected packets of those that arrived together."""
 
     arrivals: Sequence[SelectedPacket]
-    now: int
-    is_reset: bool = False
+    now: int  # by the clock of the stream [ns]
+    is_reset: bool = False  # simulated time went back: earlier arrivals are of another time
+
+
+class ArrivalClock:
+    """The clock of arrivals: the computer's, or simulated time as ``/clock`` gives it.
+
+    Attributes:
+        now: The simulated time [ns]; None before the first message on ``/clock``.
+    """
+
+    def __init__(self, *, is_simulated: bool) -> None:
+        self.is_simulated = is_simulated
+        self.now: int | None = None
+
+    def learn(self, packet: Packet) -> bool:
+        """Take the time from a message on ``/clock``; True if simulated time goes back."""
+        if not self.is_simulated or packet.channel != CLOCK:
+            return False
+        from lcmtools.types.rosgraph_msgs import Clock
+
+        try:
+            stamp = decode(Clock, packet.payload).clock
+        except DecodeError:
+            return False  # of another type
+        before, self.now = self.now, join_stamp(stamp.sec, stamp.nsec)
+        return before is not None and self.now < before
+
+    def time(self, packet: Packet) -> int | None:
+        """Return the time of an arrival [ns]; None while simulated time is not known."""
+        return self.now if self.is_simulated else packet.time
+
+
+def is_simulated(graph: Graph) -> bool:
+    """Return whether a simulator keeps the time of a bus: ``/clock`` is published."""
+    clock = graph.topic(CLOCK)
+    return any(not node.stale for node, _ in clock.publishers) or bool(clock.traffic)
 
 
 class ArrivalStream:
@@ -61,12 +83,12 @@ class ArrivalStream:
         monitor: The bus or the log.
         selections: The topics.
         names: The namespace and the remaps that topics are read by.
-        wall_time: Go by the computer's clock where a simulator keeps the time too.
-        strict_time: Leave out what arrives before the simulated time is known.
-        keep: Tells which packets count; None for all.
+        wall_time: Use the computer's clock even if a simulator publishes /clock.
+        strict_time: Leave out packets that arrive before the simulated time is known.
+        keep: True for packets that count; None for all.
 
     Attributes:
-        graph: What was known of the bus at the last look.
+        graph: The graph of the bus at the last look.
 
     Raises:
         UsageError: The text behind a topic is no field path.
@@ -147,10 +169,9 @@ class ArrivalStream:
         return Batch(arrivals, self._clock.now or time.time_ns(), is_reset)
 
     def situation(self, topic: str = "") -> str:
-        """Return who publishes a topic; or what may have been meant, or is on the bus.
+        """Return the publishers of a topic; or what may have been meant, or is on the bus.
 
-        Args:
-            topic: As typed; "" for the first one that is published, or else the first.
+        The topic is as typed; "" for the first one that is published, or else the first.
         """
         graph = self._monitor.graph()
         if not topic:
@@ -168,7 +189,7 @@ class ArrivalStream:
         return f"on the bus: {', '.join(seen[:_MOST_NAMED])}" if seen else "no topic is on the bus"
 
     def contents(self) -> str:
-        """Return what is in a log that has been read, for people."""
+        """Return the topics of a log that has been read, for people."""
         seen = self._monitor.graph().topic_names()
         return f"it has {', '.join(seen[:_MOST_NAMED])}" if seen else "no message is in it"
 
@@ -192,7 +213,7 @@ class ArrivalStream:
             self._learn()
 
     def _learn(self) -> None:
-        """Tell topics from paths, find what patterns match, and announce to listen to it."""
+        """Tell topics from paths, find the matches of patterns, and announce to listen to them."""
         self._next_look = time.monotonic() + _LOOK_PERIOD
         self.graph = graph = self._monitor.graph()
         self._routes.clear()
@@ -216,20 +237,17 @@ def taken(
     timeout: float | None,
     notify: Callable[[str], None] = lambda _: None,
 ) -> Iterator[T]:
-    """Return what ``take`` makes of each packet; None is passed over.
+    """Return the result of ``take`` for each packet; None is passed over.
 
-    Args:
-        stream: The packets.
-        take: Makes something of a packet.
-        timeout: The longest time without a result [s]; None for without end.
-        notify: Called with a sentence when it takes long.
+    ``timeout`` is the longest time without a result [s], None for no limit. ``notify`` is called
+    with a sentence when it takes long.
 
     Raises:
         NothingReceived: There was no result for ``timeout`` seconds.
         LcmtoolsError: The log has ended, and nothing in it is of the topics.
     """
     last = time.monotonic()
-    has_told = has_arrived = False
+    has_notified = has_arrived = False
     while True:
         try:
             batch = stream.receive(_WAIT if timeout is None else min(_WAIT, timeout))
@@ -243,7 +261,7 @@ def taken(
             has_arrived = True
             result = take(arrival)
             if result is not None:
-                last, has_told = time.monotonic(), True
+                last, has_notified = time.monotonic(), True
                 yield result
         waited = time.monotonic() - last
         if timeout is not None and waited >= timeout:
@@ -251,7 +269,7 @@ def taken(
             raise NothingReceived(
                 f"{what} came on {stream.text} within {timeout:g} s", stream.situation()
             )
-        if not has_told and waited >= PATIENCE:
-            has_told = True
+        if not has_notified and waited >= PATIENCE:
+            has_notified = True
             what = "no message that can be shown" if has_arrived else "no message"
             notify(f"{what} on {stream.text} yet; {stream.situation()}")

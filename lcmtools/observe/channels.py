@@ -1,18 +1,18 @@
-"""The channels of a bus as rows of a table: plain values. Must not know how a row is shown."""
+"""The channels of a bus as rows of a table. Must not know how a row is shown."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import compress
 
 from lcmtools.bus.url import BusUrl
-from lcmtools.graph.model import Graph, Role, Topic
+from lcmtools.graph.model import Endpoint, Graph, Node, Topic
 from lcmtools.messages.registry import candidates
 from lcmtools.names import Pattern, is_hidden
 from lcmtools.observe.activity import SILENT_AFTER, Activity, Flow
 from lcmtools.observe.describe import listed_node
 from lcmtools.observe.losses import Losses, losses, total
 from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.programs import programs
-from lcmtools.observe.senders import SenderNames, process_name
+from lcmtools.observe.senders import SenderNames, process_name, programs
 
 _GONE = 10_000_000_000  # [ns] behind a channel's latest message: a sender that sends no more
 
@@ -29,12 +29,10 @@ class Row:
         fingerprints: Those that were seen.
         messages: The number of messages.
         bytes: Bytes of their payloads.
-        rate: Recent message rate [Hz]; None if unknown.
-        jitter: The longest recent interval less the shortest [s]; None if unknown.
-        bandwidth: Recent bytes per second; None if unknown.
+        rate: Recent message rate [Hz]; as ``jitter`` [s] and ``bandwidth`` [byte/s] see ``Flow``.
         lost: Messages of the channel's senders that did not arrive, whatever their channel; None if
-            the bus does not tell.
-        loss: Their share of all that these senders have sent, 0 to 1; None as ``lost``.
+            unknown.
+        loss: Their share of all that these senders have sent, 0 to 1; None if unknown.
         senders: The publishers: nodes, else processes, else addresses.
         listeners: The nodes that subscribe; for other programs that is unknown.
         age: Time since the last message [s]; None before the first.
@@ -98,8 +96,7 @@ class Rows:
 
     def published(self, graph: Graph) -> list[str]:
         """Return the channels with a row that nodes publish on: some do only for a subscriber."""
-        topics = {end.topic for node in graph.nodes for end in node.having(Role.PUBLISHER)}
-        return sorted(filter(self._has, topics))
+        return sorted(t.name for t in graph.topics() if t.publishers and self._has(t.name))
 
     def _has(self, name: str) -> bool:
         if name not in self._is_selected:
@@ -123,7 +120,7 @@ class Rows:
             loss.lost if loss else None,
             loss.share if loss else None,
             self._senders(topic),
-            self._listeners(topic),
+            self._names_of(topic.subscribers),
             max(0.0, (now - flow.last_time) / 1e9) if flow.messages else None,
         )
 
@@ -139,22 +136,15 @@ class Rows:
         return self._candidates[fingerprint]
 
     def _senders(self, topic: Topic) -> tuple[str, ...]:
-        nodes = [listed_node(node) for node, _ in topic.publishers if self._shows(node.name)]
         latest = max((seen.last_time for seen in topic.traffic), default=0)
-        others = [
-            self._names.name(seen.sender)
-            for seen in topic.foreign
-            if latest - seen.last_time < _GONE
-        ]
-        return tuple(dict.fromkeys([*nodes, *others]))
+        others = [seen.sender for seen in topic.foreign if latest - seen.last_time < _GONE]
+        nodes = self._names_of(topic.publishers)
+        return tuple(dict.fromkeys([*nodes, *map(self._names.name, others)]))
 
-    def _listeners(self, topic: Topic) -> tuple[str, ...]:
-        found = [listed_node(node) for node, _ in topic.subscribers if self._shows(node.name)]
-        return tuple(dict.fromkeys(found))
-
-    def _shows(self, node: str) -> bool:
-        """Return whether a node is named: commands that look on are hidden."""
-        return self._selection.hidden or not is_hidden(node)
+    def _names_of(self, ends: Sequence[tuple[Node, Endpoint]]) -> tuple[str, ...]:
+        """The nodes, without commands, which are hidden."""
+        shown = (node for node, _ in ends if self._selection.hidden or not is_hidden(node.name))
+        return tuple(dict.fromkeys(map(listed_node, shown)))
 
 
 def survey(
@@ -173,7 +163,7 @@ def survey(
 
 
 def plain_listeners(graph: Graph, url: BusUrl) -> list[str]:
-    """The programs of this computer that receive from the bus and are not nodes."""
+    """Return the programs of this computer that receive from the bus and are not nodes."""
     if not url.is_multicast:
         return []
     return [
@@ -184,18 +174,16 @@ def plain_listeners(graph: Graph, url: BusUrl) -> list[str]:
 
 
 def matching(rows: Sequence[Row], text: str) -> list[Row]:
-    """The rows that have a text in channel, type, sender or listener, ignoring case."""
+    """Return the rows that have a text in channel, type, sender or listener, ignoring case."""
     wanted = text.casefold()
-    return [row for row in rows if any(wanted in part.casefold() for part in _texts(row))]
+    texts = ((row.channel, *row.types, *row.senders, *row.listeners) for row in rows)
+    found = (any(wanted in part.casefold() for part in parts) for parts in texts)
+    return list(compress(rows, found))
 
 
 def in_order(rows: Sequence[Row], key: Callable[[Row], object], *, descending: bool) -> list[Row]:
-    """The rows sorted by a key; those without one last, equal ones by channel."""
+    """Return the rows sorted by a key; those without one last, equal ones by channel."""
     by_name = sorted(rows, key=lambda row: row.channel)
     known = [row for row in by_name if key(row) is not None]
     known.sort(key=key, reverse=descending)  # type: ignore[arg-type] # of one column, of one type
     return known + [row for row in by_name if key(row) is None]
-
-
-def _texts(row: Row) -> tuple[str, ...]:
-    return (row.channel, *row.types, *row.senders, *row.listeners)

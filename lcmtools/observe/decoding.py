@@ -28,28 +28,28 @@ class Decoder:
 
     Args:
         announced: The types that nodes announce for a channel (``BusMonitor.types_of``).
-        said: The type that the person names.
+        named: The type that the person names.
         keep_stray: Keep bytes in strings that are not UTF-8 (see ``codec.decode``).
     """
 
     def __init__(
         self,
         announced: Callable[[str], Sequence[str]],
-        said: type[Message] | None = None,
+        named: type[Message] | None = None,
         *,
         keep_stray: bool = False,
     ) -> None:
         self._announced = announced
-        self._said = said
+        self._named = named
         self._keep_stray = keep_stray
         self._classes: dict[tuple[str, int], type[Message]] = {}
 
     def message_class(self, packet: Packet) -> type[Message]:
-        """The type of a packet's message.
+        """Return the type of a packet's message.
 
         Raises:
             UnknownFingerprint: No known type has its fingerprint.
-            DecodeError: It is too short for a message, or of another type than the person says.
+            DecodeError: It is too short for a message, or not of the type that the person names.
             LcmtoolsError: The type's .lcm file is wrong.
         """
         number = packet.fingerprint
@@ -62,22 +62,16 @@ class Decoder:
         return found
 
     def decode(self, packet: Packet) -> Message:
-        """The message in a packet.
-
-        Raises:
-            DecodeError: There is none, with why.
-            LcmtoolsError: The type's .lcm file is wrong.
-        """
-        cls = self.message_class(packet)
-        return decode(cls, packet.payload, keep_stray=self._keep_stray)
+        """Return the message in a packet; raises as ``message_class``."""
+        return decode(self.message_class(packet), packet.payload, keep_stray=self._keep_stray)
 
     def _settle(self, channel: str, number: int) -> type[Message]:
         names = candidates(number)
-        if self._said is not None:
-            if fingerprint(self._said) == number:
-                return self._said
+        if self._named is not None:
+            if fingerprint(self._named) == number:
+                return self._named
             seen = names[0] if names else f"unknown, fingerprint {number:#018x}"
-            raise DecodeError(f"the type is not {type_name(self._said)} but {seen}")
+            raise DecodeError(f"the type is not {type_name(self._named)} but {seen}")
         if not names:
             raise UnknownFingerprint(f"unknown type, fingerprint {number:#018x}")
         meant = next((name for name in self._announced(channel) if name in names), names[0])

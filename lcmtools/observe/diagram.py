@@ -1,6 +1,6 @@
 """A bus as a diagram: announced nodes, observed programs, and their topics.
 
-Decides what counts as a member or an edge. Must not know which of it is drawn, nor how.
+Decides the members and edges. Must not know which of them are drawn, nor how.
 """
 
 import socket
@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
 from lcmtools.graph.model import Graph, Node, Role, Traffic
-from lcmtools.messages.registry import candidates
-from lcmtools.observe.programs import Program, is_here
+from lcmtools.observe.describe import seen_types
+from lcmtools.observe.senders import Program, is_here
 
 _FLOWS = {
     Role.PUBLISHER: Flow.PUBLISHES,
@@ -41,12 +41,9 @@ class _Use:
 def diagram_of(
     graph: Graph, programs: Sequence[Program], rates: Mapping[str, float] | None
 ) -> Diagram:
-    """Return all that is known, hidden names and tools included.
+    """Return a graph and its programs that are not nodes, hidden names and tools included.
 
-    Args:
-        graph: What is announced and seen.
-        programs: The programs in it that are not nodes.
-        rates: Message rates [Hz] by topic; None if not measured.
+    ``rates`` are message rates [Hz] by topic; None if not measured.
     """
     nodes = {f"n{number}": node for number, node in enumerate(graph.nodes, 1)}
     others = {f"n{number}": p for number, p in enumerate(programs, len(nodes) + 1)}
@@ -93,7 +90,6 @@ def _program_member(id_: str, program: Program) -> Member:
 
 
 def _of_node(id_: str, node: Node, graph: Graph) -> Iterator[_Use]:
-    """The channels that a node announces, once for each role."""
     senders = node.senders()
     seen = _by_channel(traffic for traffic in graph.traffic if traffic.sender in senders)
     counts: Counter[tuple[str, Role]] = Counter()
@@ -118,13 +114,11 @@ def _by_channel(traffic: Iterable[Traffic]) -> _Traffic:
 
 
 def _rate(seen: Iterable[Traffic]) -> float | None:
-    """The rate of one member's messages, from all its ports [Hz]."""
     rates = [rate for traffic in seen if (rate := traffic.rate()) is not None]
     return sum(rates) if rates else None
 
 
 def _channels(graph: Graph, uses: Sequence[_Use], rates: Mapping[str, float]) -> list[Channel]:
-    """All topics, and then all services, each sorted by name."""
     types, seen = _announced_types(graph), _by_channel(graph.traffic)
     sent: Counter[str] = Counter()
     for use in uses:
@@ -135,18 +129,14 @@ def _channels(graph: Graph, uses: Sequence[_Use], rates: Mapping[str, float]) ->
     found = []
     for number, name in enumerate(topics, 1):
         traffic = seen.get(name, [])
-        known = types.get((name, False)) or _seen_types(traffic)
+        known = types.get((name, False)) or seen_types(
+            number for one in traffic for number in one.fingerprints
+        )
         messages = max(sent[name], sum(one.messages for one in traffic))
         found.append(Channel(f"t{number}", name, known, messages=messages, rate=rates.get(name)))
     for number, name in enumerate(services, 1):
         found.append(Channel(f"s{number}", name, types.get((name, True), ()), is_service=True))
     return found
-
-
-def _seen_types(traffic: Iterable[Traffic]) -> tuple[str, ...]:
-    """The likeliest type of each fingerprint."""
-    numbers = dict.fromkeys(number for seen in traffic for number in seen.fingerprints)
-    return tuple(dict.fromkeys(name for n in numbers for name in candidates(n)[:1]))
 
 
 def _announced_types(graph: Graph) -> dict[_Name, tuple[str, ...]]:
@@ -164,7 +154,6 @@ def _announced_types(graph: Graph) -> dict[_Name, tuple[str, ...]]:
 def _edges(
     uses: Sequence[_Use], ids: Mapping[_Name, str], rates: Mapping[str, float] | None
 ) -> Iterator[Edge]:
-    """The flows; a topic with one publisher has its messages' rate."""
     publishers = Counter(use.name for use in uses if use.flow is Flow.PUBLISHES)
     for use in uses:
         channel, rate = ids[use.channel], None

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 
 from lcmtools.bus.tap import Tap
 from lcmtools.errors import BusError, LcmtoolsError
-from lcmtools.graph.model import Graph
 from lcmtools.observe.activity import Activity
 from lcmtools.observe.channels import ChannelSelection, Row, Rows, plain_listeners
 from lcmtools.observe.losses import Losses, losses
@@ -32,8 +31,8 @@ class Snapshot:
     Attributes:
         rows: Its channels, sorted by name.
         plain_listeners: The programs that listen and are not nodes; their channels are unknown.
-        trouble: The reason why nothing comes; "" if all is well.
-        is_over: True if nothing will come any more.
+        trouble: The reason why no message arrives; "" if all is well.
+        is_over: True if no more messages will arrive.
     """
 
     rows: tuple[Row, ...] = ()
@@ -52,16 +51,19 @@ class Snapshot:
         return sum(row.bandwidth or 0.0 for row in self.rows)
 
     def row(self, channel: str) -> Row:
-        """A channel's row; an empty one if nothing is known of it."""
+        """Return a channel's row; an empty one if it is unknown."""
         return next((row for row in self.rows if row.channel == channel), Row(channel))
 
 
 class Feed:
-    """Reads a bus on a thread of its own; nobody else may use the monitor meanwhile."""
+    """A thread that reads a bus, with a monitor of its own.
+
+    Attributes:
+        latest: The latest snapshot; another object each time.
+    """
 
     def __init__(self, monitor: BusMonitor, selection: ChannelSelection) -> None:
         self.latest = Snapshot()
-        """The latest snapshot; another object each time."""
         self._monitor = monitor
         self._takers: tuple[Callable[[Packet], None], ...] = ()
         self._activity = Activity(_WINDOW)
@@ -89,10 +91,10 @@ class Feed:
         self._clears.set()
 
     def follow(self, channel: str, take: Callable[[Packet], None]) -> Callable[[], None]:
-        """Give a channel's whole messages to ``take``, on another thread; return what ends that.
+        """Pass a channel's whole messages to ``take``, on another thread; return the end of that.
 
-        The feed does with the heads of large messages: on a multicast bus a second tap takes the
-        channel whole.
+        The feed itself reads the heads of large messages only: on a multicast bus a second tap
+        reads the channel whole.
         """
         if not self._monitor.url.is_multicast:
             self._takers = (*self._takers, take)
@@ -127,11 +129,6 @@ class Feed:
             self.latest = replace(self.latest, trouble=what, is_over=True)
 
     def _read(self) -> None:
-        """Read until the end.
-
-        Raises:
-            EOFError: The bus is a log, and it has ended.
-        """
         with suppress(BusError, OSError):  # a network that fails now may come back
             self._monitor.discover()
         next_snapshot = 0.0
@@ -146,7 +143,7 @@ class Feed:
                 next_snapshot = now + (PERIOD if self._count > _FIRST else _SOON)
 
     def _receive(self) -> str:
-        """Take what has come into account, and return what is wrong with the network, if any."""
+        """Count what has arrived, and return the trouble of the network, "" for none."""
         try:
             packets = self._monitor.receive(_SOON)
         except (BusError, OSError) as error:
@@ -166,18 +163,12 @@ class Feed:
         graph = self._monitor.graph()
         lost = losses(self._monitor.numbered, self._before) if self._count >= _FIRST else {}
         rows = self._rows.make(graph, self._activity, lost, graph.time)
-        self._subscribe(self._rows.published(graph))
-        return Snapshot(rows, self._find_listeners(graph))
-
-    def _subscribe(self, channels: list[str]) -> None:
-        """Announce the channels as subscribed."""
+        channels = self._rows.published(graph)
         if channels != self._subscribed:
             self._subscribed = channels
             self._monitor.listen_to(channels)
-
-    def _find_listeners(self, graph: Graph) -> tuple[str, ...]:
         now = time.monotonic()
         if now >= self._next_look:
             self._next_look = now + _SELDOM
             self._listeners = tuple(plain_listeners(graph, self._monitor.url))
-        return self._listeners
+        return Snapshot(rows, self._listeners)

@@ -1,7 +1,4 @@
-"""A message as lines: its fields, indented, each number with the path of its history.
-
-Must not know how a line is shown.
-"""
+"""A message as lines: its fields, indented. Must not know how a line is shown."""
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
@@ -27,34 +24,19 @@ _DOTS = "…"
 
 @dataclass(frozen=True, slots=True)
 class FieldLine:
-    """A line of a message.
+    """A line of a message."""
 
-    Attributes:
-        path: Its place in the message: "pose.position.x", "ranges[3]".
-        label: The last part of the path.
-        depth: Levels of indentation.
-        text: The value, or a summary of an array.
-        number: The value as a number; None for anything else.
-        opens: True if there are lines below it that can be shown or hidden.
-        is_open: True if they are shown.
-    """
-
-    path: str
-    label: str
-    depth: int
-    text: str = ""
-    number: float | None = None
-    opens: bool = False
-    is_open: bool = False
+    path: str  # in the message: "pose.position.x", "ranges[3]"
+    label: str  # the last part of the path
+    depth: int  # levels of indentation
+    text: str = ""  # the value, or a summary of an array
+    number: float | None = None  # the value; None for other values
+    opens: bool = False  # True if there are lines below it that can be shown or hidden
+    is_open: bool = False  # True if they are shown
 
 
 def field_lines(message: Message, toggled: Collection[str] = ()) -> list[FieldLine]:
-    """Return the lines of a message.
-
-    Args:
-        message: The message.
-        toggled: Paths of parts that are opened instead of closed, or closed instead of open.
-    """
+    """Return the lines of a message; ``toggled`` paths are open instead of closed or vice versa."""
     return list(islice(_Lines(toggled).of_message(message, "", 0), MOST_LINES))
 
 
@@ -116,7 +98,6 @@ class _Lines:
 
 
 def _summary(elements: Sequence[object], field: Field) -> str:
-    """The first few elements of a closed array."""
     if field.message_class is not None:
         return ""
     if isinstance(elements, bytes):

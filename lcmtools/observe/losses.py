@@ -23,31 +23,26 @@ class Loss:
         return self.lost / self.sent if self.sent else 0.0
 
     def __add__(self, other: "Loss") -> "Loss":
-        """Both together, where a node has several senders."""
+        """Return both together, where a node has several senders."""
         return Loss(self.lost + other.lost, self.sent + other.sent)
 
     def __sub__(self, before: "Loss") -> "Loss":
-        """The loss since an earlier count."""
+        """Return the loss since an earlier count."""
         lost = max(0, self.lost - before.lost)
         arrived = (self.sent - self.lost) - (before.sent - before.lost)
         return Loss(lost, lost + max(0, arrived))
 
     def __str__(self) -> str:
-        """The loss for people: "12 of 120 (10.0 %)"."""
+        """Return the loss for people: "12 of 120 (10.0 %)"."""
         return f"{self.lost} of {self.sent} ({100 * self.share:.1f} %)"
 
 
 Losses = Mapping[Sender, Loss]
-"""The loss of each sender whose numbers tell of it."""
+"""The loss of each sender whose messages have numbers."""
 
 
 def losses(numbers: Mapping[Sender, Sequence], since: Losses | None = None) -> dict[Sender, Loss]:
-    """The loss of each sender, since an earlier count where one is given.
-
-    Args:
-        numbers: The senders whose numbers tell of loss (``BusMonitor.numbered``).
-        since: The earlier count.
-    """
+    """Return the loss of each sender (see ``BusMonitor.numbered``), since an earlier count."""
     return {
         sender: Loss(found.lost, found.lost + found.messages) - (since or {}).get(sender, Loss())
         for sender, found in numbers.items()
@@ -55,6 +50,6 @@ def losses(numbers: Mapping[Sender, Sequence], since: Losses | None = None) -> d
 
 
 def total(senders: Iterable[Sender | None], known: Losses) -> Loss | None:
-    """The loss of several senders together; None where no numbers of theirs are known."""
+    """Return the loss of several senders together; None where no numbers of theirs are known."""
     found = [known[sender] for sender in senders if sender is not None and sender in known]
     return sum(found, Loss()) if found else None

@@ -1,7 +1,6 @@
-"""The monitor of a bus or a log, on which everything that looks at one stands.
+"""The monitor of a bus or a log: it pulls packets and learns the graph from them on the way.
 
-It pulls packets, learns the graph from them on the way, and announces the topics that it listens
-to, as a node does with its subscriptions.
+It announces the topics that it listens to, as a node does with its subscriptions.
 """
 
 import contextlib
@@ -10,6 +9,7 @@ import os
 import socket
 import sys
 import time
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -35,7 +35,7 @@ from lcmtools.graph.protocol import (
     encode_probe,
     encode_shutdown,
 )
-from lcmtools.observe.programs import is_here
+from lcmtools.observe.senders import is_here
 from lcmtools.observe.sources import Observer, open_observer
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence as Numbers
@@ -43,13 +43,13 @@ from lcmtools.wire.sequence import Sequence as Numbers
 QUIET = 0.03
 """The graph counts as complete when no node has appeared for so long [s]."""
 _AT_LEAST = 0.05  # [s] that nodes have to answer, several times what they need
-_AGAIN = 0.02  # [s] after which they are asked a second time, where datagrams may be lost
+_AGAIN = 0.02  # [s] after which a second request is sent, where datagrams may be lost
 _AT_MOST = 0.3  # [s] on a bus where nodes keep appearing
 _FOREIGN = 1.2  # [s] for programs that do not answer: a little more than one period at 1 Hz
 
 
 class BusMonitor:
-    """A look at a bus or a log.
+    """The monitor of a bus or a log.
 
     Args:
         url: The bus, or a log.
@@ -59,11 +59,11 @@ class BusMonitor:
         whole: Put large messages together; else their heads come (``Packet.whole_bytes``).
         plays: Play a log at its own speed; else it is read at once.
         on_outage: Called with what happened when the connection to a server is lost or back.
-        on_shutdown: Called when another program asks this one to end; None to ignore that.
+        on_shutdown: Called when another program requests this one to end; None to ignore that.
 
     Attributes:
-        trouble: Why nothing comes; "" where the connection is well.
-        is_log: The source is a log: there is no node to ask and no subscriber.
+        trouble: The trouble with the connection; "" for none.
+        is_log: The source is a log, also one that is played: no node answers.
         is_live: Messages come in real time; else a log is read at once by its own times.
 
     Raises:
@@ -119,7 +119,7 @@ class BusMonitor:
         self._announce()
 
     def receive(self, timeout: float) -> list[Packet]:
-        """The messages that arrive within ``timeout`` seconds, learning the graph from them.
+        """Return the messages that arrive within ``timeout`` seconds, learning the graph from them.
 
         Returns as soon as there is any; hidden channels are included.
 
@@ -148,11 +148,11 @@ class BusMonitor:
                 yield from self.receive(min(PERIOD, left))
 
     def probe(self, target: str = "", nonce: int = 0) -> None:
-        """Ask a node, or all, to announce themselves."""
+        """Request a node, or all, to announce themselves."""
         self._observer.send(PROBE_CHANNEL, encode_probe(Probe(target, nonce)))
 
     def ask_to_end(self, node: Node, nonce: int) -> None:
-        """Ask a node's program to end, as SIGTERM would; it answers the nonce, and then ends."""
+        """Request a node's program to end, as SIGTERM does; it answers the nonce, and then ends."""
         requester = f"{' '.join(sys.argv)} (pid {os.getpid()} on {socket.gethostname()})"
         request = Shutdown(node.id, nonce, requester)
         self._observer.send(SHUTDOWN_CHANNEL, encode_shutdown(request))
@@ -186,11 +186,12 @@ class BusMonitor:
         return self.graph()
 
     def _await_nodes(self, *, foreign: bool) -> None:
-        self._builder.recall(node for node in self._records.read() if _is_here(node))
+        here = socket.gethostname()
+        self._builder.recall(node for node in self._records.read() if node.host == here)
         self.probe()
         start = changed = time.monotonic()
-        # between computers the question, or an answer, may be lost: two are seldom lost
-        ask_again = start + _AGAIN if self.url.is_multicast and self.url.ttl else math.inf
+        # between computers the request, or an answer, may be lost: two are seldom lost
+        probe_again = start + _AGAIN if self.url.is_multicast and self.url.ttl else math.inf
         with contextlib.suppress(EOFError):  # a log that has ended is complete
             # where this process itself was held up, what has come meanwhile still counts
             while (
@@ -200,16 +201,16 @@ class BusMonitor:
             ):
                 if time.monotonic() - start > _FOREIGN:
                     break
-                if time.monotonic() >= ask_again:
+                if time.monotonic() >= probe_again:
                     self.probe()
-                    ask_again = math.inf
+                    probe_again = math.inf
                 if self._receives_talk(QUIET / 2):
                     changed = time.monotonic()
         if foreign and self.url.is_multicast:
             self._await_foreign(start + _FOREIGN)
 
     def graph(self) -> Graph:
-        """Return what is known now; of a log that is read at once, as of its latest message."""
+        """Return the graph as it is known now, in a log read at once at its last message."""
         return self._builder.snapshot(time.time_ns() if self.is_live else self._last_time)
 
     @property
@@ -219,11 +220,11 @@ class BusMonitor:
 
     @property
     def numbered(self) -> Mapping[Sender, Numbers]:
-        """The numbers of the senders that tell of loss; empty where the bus has none."""
+        """The sequence numbers of the senders; empty where the bus has none."""
         return self.tap.numbered if self.tap else {}
 
     def types_of(self, channel: str) -> tuple[str, ...]:
-        """The types that nodes announce for a channel."""
+        """Return the types that nodes announce for a channel."""
         return self.graph().topic(channel).types
 
     def forget(self, node: Node) -> None:
@@ -247,20 +248,19 @@ class BusMonitor:
         return any(node.stale is Staleness.HANGS for node in self.graph().nodes)
 
     def _await_foreign(self, deadline: float) -> None:
-        """Listen on where there are programs that cannot be asked; to the end where one sends.
+        """Listen while there are programs that do not answer; to the end where one sends.
 
-        Which channels a program has only listening tells: the first may be one of ten.
+        The channels of a program show only by its messages: the first may be one of ten.
         """
         while (left := deadline - time.monotonic()) > 0:
-            heard = {s.port for s in self._builder.senders() if is_local(s.address)}
-            heard.add(self._observer.port)
+            ports = {s.port for s in self._builder.senders() if is_local(s.address)}
+            ports.add(self._observer.port)
             graph = self.graph()
             if graph.foreign():
-                for _ in self.packets(left):
-                    pass
+                deque(self.packets(left), maxlen=0)
                 return
             known = {node.pid for node in graph.nodes if is_here(node)}
-            if not silent_senders(self.url.host, self.url.port, heard, known):
+            if not silent_senders(self.url.host, self.url.port, ports, known):
                 return
             self.receive(min(left, 0.1))
 
@@ -277,7 +277,7 @@ class BusMonitor:
 
     def _announce(self, *, leaving: bool = False, answers: int = 0) -> None:
         announcement = Announcement(self._node, leaving, answers)
-        # a network that is gone may come back: who looks goes on looking, and announces later
+        # a network that is gone may come back: the next announcement is a period later
         with contextlib.suppress(BusError):
             self._observer.send(NODE_CHANNEL, encode_announcement(announcement))
         self._next_announcement = time.monotonic() + PERIOD
@@ -288,12 +288,7 @@ def _complete(now: float, start: float, changed: float) -> bool:
     return waited > _AT_MOST or (waited > _AT_LEAST and now - changed > QUIET)
 
 
-def _is_here(node: Node) -> bool:
-    return node.host == socket.gethostname()
-
-
 def _tool_node(tool: str) -> Node:
-    """The hidden node that a looking command is."""
     return Node(
         name=f"/_lcmtools_{tool}_{os.getpid()}",
         id=f"{os.getpid()}-{time.time_ns():x}",

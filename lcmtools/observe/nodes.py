@@ -10,10 +10,10 @@ from lcmtools.bus.processes import process_of
 from lcmtools.errors import LcmtoolsError, NothingReceived, UsageError
 from lcmtools.graph.model import Graph, Node, Staleness
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, decode_announcement
-from lcmtools.observe.computers import address_of
+from lcmtools.observe.describe import host_text
 from lcmtools.observe.find import find_nodes
 from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.programs import Program, is_here, programs
+from lcmtools.observe.senders import Program, is_here, programs
 
 _PING_PERIOD = 1.0  # [s]
 _ASK_AGAIN = 0.5  # [s]; any message on LCM may be lost
@@ -25,7 +25,7 @@ def ping(monitor: BusMonitor, node: Node, timeout: float) -> float:
     Raises:
         NothingReceived: The node did not answer in time.
     """
-    nonce = _nonce()
+    nonce = secrets.randbits(62) | 1
     monitor.receive(0.0)  # a backlog is not to be read within the time measured
     start = time.monotonic()
     monitor.probe(node.name, nonce)
@@ -48,27 +48,19 @@ def pings(monitor: BusMonitor, node: Node, timeout: float) -> Iterator[float]:
 
 @dataclass(slots=True)
 class NodeEnd:
-    """The end of one node that was requested to end.
-
-    Attributes:
-        node: The node.
-        nonce: The number that its answer repeats.
-        has_answered: True if it has received the request.
-        has_ended: True if it has said goodbye, or its process is gone.
-        others: The names of other nodes of its process, which end with it.
-    """
+    """The end of one node that was requested to end."""
 
     node: Node
-    nonce: int
-    has_answered: bool = False
-    has_ended: bool = False
-    others: tuple[str, ...] = ()
+    nonce: int  # that its answer repeats
+    has_answered: bool = False  # to the request
+    has_ended: bool = False  # it has said goodbye, or its process is gone
+    others: tuple[str, ...] = ()  # names of other nodes of its process, which end with it
 
-    def learn(self, said: Announcement) -> None:
+    def learn(self, announcement: Announcement) -> None:
         """Learn from an announcement."""
-        if said.node.id == self.node.id:
-            self.has_answered |= said.answers == self.nonce
-            self.has_ended |= said.leaving
+        if announcement.node.id == self.node.id:
+            self.has_answered |= announcement.answers == self.nonce
+            self.has_ended |= announcement.leaving
 
     def check_process(self) -> None:
         """Learn from this computer's processes: a goodbye may be lost."""
@@ -76,7 +68,7 @@ class NodeEnd:
             self.has_ended = True
 
     def complaint(self, timeout: float) -> str:
-        """Return what is wrong with a node that does not end, and the command that ends it."""
+        """Return the state of a node that does not end, and the command that ends it."""
         what = f"{self.node.name} does not answer"
         if self.has_answered:
             what = f"{self.node.name} was asked and has not ended within {timeout:g} s"
@@ -87,7 +79,10 @@ class NodeEnd:
 def end_nodes(monitor: BusMonitor, nodes: Sequence[Node], timeout: float) -> list[NodeEnd]:
     """Request nodes to end and wait until they have, for ``timeout`` seconds at most."""
     known = monitor.graph().nodes
-    ends = [NodeEnd(node, _nonce(), others=_others_of_process(node, known)) for node in nodes]
+    ends = [
+        NodeEnd(node, secrets.randbits(62) | 1, others=_others_of_process(node, known))
+        for node in nodes
+    ]
     deadline, request_time = time.monotonic() + timeout, 0.0
     while (now := time.monotonic()) < deadline and (left := [e for e in ends if not e.has_ended]):
         if now >= request_time:
@@ -104,7 +99,7 @@ def end_nodes(monitor: BusMonitor, nodes: Sequence[Node], timeout: float) -> lis
 
 
 def nodes_to_end(graph: Graph) -> list[Node]:
-    """Return all nodes that run and are no commands that look."""
+    """Return all nodes that run and are no commands."""
     return [
         node
         for node in graph.nodes
@@ -117,8 +112,7 @@ def node_to_end(monitor: BusMonitor, graph: Graph, word: str) -> Node:
 
     Raises:
         UsageError: The word is empty.
-        LcmtoolsError: There is none, there are several, it has ended, or it is a program that is
-            no node; with what to type.
+        LcmtoolsError: There is none, there are several, it has ended, or is no node.
     """
     try:
         found = find_nodes(graph, word)
@@ -140,12 +134,12 @@ def node_to_end(monitor: BusMonitor, graph: Graph, word: str) -> Node:
 
 
 def find_programs(monitor: BusMonitor, word: str) -> list[Program]:
-    """Return the programs that a word means: a place, a pid, a command or a word of one."""
+    """Return the programs that a word means (see ``program_names``)."""
     return [one for one in programs(monitor.settle(), monitor.url) if word in program_names(one)]
 
 
 def program_place(program: Program) -> str:
-    """Return where a program runs: "host:pid", or the address that its messages come from."""
+    """Return a program's place: "host:pid", or the address that its messages come from."""
     if program.process:
         return f"{socket.gethostname()}:{program.process.pid}"
     if program.ports:
@@ -163,10 +157,6 @@ def program_names(program: Program) -> set[str]:
     return names
 
 
-def _nonce() -> int:
-    return secrets.randbits(62) | 1
-
-
 def _announcements(monitor: BusMonitor, seconds: float) -> Iterator[Announcement]:
     for packet in monitor.receive(seconds):
         if packet.channel == NODE_CHANNEL and (said := decode_announcement(packet.payload)):
@@ -174,7 +164,7 @@ def _announcements(monitor: BusMonitor, seconds: float) -> Iterator[Announcement
 
 
 def _process_key(node: Node) -> tuple[str, str, int]:
-    """A node's process; computers may have the same name, and often have the same pids."""
+    """A key of a node's process; computers may have the same name, and often the same pids."""
     return node.host, node.sender.address if node.sender else "", node.pid
 
 
@@ -187,10 +177,8 @@ def _others_of_process(node: Node, known: Sequence[Node]) -> tuple[str, ...]:
 
 
 def _distinction(nodes: Sequence[Node]) -> str:
-    """The words for one of several nodes: its pid, its computer too where pids are the same."""
     if len({node.pid for node in nodes}) == len(nodes):
-        hosts = [f"{node.host} at {address_of(node)}".removesuffix(" at ") for node in nodes]
-        pids = [f"{node.pid} on {host}" for node, host in zip(nodes, hosts, strict=True)]
+        pids = [f"{node.pid} on {host_text(node)}" for node in nodes]
         return f"write a pid: {', '.join(pids)}"
     has_names = len({node.host for node in nodes}) > 1
     keys = map(_process_key, nodes)

@@ -1,4 +1,4 @@
-"""Messages for Python: ``messages`` gives those of some topics, decoded, from a bus or a log."""
+"""Decoded messages of topics, from a bus or a log, for Python."""
 
 import os
 from collections.abc import Callable, Generator, Iterator
@@ -31,9 +31,9 @@ class Arrival:
         message: The message.
         time: When it arrived [ns since 1970]: the kernel's time; simulated time where a simulator
             publishes ``/clock``; of a log, when it was recorded.
-        sender: Who sent it: a node's name, else a process, else an address; "unknown sender" where
-            the bus does not tell (tcpq, memq, logs).
-        packet: The message as it came, with its bytes and its number.
+        sender: The sender: a node's name, else a process, else an address; "unknown sender" where
+            the bus does not name it (tcpq, memq, logs).
+        packet: The message as it arrived, with its bytes and its number.
     """
 
     topic: str
@@ -66,7 +66,7 @@ def messages(
         where: Only messages for which this expression is true, as of ``echo --filter``:
             ``"m.pose.pose.position.x > 1"``.
         timeout: The longest time without a message [s]; None for without end.
-        wall_time: Give the computer's time where a simulator keeps the time too.
+        wall_time: Use the computer's time even if a simulator publishes /clock.
         on_error: Called for a message that cannot be decoded, which is left out; None to raise.
 
     Raises:
@@ -110,7 +110,6 @@ def _decoded(
     condition: Filter | None,
     on_error: Callable[[DecodeError], None] | None,
 ) -> Callable[[SelectedPacket], Arrival | None]:
-    """The function that makes an arrival of a packet, or None of one that is left out."""
     decoder, senders = Decoder(monitor.types_of), SenderNames()
 
     def take(found: SelectedPacket) -> Arrival | None:
@@ -134,7 +133,7 @@ def _decoded(
 def _left_in_the_end(
     stack: ExitStack, arrivals: Iterator[Arrival]
 ) -> Generator[Arrival | None, None, None]:
-    """None, then the arrivals; the stack is closed with the generator."""
+    """Yield None, then the arrivals; the stack is closed with the generator."""
     with stack:
         yield None
         yield from arrivals

@@ -1,7 +1,6 @@
 """The topics that an argument selects: one, or all that a pattern matches; and a field path.
 
-Belongs here: telling topics from the field paths behind them, which only the bus can decide. Must
-not know how a message is shown.
+Only the bus can tell topics from the field paths behind them. Must not know how a message is shown.
 """
 
 from collections.abc import Iterable
@@ -13,18 +12,10 @@ from lcmtools.observe.find import GLOBAL
 
 
 class OneTopic:
-    """A topic and the field path behind it.
-
-    Args:
-        argument: As it was typed.
-        names: The namespace and the remaps that it is read by.
-        with_path: There may be a field path behind it.
+    """A topic and, with ``with_path``, the field path behind it; raises UsageError for none.
 
     Attributes:
-        is_fixed: What it selects does not depend on what is on the bus.
-
-    Raises:
-        UsageError: It is empty.
+        is_fixed: The selection does not depend on the topics on the bus.
     """
 
     def __init__(self, argument: str, names: Resolver = GLOBAL, *, with_path: bool = True) -> None:
@@ -52,7 +43,7 @@ class OneTopic:
         return self.path if channel in self._spellings else None
 
     def channels(self) -> Iterable[str]:
-        """Return all that the name may mean: a plain LCM channel, or a topic."""
+        """Return the channels that the name may mean: a plain LCM channel, or a topic."""
         return self._spellings
 
 
@@ -60,15 +51,8 @@ class TopicPattern:
     """All topics that a pattern matches (see ``names.Pattern``), and the field path behind them.
 
     A topic whose name is the pattern, to the letter, is meant alone. A wildcard is never in the
-    path. With ``**``, which would take the path's names for topics', there is no path.
-
-    Args:
-        argument: As it was typed.
-        names: The namespace that a relative pattern is read in.
-        with_path: There may be a field path behind it.
-
-    Raises:
-        UsageError: There is something wrong with the field path behind it.
+    path. With ``**``, which would take the path's names for topics', there is no path. An error in
+    the path raises UsageError.
     """
 
     def __init__(self, argument: str, names: Resolver = GLOBAL, *, with_path: bool = True) -> None:
@@ -88,11 +72,11 @@ class TopicPattern:
 
     @property
     def is_literal(self) -> bool:
-        """True if it is the name of a topic on the bus, and so no pattern."""
+        """True if it is the name of a topic on the bus, and not a pattern."""
         return self._literal is not None
 
     def learn(self, graph: Graph) -> None:
-        """Find which topics match now."""
+        """Find the topics that match now."""
         for name in graph.topic_names():
             if name == self.text and _is_there(graph.topic(name)):
                 self._literal = name
@@ -103,7 +87,9 @@ class TopicPattern:
         if self._literal is not None:
             return Path() if channel == self._literal else None
         if channel not in self._paths:
-            self._paths[channel] = self._read(channel)
+            found = (rest for pattern, rest in self._readings if pattern.matches(channel))
+            rest = next(found, None)
+            self._paths[channel] = None if rest is None else parse_path(rest)
         return self._paths[channel]
 
     def channels(self) -> list[str]:
@@ -112,25 +98,16 @@ class TopicPattern:
             return [self._literal]
         return [channel for channel, path in self._paths.items() if path is not None]
 
-    def _read(self, channel: str) -> Path | None:
-        found = (rest for pattern, rest in self._readings if pattern.matches(channel))
-        rest = next(found, None)
-        return None if rest is None else parse_path(rest)
-
 
 def select_topics(
     argument: str, names: Resolver = GLOBAL, *, with_path: bool = True
 ) -> OneTopic | TopicPattern:
-    """Return the selection that an argument means (see ``OneTopic`` and ``TopicPattern``).
-
-    Raises:
-        UsageError: It is empty.
-    """
+    """Return the selection that an argument means (see ``OneTopic`` and ``TopicPattern``)."""
     kind = TopicPattern if has_wildcard(argument) else OneTopic
     return kind(argument, names, with_path=with_path)
 
 
 def _is_there(topic: Topic) -> bool:
-    """Return whether anything but commands that look for it has to do with the topic."""
+    """Return whether a topic has more than subscribing commands."""
     nodes = any(not node.tool for node, _ in topic.subscribers)
     return bool(topic.publishers or topic.traffic or nodes)

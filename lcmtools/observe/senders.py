@@ -1,14 +1,20 @@
-"""Names of senders: the node's, else the process's, else the address.
+"""The programs behind messages: names of senders, and programs on a bus that are no nodes.
 
-Looking a process up goes through all processes of this computer, so it is done once for a sender.
+A sender is named by its node, else its process, else its address. Programs that are no nodes are
+seen from outside: by the ports that messages come from, and by this computer's socket table. The
+names of other computers' programs, and the channels that a program subscribes to, do not show.
 """
 
+import os
+import pwd
+import socket
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import PurePath
 
+from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import (
     Process,
     Senders,
@@ -18,11 +24,14 @@ from lcmtools.bus.processes import (
     senders_from,
     udp_sockets,
 )
-from lcmtools.graph.model import Node
+from lcmtools.bus.url import BusUrl
+from lcmtools.graph.model import Graph, Node, Traffic
 from lcmtools.wire.packet import Sender
 
+_Key = tuple[Process | None, int | None, str]  # process, user's number, address or ""
+
 UNKNOWN = "unknown sender"
-"""The name where the bus does not tell who sends: tcpq, memq and logs."""
+"""The name where the bus does not name senders: tcpq, memq and logs."""
 
 _RETRY = 5.0  # [s] before one that was not found is looked up again
 _TAKE_A_PATH = ("-cp", "-classpath", "--class-path", "-p", "--module-path")
@@ -48,32 +57,26 @@ class SocketTable:
         return cls(rows, owners(rows))
 
     def sockets(self, sender: Sender) -> list[UdpSocket]:
-        """The sockets that a sender may be; none for a sender on another computer."""
+        """Return the sockets that a sender may be; none for a sender on another computer."""
         if not is_local(sender.address):
             return []
         return [row for row in self.rows.values() if row.port == sender.port]
 
     def processes(self, sender: Sender) -> Senders:
-        """The processes that a sender may be, as far as the system tells."""
+        """Return the processes that a sender may be, as far as the system tells."""
         return senders_from(sender.port, self.sockets(sender), self.holders)
-
-    def process(self, sender: Sender) -> Process | None:
-        """The process that a sender is, where it can be only one."""
-        return self.processes(sender).only
 
 
 def process_name(process: Process) -> str:
-    """A process by its program's short name and its number: "driver.py (pid 12)"."""
+    """Return a process by its program's short name and its number: "driver.py (pid 12)"."""
     return f"{program_name(process.command)} (pid {process.pid})"
 
 
 class SenderNames:
-    """Names the senders of a bus: by node, else by process, else by address.
+    """Names of senders: by node, else by process, else by address.
 
-    Args:
-        read: Reads the socket table of some local ports.
-        now: A monotonic clock [s].
-        called: The name of a process.
+    Looking a process up goes through all processes of this computer, so it is done once a sender.
+    ``now`` is a monotonic clock [s], ``called`` the name of a process.
     """
 
     def __init__(
@@ -97,19 +100,19 @@ class SenderNames:
         self._next_look.update(dict.fromkeys(new, now + _RETRY))
         local = [sender for sender in new if is_local(sender.address)]
         table = self._read({sender.port for sender in local}) if local else SocketTable({}, {})
-        found = {sender: table.process(sender) for sender in local}
+        found = {sender: table.processes(sender).only for sender in local}
         self._processes.update({sender: process for sender, process in found.items() if process})
 
     def node(self, sender: Sender | None) -> Node | None:
-        """The node that sends from there."""
+        """Return the node that sends from there."""
         return self._nodes.get(sender) if sender else None
 
     def process(self, sender: Sender | None) -> Process | None:
-        """The process of this computer that sends from there, where that is known."""
+        """Return the process of this computer that sends from there, where that is known."""
         return self._processes.get(sender) if sender else None
 
     def name(self, sender: Sender | None) -> str:
-        """The name of a sender; its address where nothing better is known."""
+        """Return the name of a sender; its address where nothing better is known."""
         if sender is None:
             return UNKNOWN
         if node := self.node(sender):
@@ -123,7 +126,7 @@ class SenderNames:
 
 
 def program_name(command: str) -> str:
-    """The short name of a program, of an interpreter's the script's: "driver.py"."""
+    """Return the short name of a program, of an interpreter's the script's: "driver.py"."""
     words = command.split() or ["?"]
     name = PurePath(words[0]).name
     if not name.startswith(_INTERPRETERS):
@@ -136,3 +139,107 @@ def program_name(command: str) -> str:
         if option == "-m" or not word.startswith("-"):
             return PurePath(word).name
     return name
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """A program that is no node.
+
+    Attributes:
+        process: Its process; None where the system does not show it.
+        user: The user of its process; "" if unknown.
+        address: Its computer's address as messages come from it; "" for a local listener.
+        ports: The UDP ports that it was seen to send from.
+        traffic: The messages that it was seen to publish.
+        listens: True if it receives from the bus; None if unknown.
+        sockets: Those that it receives from the bus with, as far as that shows.
+        candidates: The processes that it may be, where its own does not show.
+    """
+
+    process: Process | None
+    user: str
+    address: str
+    ports: tuple[int, ...]
+    traffic: tuple[Traffic, ...]
+    listens: bool | None
+    sockets: tuple[UdpSocket, ...] = ()
+    candidates: tuple[Process, ...] = ()
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The channels that it was seen to publish on, sorted, each once."""
+        return tuple(sorted({seen.channel for seen in self.traffic}))
+
+
+def programs(graph: Graph, url: BusUrl) -> list[Program]:
+    """Return the programs of a bus that are no nodes, those of this computer first."""
+    table, listening = SocketTable.read(), listening_sockets(url)
+    known = {node.pid for node in graph.nodes if is_here(node)} | {os.getpid()}
+    found: dict[_Key, list[Traffic]] = {}
+    for seen in graph.foreign():
+        found.setdefault(_key(seen.sender, table), []).append(seen)
+    receivers: dict[Process | None, list[UdpSocket]] = {}
+    for inode in listening:
+        process, row = table.holders.get(inode), table.rows.get(inode)
+        if process is None or process.pid not in known:
+            found.setdefault((process, row.uid if row else None, ""), [])
+        if row:
+            receivers.setdefault(process, []).append(row)
+    made = [
+        _program(key, seen, receivers, table)
+        for key, seen in found.items()
+        if not (key[0] and key[0].pid in known)
+    ]
+    return sorted(made, key=_order)
+
+
+def is_here(node: Node) -> bool:
+    """Return whether a node runs on this computer."""
+    if node.sender is not None and not is_local(node.sender.address):
+        return False
+    return node.host == socket.gethostname()
+
+
+def _key(sender: Sender | None, table: SocketTable) -> _Key:
+    if sender is None or not is_local(sender.address):
+        return None, None, str(sender or "")
+    process = table.processes(sender).only
+    users = {row.uid for row in table.sockets(sender)}
+    uid = users.pop() if len(users) == 1 else None
+    return process, uid, "" if process else str(sender)
+
+
+def _program(
+    key: _Key,
+    traffic: list[Traffic],
+    receivers: Mapping[Process | None, list[UdpSocket]],
+    table: SocketTable,
+) -> Program:
+    process, uid, address = key
+    senders = {seen.sender for seen in traffic if seen.sender}
+    listens = process in receivers if process else None if traffic else True
+    unnamed = [row for row in receivers.get(None, []) if row.uid == uid]
+    maybe = (table.processes(sender).candidates for sender in senders if process is None)
+    return Program(
+        process,
+        "" if uid is None else user_name(uid),
+        next((sender.address for sender in senders), address),
+        tuple(sorted({sender.port for sender in senders})),
+        tuple(traffic),
+        listens,
+        tuple(receivers.get(process, []) if process else [] if traffic else unnamed),
+        tuple(chain.from_iterable(maybe)),
+    )
+
+
+def _order(program: Program) -> tuple[bool, int, str]:
+    process = program.process
+    return process is None, process.pid if process else 0, program.address
+
+
+def user_name(uid: int) -> str:
+    """Return the name of a user; the number where that is not known."""
+    try:
+        return pwd.getpwuid(uid).pw_name
+    except KeyError:
+        return str(uid)

@@ -56,11 +56,7 @@ class Observer(Protocol):
 
 
 class LogObserver:
-    """The messages of a log, as fast as they are read; their time is when they were recorded.
-
-    Args:
-        path: The file.
-    """
+    """The messages of a log file, as fast as they are read, with the times of the recording."""
 
     port = 0
     is_live, is_log = False, True
@@ -69,12 +65,7 @@ class LogObserver:
         self._packets = _read(path)
 
     def receive(self, timeout: float) -> list[Packet]:  # noqa: ARG002 - a log never waits
-        """Return the next messages.
-
-        Raises:
-            EOFError: The log has ended.
-            BusError: The file cannot be read.
-        """
+        """Return the next messages; raises BusError where the file cannot be read."""
         packets = list(islice(self._packets, _BATCH))
         if not packets:
             raise EOFError
@@ -95,17 +86,10 @@ def open_observer(
     plays: bool = True,
     on_outage: Callable[[str, str], None] = lambda _text, _trouble: None,
 ) -> Observer:
-    """Return the best observer of a bus or a log.
+    """Return the best observer of a bus or a log; see ``BusMonitor``.
 
-    Args:
-        url: The bus, or a log.
-        whole: Put large messages together; else their heads come (``Packet.whole_bytes``).
-        plays: Play a log at its own speed, as liblcm does; else it is read at once.
-        on_outage: Called with what happened when the connection is lost or back, and with the
-            trouble now, "" for none.
-
-    Raises:
-        BusError: The bus cannot be reached, with what to type.
+    ``on_outage`` is called when the connection is lost or back, with a sentence and with the
+    trouble now, "" for none.
     """
     if url.is_multicast:
         return Tap(url, whole=whole)
@@ -118,7 +102,6 @@ def open_observer(
 
 
 def _read(path: str) -> Iterator[Packet]:
-    """The messages of a log in their order."""
     try:
         if Path(path).stat().st_size == 0:  # it cannot be mapped
             return

@@ -1,7 +1,7 @@
-"""A close look at one channel: its latest message, decoded, and the history of its numbers.
+"""One channel in detail: its latest message, decoded, and the history of its numbers.
 
-Messages come on one thread and are looked at from another. Only so many messages a second are
-decoded as a person and this computer can follow.
+Messages arrive on one thread and are read from another. Only so many messages a second are decoded
+as a person and this computer can follow.
 """
 
 import math
@@ -33,14 +33,14 @@ class ChannelState:
 
     Attributes:
         lines: The latest message; empty before the first, and if it cannot be decoded.
-        type: The type that it was decoded as; "" if it was not.
+        type: Its type; "" if it was not decoded.
         others: Other types with its fingerprint.
-        fingerprint: Of the latest message; None for none.
+        fingerprint: Its fingerprint; None for none.
         problem: The reason why it cannot be decoded; "" if it was.
         head: The beginning of its payload.
         size: Bytes of the payload.
-        messages: The number of messages since the look began.
-        decoded: How many of them were decoded.
+        messages: The number of messages so far.
+        decoded: The number of decoded ones.
         time: Arrival of the latest [ns since 1970].
     """
 
@@ -57,7 +57,7 @@ class ChannelState:
 
 
 class Study:
-    """A close look at one channel, whose nodes announce ``types``."""
+    """A channel in detail; its nodes announce ``types``."""
 
     def __init__(self, channel: str, types: Sequence[str] = ()) -> None:
         self.channel = channel
@@ -99,16 +99,15 @@ class Study:
             self._messages = self._decoded = 0
 
     def samples(self, path: str) -> list[Sample]:
-        """The history of a number."""
+        """Return the history of a number."""
         with self._lock:
             return list(self._samples.get(path, ()))
 
     def state(self) -> ChannelState:
-        """The messages as they are now."""
+        """Return the messages as they are now."""
         with self._lock:
             lines = tuple(field_lines(self._message, self._toggled)) if self._message else ()
-            counts = self._messages, self._decoded
-            return replace(self._state, lines=lines, messages=counts[0], decoded=counts[1])
+            return replace(self._state, lines=lines, messages=self._messages, decoded=self._decoded)
 
     def _decode(self, packet: Packet) -> None:
         self._message, name, problem = None, "", ""
@@ -118,37 +117,28 @@ class Study:
         except LcmtoolsError as error:
             problem = str(error)
         names = [] if packet.fingerprint is None else candidates(packet.fingerprint)
-        self._state = ChannelState(
-            (),
-            name,
-            tuple(other for other in names if other != name),
-            packet.fingerprint,
-            problem,
-            packet.payload[:_HEAD_BYTES],
-            packet.size,
-            time=packet.time,
-        )
+        others = tuple(other for other in names if other != name)
+        head = packet.payload[:_HEAD_BYTES]
+        seen = packet.fingerprint, problem, head, packet.size
+        self._state = ChannelState((), name, others, *seen, time=packet.time)
         if self._message is None:
             return
         self._decoded += 1
         for line in field_lines(self._message, self._toggled):
-            if line.number is not None:
-                self._keep(line.path, (packet.time, line.number))
-
-    def _keep(self, path: str, sample: Sample) -> None:
-        if path in self._samples or len(self._samples) < _MOST_PATHS:
-            self._samples.setdefault(path, deque(maxlen=KEPT)).append(sample)
+            if line.number is not None and (
+                line.path in self._samples or len(self._samples) < _MOST_PATHS
+            ):
+                samples = self._samples.setdefault(line.path, deque(maxlen=KEPT))
+                samples.append((packet.time, line.number))
 
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A number over time.
+    """A number over time, the smallest and the largest.
 
     Attributes:
-        bars: Its mean in each stretch of time, the newest last, scaled to 0 .. 1; a stretch without
-            samples has the one before. None from before the first sample.
-        low: The smallest number.
-        high: The largest.
+        bars: Its mean in each interval, the newest last, scaled to 0 .. 1; an interval without
+            samples repeats the one before. There are none before the first sample.
     """
 
     bars: tuple[float, ...] = ()
@@ -157,15 +147,10 @@ class Curve:
 
 
 def curve(samples: Iterable[Sample], now: int, count: int, bin_ns: int) -> Curve:
-    """Return the curve of a number.
+    """Return the curve of a number from samples in the order of time, up to ``now`` [ns].
 
-    Bars stand for fixed stretches of time, so that the curve moves on and does not flicker.
-
-    Args:
-        samples: In the order of their times; what is not finite is left out.
-        now: The time of the last bar [ns].
-        count: The greatest number of bars.
-        bin_ns: The time that a bar stands for [ns].
+    There are ``count`` bars at most, of ``bin_ns`` each: fixed intervals, against flicker. Samples
+    that are not finite are left out.
     """
     first = now // bin_ns - count + 1
     bins: dict[int, list[float]] = {}

@@ -13,7 +13,7 @@ from lcmtools.graph.drawing.diagram import Diagram
 from lcmtools.graph.drawing.selection import Selection, members_only, select
 from lcmtools.observe.activity import Activity
 from lcmtools.observe.diagram import diagram_of
-from lcmtools.observe.programs import programs
+from lcmtools.observe.senders import programs
 
 _MEASURED = 1.0  # [s]
 

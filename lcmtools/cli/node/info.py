@@ -14,7 +14,7 @@ from lcmtools.observe.describe import node_record
 from lcmtools.observe.find import find_nodes
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.nodes import find_programs
-from lcmtools.observe.programs import Program
+from lcmtools.observe.senders import Program
 from lcmtools.publish.parameters import Answers, ParameterClient, has_parameters
 
 _TIMEOUT = 0.5  # [s] for parameters: the rest of the answer does not wait for a busy node

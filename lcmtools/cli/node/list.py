@@ -21,7 +21,7 @@ from lcmtools.graph.model import Node, Staleness
 from lcmtools.names import Pattern, did_you_mean
 from lcmtools.observe.computers import Computers
 from lcmtools.observe.describe import listed_node, node_record
-from lcmtools.observe.programs import programs
+from lcmtools.observe.senders import programs
 
 _HEADING = "Programs that are no nodes (seen on the bus):"
 

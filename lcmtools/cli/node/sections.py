@@ -12,7 +12,7 @@ from lcmtools.names import is_hidden
 from lcmtools.observe.counters import callback_record, callback_times
 from lcmtools.observe.describe import UNKNOWN, candidates_text, host_text
 from lcmtools.observe.nodes import program_place
-from lcmtools.observe.programs import Program, is_here, user_name
+from lcmtools.observe.senders import Program, is_here, user_name
 
 _TITLES = {
     Role.PUBLISHER: "Publications",

@@ -5,7 +5,7 @@ import pytest
 from lcmtools.bus.processes import Process, UdpSocket
 from lcmtools.cli.node.sections import command_text, program_record, program_rows
 from lcmtools.observe.nodes import program_names
-from lcmtools.observe.programs import Program
+from lcmtools.observe.senders import Program
 
 JAVA = (Process(5, "java A"), Process(7, "java B"))
 

@@ -2,7 +2,7 @@
 
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.messages.codec import encode
-from lcmtools.observe.arrival_clock import CLOCK, ArrivalClock, is_simulated
+from lcmtools.observe.arrivals import CLOCK, ArrivalClock, is_simulated
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.wire.packet import Packet
 

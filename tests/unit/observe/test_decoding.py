@@ -13,8 +13,8 @@ from lcmtools.wire.packet import Packet
 VECTOR = Packet("/a", encode(Vector3()), 7)
 
 
-def decoder(*announced: str, said: type | None = None) -> Decoder:
-    return Decoder(lambda _: announced, said)
+def decoder(*announced: str, named: type | None = None) -> Decoder:
+    return Decoder(lambda _: announced, named)
 
 
 def test_the_announced_type_is_meant_where_several_have_the_fingerprint() -> None:
@@ -28,9 +28,9 @@ def test_the_likeliest_is_meant_where_none_is_announced_or_another_type_is() -> 
 
 
 def test_the_type_that_the_person_names_wins() -> None:
-    assert isinstance(decoder("geometry_msgs/Vector3", said=Point).decode(VECTOR), Point)
+    assert isinstance(decoder("geometry_msgs/Vector3", named=Point).decode(VECTOR), Point)
     with pytest.raises(DecodeError, match="the type is not std_msgs/String but geometry_msgs/V"):
-        decoder(said=String).decode(VECTOR)
+        decoder(named=String).decode(VECTOR)
 
 
 def test_the_type_is_settled_once_for_a_channel() -> None:

@@ -9,7 +9,7 @@ from lcmtools.graph.drawing.selection import Selection, select
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.messages.registry import fingerprint
 from lcmtools.observe.diagram import diagram_of
-from lcmtools.observe.programs import Program
+from lcmtools.observe.senders import Program
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Sender
 

@@ -61,6 +61,6 @@ def test_a_node_is_named_before_its_process() -> None:
 def test_a_port_that_processes_share_names_none_of_them() -> None:
     rows = {inode: UdpSocket("127.0.0.1", 1, inode, 0, 0) for inode in (5, 6)}
     table = SocketTable(rows, {5: Process(7, "one"), 6: Process(8, "other")})
-    assert table.process(LOCAL) is None
+    assert table.processes(LOCAL).only is None
     assert [process.pid for process in table.processes(LOCAL).candidates] == [7, 8]
     assert table.processes(Sender("10.255.3.4", 1)).candidates == ()
