@@ -3,9 +3,9 @@
 Both encode the same object and decode the same payload. Each figure is the median of alternating
 rounds, in microseconds for one message; the ratio is lcm-gen's time by ours (above 1: ours is
 faster). lcmtools checks what it is given and sets length fields by itself; lcm-gen's code does
-neither. A stencil is filled with new numbers; the ratio is the time of making a message with them
-and encoding it by that. The text is what ``echo`` prints, beside PyYAML's writer, the one in C,
-which is given the message as a dict already.
+neither. A template is filled with new numbers; the ratio is the time of making a message with
+them and encoding it by that. The text is what ``echo`` prints, beside PyYAML's writer in C, which
+is given the message as a dict already.
 """
 
 import timeit
@@ -95,16 +95,16 @@ def row(label: str, message: Generated, rounds: int) -> list[object]:
     return [label, len(payload), *rates]
 
 
-def stencil_row(rounds: int) -> list[object]:
-    """An odometry of new numbers: made anew, and filled into a stencil."""
+def template_row(rounds: int) -> list[object]:
+    """An odometry of new numbers: made, and filled into a template."""
     pose, twist = (1.5, 2.0, 0.0, 0.0, 0.0, 0.6, 0.8), (0.5, 0.0, 0.0, 0.0, 0.0, 0.3)
-    stencil = PayloadTemplate(
+    template = PayloadTemplate(
         _odometry((0,) * 7, (0,) * 6), "header.stamp", "pose.pose", "twist.twist"
     )
     filled, made = measure(
-        rounds, lambda: stencil.fill((3, 5), pose, twist), lambda: encode(_odometry(pose, twist))
+        rounds, lambda: template.fill((3, 5), pose, twist), lambda: encode(_odometry(pose, twist))
     )
-    assert stencil.fill((3, 5), pose, twist) == encode(_odometry(pose, twist))
+    assert template.fill((3, 5), pose, twist) == encode(_odometry(pose, twist))
     return ["Odometry", filled, made, made / filled]
 
 
@@ -143,7 +143,7 @@ def main() -> None:
     show(
         "A message with new numbers, microseconds",
         ["message", "filled", "made", "ratio"],
-        [stencil_row(rounds)],
+        [template_row(rounds)],
     )
     del messages["Image 640x480"]  # a million numbers, for which yaml.dump takes minutes
     show(

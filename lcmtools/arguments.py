@@ -86,7 +86,7 @@ def split_arguments(arguments: Sequence[str]) -> tuple[NodeArguments, list[str]]
 
 
 def is_assignment(word: str) -> bool:
-    """Return whether a word is an argument as ROS has it: "a:=b", "__ns:=/husky0", "_gain:=2.0"."""
+    """Return True for an assignment as of ROS: "a:=b", "__ns:=/husky0", "_gain:=2.0"."""
     return _ASSIGNMENT.fullmatch(word) is not None
 
 

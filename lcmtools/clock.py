@@ -26,7 +26,7 @@ class SystemClock:
 
 
 class ManualClock:
-    """A clock that stands until it is set: simulated time, and time in tests."""
+    """A clock with the time last set: simulated time, and time in tests."""
 
     def __init__(self, now: int = 0) -> None:
         self._now = now

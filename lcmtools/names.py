@@ -199,21 +199,21 @@ class Pattern:
         self._below = re.compile(f"{root}{_expression(bare)}(/.*)?" if bare else ".*", re.DOTALL)
 
     def matches(self, name: str) -> bool:
-        """Return whether the pattern is the whole name."""
+        """Return True if the pattern is the whole name."""
         return (self._hidden or not is_hidden(name)) and bool(self._whole.fullmatch(name))
 
     def covers(self, name: str) -> bool:
-        """Return whether the pattern is the name or a namespace of it; "" and "/" are of all."""
+        """Return True if the pattern is the name or a namespace of it; "" and "/" are of all."""
         return (self._hidden or not is_hidden(name)) and bool(self._below.fullmatch(name))
 
     def means_node(self, name: str) -> bool:
-        """Return ``covers``, or for a pattern of one part, whether it is the name's last part."""
+        """Return ``covers``, or True for a pattern that is the name's last part."""
         is_last = "/" not in self._text and self._whole.fullmatch(base_name_of(name))
         return self.covers(name) or (bool(is_last) and (self._hidden or not is_hidden(name)))
 
 
 def has_wildcard(text: str) -> bool:
-    """Return whether a word is a pattern: it has * or ? in it."""
+    """Return True for a word with * or ? in it."""
     return _WILDCARD.search(text) is not None
 
 

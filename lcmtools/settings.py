@@ -174,7 +174,7 @@ def _read(path: Path, modified: int, size: int) -> UserFile:
 
 
 def _text(path: Path, name: str, node: "Node") -> str:
-    """Return a setting's text, checked: its own type decides how it is read, not YAML's."""
+    """Return a setting's text, checked; it is read by its own type, not YAML's."""
     where = f"{path}:{node.key_line}"
     if name not in SETTINGS:
         hint = did_you_mean(name, SETTINGS) or f"there are {', '.join(SETTINGS)}"

@@ -1,7 +1,7 @@
 """XML as elements that remember their lines.
 
 Belongs here: syntax and limits. Document types and entities are refused: a few lines of them can
-fill the memory. Must not know what a tag means.
+fill the memory. Must not know the meaning of tags.
 """
 
 import re

@@ -20,7 +20,7 @@ DEEPEST = 100
 MOST_REPEATED = 100_000
 """Values that aliases may repeat in a document, so that a line of text cannot fill the memory."""
 
-Plain: TypeAlias = "str | bytes | list[Plain] | dict[str, Plain] | None"
+PlainNode: TypeAlias = "str | bytes | list[PlainNode] | dict[str, PlainNode] | None"
 
 _TAG = "tag:yaml.org,2002:"
 _NULLS = ("", "~", "null", "Null", "NULL")
@@ -56,7 +56,7 @@ class Node:
         """True for an empty value, ``~`` or ``null`` that is not quoted."""
         return not self.is_quoted and isinstance(self.value, str) and self.value in _NULLS
 
-    def plain(self) -> Plain:
+    def plain(self) -> PlainNode:
         """Return the value without places; None for nothing."""
         value = self.value
         if isinstance(value, str):

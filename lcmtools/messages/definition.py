@@ -1,6 +1,6 @@
 """A type as text: its definition, as of ``rosmsg show``, and its prototype, as of ``rosmsg-proto``.
 
-Belongs here: how a type's fields, constants and defaults are written. Must not know messages.
+Belongs here: the text of a type's fields, constants and defaults. Must not know messages.
 """
 
 from collections.abc import Iterator, Mapping
@@ -80,7 +80,7 @@ def _prototype_rows(fields: Mapping[str, Plain], indent: str) -> Iterator[str]:
 
 
 def _inline(value: Plain) -> str:
-    """A value in one line; whole messages only stand here within arrays of fixed size."""
+    """A value in one line; whole messages only occur within arrays of fixed size."""
     if isinstance(value, dict):
         return f"{{{', '.join(f'{name}: {_inline(part)}' for name, part in value.items())}}}"
     if isinstance(value, list):

@@ -129,7 +129,7 @@ def _mismatch(bad: BadYaml, first_line: int) -> ValueMismatch:
 def _read_json(text: str) -> tuple[bool, Value]:
     """Return True and the value, if a text is one object or array of JSON.
 
-    What is almost JSON is none: the YAML reader takes it, or says what is wrong and where.
+    Text that is almost JSON is left to the YAML reader, which names the mistake and its place.
     """
     import json
 

@@ -22,7 +22,7 @@ PRIMITIVES = {
     "double": "float64",
     "string": "string",
 }
-"""LCM's primitive types and what ROS, and so every text of lcmtools, calls them."""
+"""LCM's primitive types and their names in ROS, which all texts of lcmtools use."""
 
 TIME_FIELDS = (("sec", "nsec"), ("sec", "nanosec"))
 """The fields of times and durations, as ROS 1 and ROS 2 have them."""
@@ -74,7 +74,7 @@ def visible_fields(cls: type[Message]) -> tuple[Field, ...]:
 
 @cache
 def is_time(cls: type[Message]) -> bool:
-    """Return whether the type is a time or a duration: seconds and nanoseconds, by either name."""
+    """Return True for a time or a duration: seconds and nanoseconds, by either name."""
     return tuple(cls.__slots__) in TIME_FIELDS
 
 

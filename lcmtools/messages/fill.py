@@ -1,6 +1,6 @@
 """Messages filled from plain values: mappings by field name, lists in order, text and numbers.
 
-Belongs here: how the fields of a message are named, and the errors for those that do not match.
+Belongs here: the names of a message's fields, and the errors for those that do not match.
 Must not know YAML's syntax (see ``yaml_input``) nor the wire format.
 """
 
@@ -22,7 +22,7 @@ def fill(message: Message, value: Value) -> None:
     """Set the fields of a message from plain values; those that are not named stay as they are.
 
     A mapping sets fields by name, a list sets all fields in order, None sets none; a single value
-    sets the only field of a message that has one. Text is read as the field's type asks ("0x1F"
+    sets the only field of a message that has one. Text is read by the field's type ("0x1F"
     is a number in a number field), numbers and booleans may also be themselves.
 
     Raises:

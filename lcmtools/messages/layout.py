@@ -1,7 +1,7 @@
 """The code that writes and reads a type, made once from lcm-gen's tables.
 
 Belongs here: LCM's encoding of whole messages: which fields lie next to each other, and when length
-fields are set. Must not know what an error looks like to the user (see ``rows``).
+fields are set. Must not know the errors that users see.
 
 A nested message is its fields and no more, so the numbers of neighbouring messages are packed in
 one go. That and plain assignments make it faster than lcm-gen's own code, whence source text,
@@ -85,7 +85,7 @@ def is_generated(cls: type) -> bool:
 def has_wire_type(message: object, cls: type[Message]) -> bool:
     """Return True for an object with the fields of a ``cls``, in the same order.
 
-    A geometry_msgs/Point may stand for a Vector3, as with lcm-gen's own encoders.
+    A geometry_msgs/Point may replace a Vector3, as with lcm-gen's own encoders.
     """
     kind = cast("type[Message]", type(message))
     return kind is cls or (is_generated(kind) and fingerprint(kind) == fingerprint(cls))

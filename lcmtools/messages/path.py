@@ -1,7 +1,7 @@
 """Field paths: ``pose.pose.position``, ``/ranges[0:5]``, ``transforms[0].header/stamp``.
 
 Belongs here: the syntax of paths, their targets in a type, and the values they select. Must not
-know the bus, files or the terminal, nor how a value is shown.
+know the bus, files or the terminal, nor the display of values.
 
 Names are separated by dots, as in ROS 2, or slashes, as rostopic has them. Indices and slices are
 Python's, on arrays only. A name after a slice is taken from each element of it.
@@ -83,7 +83,7 @@ def parse_path(text: str) -> Path:
     """The path that a text means; a separator before it, or a slash at its end, means nothing.
 
     Raises:
-        UsageError: It is no path; it names the text and what is wrong with it.
+        UsageError: It is no path; it names the text and the mistake.
     """
     rest = text.removesuffix("/")
     if rest[:1] not in ("", ".", "/", "["):

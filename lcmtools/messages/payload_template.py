@@ -1,4 +1,4 @@
-"""Messages of which only some numbers change, encoded beforehand: for what is sent very often.
+"""Messages of which only some numbers change, encoded beforehand: for high rates.
 
 Belongs here: the place of a field in a payload. Must not know channels or datagrams.
 """

@@ -1,7 +1,7 @@
 """Messages as plain values: dicts, lists, numbers, booleans and text; JSON and table cells of them.
 
-Belongs here: what a message is as plain values, and a view that names, cuts or shifts some of them.
-Must not know files, nor how plain values are laid out as text: see ``text``.
+Belongs here: a message as plain values, and a view that names, cuts or shifts some of them. Must
+not know files, nor the layout of plain values as text: see ``text``.
 """
 
 import math
@@ -42,7 +42,7 @@ MORE = More("...")
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """Changes to what is shown of values.
+    """Options for the values that are shown.
 
     Attributes:
         hides_arrays: All arrays are only named: ``<array type: float64, length: 5>``.
@@ -50,7 +50,7 @@ class View:
         longest: Longer arrays and strings are cut after so many elements; None for none.
         origin: Points in time are shown as the length of time since then, nanoseconds since 1970;
             None for as they are.
-        is_table: For a table: what is hidden is left out, and no dots show where something is cut.
+        is_table: For a table: hidden values are left out, and cut ones have no dots.
     """
 
     hides_arrays: bool = False
@@ -60,11 +60,11 @@ class View:
     is_table: bool = False
 
     def __bool__(self) -> bool:
-        """Return whether anything is shown otherwise."""
+        """Return True if a value is shown otherwise."""
         return self is not NOTHING and self != NOTHING
 
     def omits(self, field: Field) -> bool:
-        """Return whether a field is left out."""
+        """Return True for a field that is left out."""
         return self.is_table and (
             (self.hides_arrays and bool(field.dimensions))
             or (self.hides_strings and field.type == "string")

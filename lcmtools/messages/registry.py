@@ -17,7 +17,7 @@ from lcmtools.messages.type_names import STUDENTS, find, full_name, near_miss, p
 from lcmtools.messages.type_source import Problem, Supply, TypeSource
 
 _SHIPPED = "lcmtools.types."
-_USERS = "lcmtools_types_"  # packages.cache puts what it makes below a package named so
+_USERS = "lcmtools_types_"  # packages.cache writes all types below a package named so
 
 
 class Message(Protocol):

@@ -43,7 +43,7 @@ class Malformed(ValueError):  # noqa: N818 - named for what happened, as in erro
 
 
 class Cursor:
-    """A payload and the offset of what has not been read.
+    """A payload and the offset of its unread rest.
 
     ``stray`` is the error handler for bytes in strings that are not UTF-8.
     """

@@ -16,7 +16,7 @@ from lcmtools.messages.scalars import Misfit, Scalar, from_python, from_text, gi
 from lcmtools.messages.shape import each
 from lcmtools.messages.text import RESERVED_WORDS, quoted
 
-Setting: TypeAlias = "Scalar | Sequence[Scalar] | None"
+ParameterValue: TypeAlias = "Scalar | Sequence[Scalar] | None"
 """A single value, a list of them, or nothing."""
 
 ANY = "any"
@@ -32,7 +32,7 @@ _WHOLE = re.compile(r"[-+]?(?:[0-9]+|0x[0-9a-f]+|0o[0-7]+|0b[01]+)", re.IGNORECA
 _WORDS = re.compile(r"[A-Za-z/_]([\w ./+@%-]*[\w./+@%-])?", re.ASCII)
 
 
-def kind_of(value: Setting) -> str:
+def kind_of(value: ParameterValue) -> str:
     """bool, int, float or string, with [] for a list of one of them; list; any for None.
 
     Raises:
@@ -49,16 +49,16 @@ def kind_of(value: Setting) -> str:
     raise ValueMismatch(f"{given(value)} is no value that a parameter can have")
 
 
-def read_setting(text: str, kind: str, path: str) -> Setting:
-    """The value of a kind that a text stands for.
+def read_setting(text: str, kind: str, path: str) -> ParameterValue:
+    """The value of a text, of a kind.
 
     Args:
         text: YAML; where the kind is a string it is the string itself, unless it is quoted.
         kind: As of ``kind_of``.
-        path: What an error calls it, for example "parameter kp".
+        path: Its name in errors, for example "parameter kp".
 
     Raises:
-        ValueMismatch: It stands for none.
+        ValueMismatch: It has none.
     """
     own = _unquoted(text)
     if kind == "string" or (kind == ANY and own is not None):
@@ -70,7 +70,7 @@ def read_setting(text: str, kind: str, path: str) -> Setting:
     return _converted(value, kind, path, _scalar_of_text)
 
 
-def check_setting(value: object, kind: str, path: str) -> Setting:
+def check_setting(value: object, kind: str, path: str) -> ParameterValue:
     """The plain Python value of a kind that ``value`` is; whole numbers are floats too.
 
     Raises:
@@ -91,7 +91,7 @@ def text_of(value: Value, kind: str) -> str:
     return write_setting(None)
 
 
-def write_setting(value: Setting) -> str:
+def write_setting(value: ParameterValue) -> str:
     """A value as YAML in one line, which ``read_setting`` takes back."""
     if value is None:
         return "null"
@@ -108,7 +108,7 @@ def write_setting(value: Setting) -> str:
 
 def _converted(
     value: object, kind: str, path: str, scalar: Callable[[object, str], Scalar]
-) -> Setting:
+) -> ParameterValue:
     try:
         if kind == ANY and value is None:
             return None

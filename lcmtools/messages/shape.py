@@ -1,6 +1,6 @@
 """Arrays: their sizes, and the path to the element that does not fit.
 
-Belongs here: what holds for an array whatever its elements are. Must not know the wire format,
+Belongs here: all that does not depend on the kind of elements. Must not know the wire format,
 nor where the values come from (a message's attributes or a user's text).
 """
 

@@ -75,7 +75,7 @@ def quoted(text: str) -> str:
 
 
 def _quoted_at_end(text: str) -> str:
-    """The same at the end of a line, where a comment can say what ``!!binary`` is."""
+    """The same at the end of a line, where a comment shows the content of ``!!binary``."""
     shown = quoted(text)
     is_binary = shown.startswith("!")
     return f"{shown} # {text.encode('utf-8', STRAY_BYTES)!r}" if is_binary else shown
@@ -177,8 +177,8 @@ class _Form:
         return self.template % tuple(values)
 
 
-# Writing is most of what echo does, and what is the same for all messages of a class need not be
-# worked out again for each: that makes it about three times as fast (bench/codec.py).
+# Writing is most of echo's work, and the part that all messages of a class share is done once: that
+# makes it about three times as fast (bench/codec.py).
 @cache
 def _form(cls: type[Message], indent: str) -> _Form:
     lines: list[str] = []
@@ -241,7 +241,7 @@ def _block(field: Field, value: object, head: str, indent: str, depth: int = 1) 
 
 
 def _is_block(values: list[Plain]) -> bool:
-    """Return whether an array has something in it that does not go in a line of numbers."""
+    """Return True if an array has an element that does not fit in a line of numbers."""
     return not _are_numbers(values) and any(
         isinstance(value, dict)
         or (isinstance(value, str) and not isinstance(value, More))

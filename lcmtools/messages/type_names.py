@@ -1,7 +1,7 @@
 """The spellings of a type's name, and the known name that one means.
 
-Belongs here: names as text: spellings, near misses, what comes first of several. Must not know
-where types come from.
+Belongs here: names as text: spellings, near misses, the order of several. Must not know the sources
+of types.
 """
 
 import re

@@ -116,7 +116,7 @@ def _arguments_hint(cls: type[Message], texts: Sequence[str], value: Value) -> s
 
 
 def _names_a_field(part: Value, names: set[str]) -> bool:
-    """Return whether an argument is "x: 1", or was meant to be: "x:1"."""
+    """Return True for an argument "x: 1", and for its misspelling "x:1"."""
     if isinstance(part, dict):
         return bool(part) and names.issuperset(part)
     return isinstance(part, str) and part.partition(":")[0] in names

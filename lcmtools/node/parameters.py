@@ -9,8 +9,13 @@ from dataclasses import dataclass, replace
 from typing import Generic, TypeVar, cast
 
 from lcmtools.errors import LcmtoolsError, UsageError
-from lcmtools.messages.setting import Setting as ParameterValue
-from lcmtools.messages.setting import check_setting, kind_of, read_setting, write_setting
+from lcmtools.messages.setting import (
+    ParameterValue,
+    check_setting,
+    kind_of,
+    read_setting,
+    write_setting,
+)
 from lcmtools.names import did_you_mean
 from lcmtools.types import lcmtools_msgs as msgs
 

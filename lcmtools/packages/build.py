@@ -1,4 +1,4 @@
-"""From .lcm files to Python packages that can be imported, and the table of what is in them.
+"""From .lcm files to Python packages that can be imported, and the index of their types.
 
 Belongs here: the types that can be used, the packages' ``__init__``, the pairs of services,
 fingerprints. Must not know the source of the files or the place of the result.
@@ -110,7 +110,7 @@ class _Build:
         return services
 
     def fingerprints(self) -> dict[str, int]:
-        """Import all types, and take out what Python cannot make a message of."""
+        """Import all types, and take out those that Python cannot make a message of."""
         sys.path.insert(0, str(self.folder))
         try:
             importlib.invalidate_caches()
@@ -146,7 +146,7 @@ class _Build:
         """Return the least number of elements of a type's messages; ``counts`` are those known."""
         one = self.types.get(name)
         if name not in counts and one and one.tables:
-            counts[name] = 1  # while it is counted: for what contains itself
+            counts[name] = 1  # while it is counted: for a type that contains itself
             _, kinds, dimensions = one.tables
             counts[name] = sum(
                 prod(map(int, sizes or ())) * self._elements(self._named(kind), counts)

@@ -23,7 +23,7 @@ from lcmtools.packages.type_files import LcmFile
 INDEX = "index.json"
 """The table of the types in a folder, which ``build`` writes."""
 
-_FORM = "2"  # of what is kept; another number invalidates the cache
+_FORM = "2"  # of the index; another number invalidates the cache
 _PREFIX = "lcmtools_types_"
 _KEPT_DAYS = 30.0
 _ONE_AT_A_TIME = Lock()

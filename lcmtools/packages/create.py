@@ -95,7 +95,7 @@ def check(new: NewPackage, known: Collection[str]) -> None:
 
 
 def create(new: NewPackage, folder: Path, *, replace: bool = False) -> list[Path]:
-    """Write a package into a folder; return what was written, relative to it.
+    """Write a package into a folder; return the written files, relative to it.
 
     Args:
         new: The package, checked.

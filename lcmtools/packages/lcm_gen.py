@@ -122,7 +122,7 @@ def _hint(reason: str) -> str:
 
 
 def _join(new: Path, old: Path) -> None:
-    """Keep what an earlier run has put into a package, as lcm-gen itself does."""
+    """Keep the imports of an earlier run in a package, as lcm-gen itself does."""
     known = old.read_text("utf-8").splitlines()
     more = [line for line in new.read_text("utf-8").splitlines() if line.startswith("from ")]
     old.write_text("\n".join([*known, *(line for line in more if line not in known), ""]), "utf-8")

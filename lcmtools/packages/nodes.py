@@ -22,7 +22,7 @@ from lcmtools.packages.workspace import Package, Workspace, read_project, table,
 GROUP = "lcmtools.nodes"
 """The entry points that are nodes; any installed package can add its own."""
 OWN = "lcmtools"
-"""The package of the nodes that lcmtools brings."""
+"""The package of lcmtools' own nodes."""
 
 _TARGET = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_][\w.]*", re.ASCII)
 
@@ -131,7 +131,7 @@ def installed_packages() -> list[str]:
 
 
 def workspace_nodes(package: Package, space: Workspace) -> list[Runnable]:
-    """The nodes that a package's pyproject.toml names; what is wrong there becomes a problem."""
+    """The nodes that a package's pyproject.toml names; a wrong one becomes a problem."""
     named = table(read_project(package.folder), "project", "entry-points", GROUP)
     nodes = []
     for name, target in named.items():

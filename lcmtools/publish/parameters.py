@@ -18,7 +18,7 @@ from lcmtools.errors import (
     ValueMismatch,
 )
 from lcmtools.graph.model import Graph, Node, Role
-from lcmtools.messages.setting import Setting, read_setting
+from lcmtools.messages.setting import ParameterValue, read_setting
 from lcmtools.names import MAX_CHANNEL_BYTES, did_you_mean
 from lcmtools.node import node as nodes
 from lcmtools.node.parameters import service_name
@@ -52,7 +52,7 @@ class RemoteParameter:
     maximum: str = ""
     read_only: bool = False
 
-    def value(self) -> Setting:
+    def value(self) -> ParameterValue:
         """Return the value; the text of one that this version cannot read."""
         try:
             return read_setting(self.text, self.kind, self.name)

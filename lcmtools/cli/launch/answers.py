@@ -10,7 +10,7 @@ from lcmtools.launch.packages import lab_files
 from lcmtools.launch.plan import NodePlan, Plan
 from lcmtools.launch.supervisor import Outcome
 from lcmtools.messages.plain import plain_json
-from lcmtools.messages.setting import ANY, Setting, read_setting, write_setting
+from lcmtools.messages.setting import ANY, ParameterValue, read_setting, write_setting
 
 Answer = tuple[object, Sequence[str]]
 """A value for JSON, and rows of text."""
@@ -112,7 +112,7 @@ def _parameters(plan: Plan, _node: str) -> Answer:
     return records, rows
 
 
-def _plain(value: Setting) -> object:
+def _plain(value: ParameterValue) -> object:
     listed = list(value) if isinstance(value, (list, tuple)) else value
     return json.loads(plain_json(listed))  # type: ignore[arg-type] # a list of scalars
 

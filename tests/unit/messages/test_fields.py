@@ -2,8 +2,10 @@
 
 from types import ModuleType
 
-from lcmtools.messages.fields import Field, fields, is_time, visible_fields
+from lcmtools.messages.fields import Field, fields, is_time, stamp, visible_fields
 from lcmtools.messages.registry import message_class
+from lcmtools.types.geometry_msgs import PoseStamped, Twist
+from lcmtools.types.std_msgs import Header
 
 
 def test_a_nested_message_is_a_field_of_its_type() -> None:
@@ -42,3 +44,14 @@ def test_times_are_known_by_their_fields() -> None:
     assert is_time(message_class("std_msgs/Duration"))
     assert is_time(message_class("builtin_interfaces/Time"))
     assert not is_time(message_class("std_msgs/Header"))
+
+
+def test_a_stamp_is_nanoseconds_since_1970() -> None:
+    message = PoseStamped()
+    message.header.stamp.sec, message.header.stamp.nsec = 1_795_244_479, 5
+    assert stamp(message) == 1_795_244_479_000_000_005
+
+
+def test_a_message_without_a_header_has_no_stamp() -> None:
+    assert stamp(Twist()) is None
+    assert stamp(Header()) is None

@@ -9,7 +9,7 @@ import pytest
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import encode
 from lcmtools.messages.fill import fill
-from lcmtools.messages.plain import to_json, to_plain
+from lcmtools.messages.plain import Cell, Plain, cells, to_json, to_plain
 from lcmtools.messages.yaml_input import message_from_values
 from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs
 
@@ -120,3 +120,24 @@ def test_what_is_not_finite_is_taken_as_c_json_and_yaml_write_it(text: str, numb
     message = std_msgs.Float64()
     fill(message, {"data": text})
     assert str(message.data) == str(number)
+
+
+@pytest.mark.parametrize(
+    ("plain", "columns"),
+    [
+        (
+            {"a": 1, "points": [{"x": 2.0}, {"x": 3.0}], "empty": [], "s": "t"},
+            {"field.a": 1, "field.points0.x": 2.0, "field.points1.x": 3.0, "field.s": "t"},
+        ),
+        (5, {"field": 5}),
+        ([0.5, 1.5], {"field0": 0.5, "field1": 1.5}),
+        ([[1, 2], [3]], {"field00": 1, "field01": 2, "field10": 3}),
+        ({"ok": True, "bad": [False]}, {"field.ok": 1, "field.bad0": 0}),
+        ({"stamp": {"sec": 3, "nsec": 5}}, {"field.stamp": 3_000_000_005}),
+        ({"stamp": {"sec": -1, "nanosec": 500_000_000}}, {"field.stamp": -500_000_000}),
+        ({"sec": 1, "nsec": 2}, {"field": 1_000_000_002}),
+        ({}, {}),
+    ],
+)
+def test_columns_have_rostopics_names(plain: Plain, columns: dict[str, Cell]) -> None:
+    assert cells(plain) == columns

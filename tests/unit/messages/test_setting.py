@@ -6,7 +6,7 @@ import pytest
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.setting import (
-    Setting,
+    ParameterValue,
     check_setting,
     kind_of,
     read_setting,
@@ -53,7 +53,7 @@ def test_a_text_that_is_written_is_read_back_alone_in_lists_and_as_anything(text
     "value",
     [True, False, 0, -(2**63), 2**63 - 1, 0.1, -1e-300, 1e300, math.inf, -math.inf, [], [1], [0.5]],
 )
-def test_a_value_that_is_written_is_read_back_with_its_type(value: Setting) -> None:
+def test_a_value_that_is_written_is_read_back_with_its_type(value: ParameterValue) -> None:
     read = read_setting(write_setting(value), kind_of(value), "p")
     assert read == value
     assert type(read) is type(value)
@@ -78,7 +78,7 @@ def test_what_is_not_a_number_is_read_back_too() -> None:
         (None, "any"),
     ],
 )
-def test_the_kind_is_that_of_the_value(value: Setting, kind: str) -> None:
+def test_the_kind_is_that_of_the_value(value: ParameterValue, kind: str) -> None:
     assert kind_of(value) == kind
 
 
@@ -128,6 +128,6 @@ def test_a_python_value_is_not_read_as_text() -> None:
     ],
 )
 def test_a_value_of_a_document_becomes_a_text_for_its_kind(
-    value: object, kind: str, expected: Setting
+    value: object, kind: str, expected: ParameterValue
 ) -> None:
     assert read_setting(text_of(value, kind), kind, "p") == expected  # type: ignore[arg-type]

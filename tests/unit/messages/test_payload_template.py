@@ -23,7 +23,7 @@ def odometry() -> Odometry:
 
 
 def test_it_is_what_encoding_such_a_message_gives() -> None:
-    stencil = PayloadTemplate(odometry(), "header.stamp", "pose.pose", "twist.twist.linear.x")
+    template = PayloadTemplate(odometry(), "header.stamp", "pose.pose", "twist.twist.linear.x")
     message = odometry()
     message.header.stamp.sec, message.header.stamp.nsec = 7, 8
     pose = message.pose.pose
@@ -31,21 +31,21 @@ def test_it_is_what_encoding_such_a_message_gives() -> None:
     pose.orientation.x, pose.orientation.w = 0.6, 0.8
     message.twist.twist.linear.x = 0.5
 
-    assert stencil.fill((7, 8), (1, 2, 3, 0.6, 0, 0, 0.8), (0.5,)) == encode(message)
+    assert template.fill((7, 8), (1, 2, 3, 0.6, 0, 0, 0.8), (0.5,)) == encode(message)
 
 
 def test_it_can_be_filled_again_and_nothing_of_before_stays() -> None:
-    stencil = PayloadTemplate(odometry(), "twist.twist")
+    template = PayloadTemplate(odometry(), "twist.twist")
 
-    stencil.fill((1, 2, 3, 4, 5, 6))
+    template.fill((1, 2, 3, 4, 5, 6))
 
-    assert stencil.fill((0,) * 6) == encode(odometry())
+    assert template.fill((0,) * 6) == encode(odometry())
 
 
 def test_holes_may_come_in_any_order() -> None:
-    stencil = PayloadTemplate(odometry(), "twist.twist.angular.z", "header.stamp.sec")
+    template = PayloadTemplate(odometry(), "twist.twist.angular.z", "header.stamp.sec")
 
-    message = decode(Odometry, stencil.fill((0.3,), (9,)))
+    message = decode(Odometry, template.fill((0.3,), (9,)))
 
     assert (message.header.stamp.sec, message.twist.twist.angular.z) == (9, 0.3)
 
@@ -63,9 +63,9 @@ def test_holes_can_be_in_messages_in_an_array() -> None:
     tf = TFMessage()
     tf.transforms = [TransformStamped(), TransformStamped()]
     tf.transforms[0].child_frame_id = "a long name"
-    stencil = PayloadTemplate(tf, "transforms[1].header.stamp", "transforms[0].transform.rotation")
+    template = PayloadTemplate(tf, "transforms[1].header.stamp", "transforms[0].transform.rotation")
 
-    message = decode(TFMessage, stencil.fill((1, 2), (0, 0, 0, 1)))
+    message = decode(TFMessage, template.fill((1, 2), (0, 0, 0, 1)))
 
     first, second = message.transforms
     assert (first.child_frame_id, first.transform.rotation.w) == ("a long name", 1.0)
