@@ -1,7 +1,7 @@
-# What the labs' scripts share: a bus of their own, commands printed as typed, checks, and an end
+# Shared by the labs' scripts: a bus of their own, commands printed as typed, checks, and an end
 # that leaves nothing behind. Read by labs/*/lab.sh, not run.
 #
-# LCMTOOLS_DOMAIN=N chooses the bus, so that another terminal can look on.
+# LCMTOOLS_DOMAIN=N chooses the bus, so that another terminal can watch.
 # shellcheck shell=bash
 set -u
 
@@ -29,7 +29,7 @@ checks=()
 failed=0
 code=0
 
-# --- telling ---------------------------------------------------------------------------------
+# --- printing --------------------------------------------------------------------------------
 
 if [ -t 1 ] && [ -z "${NO_COLOR:-}" ]; then bold=$'\e[1m' plain=$'\e[0m'; else bold='' plain=''; fi
 
@@ -143,36 +143,16 @@ check() { # check TEXT COMMAND...
     checks+=("$verdict  $text")
 }
 
-number() { # number TOPIC FIELD...: one number out of the next message of a topic
-    local topic=$1
-    shift
-    lcmtools echo --json -n 1 --timeout 5s "$topic" |
-        python3 -c 'import functools, json, sys
-def step(part, name): return part[int(name) if isinstance(part, list) else name]
-print(functools.reduce(step, sys.argv[1:], json.load(sys.stdin)))' "$@"
+comes() { # comes TOPIC CONDITION: a message that meets it, within 30 s
+    lcmtools echo -n 1 --timeout 30s --filter "$2" "$1" > /dev/null
 }
 
-moving() { # moving TOPIC FORWARD TURN_RATE: the next odometry says so, to 0.02 m/s and 0.03 rad/s
-    lcmtools echo --json -n 1 --timeout 5s "$1" |
-        python3 -c 'import json, sys
-twist = json.load(sys.stdin)["twist"]["twist"]
-far = [abs(twist["linear"]["x"] - float(sys.argv[1])) > 0.02,
-       abs(twist["angular"]["z"] - float(sys.argv[2])) > 0.03]
-sys.exit(any(far))' "$2" "$3"
-}
-
-measured() { # measured PATTERN COMMAND...: the last rate that was shown is so, or a new look's
-    tail -n 2 "$logs/shown" | grep -Eq "$1" && return
-    "${@:2}" > "$logs/shown" 2> /dev/null
-    return 1
-}
-
-near() { # near VALUE TARGET TOLERANCE
-    awk -v v="$1" -v t="$2" -v e="$3" 'BEGIN { exit !(v != "" && v >= t - e && v <= t + e) }'
+moving() { # moving TOPIC FORWARD TURN_RATE: an odometry of this velocity, to 0.02 m/s and 0.03 rad/s
+    local twist=twist.twist
+    comes "$1" "abs($twist.linear.x - $2) < 0.02 and abs($twist.angular.z - $3) < 0.03"
 }
 
 has_node() { lcmtools node list 2> /dev/null | grep -qx -- "$1"; }
-has_message() { lcmtools echo -n 1 --timeout 2s "$1" > /dev/null 2>&1; }
 shown() { grep -qF -- "$1" "$logs/shown"; } # in the output of the last "show"
 said() { grep -qF -- "$2" "$logs/$1"; }     # said NAME TEXT: in what a "begin" has printed
 no_nodes() { [ -z "$(lcmtools node list 2> /dev/null)" ]; }

@@ -17,14 +17,12 @@ done
 show lcmtools info /dolly/cmd_vel
 check 'it takes geometry_msgs/Twist' shown geometry_msgs/Twist
 show lcmtools hz /dolly/laser_scan -n 1 -w 100
-check 'the laser measures at 100 Hz (5 %)' \
-    within 60 measured 'average rate: (9[5-9]|10[0-4])\.' lcmtools hz /dolly/laser_scan -n 1 -w 100
-check 'the Dolly stands still' moves 0 0
+check 'the laser measures at 100 Hz (5 %)' grep -Eq 'average rate: (9[5-9]|10[0-4])\.' "$logs/shown"
+check 'the Dolly is at rest' moves 0 0
 
 chapter 'A subscriber: reading_laser'
 begin laser lcmtools run reading_laser
 within 30 said laser 'nearest'
-sleep 1
 end laser
 cat "$logs/laser"
 check 'it prints ranges in metres' eval 'grep -Eq "[0-9]+\.[0-9]+ m" "$logs/laser"'
@@ -33,15 +31,14 @@ check 'and ends on Ctrl-C' test "$code" -eq 0
 chapter 'A publisher: moving_robot'
 begin mover lcmtools run moving_robot
 within 30 has_node /moving_robot
-check 'it drives at 0.5 m/s and turns at 0.3 rad/s' within 30 moves 0.5 0.3
-show lcmtools hz /dolly/cmd_vel --wall-time -n 3 -w 8 --timeout 20s
-check 'commands come at 2 Hz (5 %)' \
-    within 60 measured 'average rate: (1\.9|2\.0|2\.1)' lcmtools hz /dolly/cmd_vel --wall-time -n 3 -w 8
+check 'it drives at 0.5 m/s and turns at 0.3 rad/s' moves 0.5 0.3
+show lcmtools hz /dolly/cmd_vel --wall-time -n 1 -w 8 --timeout 20s
+check 'commands come at 2 Hz (5 %)' grep -Eq 'average rate: (1\.9|2\.0)' "$logs/shown"
 show lcmtools echo -n 1 /dolly/cmd_vel
-check 'each says 0.5 and 0.3' eval 'shown "x: 0.5" && shown "z: 0.3"'
+check 'each has 0.5 and 0.3' eval 'shown "x: 0.5" && shown "z: 0.3"'
 show lcmtools node info moving_robot
 check 'node info names the topic' shown /dolly/cmd_vel
-lcmtools echo --csv -n 400 /dolly/ground_truth/pose.pose.position > "$logs/path" 2> /dev/null
+lcmtools echo --csv -n 200 /dolly/ground_truth/pose.pose.position > "$logs/path" 2> /dev/null
 check 'its circle has a radius of 1.667 m (2 %)' python3 -c 'import csv, math, sys
 rows = [row for row in csv.reader(open(sys.argv[1])) if row and row[-1][-1:].isdigit()]
 places = [(float(row[-3]), float(row[-2])) for row in rows]
@@ -53,9 +50,9 @@ tail -n 3 "$logs/mover"
 end mover
 check 'it ends on Ctrl-C' test "$code" -eq 0
 show lcmtools pub -1 /dolly/cmd_vel geometry_msgs/Twist
-check 'an empty Twist stops the Dolly' within 30 moves 0 0
+check 'an empty Twist stops the Dolly' moves 0 0
 
 chapter 'The end'
 end sim
-check 'the simulator says goodbye: no node is left' no_nodes
+check 'the simulator leaves the bus: no node is left' no_nodes
 finish
