@@ -18,7 +18,7 @@ NODE_COMMANDS = {
     "list": Entry("lcmtools.cli.node.list:list_nodes", "List the nodes on the bus."),
     "info": Entry("lcmtools.cli.node.info:command", "Show a node's publications and more."),
     "machine": Entry("lcmtools.cli.node.list:machine", "List the computers that nodes run on."),
-    "ping": Entry("lcmtools.cli.node.ping:command", "Measure how fast a node answers."),
+    "ping": Entry("lcmtools.cli.node.ping:command", "Measure a node's response time."),
     "kill": Entry("lcmtools.cli.node.kill:command", "Ask nodes to shut down."),
     "cleanup": Entry("lcmtools.cli.node.list:cleanup", "Forget nodes that were killed."),
 }
@@ -38,7 +38,7 @@ MSG_COMMANDS = {
 }
 _PKG = "lcmtools.cli.pkg"
 PKG_COMMANDS = {
-    "create": Entry(f"{_PKG}.create:command", "Make a package: a node, a test and more."),
+    "create": Entry(f"{_PKG}.create:command", "Create a package: a node, a test and more."),
     "list": Entry(f"{_PKG}.look:list_packages", "List the packages and their folders."),
     "find": Entry(f"{_PKG}.look:find_command", "Print a package's folder."),
     "build": Entry(f"{_PKG}.look:build", "Check and compile packages' messages."),
@@ -50,7 +50,7 @@ SRV_COMMANDS = {
 }
 _SERVICE = "lcmtools.cli.service"
 SERVICE_COMMANDS = {
-    "list": Entry(f"{_SERVICE}.look:list_services", "List the services that nodes offer."),
+    "list": Entry(f"{_SERVICE}.look:list_services", "List the services of nodes."),
     "info": Entry(f"{_SERVICE}.look:info", "Show a service's node, type and arguments."),
     "call": Entry(f"{_SERVICE}.call:command", "Call a service and print its response."),
     "type": Entry(f"{_SERVICE}.look:type_", "Print a service's type."),
@@ -59,10 +59,10 @@ SERVICE_COMMANDS = {
 }
 _PARAM = "lcmtools.cli.param"
 PARAM_COMMANDS = {
-    "list": Entry(f"{_PARAM}.read:list_parameters", "List the parameters of nodes that run."),
+    "list": Entry(f"{_PARAM}.read:list_parameters", "List the parameters of nodes."),
     "get": Entry(f"{_PARAM}.read:get", "Print a parameter, or all of a node's."),
-    "set": Entry(f"{_PARAM}.write:set_parameters", "Change parameters of a node that runs."),
-    "describe": Entry(f"{_PARAM}.read:describe", "Say what a parameter is for, and its range."),
+    "set": Entry(f"{_PARAM}.write:set_parameters", "Set parameters of a node."),
+    "describe": Entry(f"{_PARAM}.read:describe", "Show a parameter's description and range."),
     "dump": Entry(f"{_PARAM}.read:dump", "Write parameters into a YAML file."),
     "load": Entry(f"{_PARAM}.write:load", "Set parameters from a YAML file."),
 }
@@ -71,23 +71,23 @@ PARAM_ABSENT = {
 }
 _SIM = "lcmtools.cli.sim"
 SIM_COMMANDS = {
-    "pause": Entry(f"{_SIM}.time:pause", "Let simulated time stand still."),
-    "resume": Entry(f"{_SIM}.time:resume", "Let simulated time go on."),
-    "step": Entry(f"{_SIM}.time:step", "Let a paused simulator do some steps."),
+    "pause": Entry(f"{_SIM}.time:pause", "Pause simulated time."),
+    "resume": Entry(f"{_SIM}.time:resume", "Resume simulated time."),
+    "step": Entry(f"{_SIM}.time:step", "Advance a paused simulator by some steps."),
     "reset": Entry(f"{_SIM}.time:reset", "Start again at time 0."),
-    "set-rate": Entry(f"{_SIM}.time:set_rate", "Let simulated time pass faster or slower."),
-    "state": Entry(f"{_SIM}.robots:state", "Show where a robot truly is."),
-    "set-pose": Entry(f"{_SIM}.robots:set_pose", "Put a robot elsewhere."),
-    "spawn": Entry(f"{_SIM}.robots:spawn", "Put up one more robot."),
-    "delete": Entry(f"{_SIM}.robots:delete", "Take a robot away."),
-    "snapshot": Entry(f"{_SIM}.snapshot:command", "Write a picture of the world into a file."),
+    "set-rate": Entry(f"{_SIM}.time:set_rate", "Set the rate of simulated time."),
+    "state": Entry(f"{_SIM}.robots:state", "Show the true state of a robot."),
+    "set-pose": Entry(f"{_SIM}.robots:set_pose", "Place a robot at a pose."),
+    "spawn": Entry(f"{_SIM}.robots:spawn", "Add a robot."),
+    "delete": Entry(f"{_SIM}.robots:delete", "Remove a robot."),
+    "snapshot": Entry(f"{_SIM}.snapshot:command", "Write an image of the world to a file."),
 }
 _LAB = "lcmtools.labs.commands"
 LAB_COMMANDS = {
     "list": Entry(f"{_LAB}.list:command", "List the labs."),
-    "start": Entry(f"{_LAB}.start:command", "Run a lab's simulator, and say what to type."),
-    "check": Entry(f"{_LAB}.check:command", "Check programs against a lab."),
-    "skeleton": Entry(f"{_LAB}.skeleton:command", "Copy a lab's node to be filled in."),
+    "start": Entry(f"{_LAB}.start:command", "Run a lab's simulator."),
+    "check": Entry(f"{_LAB}.check:command", "Check the programs of a lab."),
+    "skeleton": Entry(f"{_LAB}.skeleton:command", "Copy a lab's node to complete."),
 }
 COMMANDS = {
     **TOPIC_COMMANDS,
@@ -101,7 +101,7 @@ COMMANDS = {
     "wtf": Entry("lcmtools.cli.wtf:command", "Report faults and how to fix them."),
     "sim": Entry("lcmtools.cli.main:sim", "Control a simulator: pause, reset, set-pose and more."),
     "run": Entry("lcmtools.cli.run:command", "Run a node, or the simulator."),
-    "lab": Entry("lcmtools.cli.main:lab", "Do the labs: list, start, check and more."),
+    "lab": Entry("lcmtools.cli.main:lab", "Work on the labs: list, start, check and more."),
     "launch": Entry("lcmtools.cli.launch.command:command", "Run the nodes of a launch file."),
     "pkg": Entry("lcmtools.cli.main:pkg", "Create and find packages: create, list, build."),
     "config": Entry("lcmtools.cli.config:command", "Show the settings and their sources."),

@@ -15,10 +15,11 @@ from lcmtools.settings import SETTINGS, read_user_file, said
 @json_option
 @bus_options
 def command(*, as_json: bool) -> None:
-    """Show each setting's value and what says so, and where your settings file is.
+    """Show each setting's value and source, and the path of your settings file.
 
-    A setting is said by an option, else by an environment variable, else in the file, which is
-    YAML with the settings' names as keys. A URL wins over a domain of the same rank.
+    A setting is taken from an option, else from an environment variable, else from the file, which
+    is YAML with the settings' names as keys. A URL takes precedence over a domain from the same
+    source.
 
     \b
     Examples:

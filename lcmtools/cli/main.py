@@ -107,22 +107,22 @@ def _group(
 
 _TOPIC = "Look at topics and publish on them."
 topic = _group("topic", TOPIC_COMMANDS, _TOPIC, "list", "echo /chatter")
-node = _group("node", NODE_COMMANDS, "Look at nodes.", "list", "info simple_controller")
-_MSG = "Look at message types."
+node = _group("node", NODE_COMMANDS, "Query nodes, and end them.", "list", "info simple_controller")
+_MSG = "Show message types."
 msg = _group("msg", MSG_COMMANDS, _MSG, "list", "show geometry_msgs/Twist", has_bus=False)
-_PKG = "Make packages of nodes and messages, and find them."
+_PKG = "Create and find packages of nodes and messages."
 _CREATE = "create air_lab0 --deps nav_msgs geometry_msgs"
 pkg = _group("pkg", PKG_COMMANDS, _PKG, _CREATE, "list", has_bus=False)
-_SRV = "Look at service types."
+_SRV = "Show service types."
 srv = _group("srv", SRV_COMMANDS, _SRV, "list", "show std_srvs/Trigger", has_bus=False)
 _SERVICE = "List and call services."
 service = _group("service", SERVICE_COMMANDS, _SERVICE, "list", 'call /switch "data: true"')
-_PARAM = "Look at nodes' parameters and change them while the nodes run."
+_PARAM = "Read and set the parameters of running nodes."
 _SET = "set simple_controller kp 0.5"
 param = _group("param", PARAM_COMMANDS, _PARAM, "list", _SET, absent=PARAM_ABSENT)
-_SIM = "Steer a simulator that runs on the bus; lcmtools run sim starts one."
+_SIM = "Control a simulator on the bus; lcmtools run sim starts one."
 sim = _group("sim", SIM_COMMANDS, _SIM, "pause", "set-pose husky0 1 -2 90deg")
-_LAB = "Do the labs: run what they need, and check your programs against them."
+_LAB = "Work on the labs: start their simulators, and check your programs."
 _CHECK = 'check husky --controller "python my_controller.py"'
 lab = _group("lab", LAB_COMMANDS, _LAB, "start husky", _CHECK)
 

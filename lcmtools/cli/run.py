@@ -25,11 +25,11 @@ from lcmtools.packages.workspace import workspace
 @argument("name", required=False, metavar="[PACKAGE] NAME", completer="programs:programs")
 @argument("arguments", nargs=-1, type=click.UNPROCESSED, completer="programs:arguments")
 def command(name: str | None, arguments: tuple[str, ...], *, show_list: bool, as_json: bool) -> int:
-    """Run a node by its name, with names, remaps and parameters as ROS writes them.
+    """Run a node by its name, with names, remaps and parameters as in ROS.
 
-    After NAME: __ns:=/husky0, __name:=driver, from:=to, _parameter:=value; or the same as
-    --ns, --name, --param parameter:=value, --remap from:=to (-r). Everything else is the node's.
-    A PACKAGE of the workspace need not be installed; PACKAGE alone lists its nodes.
+    After NAME: __ns:=/husky0, __name:=driver, from:=to, _parameter:=value; or the same as --ns,
+    --name, --param parameter:=value, --remap from:=to (-r). All other arguments are passed to the
+    node. A PACKAGE of the workspace need not be installed; PACKAGE alone lists its nodes.
 
     \b
     Examples:

@@ -24,7 +24,7 @@ def list_types(*, as_json: bool) -> None:
 @option("-r", "--raw", is_flag=True, help="Show the .lcm files, with the comments.")
 @json_option
 def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
-    """Show the fields of a service type: the request's, a line of dashes, the response's.
+    """Show the fields of a service type: request, a line of dashes, response.
 
     TYPE is std_srvs/Trigger, std_srvs/srv/Trigger, std_srvs.Trigger or Trigger.
 

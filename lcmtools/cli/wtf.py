@@ -42,14 +42,14 @@ def _rule_option(*names: str, text: str, multiple: bool) -> Callable[..., Callab
 
 
 @subcommand("wtf")
-@option("--wait", type=duration, default=1.0, help="Listen so long to the traffic (else 1s).")
+@option("--wait", type=duration, default=1.0, help="Observe the traffic so long (else 1s).")
 @_rule_option("--rule", "only", text="Only this rule; repeatable.", multiple=True)
-@_rule_option("--ignore", text="Not this rule; repeatable.", multiple=True)
+@_rule_option("--ignore", text="All but this rule; repeatable.", multiple=True)
 @option("--list", "list_rules", is_flag=True, help="List the rules.")
-@_rule_option("--explain", text="Explain a rule, and what helps.", multiple=False)
-@option("-w", "--watch", is_flag=True, help="Go on, and show what appears and clears.")
-@option("--save", "save_to", type=_FILE, help="Write the evidence to a file as well.")
-@option("--from", "load_from", type=_FILE, help="Judge the evidence in a file; needs no bus.")
+@_rule_option("--explain", text="Explain a rule and its remedies.", multiple=False)
+@option("-w", "--watch", is_flag=True, help="Keep running; show changes.")
+@option("--save", "save_to", type=_FILE, help="Write the evidence to a file, too.")
+@option("--from", "load_from", type=_FILE, help="Apply the rules to evidence from a file.")
 @json_option
 @bus_options
 def command(
@@ -64,11 +64,11 @@ def command(
     load_from: Path | None,
     as_json: bool,
 ) -> int:
-    """Look for what is wrong on the bus, and say how to mend it.
+    """Report faults of the bus and of its nodes, and how to fix them.
 
-    Exits with 0 when all is well (notes count as well), 1 with warnings, 2 with errors. What could
-    not be looked at is listed below, with the reason. The evidence in a file holds names, addresses
-    and command lines of nodes and of your LCM programs, and no content of messages but odd values.
+    Exit codes: 0 with notes or no findings, 1 with warnings, 2 with errors. Checks that could not
+    be made are listed with the reason. A file of evidence contains names, addresses and command
+    lines of nodes and of your LCM programs; of the messages' content only suspicious values.
 
     \b
     Examples:

@@ -11,13 +11,13 @@ from lcmtools.errors import UsageError
 
 @subcommand("completion")
 @argument("shell", metavar="[bash|zsh|fish]", required=False, completer=("bash", "zsh", "fish"))
-@option("--install", "is_install", is_flag=True, help="Turn completion on for good.")
+@option("--install", "is_install", is_flag=True, help="Install the completion script.")
 @option("--uninstall", "is_uninstall", is_flag=True, help="Undo --install.")
 def command(shell: str | None, *, is_install: bool, is_uninstall: bool) -> None:
     """Complete commands, topics, types, fields, messages and more with the TAB key.
 
-    Prints the script that makes the shell do so; --install puts it where the shell finds it. The
-    shell is the one in SHELL, if none is named.
+    Prints the completion script; --install puts it where the shell finds it. Without an argument
+    the shell is that in SHELL.
 
     \b
     Examples:

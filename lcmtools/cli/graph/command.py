@@ -31,26 +31,26 @@ _MEASURED = 1.0  # [s]
     "--output",
     "file",
     metavar="FILE",
-    help="Write into this file: .svg, .dot, .gv, .mmd, .md, .json or .txt.",
+    help="Write to this file: .svg, .dot, .gv, .mmd, .md, .json or .txt.",
     completer="files",
 )
-@option("--force", is_flag=True, help="Overwrite a file that is there.")
+@option("--force", is_flag=True, help="Overwrite an existing file.")
 @option("--nodes-only", is_flag=True, help="Connect nodes directly, without topics.")
-@option("--leaf-topics", is_flag=True, help="Show topics that only one side uses, too.")
-@option("--services", "with_services", is_flag=True, help="Show services, too.")
-@option("--tools", is_flag=True, help="Show commands that look on, too, as echo.")
+@option("--leaf-topics", is_flag=True, help="Include topics with one side only.")
+@option("--services", "with_services", is_flag=True, help="Include services.")
+@option("--tools", is_flag=True, help="Include observing commands, such as echo.")
 @option(
     "-a",
     "--all",
     "show_all",
     is_flag=True,
-    help="Show hidden names, tools, leaf topics, /clock and the like.",
+    help="Include hidden names, tools, leaf topics, /clock and the like.",
 )
 @option(
     "--topics",
     metavar="TOPIC",
     multiple=True,
-    help="Only topics and services that are or match this, and who uses them.",
+    help="Only these topics and services, by name or pattern, and the nodes that use them.",
     completer="bus:topics",
 )
 @option(
@@ -58,12 +58,12 @@ _MEASURED = 1.0  # [s]
     "excluded",
     metavar="NAME",
     multiple=True,
-    help="Leave out what is this, stands below it or matches it.",
+    help="Leave out this name, namespace or pattern.",
     completer="bus:names",
 )
 @option("--group", "is_grouped", is_flag=True, help="Draw a frame around each namespace.")
 @option("--hz", is_flag=True, help="Measure rates for a second.")
-@option("--wait", type=duration, help="Listen so long for programs that are not lcmtools nodes.")
+@option("--wait", type=duration, help="Observe plain LCM programs for this long.")
 @json_option
 @looking_options
 def command(
@@ -84,12 +84,12 @@ def command(
     wait: float | None,
     as_json: bool,
 ) -> None:
-    """Draw who publishes what to whom: nodes, topics, and programs that are not nodes.
+    """Draw the graph of nodes, plain LCM programs, and the topics that connect them.
 
-    NAMESPACE keeps the nodes and topics that are it, stand below it or match it ('/husky*'), and
-    what they are directly connected to. Left out are topics that only one side uses and that carry
-    nothing, hidden names, and topics of nearly every node (/clock, /rosout). SVG is laid out by
-    Graphviz, whose program dot must be installed.
+    NAMESPACE selects nodes and topics by name, namespace or pattern ('/husky*'), with their direct
+    neighbours. Left out are topics with only publishers or only subscribers that carry no messages,
+    hidden names, and topics of nearly every node (/clock, /rosout). SVG is rendered by Graphviz,
+    whose program dot must be installed.
 
     \b
     Examples:

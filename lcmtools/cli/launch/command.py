@@ -55,7 +55,7 @@ _QUESTIONS = (
     "--find-node",
     "sought",
     metavar="NODE",
-    help="Only print where a node is written.",
+    help="Only print the line that defines a node.",
     completer="programs:launched_nodes",
 )
 @option(
@@ -71,16 +71,14 @@ _QUESTIONS = (
     flag_value="dump-params",
     help="Only print the nodes' parameters, as param dump does.",
 )
-@option("--files", "question", flag_value="files", help="Only list the files it reads.")
+@option("--files", "question", flag_value="files", help="Only list the files that are read.")
 @option("--dry-run", "question", flag_value="dry-run", help="Only print all command lines.")
 @option("-l", "--list", "question", flag_value="list", help="List the labs' launch files.")
-@option("--screen", "output", flag_value="screen", help="Show the lines of all nodes.")
-@option(
-    "--log", "output", flag_value="log", help="Show warnings and errors only; the rest is in files."
-)
-@option("--wait", is_flag=True, help="Wait until the bus works, and start then.")
-@option("--sigint-timeout", type=duration, default=15.0, help="From SIGINT on (else 15s).")
-@option("--sigterm-timeout", type=duration, default=2.0, help="From SIGTERM on (else 2s).")
+@option("--screen", "output", flag_value="screen", help="Show the output of all nodes.")
+@option("--log", "output", flag_value="log", help="Show warnings and errors only; log the rest.")
+@option("--wait", is_flag=True, help="Wait for a working bus before starting.")
+@option("--sigint-timeout", type=duration, default=15.0, help="Time after SIGINT (else 15s).")
+@option("--sigterm-timeout", type=duration, default=2.0, help="Time after SIGTERM (else 2s).")
 @json_option
 @bus_options
 def command(
@@ -96,24 +94,24 @@ def command(
     sigterm_timeout: float,
     as_json: bool,
 ) -> int:
-    """Run the nodes of a launch file, and look after them until they end.
+    """Run and supervise the nodes of a launch file.
 
-    FILE is YAML, or XML as ROS 1 has it; - is standard input. NAME:=VALUE gives it an argument,
-    __ns:=/husky0 puts all of it into a namespace. Ctrl-C asks the nodes to end, in order: SIGINT,
-    then SIGTERM, then SIGKILL. Log files are in ~/.local/state/lcmtools/log/latest.
+    FILE is YAML or ROS 1 XML; - is standard input. NAME:=VALUE sets an argument, __ns:=/husky0 puts
+    all nodes into a namespace. Ctrl-C ends the nodes by SIGINT, then SIGTERM, then SIGKILL. Log
+    files are in ~/.local/state/lcmtools/log/latest.
 
     \b
     A launch file:
       args: {robot: husky0}
       nodes:
-        - run: simple_controller        # as after lcmtools run
+        - run: simple_controller        # as in lcmtools run
           ns: $(arg robot)
           remap: {controlled_velocity: velocity_cmd}
           param: {kp: 0.5}
           respawn: true                 # also: name, args, env, output, required, if, unless
 
     \b
-    Exit codes: 0 all ended well, or were asked to; 1 a node failed; 2 the file is wrong.
+    Exit codes: 0 all nodes ended normally or on request; 1 a node failed; 2 the file is invalid.
 
     \b
     Examples:

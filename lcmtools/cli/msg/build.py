@@ -23,8 +23,8 @@ from lcmtools.packages.user_types import compile_folders, sources_of, user_types
 def build(folder: str | None, *, as_json: bool) -> int:
     """Check and compile the .lcm files in DIR, or in LCMTOOLS_TYPE_PATH and the workspace.
 
-    Nothing needs this: types are compiled when they are first used. It says at once what is wrong.
-    The exit code is 1 if anything is.
+    This step is optional, because types are compiled when they are first used. The exit code is 1
+    if there are errors.
 
     \b
     Examples:
@@ -68,10 +68,10 @@ def _is_in(file: str, folders: Sequence[Path]) -> bool:
 @argument("types", nargs=-1, completer="messages:types")
 @json_option
 def generate_code(*, lang: str, folder: str, types: tuple[str, ...], as_json: bool) -> None:
-    """Write code for message types into DIR with lcm-gen, for programs on plain LCM.
+    """Generate code for message types into DIR with lcm-gen, for plain LCM programs.
 
-    TYPES are types or packages, shipped or your own; none means all your own. Types that they are
-    made of are written too.
+    TYPES are types or packages, supplied or your own; none means all your own. Nested types are
+    included.
 
     \b
     Examples:

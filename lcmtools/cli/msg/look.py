@@ -24,7 +24,7 @@ from lcmtools.names import did_you_mean
 from lcmtools.packages.type_files import shipped_folder
 
 _single_line_option = option(
-    "-s", "--single-line", is_flag=True, help="All in one line, with blanks between."
+    "-s", "--single-line", is_flag=True, help="All on one line, separated by spaces."
 )
 
 
@@ -81,7 +81,7 @@ def packages_command(*, single_line: bool, as_json: bool) -> None:
 @argument("name")
 @json_option
 def find_field(name: str, *, as_json: bool) -> None:
-    """Find the message types that have a field of this name themselves, not in a nested type.
+    """Find the message types with a field of this name, nested types not included.
 
     \b
     Examples:
@@ -103,8 +103,8 @@ def find_field(name: str, *, as_json: bool) -> None:
 def print_fingerprint(type_: str, *, as_json: bool) -> None:
     """Print a type's fingerprint: the first 8 bytes of its messages, in hexadecimal.
 
-    Types with the same fields have the same fingerprint. TYPE without its package stands for each
-    type of that name.
+    Types with the same fields have the same fingerprint. TYPE without a package means all types of
+    that name.
 
     \b
     Examples:
@@ -123,7 +123,7 @@ def print_fingerprint(type_: str, *, as_json: bool) -> None:
 @argument("type_", metavar="TYPE", completer="messages:types")
 @json_option
 def proto(type_: str, *, as_json: bool) -> None:
-    """Print a message of a type to fill in: YAML of all fields with their defaults, for pub.
+    """Print a type's fields with their defaults as YAML, to fill in for pub.
 
     \b
     Examples:
@@ -145,7 +145,7 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
     """Show the fields of a message type, nested ones expanded.
 
     TYPE is geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or Twist; "-" or none
-    is the one that standard input says.
+    reads it from standard input.
 
     \b
     Examples:

@@ -27,9 +27,9 @@ _TIMEOUT = 0.5  # [s] for parameters: the rest of the answer does not wait for a
 @json_option
 @looking_options
 def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: bool) -> None:
-    """Show what a node publishes, subscribes to and serves, and the process that it is.
+    """Show a node's publications, subscriptions, services and process.
 
-    NODES are names or pids; a program that is no node is found by its pid or its command.
+    NODES are names or pids; a plain LCM program is found by its pid or command.
 
     \b
     Examples:

@@ -14,19 +14,18 @@ from lcmtools.observe.nodes import NodeEnd, end_nodes, node_to_end, nodes_to_end
 
 @subcommand("kill")
 @argument("nodes", nargs=-1, completer="bus:nodes")
-@option("-a", "--all", "kill_all", is_flag=True, help="All nodes; asks first.")
-@option("-y", "--yes", is_flag=True, help="Do not ask.")
-@option("--timeout", type=duration, default=3.0, help="Wait so long for the end (else 3s).")
+@option("-a", "--all", "kill_all", is_flag=True, help="All nodes, after confirmation.")
+@option("-y", "--yes", is_flag=True, help="Do not ask for confirmation.")
+@option("--timeout", type=duration, default=3.0, help="Wait this long for the end (else 3s).")
 @json_option
 @looking_options
 def command(
     nodes: tuple[str, ...], *, kill_all: bool, yes: bool, timeout: float, as_json: bool
 ) -> int:
-    """Ask nodes to shut down, and say whether they did. Exits with 1 if one did not.
+    """Ask nodes to shut down, and report the result. The exit code is 1 if one did not.
 
-    NODES are names, or where two nodes have one name pids, or HOST:PID. A node's whole process
-    ends, as by SIGTERM: with a goodbye, and exit code 0. Programs that are no nodes cannot be
-    asked.
+    NODES are names, or pids or HOST:PID if two nodes have the same name. The node's whole process
+    ends cleanly, as by SIGTERM, with exit code 0. Plain LCM programs cannot be ended.
 
     \b
     Examples:

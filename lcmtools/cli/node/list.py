@@ -33,11 +33,11 @@ _HEADING = "Programs that are no nodes (seen on the bus):"
     "--all",
     "show_all",
     is_flag=True,
-    help="Show host, pid and up-time, hidden nodes, and programs that are no nodes.",
+    help="Show host, pid and up-time, hidden nodes, and plain LCM programs.",
 )
 @option("-u", "--uri", is_flag=True, help="Print the nodes' addresses, as rosnode list -u.")
-@option("-c", "--count-nodes", "count", is_flag=True, help="Print how many nodes there are.")
-@option("--wait", type=duration, help="With -a: listen so long for other programs.")
+@option("-c", "--count-nodes", "count", is_flag=True, help="Print the number of nodes.")
+@option("--wait", type=duration, help="With -a: observe other programs for this long.")
 @json_option
 @looking_options
 def list_nodes(
@@ -45,8 +45,9 @@ def list_nodes(
 ) -> None:
     """List the nodes on the bus. A node that was killed or hangs is shown as stale.
 
-    NAMESPACE keeps the nodes that are it or stand below it. In quotes it may be a pattern: * is
-    anything but /, ** anything, ? one character. One without / may be a node's last part: "*arm*".
+    NAMESPACE selects a node or the nodes in a namespace. In quotes it may be a pattern: * is any
+    characters but /, ** any characters, ? one. A pattern without / may match a node's last part:
+    "*arm*".
 
     \b
     Examples:
@@ -104,7 +105,7 @@ def _span(nanoseconds: int) -> str:
 def machine(host: str | None, *, show_all: bool, as_json: bool) -> None:
     """List the computers that nodes run on, or the nodes of one computer.
 
-    HOST is its name or its address.
+    HOST is a name or an address.
 
     \b
     Examples:
@@ -144,13 +145,13 @@ def _nodes_of(host: str, nodes: list[Node], computers: Computers) -> list[Node]:
 
 
 @subcommand("cleanup")
-@option("-y", "--yes", is_flag=True, expose_value=False, help="Changes nothing: nothing is asked.")
+@option("-y", "--yes", is_flag=True, expose_value=False, help="Accepted as in rosnode; no effect.")
 @json_option
 @bus_options
 def cleanup(*, as_json: bool) -> None:
     """Forget the nodes that ended without saying goodbye, and print their names.
 
-    A node that runs and does not answer is not forgotten; so there is nothing to ask before.
+    Nodes that still run are kept, even if they do not answer.
 
     \b
     Examples:

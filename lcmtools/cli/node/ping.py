@@ -17,16 +17,16 @@ from lcmtools.observe.nodes import ping, pings
 @subcommand("ping")
 @argument("node", required=False, completer="bus:nodes")
 @option("-a", "--all", "ping_all", is_flag=True, help="Ping every node once.")
-@option("-c", "--count", metavar="N", type=whole_number(1), help="Stop after so many pings.")
-@option("--timeout", type=duration, default=3.0, help="Wait so long for an answer (else 3s).")
+@option("-c", "--count", metavar="N", type=whole_number(1), help="Stop after N pings.")
+@option("--timeout", type=duration, default=3.0, help="Longest wait for an answer (else 3s).")
 @json_option
 @looking_options
 def command(
     node: str | None, *, ping_all: bool, count: int | None, timeout: float, as_json: bool
 ) -> int:
-    """Ask a node to answer, once a second, and print how long it takes.
+    """Probe a node once a second, and print its response time.
 
-    Exits with 4 when a node does not answer.
+    The exit code is 4 if a node does not answer.
 
     \b
     Examples:

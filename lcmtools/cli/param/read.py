@@ -30,7 +30,7 @@ from lcmtools.publish.parameters import (
 )
 
 timeout_option = option(
-    "--timeout", type=duration, default=3.0, help="Wait so long for a node's answer (else 3s)."
+    "--timeout", type=duration, default=3.0, help="Longest wait for an answer (else 3s)."
 )
 
 
@@ -111,7 +111,7 @@ def list_parameters(
 ) -> int:
     """List the parameters of the nodes on the bus, by their full names.
 
-    NODE may be a namespace too. Exits with 4 when a node does not answer.
+    NODE may be a namespace too. The exit code is 4 if a node does not answer.
 
     \b
     Examples:
@@ -138,7 +138,7 @@ def list_parameters(
 @subcommand("get")
 @argument("node", completer="bus:parameters")
 @argument("name", default="", completer="bus:parameters")
-@option("-p", "--pretty", "is_pretty", is_flag=True, help="Print a text without quotes.")
+@option("-p", "--pretty", "is_pretty", is_flag=True, help="Print strings without quotes.")
 @option("--hide-type", is_flag=True, hidden=True, help="As it is here anyway.")
 @timeout_option
 @json_option
@@ -146,9 +146,9 @@ def list_parameters(
 def get(
     node: str, name: str, *, is_pretty: bool, hide_type: bool, timeout: float, as_json: bool
 ) -> int:
-    """Print the value of a parameter: NODE NAME, or both in one word as in rosparam.
+    """Print a parameter: NODE NAME, or /node/name as in rosparam.
 
-    Without a name all parameters of the node, or of all nodes in a namespace.
+    Without a name: all parameters of the node, or of all nodes in a namespace.
 
     \b
     Examples:
@@ -220,14 +220,14 @@ _MOST_WORDS = 2
 
 @subcommand("dump")
 @argument("words", metavar="[FILE] [NODE]", nargs=-1, completer="bus:nodes_and_files")
-@option("-o", "--output", metavar="FILE", help="Write into this file.", completer="files")
+@option("-o", "--output", metavar="FILE", help="Write to this file.", completer="files")
 @timeout_option
 @json_option
 @looking_options
 def dump(words: tuple[str, ...], *, output: str | None, timeout: float, as_json: bool) -> int:
     """Write the parameters of a node, a namespace or all nodes as YAML, for param load.
 
-    Without a FILE it goes to standard output.
+    Without FILE it prints to standard output.
 
     \b
     Examples:

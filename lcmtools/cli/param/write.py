@@ -30,10 +30,10 @@ _EXAMPLE = "for example: lcmtools param set /husky0/simple_controller kp 0.5"
 @timeout_option
 @looking_options
 def set_parameters(words: tuple[str, ...], *, timeout: float) -> None:
-    """Change a parameter of a node that runs: NODE NAME VALUE, or /node/name VALUE.
+    """Set a parameter of a running node: NODE NAME VALUE, or /node/name VALUE.
 
-    VALUE is YAML, and of the type that the parameter has. Several parameters of a node change
-    together, or none does, when VALUE is a dict. If the node refuses, the exit code is 1.
+    VALUE is YAML, of the parameter's type. A dict sets several parameters of a node, all or none.
+    The exit code is 1 if the node rejects the change.
 
     \b
     Examples:
@@ -74,10 +74,10 @@ _MOST_WORDS = 2
 @timeout_option
 @looking_options
 def load(words: tuple[str, ...], *, timeout: float) -> None:
-    """Set parameters of nodes that run from a YAML file, as param dump writes it.
+    """Set parameters of running nodes from a YAML file, as param dump writes it.
 
-    The files of rosparam and ros2 are taken too. With NODE, names without a node are that node's.
-    Everything is checked before anything is set; a node sets all that is for it, or nothing.
+    Files of rosparam and ros2 are accepted, too. With NODE, names without a node belong to it. The
+    whole file is checked before anything is set; each node sets all of its parameters or none.
 
     \b
     Examples:

@@ -41,11 +41,11 @@ class _SeveralDeps(click.Command):
     "dependencies",
     multiple=True,
     metavar="PACKAGE...",
-    help="Packages of messages.",
+    help="Message packages that it uses.",
     completer="messages:packages",
 )
-@option("--node", metavar="NAME", help="Its node's name (else NAME_node).")
-@option("--msg", "message", metavar="NAME", default="", help="A message of its own.")
+@option("--node", metavar="NAME", help="The node's name (else NAME_node).")
+@option("--msg", "message", metavar="NAME", default="", help="A new message type.")
 @option(
     "--license",
     "license_",
@@ -54,7 +54,7 @@ class _SeveralDeps(click.Command):
     help="For example MIT.",
     completer=("Apache-2.0", "BSD-3-Clause", "GPL-3.0-only", "LGPL-2.1-only", "MIT"),
 )
-@option("--force", is_flag=True, help="Overwrite files that are there.")
+@option("--force", is_flag=True, help="Overwrite existing files.")
 @json_option
 def command(
     *,
@@ -67,10 +67,9 @@ def command(
     force: bool,
     as_json: bool,
 ) -> None:
-    """Make a small package: a node that runs, a launch file, a test and, with --msg, a message.
+    """Create a small package: a node, a launch file, a test and, with --msg, a message type.
 
-    It goes into the folder NAME in DIR, or in the current folder. It can be used at once, without
-    installing.
+    It is written to the folder NAME in DIR, or in the current folder, and needs no installation.
 
     \b
     Examples:

@@ -91,8 +91,8 @@ def _installed(name: str) -> Path | None:
 def build(name: str | None, *, as_json: bool) -> int:
     """Check and compile the messages of the workspace's packages, or of one.
 
-    Nothing needs this: messages are compiled when they are first used. It says at once what is
-    wrong. The exit code is 1 if anything is.
+    This step is optional, because messages are compiled when they are first used. The exit code is
+    1 if there are errors.
 
     \b
     Examples:

@@ -25,8 +25,8 @@ def _wait(value: str | float) -> float:
 @subcommand("call", cls=_Call)
 @argument("service", completer="bus:services")
 @argument("words", metavar="[TYPE] [VALUES]...", nargs=-1, completer="messages:requests")
-@option("--timeout", type=duration, default=3.0, help="Wait so long for an answer (else 3s).")
-@option("--wait", type=_wait, metavar="[=DURATION]", help="Wait until a node offers the service.")
+@option("--timeout", type=duration, default=3.0, help="Longest wait for an answer (else 3s).")
+@option("--wait", type=_wait, metavar="[=DURATION]", help="Wait for a node that offers it.")
 @option(
     "-f",
     "--file",
@@ -34,11 +34,9 @@ def _wait(value: str | float) -> float:
     help="Read requests from a YAML file ('-': standard input).",
     completer="files",
 )
-@option("-r", "--rate", type=rate, help="Call so many times a second until Ctrl-C.")
-@option(
-    "-t", "--times", metavar="N", type=whole_number(1), help="Call N times and end; 1 Hz or -r."
-)
-@option("-v", "--verbose", is_flag=True, help="Print which node is called.")
+@option("-r", "--rate", type=rate, help="Call at this rate [Hz] until Ctrl-C.")
+@option("-t", "--times", metavar="N", type=whole_number(1), help="Call N times, at 1 Hz or -r.")
+@option("-v", "--verbose", is_flag=True, help="Print the called node.")
 @json_option
 @bus_options
 def command(
@@ -53,16 +51,16 @@ def command(
     verbose: bool,
     as_json: bool,
 ) -> int:
-    """Call a service and print its response; VALUES are YAML, as rosservice takes them.
+    """Call a service and print its response; VALUES are YAML, as for rosservice.
 
-    One value that is a dict names fields; otherwise values are the fields in order. Fields that
-    are left out keep their defaults. Several requests, separated by ---, can be piped in. TYPE may
-    be written as ros2 wants it; the node has announced it. With -r or -t requests are repeated, the
-    next one when the last is answered; the first that is not answered is the last.
+    A single dict sets fields by name; otherwise VALUES are the fields in order. Omitted fields keep
+    their defaults. Several requests, separated by ---, can be piped in. TYPE is optional, as the
+    node announces it. With -r or -t requests are repeated, each after the previous response, until
+    one is not answered.
 
     \b
-    Exit codes: 0 answered, 1 the service failed, or its response has success: False, 2 wrong
-    usage, 4 no answer within --timeout. With --json each response is one line.
+    Exit codes: 0 success, 1 the service failed or its response has success: False, 2 wrong usage,
+    4 no response within --timeout. With --json each response is one line.
 
     \b
     Examples:

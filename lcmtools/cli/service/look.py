@@ -22,16 +22,16 @@ from lcmtools.observe.find import OfferedService, find_service, offered_services
 @subcommand("list")
 @argument("namespace", default="", completer="bus:namespaces")
 @option("-t", "--show-types", is_flag=True, help="Show each service's type.")
-@option("-n", "--nodes", "show_nodes", is_flag=True, help="Show the nodes that answer.")
+@option("-n", "--nodes", "show_nodes", is_flag=True, help="Show the nodes that offer it.")
 @all_option
 @json_option
 @looking_options
 def list_services(
     namespace: str, *, show_types: bool, show_nodes: bool, show_all: bool, as_json: bool
 ) -> None:
-    """List the services that nodes offer.
+    """List the services of nodes.
 
-    NAMESPACE keeps the services that are it or stand below it, or match it: '/husky*'.
+    NAMESPACE selects a service, those in a namespace, or those that match a pattern: '/husky*'.
 
     \b
     Examples:

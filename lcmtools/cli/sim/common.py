@@ -19,11 +19,11 @@ _sim_option = option(
     "--sim",
     "name",
     metavar="NODE",
-    help="The simulator's node, where several run.",
+    help="The simulator's node, if there are several.",
     completer="bus:nodes",
 )
 _timeout_option = option(
-    "--timeout", type=duration, default=5.0, help="Wait so long for an answer (else 5s)."
+    "--timeout", type=duration, default=5.0, help="Longest wait for an answer (else 5s)."
 )
 
 

@@ -34,7 +34,7 @@ def spawn(
     timeout: float,
     as_json: bool,
 ) -> None:
-    """Put up one more robot of a MODEL (husky, pioneer, dolly) with the namespace ROBOT.
+    """Add a robot of a MODEL (husky, pioneer, dolly) with the namespace ROBOT.
 
     \b
     Examples:
@@ -49,7 +49,7 @@ def spawn(
 @_robot
 @json_sim_options
 def delete(robot: str, *, name: str | None, timeout: float, as_json: bool) -> None:
-    """Take a robot away.
+    """Remove a robot.
 
     \b
     Examples:
@@ -66,7 +66,7 @@ def delete(robot: str, *, name: str | None, timeout: float, as_json: bool) -> No
 def set_pose(
     robot: str, words: tuple[str, ...], name: str | None, *, timeout: float, as_json: bool
 ) -> None:
-    """Put a robot elsewhere, at rest: X and Y in metres, YAW in radians or as 90deg.
+    """Place a robot at a pose, at rest: X and Y in metres, YAW in radians or as 90deg.
 
     \b
     Examples:
@@ -81,7 +81,7 @@ def set_pose(
 @_robot
 @json_sim_options
 def state(robot: str, *, name: str | None, timeout: float, as_json: bool) -> None:
-    """Show where a robot truly is and how it moves.
+    """Show the true pose and velocity of a robot.
 
     \b
     Examples:

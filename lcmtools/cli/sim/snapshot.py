@@ -17,17 +17,17 @@ from lcmtools.types.sim_msgs import Snapshot
     "--robot",
     metavar="ROBOT",
     default="",
-    help="From behind this robot, not from above.",
+    help="View from behind this robot, not from above.",
     completer="bus:robots",
 )
 @option("--width", type=whole_number(1), metavar="N", default=800, help="Pixels (else 800).")
 @option("--height", type=whole_number(1), metavar="N", default=600, help="Pixels (else 600).")
-@option("--force", is_flag=True, help="Overwrite a file that is there.")
+@option("--force", is_flag=True, help="Overwrite an existing file.")
 @sim_options
 def command(
     file: str, *, robot: str, width: int, height: int, force: bool, name: str | None, timeout: float
 ) -> None:
-    """Write a picture of the world into a PNG FILE ('-': standard output).
+    """Write an image of the world to a PNG FILE ('-': standard output).
 
     \b
     Examples:

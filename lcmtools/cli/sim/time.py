@@ -23,16 +23,16 @@ def _trigger(verb: str, about: str, example: str) -> click.Command:
     return command
 
 
-pause = _trigger("pause", "Let simulated time stand still.", "--sim /morse")
-resume = _trigger("resume", "Let simulated time go on.", "--sim /morse")
-reset = _trigger("reset", "Start again: time 0, and every robot where it started.", "--timeout 10s")
+pause = _trigger("pause", "Pause simulated time.", "--sim /morse")
+resume = _trigger("resume", "Resume simulated time.", "--sim /morse")
+reset = _trigger("reset", "Start again: time 0, every robot at its first pose.", "--timeout 10s")
 
 
 @subcommand("step")
 @argument("steps", type=whole_number(1), default=1)
 @json_sim_options
 def step(steps: int, *, name: str | None, timeout: float, as_json: bool) -> None:
-    """Let a paused simulator do STEPS steps (else one), as fast as it can.
+    """Advance a paused simulator by STEPS steps (else one), as fast as possible.
 
     \b
     Examples:
@@ -46,7 +46,7 @@ def step(steps: int, *, name: str | None, timeout: float, as_json: bool) -> None
 @argument("rate")
 @json_sim_options
 def set_rate(rate: str, *, name: str | None, timeout: float, as_json: bool) -> None:
-    """Let simulated time pass RATE times as fast as real time; 0: as fast as possible.
+    """Run at RATE times real time; 0: as fast as possible.
 
     \b
     Examples:

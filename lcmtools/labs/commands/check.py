@@ -27,7 +27,7 @@ def _role_options(command: Callable[..., int]) -> Callable[..., int]:
 @subcommand("check")
 @argument("name", completer="lcmtools.labs.commands.completion:labs")
 @_role_options
-@option("--rate", type=rate, help="Times real time (else 1 for yours, 4 for ours).")
+@option("--rate", type=rate, help="Times real time (else 1; 4 for model answers).")
 @json_option
 def command(name: str, *, rate: float | None, as_json: bool, **programs: str | None) -> int:
     """Check programs against a lab: yours or, if none is given, the model answers.

@@ -13,14 +13,14 @@ from lcmtools.labs.skeletons import NAMES, copy_skeleton
 
 @subcommand("skeleton")
 @option("-l", "--list", "show_list", is_flag=True, help="List the skeletons.")
-@option("--force", is_flag=True, help="Overwrite a file that is there.")
+@option("--force", is_flag=True, help="Overwrite an existing file.")
 @json_option
 @argument("name", required=False, completer="lcmtools.labs.commands.completion:skeletons")
 @argument("folder", metavar="DIR", default=".", type=click.Path(path_type=Path))
 def command(name: str | None, folder: Path, *, show_list: bool, force: bool, as_json: bool) -> None:
-    """Copy a lab's node with TODOs in it into DIR (else here), to be filled in.
+    """Copy a lab's node with TODOs into DIR (else here), to complete.
 
-    It runs as it is, by python; its first lines say how.
+    It runs unchanged, with python; its first lines show the command.
 
     \b
     Examples:

@@ -23,7 +23,7 @@ from lcmtools.labs.catalogue import find_lab
 def command(ctx: click.Context, name: str, arguments: tuple[str, ...]) -> int:
     """Run a lab's simulator until Ctrl-C, and show what to type next.
 
-    ARGUMENTS are the simulator's: --rate 4, --gui, and what lcmtools run sim --help shows.
+    ARGUMENTS are passed to the simulator: --rate 4, --gui; see lcmtools run sim --help.
 
     \b
     Examples:
