@@ -59,7 +59,7 @@ def page(words: Words) -> str:
     above = "lcmtools-config" if len(words) == 1 else "-".join(words[:-1])
     rows += [
         *(".SH FILES", ".TP", ".I $XDG_CONFIG_HOME/lcmtools/config.yaml"),
-        f"Settings where neither option nor variable says else: {', '.join(SETTINGS)}.",
+        f"Settings, unless an option or a variable is set: {', '.join(SETTINGS)}.",
         *(".SH SEE ALSO", f".BR {_escaped(above)} (1)"),
     ]
     return "\n".join(rows) + "\n"

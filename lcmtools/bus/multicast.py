@@ -153,4 +153,4 @@ def _explain(url: BusUrl, error: OSError) -> BusError:
             f"the queue of the network card to {where} is full",
             "send less, or give it more room: sudo ip link set dev IFACE txqueuelen 10000",
         )
-    return BusError(f"cannot use {where}: {error.strerror}", "lcmtools wtf looks closer")
+    return BusError(f"cannot use {where}: {error.strerror}", "lcmtools wtf shows more")

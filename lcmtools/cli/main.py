@@ -38,8 +38,8 @@ from lcmtools.messages.type_source import set_supply
 from lcmtools.packages import provide_user_types
 
 EXIT_CODES = (
-    "0 done, 1 failed, 2 wrong usage, 3 an extra is missing, 4 nothing came within --timeout,"
-    " 130 Ctrl-C, 143 SIGTERM. A node that is asked to end exits with 0."
+    "0 success, 1 failure, 2 wrong usage, 3 an extra is missing, 4 nothing received within"
+    " --timeout, 130 Ctrl-C, 143 SIGTERM. A node that is ended by node kill exits with 0."
 )
 _EPILOG = """\b
 Examples:

@@ -75,7 +75,7 @@ def take_names(ctx: click.Context, words: Sequence[str]) -> list[str]:
 def _add_names(ctx: click.Context, words: Sequence[str]) -> None:
     said, _ = split_arguments(words)
     if said.parameters or said.name:
-        raise UsageError(f"{words[0]} is for nodes", "a command that looks takes __ns:= and a:=b")
+        raise UsageError(f"{words[0]} is for nodes", "this command takes __ns:= and a:=b")
     names = ctx.ensure_object(BusChoice).names
     names.namespace = names.namespace if said.namespace is None else said.namespace
     names.remaps += said.remaps

@@ -91,7 +91,7 @@ def command(
         raise UsageError("no rule is left", "lcmtools wtf --list shows them")
     if watch:
         if save_to or load_from:
-            raise UsageError("--watch looks again and again; leave out --save and --from")
+            raise UsageError("--watch keeps running; leave out --save and --from")
         _watch(lambda: _look(wait, as_json=as_json, at_least=wait), rules, as_json=as_json)
     evidence = saved.load(load_from) if load_from else _look(wait, as_json=as_json)
     if save_to:

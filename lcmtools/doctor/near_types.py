@@ -67,7 +67,7 @@ def _edits(cls: type[Message]) -> Iterator[Edit]:
             text = f"{part.name} is {other.type}, not {part.type}"
             yield fingerprint_of((*before, other, *after)), text
     for index, (one, other) in enumerate(pairwise(own)):
-        text = f"{one.name} and {other.name} stand the other way round"
+        text = f"{one.name} and {other.name} exchanged"
         yield fingerprint_of((*own[:index], other, one, *own[index + 2 :])), text
     for name, primitive in _USUAL.items():
         part = Field(name, primitive, None, (), is_length=False)
@@ -80,7 +80,7 @@ def _wider_edits(cls: type[Message]) -> Iterator[Edit]:
     own = fields(cls)
     for order in permutations(own) if len(own) <= _FEW else ():
         names = ", ".join(part.name for part in order)
-        yield fingerprint_of(order), f"its fields stand in the order {names}"
+        yield fingerprint_of(order), f"its fields in the order {names}"
     for kind in dict.fromkeys(part.type for part in own if part.message_class is None):
         for primitive in PRIMITIVES.values():
             parts = (replace(p, type=primitive) if p.type == kind else p for p in own)

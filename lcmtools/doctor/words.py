@@ -61,7 +61,7 @@ TITLES = {
     "small-buffer": "{topic} from {sender} has {bytes} bytes, too many for:",
     "stale-nodes": "The following nodes do not answer any more:",
     "stopped-programs": "The following programs are stopped, and send nothing:",
-    "stuck-listeners": "The following listen, but do not read:",
+    "stuck-listeners": "The following are subscribed, but do not read:",
     "ttl-0": "Other computers ({hosts:list}) cannot receive from the following (ttl=0):",
     "ttl-far": "The following let routers forward their messages to other networks:",
     "type-mismatch": "The types on {topic} do not match:",
@@ -207,12 +207,12 @@ REASONS = {
     "subscribes": "{listener} subscribes to {channel}",
 }
 UNCHECKED = {
-    "bandwidth-unknown": "{interface} does not tell its speed",
-    "buffers-unknown": "this system does not tell how large the listeners' buffers are",
+    "bandwidth-unknown": "{interface} reports no speed",
+    "buffers-unknown": "this system does not report the size of the listeners' buffers",
     "hidden-programs": "programs of other users ({users:list}) are hidden from you: sudo lcmtools"
     " wtf looks closer",
     "no-senders": "{provider} does not let wtf see the senders, and what is missing",
-    "no-sockets": "this system does not tell what its sockets drop (it has no /proc/net/udp)",
+    "no-sockets": "this system does not report dropped datagrams (it has no /proc/net/udp)",
     "text": "{text}",
 }
 

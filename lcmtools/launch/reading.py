@@ -80,7 +80,7 @@ class _Reading:
             own = {**scope.parameters, **own_parameters(name, self.parameters)}
             node = plan_node(element, scope, program, own)
             if other := plans.get(name):
-                what = f"{node.place}: the node {name} is there already, by {other.place}"
+                what = f"{node.place}: the node {name} is already defined by {other.place}"
                 raise InvalidFile(what, "give it another name or namespace")
             plans[name] = node
         return Plan(tuple(plans.values()), tuple(dict.fromkeys(self.files)), tuple(self.notes))

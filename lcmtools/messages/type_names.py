@@ -45,7 +45,7 @@ def find(name: str, known: Iterable[str], kind: str) -> str | None:
         return full if full in known else None
     found = sorted(full for full in known if full.rpartition("/")[2] == short)
     if len(found) > 1:
-        raise UnknownType(f"several {kind}s are called '{name}'", f"say {' or '.join(found)}")
+        raise UnknownType(f"several {kind}s are called '{name}'", f"write {' or '.join(found)}")
     return found[0] if found else None
 
 

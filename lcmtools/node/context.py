@@ -160,6 +160,6 @@ class Context:
                 if not self._is_shutdown_requested:  # a request without an answer is repeated
                     self._is_shutdown_requested = True
                     who = f"by {request.requester}" if request.requester else "over the bus"
-                    participant.get_logger().warning(f"asked to end {who}")
+                    participant.get_logger().warning(f"shutdown requested {who}")
                     self.on_shutdown_request()
                 return

@@ -155,7 +155,7 @@ def _open_bus(url: BusUrl) -> Bus:
     if url.provider == "file" and url.options.get("mode", "r") == "r":
         raise UsageError(
             f"{url} is a log to be read, and nodes need a bus",
-            "look into it with lcmtools echo --lcm-url, or give the node another bus",
+            "read it with lcmtools echo --lcm-url, or give the node another bus",
         )
     return LcmBus(url)
 

@@ -81,4 +81,4 @@ class Decoder:
 def remedy_of_unknown() -> str:
     """Return what to do about an unknown type: mend .lcm files, or say where they are."""
     broken = next((str(problem.error()) for problem in problems()), "")
-    return broken or f"{VARIABLE}=FOLDER says where your .lcm files are"
+    return broken or f"{VARIABLE}=FOLDER adds the folder of your .lcm files"

@@ -68,7 +68,7 @@ def program_text(traffic: Traffic) -> str:
     """Return the program behind a sender that is no node, as far as the system tells."""
     sender = traffic.sender
     if sender is None:
-        return "a program that is no node (this kind of bus does not tell senders)"
+        return "a plain LCM program (this kind of bus does not identify senders)"
     if not is_local(sender.address):
         return f"a program on {sender.address}, port {sender.port}"
     found = SocketTable.read({sender.port}).processes(sender)

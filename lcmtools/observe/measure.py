@@ -73,8 +73,7 @@ class Delays:
         stamped = stamp(message)
         if stamped is None:
             raise LcmtoolsError(
-                f"{type_name(message)}, which comes on {packet.channel}, has no header with a"
-                " stamp",
+                f"{type_name(message)}, published on {packet.channel}, has no header with a stamp",
                 "lcmtools msg find-field header lists the types that have one",
             )
         return stamped
@@ -262,7 +261,7 @@ def lossy_senders(
             loss = total([seen.sender], known)
             if loss and loss.lost:
                 what = f"of {seen.sender}, which sends {spelling}, {loss} messages did not"
-                yield f"{what} arrive here; lcmtools wtf looks closer"
+                yield f"{what} arrive here; lcmtools wtf shows more"
 
 
 def counted(

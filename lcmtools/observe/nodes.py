@@ -35,7 +35,7 @@ def ping(monitor: BusMonitor, node: Node, timeout: float) -> float:
                 return time.monotonic() - start
     raise NothingReceived(
         f"{node.name} did not answer within {timeout:g} s",
-        f"its process is {node.pid} on {node.host}; lcmtools wtf looks closer",
+        f"its process is {node.pid} on {node.host}; lcmtools wtf shows more",
     )
 
 
@@ -71,9 +71,9 @@ class NodeEnd:
         """Return the state of a node that does not end, and the command that ends it."""
         what = f"{self.node.name} does not answer"
         if self.has_answered:
-            what = f"{self.node.name} was asked and has not ended within {timeout:g} s"
+            what = f"{self.node.name} was asked to shut down and still runs after {timeout:g} s"
         where = "" if is_here(self.node) else f"on {self.node.host}, "
-        return f"{what}; {where}to end it whatever it does, type: kill -9 {self.node.pid}"
+        return f"{what}; {where}to end it by force, type: kill -9 {self.node.pid}"
 
 
 def end_nodes(monitor: BusMonitor, nodes: Sequence[Node], timeout: float) -> list[NodeEnd]:
@@ -188,8 +188,8 @@ def _distinction(nodes: Sequence[Node]) -> str:
 
 def _not_a_node(program: Program, word: str) -> LcmtoolsError:
     if program.process is None:
-        what = f"what sends from {word} is no node and cannot be asked"
+        what = f"the program at {word} is not a node and cannot be shut down"
         return LcmtoolsError(what, "end it on its computer")
     pid = program.process.pid
-    what = f"{program.process.command} (pid {pid}) is no node and cannot be asked"
+    what = f"{program.process.command} (pid {pid}) is not a node and cannot be shut down"
     return LcmtoolsError(what, f"type: kill {pid}")

@@ -82,7 +82,7 @@ class _Build:
         for one in list(self.types.values()):
             if self._elements(one.name, counts) > MESSAGE_MAX:
                 what = f"{one.name} is larger than LCM's {MESSAGE_MAX} bytes"
-                self._refuse(one, what, "let a field say the array's size:  double values[size];")
+                self._refuse(one, what, "give the array's size in a field:  double values[size];")
                 self._drop(one.name)
 
     def drop_incomplete(self) -> None:

@@ -103,14 +103,14 @@ def create(new: NewPackage, folder: Path, *, replace: bool = False) -> list[Path
         replace: Overwrite files of the same names.
 
     Raises:
-        LcmtoolsError: A file is there already, or cannot be written.
+        LcmtoolsError: A file already exists, or cannot be written.
     """
     texts = _texts(new)
     try:
         present = [path for path in texts if (folder / path).exists()]
         if present and not replace:
             raise LcmtoolsError(
-                f"{folder / present[0]} is there already", "--force overwrites it and its like"
+                f"{folder / present[0]} already exists", "--force overwrites it and its like"
             )
         _write(texts, folder)
     except OSError as error:

@@ -113,7 +113,7 @@ def _problem(file: Path, output: str) -> Problem:
         if place := re.fullmatch(rf"{re.escape(str(file))} : (\d+)", line):
             reason = before.rstrip(".")
             return Problem(str(file), int(place[1]), reason, _hint(before))
-    return Problem(str(file), 0, said[0] if said else "lcm-gen refuses it and does not say why")
+    return Problem(str(file), 0, said[0] if said else "lcm-gen rejects it without a reason")
 
 
 def _hint(reason: str) -> str:

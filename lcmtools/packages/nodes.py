@@ -162,7 +162,7 @@ def find_node(words: Sequence[str], known: Sequence[Runnable]) -> tuple[Runnable
     own = [node for node in named if node.package == OWN]
     if len(named) > 1 and not own:
         hint = " or ".join(f"{node.package} {node.name}" for node in named)
-        raise UsageError(f"several packages have a node '{first}'", f"say {hint}")
+        raise UsageError(f"several packages have a node '{first}'", f"write {hint}")
     if named:
         return (own or named)[0], rest
     raise _unknown(first, rest, known)

@@ -147,7 +147,7 @@ def request_parameters(
     except ServiceTimeout:
         raise ServiceTimeout(
             f"{node} did not answer within {timeout:g} s",
-            "it is busy or does not spin; lcmtools wtf looks closer",
+            "it is busy or does not spin; lcmtools wtf shows more",
         ) from None
     except ServiceError as error:
         raise ServiceError(error.what.replace(client.name, node, 1)) from None
@@ -187,7 +187,7 @@ def require_parameters(node: Node) -> Node:
     if node.stale:
         raise LcmtoolsError(f"{node.name} {node.stale}", "lcmtools node list shows the nodes")
     if not has_parameters(node):
-        raise LcmtoolsError(f"{node.name} cannot be asked for parameters", _why_not(node))
+        raise LcmtoolsError(f"{node.name} has no parameters to query", _why_not(node))
     return node
 
 

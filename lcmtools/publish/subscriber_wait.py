@@ -58,7 +58,7 @@ class SubscriberWait:
         ):
             raise NothingReceived(
                 f"not within {timeout:g} s: {situation()}",
-                f"lcmtools info {self._publisher.topic} shows who is there",
+                f"lcmtools info {self._publisher.topic} shows the subscribers",
             )
 
     def wait_for_clock(self, timeout: float | None) -> None:

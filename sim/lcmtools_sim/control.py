@@ -120,13 +120,13 @@ class Control:
         )
         self._simulation.add(placement)
         self._on_change()
-        response.message = f"the {request.model} {namespace} is there"
+        response.message = f"the {request.model} {namespace} was added"
 
     def _delete(self, request: sim_msgs.Delete_Request, response: sim_msgs.Delete_Response) -> None:
         robot = self._robot(request.robot)
         self._simulation.remove(robot)
         self._on_change()
-        response.message = f"{robot.namespace} is gone"
+        response.message = f"{robot.namespace} was removed"
 
     def _snapshot(
         self, request: sim_msgs.Snapshot_Request, response: sim_msgs.Snapshot_Response

@@ -27,8 +27,8 @@ examples:
   lcmtools run sim multi --robots 20 --only husky10,husky11
 
 --world takes a YAML file (--print-world husky is the start of one) or a world of Gazebo (.world,
-.sdf), of which the simple shapes are read. With --only, the process that has the world's first
-robot publishes /clock, and the others go by it.
+.sdf), from which simple shapes are read. With --only, the process that has the world's first
+robot publishes /clock, and the others follow it.
 """
 
 
@@ -103,7 +103,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--duration", type=duration, metavar="S", help="end after S simulated seconds")
     add("--gui", action="store_true", help="show it in a window")
     add("--paused", action="store_true", help="wait for lcmtools sim resume, or step N")
-    add("--list-worlds", action="store_true", help="list the worlds that are there, and end")
+    add("--list-worlds", action="store_true", help="list the worlds and exit")
     add("--print-world", metavar="NAME", help="print its file, to start one of your own")
     add("--check", metavar="FILE", help="check a world file, and end")
     return parser

@@ -108,7 +108,7 @@ class Robot:
         depth, other = self.world.overlap_at(self.body, centre, pose.rotation)
         if depth > START_OVERLAP:
             raise UsageError(
-                f"{self.namespace} would stand {depth:.2f} m inside {other}", "choose another place"
+                f"{self.namespace} would be {depth:.2f} m inside {other}", "choose another place"
             )
         self.world.place(self.body, centre, pose.rotation)
         self._targets = STOPPED

@@ -40,7 +40,7 @@ def test_a_publisher_elsewhere_is_known_by_its_address(pair: Any, plain: str) ->
     assert "Host: 10.76.0.1\n" in bob.out("node", "info", where)
     refused = bob.lcmtools("node", "kill", where)
     assert refused.returncode == 1
-    assert f"what sends from {where} is no node and cannot be asked" in refused.stderr
+    assert f"the program at {where} is not a node and cannot be shut down" in refused.stderr
     (local,) = json.loads(ada.out("node", "list", "-a", "--json"))
     assert (local["host"], local["ports"]) == ("ada", program["ports"])
     assert local["pid"]

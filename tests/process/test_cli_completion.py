@@ -303,7 +303,7 @@ def test_installing_says_what_it_did_and_what_to_do_next(
     assert (first.returncode, first.stdout) == (0, "")
     assert (tmp_path / "cache/lcmtools/commands.json").exists()
     again = lcmtools("completion", "--install", **said)
-    assert again.stderr.startswith(f"{script} is there already\n")
+    assert again.stderr.startswith(f"{script} already exists\n")
     gone = lcmtools("completion", "--uninstall", **said)
     assert gone.stderr == f"removed {script}\n"
     assert not script.exists()

@@ -193,7 +193,7 @@ def test_fields_of_an_unknown_type_are_said_to_be_unknown_once(lcmtools: Run) ->
     assert first == (
         "lcmtools echo: a message on NOISE has no known fields:"
         " unknown type, fingerprint 0x0001020304050607;"
-        " LCMTOOLS_TYPE_PATH=FOLDER says where your .lcm files are"
+        " LCMTOOLS_TYPE_PATH=FOLDER adds the folder of your .lcm files"
     )
     assert second.startswith("lcmtools echo: nothing that can be shown came on NOISE")
 

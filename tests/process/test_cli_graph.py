@@ -89,7 +89,7 @@ def test_text_shows_who_feeds_whom(lcmtools: Run, on_bus: dict[str, Any]) -> Non
     assert "/talker\n└─ /chatter [std_msgs/String]\n   └→ /r/listener\n" in result.stdout
     assert f"lcm-source -m EXAMPLE (no node, pid {source})\n└─ EXAMPLE [" in result.stdout
     assert re.search(
-        rf"^python.* \(no node, pid {plain}, listens to channels unknown\)$",
+        rf"^python.* \(no node, pid {plain}, receives unknown channels\)$",
         result.stdout,
         re.MULTILINE,
     )
@@ -146,7 +146,7 @@ def test_a_looking_command_is_shown_by_tools(
     echo.wait_for("data:")
     try:
         assert "_lcmtools_echo" not in lcmtools("graph").stdout
-        assert "1 command that looks on (--tools)" in lcmtools("graph").stderr
+        assert "1 observing command (--tools)" in lcmtools("graph").stderr
         assert f"/_lcmtools_echo_{echo.pid} (looks on)" in lcmtools("graph", "--tools").stdout
     finally:
         echo.end()

@@ -94,4 +94,4 @@ def test_wtf_looks_into_a_log(log: str, lcmtools: Run) -> None:
 
 def test_info_says_that_a_log_does_not_tell_senders(log: str, lcmtools: Run) -> None:
     result = lcmtools("info", "/chatter", "--lcm-url", f"file://{log}?speed=0")
-    assert " * a program that is no node (this kind of bus does not tell senders)" in result.stdout
+    assert " * a plain LCM program (this kind of bus does not identify senders)" in result.stdout

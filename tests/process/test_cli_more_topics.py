@@ -207,7 +207,7 @@ def test_delay_of_a_type_without_a_header_is_one_error_with_exit_code_1(lcmtools
     assert (result.returncode, result.stdout) == (1, "")
     assert result.stderr == (
         "subscribed to [/chatter]\n"
-        "lcmtools delay: std_msgs/String, which comes on /chatter, has no header with a stamp; "
+        "lcmtools delay: std_msgs/String, published on /chatter, has no header with a stamp; "
         "lcmtools msg find-field header lists the types that have one\n"
     )
 

@@ -76,7 +76,7 @@ def test_a_node_ends_with_exit_code_0_and_a_goodbye(node: Callable[..., Any], cl
     assert (result.code, result.out) == (0, "killing /talker\nkilled\n")
     assert result.err == ""
     assert talker.wait() == 0
-    assert "[/talker]: asked to end by " in talker.output
+    assert "[/talker]: shutdown requested by " in talker.output
     assert cli("node", "list").out == ""
 
 
@@ -109,8 +109,8 @@ def test_a_node_that_hangs_is_exit_code_1_with_what_to_type(
     assert result.code == 1
     assert result.out == "killing:\n * /hangs\n * /talker\nkilled /talker\n"
     assert result.err == (
-        "lcmtools node kill: /hangs was asked and has not ended within 0.8 s;"
-        f" to end it whatever it does, type: kill -9 {hangs.pid}\n"
+        "lcmtools node kill: /hangs was asked to shut down and still runs after 0.8 s;"
+        f" to end it by force, type: kill -9 {hangs.pid}\n"
     )
     assert talker.wait() == 0
 
@@ -124,7 +124,7 @@ def test_a_node_that_is_stopped_does_not_answer(node: Callable[..., Any], cli: R
     assert (record["pid"], record["heard"], record["ended"]) == (talker.pid, False, False)
     assert result.err == (
         "lcmtools node kill: /talker does not answer;"
-        f" to end it whatever it does, type: kill -9 {talker.pid}\n"
+        f" to end it by force, type: kill -9 {talker.pid}\n"
     )
 
 
@@ -167,18 +167,18 @@ def test_a_program_that_is_no_node_is_left_alone(
         result = cli("node", "kill", word)
         assert (result.code, result.out) == (1, "")
         assert result.err == (
-            f"lcmtools node kill: {lcm_program('lcm-source')} -m EXAMPLE (pid {source.pid}) is no"
-            f" node and cannot be asked; type: kill {source.pid}\n"
+            f"lcmtools node kill: {lcm_program('lcm-source')} -m EXAMPLE (pid {source.pid}) is not"
+            f" a node and cannot be shut down; type: kill {source.pid}\n"
         )
     os.kill(source.pid, 0)
 
 
-def test_all_needs_yes_where_there_is_nobody_to_ask(node: Callable[..., Any], cli: Run) -> None:
+def test_all_needs_yes_without_a_terminal(node: Callable[..., Any], cli: Run) -> None:
     talker, listener = node("talker"), node("listener")
     result = cli("node", "kill", "--all")
     assert (result.code, result.out) == (2, "")
     assert result.err == (
-        "lcmtools node kill: --all would kill 2 nodes, and there is nobody to ask; add --yes\n"
+        "lcmtools node kill: --all would kill 2 nodes and needs confirmation; add --yes\n"
     )
     result = cli("node", "kill", "--all", "--yes")
     assert (result.code, result.err) == (0, "")

@@ -111,9 +111,7 @@ def test_info_finds_a_program_by_its_pid_and_its_command(
 
 def test_info_shows_how_a_programs_listening_fares(cli: Run, programs: dict[str, Any]) -> None:
     text = cli("node", "info", str(programs["plain"].pid)).out
-    assert re.search(
-        r"^Buffer: \d+ kB of \d+ kB wait, \d+ datagrams dropped since", text, re.MULTILINE
-    )
+    assert re.search(r"^Buffer: \d+ kB of \d+ kB wait, \d+ datagrams dropped", text, re.MULTILINE)
     assert "Buffer" not in cli("node", "info", str(programs["source"].pid)).out
 
 

@@ -127,7 +127,7 @@ def test_nothing_is_overwritten(space: Path, lcmtools: Run) -> None:
     again = lcmtools(*CREATE)
     assert (again.returncode, again.stdout) == (1, "")
     assert again.stderr == (
-        "lcmtools pkg create: air_lab0/pyproject.toml is there already;"
+        "lcmtools pkg create: air_lab0/pyproject.toml already exists;"
         " --force overwrites it and its like\n"
     )
     assert node.read_text() == "mine\n"

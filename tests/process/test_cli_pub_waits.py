@@ -56,7 +56,7 @@ def test_subscribers_that_do_not_come_in_time_are_exit_code_4(
     assert (result.code, result.out) == (4, "")
     assert result.err == (
         f"lcmtools pub: not within 0.1 s: 1 subscriber of {topic}; 0 so far;"
-        f" lcmtools info {topic} shows who is there\n"
+        f" lcmtools info {topic} shows the subscribers\n"
     )
 
 
@@ -136,7 +136,7 @@ def test_late_subscribers_get_the_last_message_again(
     def has_come(written: str) -> bool:
         if "publishing #1: " in written and not late:
             late.append(receiver.subscribe(topic))
-        return "publishing #1 again, to who has just subscribed\n" in written
+        return "publishing #1 again, to a new subscriber\n" in written
 
     result = cli("pub", "-v", "-w", "0", *words, topic, STRING, "data: stay", until=has_come)
     assert result.code == 130

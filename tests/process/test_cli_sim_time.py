@@ -53,7 +53,7 @@ def test_hz_goes_by_simulated_time(simulate: Callable[[int], None], lcmtools: Ru
     )
     assert result.stderr == (
         "subscribed to [/pose]\n"
-        "lcmtools hz: times are simulated, as /clock says; --wall-time for real ones\n"
+        "lcmtools hz: times are simulated, from /clock; --wall-time for real time\n"
     )
 
 

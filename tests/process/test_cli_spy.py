@@ -132,7 +132,7 @@ def test_plain_programs_are_named_by_process_and_types_by_fingerprint(
     assert heading.split()[:4] == ["CHANNEL", "TYPE", "MESSAGES", "HZ"]
     assert noise.split()[:2] == ["NOISE", "?"]
     assert "geometry_msgs/Vector3 +1" in pose_line
-    assert f"lcm-sink (pid {sink.pid}): listens too, but is not a node" in done.stderr
+    assert f"lcm-sink (pid {sink.pid}): also receives, but is not a node" in done.stderr
 
 
 def plain_script(pid: int) -> str:

@@ -181,7 +181,7 @@ def test_json_has_each_finding_in_words_and_as_data(judge: Callable[..., Any]) -
         {
             "rule": "stuck-listeners",
             "severity": "warning",
-            "text": "The following listen, but do not read:",
+            "text": "The following are subscribed, but do not read:",
             "items": ["sink (pid 7): it is stopped"],
             "remedies": ["wake it (kill -CONT 7) or end it (kill 7)"],
             "subjects": [{"kind": "listener", "name": "sink (pid 7)", "pid": 7, "address": None}],

@@ -46,7 +46,7 @@ def test_skeleton_is_overwritten_only_by_force(lcmtools: Run, tmp_path: Path) ->
     refused = lcmtools(*words)
     assert (refused.returncode, mine.read_text()) == (2, "mine")
     assert refused.stderr == (
-        f"lcmtools lab skeleton: {mine} is there already; --force overwrites it\n"
+        f"lcmtools lab skeleton: {mine} already exists; --force overwrites it\n"
     )
     assert lcmtools(*words, "--force").returncode == 0
     assert mine.read_text().startswith('"""Drive the Dolly in a circle (skeleton).')

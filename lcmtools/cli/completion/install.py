@@ -39,7 +39,7 @@ def shell_named(name: str | None, environment: Mapping[str, str]) -> str:
     """Return the shell that is named, else the user's own."""
     meant = name or Path(environment.get("SHELL", "")).name
     if meant not in NAMES:
-        what = f"there is no completion for {meant}" if meant else "SHELL does not say which shell"
+        what = f"there is no completion for {meant}" if meant else "SHELL names no shell"
         raise UsageError(what, f"write one of {', '.join(NAMES)}")
     return meant
 
@@ -78,7 +78,7 @@ def install(shell: str, wanted: Plan) -> Iterator[str]:
     """Install a shell's script; yield a line for each step."""
     text = script(shell)
     if _text(wanted.script) == text:
-        yield f"{wanted.script} is there already"
+        yield f"{wanted.script} already exists"
     else:
         _write(wanted.script, text)
         yield f"wrote {wanted.script}"

@@ -59,7 +59,7 @@ def chosen(format_: str | None, file: str | None, *, as_json: bool, force: bool)
     else:
         output = Output(format_ or _by_suffix(file), file)
         if Path(file).is_file() and not force:
-            raise UsageError(f"{file} is there already", "--force overwrites it")
+            raise UsageError(f"{file} already exists", "--force overwrites it")
     if output.format == "svg":
         _graphviz()
     return output
@@ -74,7 +74,7 @@ def _by_suffix(file: str) -> str:
         )
     if suffix not in _SUFFIXES:
         known = ", ".join(_SUFFIXES)
-        raise UsageError(f"{file}: its name tells no format", f"--format does, or one of {known}")
+        raise UsageError(f"{file}: unknown file format", f"use --format, or one of {known}")
     return _SUFFIXES[suffix]
 
 

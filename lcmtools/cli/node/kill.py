@@ -64,7 +64,7 @@ def _confirmed(nodes: list[Node], *, yes: bool) -> list[Node]:
     if yes:
         return nodes
     if not sys.stdin.isatty():
-        what = f"--all would kill {len(nodes)} nodes, and there is nobody to ask"
+        what = f"--all would kill {len(nodes)} nodes and needs confirmation"
         raise UsageError(what, "add --yes")
     talk("\n".join(["This kills all nodes:", *(f" * {node.name}" for node in nodes)]))
     if click.confirm("Kill all nodes?", err=True):

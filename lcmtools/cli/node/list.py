@@ -79,7 +79,7 @@ def list_nodes(
         talk(f"no nodes{f' in {namespace}' if namespace else ''} on {url}")
     names = Counter(node.name for node in nodes if not node.stale)
     if twice := sorted(name for name, number in names.items() if number > 1):
-        talk(f"several nodes have the same name: {', '.join(twice)}; lcmtools wtf says more")
+        talk(f"several nodes have the same name: {', '.join(twice)}; lcmtools wtf shows more")
 
 
 def _row(node: Node, now: int) -> str:

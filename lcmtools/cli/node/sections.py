@@ -165,7 +165,7 @@ def program_sections(program: Program, usage: list[str], *, quiet: bool) -> list
         seen.channel: f" * {seen.channel} [{_type_text(seen)}]" for seen in program.traffic
     }
     rows += ["Publications: ", *published.values()] if published else ["Publications: none seen"]
-    listens = {True: "on channels that LCM does not tell", False: "None", None: "not known"}
+    listens = {True: "on unknown channels", False: "None", None: "not known"}
     rows += ["", f"Subscriptions: {listens[program.listens]}", "", ""]
     if quiet:
         return rows
@@ -175,7 +175,7 @@ def program_sections(program: Program, usage: list[str], *, quiet: bool) -> list
     sizes = receive_buffers() if program.sockets else {}
     rows += [
         f"Buffer: {_kilobytes(row.queued_bytes)} of {_kilobytes(sizes.get(row.inode))} wait,"
-        f" {row.drops} datagrams dropped since it listens"
+        f" {row.drops} datagrams dropped"
         for row in program.sockets
     ]
     return [*rows, f"Ports: {', '.join(map(str, program.ports)) or 'none seen'}", ""]

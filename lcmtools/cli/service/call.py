@@ -94,7 +94,7 @@ def _tell_server(service: OfferedService, *, verbose: bool) -> None:
     if len(names) > 1:
         notify(
             f"{len(names)} nodes offer {service.name}: {', '.join(names)}; each"
-            " does what is asked, and the first answer counts"
+            " executes the request, and the first response is used"
         )
     elif verbose:
         notify(f"asking {names[0]} ({service.type_text})")

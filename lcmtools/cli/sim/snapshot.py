@@ -36,7 +36,7 @@ def command(
     """
     path = Path(file)
     if file != "-" and path.exists() and not force:
-        raise UsageError(f"{file} is there already", "--force overwrites it")
+        raise UsageError(f"{file} already exists", "--force overwrites it")
     size = {"width": width, "height": height}
     response = call("snapshot", Snapshot, name, timeout, robot=robot, **size)
     picture = bytes(response.image.data)

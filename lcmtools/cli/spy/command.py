@@ -102,7 +102,7 @@ def command(
         )
     if programs := plain_listeners(graph, url):
         who = ", ".join(programs)
-        talk(f"lcmtools spy: {who}: listens too, but is not a node; its channels are unknown")
+        talk(f"lcmtools spy: {who}: also receives, but is not a node; its channels are unknown")
     return 0
 
 

@@ -118,7 +118,7 @@ def command(
     if timeout is not None and subscribers is None and (once or times):
         subscribers = 1  # as ros2
     elif timeout is not None and subscribers is None and not simulated:
-        raise UsageError("--timeout is how long to wait for subscribers", "say how many by -w N")
+        raise UsageError("--timeout is how long to wait for subscribers", "give the number by -w N")
     flags = {"--ns": [ns], "--name": [name], "--remap": remap}
     said = [f"{flag}={value}" for flag, given in flags.items() for value in given if value]
     arguments, words = split_arguments([*said, *values])
@@ -165,5 +165,5 @@ def _tell_start(schedule: Schedule, rate: float | None) -> None:
 
 
 def _tell_sent(count: int, message: Message, is_again: bool) -> None:  # noqa: FBT001 - OnSent's signature
-    again = " again, to who has just subscribed" if is_again else f": {to_json(message)}"
+    again = " again, to a new subscriber" if is_again else f": {to_json(message)}"
     talk(f"publishing #{count}{again}")

@@ -216,7 +216,7 @@ def _measure(
     for channel in measurement.channels:
         talk(f"subscribed to [{channel}]")
     if measurement.is_simulated:
-        notify("times are simulated, as /clock says; --wall-time for real ones")
+        notify("times are simulated, from /clock; --wall-time for real time")
     for report in measurement.reports():
         if report.is_reset:
             talk("time has reset, resetting counters")

@@ -21,7 +21,7 @@ from lcmtools.names import is_hidden
 _MOST, _MOST_REMEDIES = 8, 3  # that are shown of other buses
 
 
-@rule("bus", "lcmtools wtf prints the command that mends the route or the firewall", Severity.ERROR)
+@rule("bus", "lcmtools wtf prints the command that fixes the route or the firewall", Severity.ERROR)
 def bus_works(evidence: Evidence) -> Iterator[Finding]:
     """The bus can be reached: there is a route to the group, and what is sent comes back.
 

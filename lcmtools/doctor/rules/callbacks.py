@@ -63,7 +63,7 @@ def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
 
 @rule(
     "slow-callbacks",
-    "let the callback do less, or less often: lcmtools info TOPIC shows how long it takes",
+    "make the callback faster, or call it less often: lcmtools info TOPIC shows how long it takes",
 )
 def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     """Callbacks end before the next message comes, and leave time for the others.

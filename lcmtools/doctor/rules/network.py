@@ -26,7 +26,7 @@ def large_messages_pass(evidence: Evidence) -> Iterator[Finding]:
         yield finding(title, (), "look-at-firewall", "macos-large-datagrams")
 
 
-@rule("sending", "lcmtools wtf prints the command that mends it", Severity.ERROR)
+@rule("sending", "lcmtools wtf prints the command that fixes it", Severity.ERROR)
 def datagrams_can_leave(evidence: Evidence) -> Iterator[Finding]:
     """Datagrams with the bus's own ttl can be sent.
 

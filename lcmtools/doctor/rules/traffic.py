@@ -51,7 +51,7 @@ def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
     return cases("loss", facts, "send-less")
 
 
-@rule("silent", "look at the node's log, and whether its inputs still arrive")
+@rule("silent", "check the node's log, and that its inputs still arrive")
 def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
     """Publishers that published often still do.
 
@@ -118,7 +118,7 @@ def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
 
 @rule(
     "irregular",
-    "lcmtools hz TOPIC shows the intervals; look for what blocks the node",
+    "lcmtools hz TOPIC shows the intervals; find the call that blocks the node",
     Severity.NOTE,
 )
 def rates_are_even(evidence: Evidence) -> Iterator[Finding]:

@@ -26,9 +26,9 @@ def notes(member: Member) -> list[str]:
     if not member.is_here:
         said.append(f"on {member.host or 'another computer'}")
     if member.looks_on:
-        said.append("looks on")
+        said.append("observes")
     if member.listens:
-        said.append("listens to channels unknown")
+        said.append("receives unknown channels")
     if member.stale:
         said.append(f"stale: {member.stale}")
     return said

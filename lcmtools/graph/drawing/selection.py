@@ -19,7 +19,7 @@ class Selection:
     excluded: tuple[str, ...] = ()  # not drawn
     everything: bool = False  # hidden names, quiet topics, tools and leaf topics too
     leaf_topics: bool = False  # topics with one side only and no message
-    tools: bool = False  # commands that look on
+    tools: bool = False  # observing commands
     services: bool = False
 
 
@@ -34,7 +34,7 @@ class LeftOut:
 
     def text(self) -> str:
         """Return it in one line, with the options that show it; "" if nothing is left out."""
-        tools = "commands that look on" if self.tools > 1 else "command that looks on"
+        tools = "observing commands" if self.tools > 1 else "observing command"
         parts = {
             f"{self.leaf_topics} topic{'s' * (self.leaf_topics > 1)} with one side only"
             " (--leaf-topics)": self.leaf_topics,

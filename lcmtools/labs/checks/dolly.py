@@ -90,7 +90,7 @@ def check_reader(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
     bench.wait(lambda: program.code is not None, _MOMENT)  # several lines may be a crash
     what, wanted = "prints ranges", "ranges of the scan"
     if not _lines(program) or program.code is not None:
-        hint = _HINT.format(f"print what comes on {_SCAN}")
+        hint = _HINT.format(f"print the messages on {_SCAN}")
         yield program.nothing_within(_FIRST, what, wanted, hint)
         return
     if not bench.wait(lambda: scans, 2.0):

@@ -23,7 +23,7 @@ def copy_skeleton(name: str, folder: Path, *, overwrite: bool = False) -> Path:
     """Write a node's skeleton into a folder, which is made if it is missing; return the file.
 
     Raises:
-        UsageError: There is no skeleton of that name, or the file is there already.
+        UsageError: There is no skeleton of that name, or the file already exists.
         LcmtoolsError: It cannot be written.
     """
     if name not in NAMES:
@@ -39,7 +39,7 @@ def copy_skeleton(name: str, folder: Path, *, overwrite: bool = False) -> Path:
             file.write(text)
     except FileExistsError:
         if path.exists() and folder.is_dir():
-            raise UsageError(f"{path} is there already", "--force overwrites it") from None
+            raise UsageError(f"{path} already exists", "--force overwrites it") from None
         raise UsageError(f"{folder} is no folder", "name a folder to write into") from None
     except OSError as error:
         raise LcmtoolsError(f"cannot write {path}: {error.strerror}") from error

@@ -87,7 +87,7 @@ def read_link(
         parts += [part.placed(*place) for part in found]
         friction = rough if friction is None else friction
     if element.all("visual") and not element.all("collision"):
-        left_out["look that nothing collides with"] += len(element.all("visual"))
+        left_out["visuals without collisions"] += len(element.all("visual"))
     mass, centre = _inertial(element)
     return SdfLink(
         name,

@@ -175,7 +175,7 @@ def _shape(link: Element, geometry: Element) -> Shape:
     kind = geometry.children[0].tag if geometry.children else "nothing"
     raise geometry.error(
         f"link '{link.attribute('name')}' has a shape of <{kind}>",
-        "boxes, cylinders and spheres are taken: give it one as <collision>",
+        "boxes, cylinders and spheres are supported: give it one as <collision>",
     )
 
 

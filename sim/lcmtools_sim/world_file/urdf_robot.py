@@ -102,7 +102,7 @@ def _notes(urdf: Urdf, middle: Vector) -> tuple[str, ...]:
     x, y, _ = middle
     if math.hypot(x, y) < _NEAR:
         return ()
-    note = "base_link is taken to be over the middle between the wheels"
+    note = "base_link is assumed at the middle between the wheels"
     return (f"{urdf.root.source}: {note}, {x:.3f} m forward and {y:.3f} m left of the file's",)
 
 
@@ -161,11 +161,11 @@ def _common_radius(item: Item, wheels: Iterable[_Wheel]) -> float:
     radii = {wheel.joint: wheel.radius for wheel in wheels}
     for joint, radius in radii.items():
         if not radius:
-            raise item.error(f"the wheel of '{joint}' has no round shape", "say wheel_radius")
+            raise item.error(f"the wheel of '{joint}' has no round shape", "set wheel_radius")
     smallest, largest = min(radii.values()), max(radii.values())
     if largest > 1.01 * smallest:
         raise item.error(
-            f"the wheels have radii from {smallest:g} to {largest:g} m", "say wheel_radius"
+            f"the wheels have radii from {smallest:g} to {largest:g} m", "set wheel_radius"
         )
     return largest
 
@@ -191,11 +191,11 @@ def _body(
         for part in link.parts
     ]
     if not linked:
-        raise urdf.root.error("no link has a shape", "boxes, cylinders and spheres are taken")
+        raise urdf.root.error("no link has a shape", "boxes, cylinders and spheres are supported")
     parts = tuple(_lifted(urdf, name, part) for name, part in linked)
     height = centre[2] - middle[2]
     if height <= 0:
-        raise urdf.root.error("the centre of mass lies below the ground on which the wheels stand")
+        raise urdf.root.error("the centre of mass lies below the ground under the wheels")
     reach = max(abs(part.position[0]) + part.extent(0) for part in parts)
     # Casters and the like.
     supports = [part.position[:2] for _, part in linked if _lowest(part) < _NEAR_GROUND]

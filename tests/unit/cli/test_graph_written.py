@@ -47,7 +47,7 @@ def test_the_form_is_what_is_said_or_the_files_name_tells(
 def test_a_file_is_overwritten_only_by_force(tmp_path: Path) -> None:
     file = tmp_path / "a.dot"
     file.write_text("mine")
-    with pytest.raises(UsageError, match="there already; --force overwrites it"):
+    with pytest.raises(UsageError, match="already exists; --force overwrites it"):
         chosen(None, str(file), as_json=False, force=False)
     chosen(None, str(file), as_json=False, force=True).write(_PICTURE)
     assert file.read_text().startswith("digraph")

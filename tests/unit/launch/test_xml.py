@@ -260,7 +260,7 @@ def test_names_behind_two_dashes_would_not_be_taken_and_stand_before_them(xml: M
             "a node is not both required and respawned",
         ),
         (TALKER.replace("/>", ' if="1" unless="0"/>'), 2, "node has both 'if' and 'unless'"),
-        (f"{TALKER}\n{TALKER}", 3, "the node /t is there already, by a.launch:2"),
+        (f"{TALKER}\n{TALKER}", 3, "the node /t is already defined by a.launch:2"),
         ('<remap from="a"/>', 2, "'to' is missing in remap"),
         ('<remap from="a b" to="c"/>', 2, "'a b' is not a legal name"),
         ('<arg name="a"/>', 2, "the argument 'a' has no value; type a:=VALUE"),

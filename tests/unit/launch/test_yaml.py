@@ -132,7 +132,7 @@ def test_program_that_is_executable_is_run_itself(yaml: Make, folder: Path) -> N
         ("nodes:\n  - run: nopkg talker", 2, "there is no package 'nopkg'"),
         ("nodes:\n  - exec: nosuchprogram", 2, "there is no program 'nosuchprogram' on the PATH"),
         ("nodes:\n  - exec: ls\n    param: {a: 1}", 2, "what exec starts takes no remaps"),
-        ("nodes:\n  - {run: talker}\n  - {run: talker}", 3, "the node /talker is there already"),
+        ("nodes:\n  - {run: talker}\n  - {run: talker}", 3, "the node /talker is already defined"),
         ("nodes:\n  - {run: talker, cwd: nope}", 2, "there is no folder"),
         ("args:\n  a: {dflt: 1}", 2, "there is no key 'dflt' in a; did you mean default?"),
         ("args:\n  a:\nnodes: []", 2, "the argument 'a' has no value; type a:=VALUE"),

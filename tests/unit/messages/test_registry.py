@@ -60,7 +60,7 @@ def test_a_type_is_found_however_its_name_is_written(name: str) -> None:
         ("Zzzzzz", "unknown type 'Zzzzzz'; see: lcmtools msg list"),
         ("", "unknown type ''; see: lcmtools msg list"),
         ("a/b/c/Twisted_", "unknown type 'a/b/c/Twisted_'; did you mean geometry_msgs/Twist?"),
-        ("Time", "several types are called 'Time'; say builtin_interfaces/Time or std_msgs/Time"),
+        ("Time", "several types are called 'Time'; write builtin_interfaces/Time or std_msgs/Time"),
         (
             "std_srvs/Trigger",
             (

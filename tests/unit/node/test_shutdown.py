@@ -39,7 +39,7 @@ def test_it_answers_logs_who_asks_and_ends(
     assert _answers(bus) == ["/driver"]
     assert not context.ok()
     lcmtools.spin(node)
-    assert "[/driver]: asked to end by a test\n" in capsys.readouterr().err
+    assert "[/driver]: shutdown requested by a test\n" in capsys.readouterr().err
 
 
 def test_asked_again_it_answers_again_and_logs_once(
@@ -50,7 +50,7 @@ def test_asked_again_it_answers_again_and_logs_once(
     for _ in range(3):
         _ask(bus, node.describe().id, "")
     assert _answers(bus) == ["/driver"] * 3
-    assert capsys.readouterr().err.count("asked to end over the bus") == 1
+    assert capsys.readouterr().err.count("shutdown requested over the bus") == 1
 
 
 @pytest.mark.parametrize("target", ["", "/driver", "driver", "no-such-id"])

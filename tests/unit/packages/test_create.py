@@ -40,7 +40,7 @@ def test_what_is_there_is_kept_unless_it_is_to_be_replaced(tmp_path: Path) -> No
     folder = tmp_path / "lab"
     folder.mkdir()
     (folder / "README.md").write_text("mine")
-    with pytest.raises(LcmtoolsError, match=r"README\.md is there already; --force overwrites"):
+    with pytest.raises(LcmtoolsError, match=r"README\.md already exists; --force overwrites"):
         create(NewPackage("lab", "drive"), folder)
     assert files(folder) == {"README.md"}
     assert (folder / "README.md").read_text() == "mine"

@@ -116,7 +116,12 @@ def test_of_two_folders_with_the_same_type_the_first_counts_and_that_is_said(
         ("struct T {\n double class; }", 2, "T: 'class' is a keyword of Python", "class_"),
         ("struct T {\n double encode; }", 2, "T: a field cannot be called 'encode'", "another"),
         ("struct T { T t; }", 0, "T contains itself", "only an array of variable size"),
-        ("struct T { double x[1000000][1000]; }", 0, "T is larger than LCM's", "let a field say"),
+        (
+            "struct T { double x[1000000][1000]; }",
+            0,
+            "T is larger than LCM's",
+            "give the array's size",
+        ),
         ("enum E { A }\nstruct T { E e; }", 2, "T: unknown type 'E'", ""),
         ("\n\x00\x01", 2, "unexpected '\\x00'", "a .lcm file has words"),
         ('struct T {\n """ byte x; }', 2, "unexpected '\"'", "a .lcm file has words"),

@@ -110,7 +110,7 @@ def test_words_mean_a_node(words: list[str], package: str, name: str, rest: list
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["drive"], "several packages have a node 'drive'; say lab drive or other drive"),
+        (["drive"], "several packages have a node 'drive'; write lab drive or other drive"),
         (["lab", "drvie"], "the package lab has no node 'drvie'; did you mean drive?"),
         (["lab", "x"], "the package lab has no node 'x'; it has drive, talker"),
         (["lob", "drive"], "there is no package 'lob'; did you mean lab?"),

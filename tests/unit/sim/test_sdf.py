@@ -209,9 +209,9 @@ def test_what_is_left_out_is_one_line(tmp_path: Path) -> None:
     assert found.objects == ()
     assert found.notes == (
         (
-            f"{tmp_path}/yard.world: left out: heightmap (1), light (1), look that nothing"
-            " collides with (1), mesh (1), https://fuel.org/house (not found, 1), model://gone (not"
-            " found, 1)"
+            f"{tmp_path}/yard.world: left out: heightmap (1), light (1), mesh (1),"
+            " visuals without collisions (1), https://fuel.org/house (not found, 1),"
+            " model://gone (not found, 1)"
         ),
     )
 

@@ -172,7 +172,7 @@ def test_four_wheels_can_skid_and_need_no_more_feet(tmp_path: Path) -> None:
     assert corners == [(-0.1, -0.15), (-0.1, 0.15), (0.1, -0.15), (0.1, 0.15)]
     assert cart.left_wheels == ("left", "left_joint", "left2_joint")
     assert "0.100 m" in found.notes[0]  # the file's base_link is over the front wheels
-    assert "base_link is taken to be over the middle between the wheels" in found.notes[0]
+    assert "base_link is assumed at the middle between the wheels" in found.notes[0]
 
 
 def test_a_link_that_is_only_seen_as_a_mesh_is_left_out_and_said(tmp_path: Path) -> None:
@@ -201,9 +201,9 @@ WRONG = [
     ("<robot", "<sdf/><robot", ":2: not XML: junk after document element"),
     ("<robot name", "<robt name", ":40: not XML: mismatched tag"),
     (BOX, '<mesh filename="a.stl"/>', (":11: link 'base_link' has a shape of <mesh>; boxes,"
-     " cylinders and spheres are taken: give it one as <collision>")),
+     " cylinders and spheres are supported: give it one as <collision>")),
     (BOX, "", (":11: link 'base_link' has a shape of <nothing>; boxes, cylinders and spheres are"
-     " taken: give it one as <collision>")),
+     " supported: give it one as <collision>")),
     (BOX, '<box size="0.4 0.2"/>', ":11: 'size' of <box> must be 3 numbers, not '0.4 0.2'"),
     (BOX, '<box size="0.4 0.2 nan"/>',
      ":11: 'size' of <box> must be between 0.0001 and 1e+06, not nan"),
@@ -302,7 +302,7 @@ def test_wheels_without_mass_and_of_two_sizes_are_refused(tmp_path: Path) -> Non
 
     with pytest.raises(InvalidFile, match=r"cart.urdf:2: no link has a mass"):
         scene(tmp_path, massless)
-    with pytest.raises(InvalidFile, match=r"the wheels have radii from 0.1 to 0.12 m; say whee"):
+    with pytest.raises(InvalidFile, match=r"the wheels have radii from 0.1 to 0.12 m; set whee"):
         scene(tmp_path, uneven)
 
 

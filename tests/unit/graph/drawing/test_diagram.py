@@ -39,7 +39,7 @@ def test_what_is_said_of_a_member() -> None:
     assert notes(Member("n1", "/a", host="robot", is_here=False)) == ["on robot"]
     assert notes(Member("n1", "/a", stale="hangs")) == ["stale: hangs"]
     program = Member("n1", "x", is_node=False, pid=7, listens=True)
-    assert notes(program) == ["no node, pid 7", "listens to channels unknown"]
+    assert notes(program) == ["no node, pid 7", "receives unknown channels"]
 
 
 def test_two_nodes_of_the_same_name_stay_two(draw: Draw) -> None:
