@@ -4,7 +4,7 @@ Eight node processes run at the same time: four on an empty bus, four on a bus w
 announces 199 more nodes, evenly over each second, in lcmtools' own encoding, each with seven
 endpoints whose counters go on. Of each four one node is plain, one has asked for the graph once
 (``node.graph()``; it follows announcements from then on), and one asks for it each second. The last
-has asked once too, but without a mailbox, as where the system has no filters: each announcement
+has asked once too, but without a channel socket, as on a system without filters: an announcement
 wakes it. Shown is the processor time that each process used (liblcm's thread included), as a share
 of one core.
 """
@@ -27,7 +27,7 @@ from lcmtools.node.graph_follower import GraphFollower
 from lcmtools.types.fingerprints import FINGERPRINTS
 
 _BUSES = _EMPTY, _FULL = bus(7794), bus(7795)
-_ASKING = _NEVER, _ONCE, _EACH_SECOND, _WOKEN = "never", "once", "each second", "once, no mailbox"
+_ASKING = _NEVER, _ONCE, _EACH_SECOND, _WOKEN = "never", "once", "each second", "once, woken"
 _OTHERS = 199
 _ENDPOINTS = (
     ("/rosout", "rosgraph_msgs/Log", Role.PUBLISHER),

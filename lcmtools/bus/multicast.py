@@ -4,11 +4,13 @@ liblcm finds out that multicast does not work by freezing the whole process for 
 check here takes a millisecond where it works and under half a second where it does not.
 """
 
+import contextlib
 import errno
 import select
 import socket
 import struct
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 from lcmtools.bus.kernel import ANNOUNCED, granted_buffer, mark
@@ -21,6 +23,7 @@ SELF_TEST_CHANNEL = "LCM_SELF_TEST"
 
 WANTED_BUFFER_BYTES = 8 << 20
 _LOOPBACK_ROUTE = "sudo ip link set lo up multicast on && sudo ip route add 224.0.0.0/4 dev lo"
+_NO_ROUTE = {errno.ENETUNREACH, errno.ENODEV, errno.EADDRNOTAVAIL, errno.EHOSTUNREACH}
 _LOOPBACK_TIMEOUT = 0.4  # [s]; it normally takes well under a millisecond
 
 
@@ -44,7 +47,8 @@ def receiving_socket(url: BusUrl) -> socket.socket:
         BusError: The group cannot be joined.
     """
     receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    try:
+    with _explained(url), contextlib.ExitStack() as stack:
+        stack.enter_context(receiver)  # closed on an error
         receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         if hasattr(socket, "SO_REUSEPORT") and not Path("/proc").exists():
             receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)  # BSD, macOS
@@ -54,9 +58,7 @@ def receiving_socket(url: BusUrl) -> socket.socket:
         receiver.bind((url.host, url.port))
         membership = struct.pack("=4sl", socket.inet_aton(url.host), socket.INADDR_ANY)
         receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
-    except OSError as error:
-        receiver.close()
-        raise _explain(url, error) from error
+        stack.pop_all()
     return receiver
 
 
@@ -78,25 +80,19 @@ def check_route(url: BusUrl) -> None:
     Raises:
         BusError: With what to type.
     """
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.connect((url.host, url.port))
-        except OSError as error:
-            raise _explain(url, error) from error
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe, _explained(url):
+        probe.connect((url.host, url.port))
 
 
 def check_sending(url: BusUrl) -> None:
-    """Send LCM's self test with the bus's own ttl; whether it arrives does not matter.
+    """Send LCM's self test with the bus's own ttl; it need not arrive.
 
     Raises:
         BusError: The system does not send it.
     """
     datagram = short_message(0, SELF_TEST_CHANNEL, b"lcm self test")
-    with sending_socket(url) as sender:
-        try:
-            sender.sendto(datagram, (url.host, url.port))
-        except OSError as error:
-            raise _explain(url, error) from error
+    with sending_socket(url) as sender, _explained(url):
+        sender.sendto(datagram, (url.host, url.port))
 
 
 def check_loopback(url: BusUrl, sender: socket.socket, receiver: socket.socket) -> None:
@@ -107,13 +103,11 @@ def check_loopback(url: BusUrl, sender: socket.socket, receiver: socket.socket) 
     """
     datagram = short_message(0, SELF_TEST_CHANNEL, b"lcm self test")
     deadline = time.monotonic() + _LOOPBACK_TIMEOUT
-    try:
+    with _explained(url):
         while (left := deadline - time.monotonic()) > 0:
             sender.sendto(datagram, (url.host, url.port))
             if _receives(receiver, datagram, sender.getsockname()[1], min(left, 0.05)):
                 return
-    except OSError as error:
-        raise _explain(url, error) from error
     raise BusError(
         f"multicast to {url.host}:{url.port} does not come back to this host",
         f"a firewall or the route to the group is in the way; type: {_LOOPBACK_ROUTE}",
@@ -132,25 +126,24 @@ def _receives(receiver: socket.socket, datagram: bytes, port: int, timeout: floa
     return False
 
 
-def _explain(url: BusUrl, error: OSError) -> BusError:
-    """Return an operating system error in the words of a bus's user."""
+@contextlib.contextmanager
+def _explained(url: BusUrl) -> Iterator[None]:
+    """Raise an error of the system as a BusError, in the words of a bus's user."""
     where = f"{url.host}:{url.port}"
-    if error.errno in (errno.ENETUNREACH, errno.ENODEV, errno.EADDRNOTAVAIL, errno.EHOSTUNREACH):
-        return BusError(f"no multicast route to {where}", f"type: {_LOOPBACK_ROUTE}")
-    if error.errno in (errno.EPERM, errno.EACCES):
-        return BusError(
-            f"sending to {where} is forbidden ({error.strerror})",
-            f"a firewall does that; type: sudo ufw allow out to {url.host} port {url.port}"
-            " proto udp",
-        )
-    if error.errno == errno.EADDRINUSE:
-        return BusError(
-            f"{where} is taken by a program that does not share it",
-            f"find it with: ss -ulnp 'sport = :{url.port}'",
-        )
-    if error.errno == errno.ENOBUFS:
-        return BusError(
-            f"the queue of the network card to {where} is full",
-            "send less, or give it more room: sudo ip link set dev IFACE txqueuelen 10000",
-        )
-    return BusError(f"cannot use {where}: {error.strerror}", "lcmtools wtf shows more")
+    try:
+        yield
+    except OSError as error:
+        what, hint = f"cannot use {where}: {error.strerror}", "lcmtools wtf shows more"
+        if error.errno in _NO_ROUTE:
+            what, hint = f"no multicast route to {where}", f"type: {_LOOPBACK_ROUTE}"
+        elif error.errno in (errno.EPERM, errno.EACCES):
+            what = f"sending to {where} is forbidden ({error.strerror})"
+            allow = f"sudo ufw allow out to {url.host} port {url.port} proto udp"
+            hint = f"a firewall does that; type: {allow}"
+        elif error.errno == errno.EADDRINUSE:
+            what = f"{where} is taken by a program that does not share it"
+            hint = f"find it with: ss -ulnp 'sport = :{url.port}'"
+        elif error.errno == errno.ENOBUFS:
+            what = f"the queue of the network card to {where} is full"
+            hint = "send less, or give it more room: sudo ip link set dev IFACE txqueuelen 10000"
+        raise BusError(what, hint) from error

@@ -169,49 +169,49 @@ def test_no_datagram_harms_the_tap_or_hides_the_others() -> None:
     random_bytes = random.Random(1)  # noqa: S311
     with (
         Tap(_URL, whole=True) as tap,
-        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as plain,
     ):
         received: list[Packet] = []
         good = 0
         for datagram in _malformed() + [random_bytes.randbytes(n) for n in range(200)]:
-            stranger.sendto(datagram, _GROUP)
-            stranger.sendto(short_message(good, "GOOD", b"%d" % good), _GROUP)
+            plain.sendto(datagram, _GROUP)
+            plain.sendto(short_message(good, "GOOD", b"%d" % good), _GROUP)
             good += 1
             received += [p for p in tap.receive(0.0) if p.channel == "GOOD"]
-        stranger.sendto(short_message(0, "", b"empty channel"), _GROUP)
-        stranger.sendto(b"LC02\0\0\0\1\xff\xfe\0x", _GROUP)
+        plain.sendto(short_message(0, "", b"empty channel"), _GROUP)
+        plain.sendto(b"LC02\0\0\0\1\xff\xfe\0x", _GROUP)
         for part in fragments(9, "TWICE", bytes(70_000)):
-            stranger.sendto(part, _GROUP)
-            stranger.sendto(part, _GROUP)
+            plain.sendto(part, _GROUP)
+            plain.sendto(part, _GROUP)
         rest = _receive(tap, 3 + good - len(received))
         received += [p for p in rest if p.channel == "GOOD"]
         assert [int(packet.payload) for packet in received] == list(range(good))
         others = {p.channel: p.payload for p in rest if p.channel != "GOOD"}
         assert others == {"": b"empty channel", "\udcff\udcfe": b"x", "TWICE": bytes(70_000)}
-        assert list(tap.malformed) == [Sender("0.0.0.0", stranger.getsockname()[1])]  # noqa: S104
+        assert list(tap.malformed) == [Sender("0.0.0.0", plain.getsockname()[1])]  # noqa: S104
 
 
 @pytest.mark.usefixtures("private_network")
 def test_malformed_datagrams_from_ever_new_senders_are_bounded() -> None:
     with Tap(_URL) as tap:
         for _ in range(1500):
-            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
-                stranger.sendto(b"nonsense", _GROUP)
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as plain:
+                plain.sendto(b"nonsense", _GROUP)
             tap.receive(0.0)
         assert 0 < len(tap.malformed) <= 1000
 
 
 @pytest.mark.usefixtures("private_network")
 def test_a_node_survives_malformed_datagrams(wait_until: WaitUntil) -> None:
-    """A header after which nothing stands kills liblcm: the shield keeps such from it."""
+    """A header without a body kills liblcm: the filter drops such datagrams."""
     datagrams = _malformed()
     bus = LcmBus(_URL)
     heard: list[bytes] = []
     bus.subscribe("GOOD", lambda payload, _: heard.append(payload))
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as plain:
         for number, datagram in enumerate(datagrams):
-            stranger.sendto(datagram, _GROUP)
-            stranger.sendto(short_message(number, "GOOD", b"%d" % number), _GROUP)
+            plain.sendto(datagram, _GROUP)
+            plain.sendto(short_message(number, "GOOD", b"%d" % number), _GROUP)
     wait_until(lambda: len(heard) == len(datagrams))
     bus.close()
 

@@ -117,10 +117,10 @@ def test_both_ways_see_the_same_of_anything() -> None:
         seen: list[list[Any]] = []
         senders = []
         for datagram in _hostile():
-            stranger = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
-            stranger.sendto(datagram, _GROUP)
-            senders.append(stranger.getsockname()[1])
-        stranger.sendto(short_message(0, "END", b""), _GROUP)
+            plain = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+            plain.sendto(datagram, _GROUP)
+            senders.append(plain.getsockname()[1])
+        plain.sendto(short_message(0, "END", b""), _GROUP)
         for tap in taps:
             seen.append([packet[:2] for packet in _until(tap, "END")])
             seen[-1].append(dict(tap.malformed))

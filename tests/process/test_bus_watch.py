@@ -208,9 +208,9 @@ def test_malformed_datagrams_are_told_of(wait_until: WaitUntil) -> None:
     url = parse_url("udpm://239.255.76.67:7667?ttl=0")
     with (
         BusMonitor(url, "wtf", os.environ) as watch,
-        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as plain,
     ):
-        stranger.sendto(b"nonsense", (url.host, url.port))
+        plain.sendto(b"nonsense", (url.host, url.port))
         wait_until(lambda: watch.receive(0.02) or (watch.tap and watch.tap.malformed))
         assert watch.tap is not None
         assert list(watch.tap.malformed.values()) == ["starts with b'nons', not with LC02 or LC03"]

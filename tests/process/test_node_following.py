@@ -46,8 +46,8 @@ def join(bus_url: str) -> Iterator[Join]:
 
 
 @pytest.fixture
-def mailbox(bus_url: str) -> Callable[[], int]:
-    """``mailbox()``: the inode of this process's only mailbox."""
+def channel_socket(bus_url: str) -> Callable[[], int]:
+    """``channel_socket()``: the inode of this process's only channel socket."""
 
     def find() -> int:
         (inode,) = selective_sockets() & listening_sockets(parse_url(bus_url))
@@ -89,31 +89,31 @@ def test_a_new_follower_asks_those_who_are_there(join: Join, wait_until: WaitUnt
 
 @pytest.mark.usefixtures("private_network")
 def test_announcements_do_not_pile_up_while_nobody_asks(
-    join: Join, mailbox: Callable[[], int], wait_until: WaitUntil
+    join: Join, channel_socket: Callable[[], int], wait_until: WaitUntil
 ) -> None:
     follower = Node("follower", context=join())
     other = Node("other", context=join())
     follower.graph()
     other.context.announcer.close()
     follower.context.announcer.close()
-    wait_until(lambda: _waiting_bytes(mailbox()) == 0)
+    wait_until(lambda: _waiting_bytes(channel_socket()) == 0)
     payload = encode_announcement(Announcement(other.describe()))
 
-    def wait_in_the_mailbox() -> bool:
+    def wait_in_the_socket() -> bool:
         other.context.bus.publish(NODE_CHANNEL, payload)
-        return _waiting_bytes(mailbox()) > 0
+        return _waiting_bytes(channel_socket()) > 0
 
-    wait_until(wait_in_the_mailbox)
-    wait_until(lambda: _waiting_bytes(mailbox()) == 0)
+    wait_until(wait_in_the_socket)
+    wait_until(lambda: _waiting_bytes(channel_socket()) == 0)
 
 
 @pytest.mark.usefixtures("private_network")
 def test_a_node_with_very_many_endpoints_is_known(
-    join: Join, mailbox: Callable[[], int], wait_until: WaitUntil
+    join: Join, channel_socket: Callable[[], int], wait_until: WaitUntil
 ) -> None:
     follower, sender = Node("follower", context=join()), join()
     follower.graph()
-    assert mailbox()
+    assert channel_socket()
     endpoints = tuple(Endpoint(f"/topic{n}", Role.SUBSCRIBER, ("a/B",)) for n in range(2000))
     large = replace(follower.describe(), name="/large", id="1" * 32, endpoints=endpoints)
     payload = encode_announcement(Announcement(large))
@@ -129,16 +129,16 @@ def test_a_node_with_very_many_endpoints_is_known(
 
 
 @pytest.mark.usefixtures("private_network")
-def test_a_followers_own_mailbox_is_no_stranger_that_listens(
-    join: Join, mailbox: Callable[[], int], wait_until: WaitUntil
+def test_a_followers_own_channel_socket_is_no_foreign_listener(
+    join: Join, channel_socket: Callable[[], int], wait_until: WaitUntil
 ) -> None:
     follower = Node("follower", context=join())
     follower.graph()
-    assert mailbox()
+    assert channel_socket()
     wait_until(lambda: not follower.has_plain_listeners())
 
 
-def test_a_mailbox_is_left_with_the_bus(join: Join, bus_url: str) -> None:
+def test_a_channel_socket_is_left_with_the_bus(join: Join, bus_url: str) -> None:
     context = join()
     Node("follower", context=context).graph()
     assert listening_sockets(parse_url(bus_url))
@@ -146,32 +146,32 @@ def test_a_mailbox_is_left_with_the_bus(join: Join, bus_url: str) -> None:
     assert not listening_sockets(parse_url(bus_url))
 
 
-def test_a_mailbox_takes_one_channel_whatever_else_comes(
+def test_a_channel_socket_takes_one_channel_whatever_else_comes(
     bus_url: str, wait_until: WaitUntil
 ) -> None:
     url = parse_url(bus_url)
-    mailbox, bus = ChannelSocket(url, "/a"), LcmBus(url)
+    channel_socket, bus = ChannelSocket(url, "/a"), LcmBus(url)
     for channel, payload in (("/b", b"no"), ("/a", b"1"), ("/ab", b"no"), ("/", b""), ("/a", b"2")):
         bus.publish(channel, payload)
     taken: list[bytes] = []
 
     def has_all() -> bool:
-        taken.extend(payload for payload, _ in mailbox.take())
+        taken.extend(payload for payload, _ in channel_socket.take())
         return taken[-1:] == [b"2"]
 
     wait_until(has_all)
     bus.close()
-    mailbox.close()
+    channel_socket.close()
     assert taken == [b"1", b"2"]
-    assert mailbox.take() == []
+    assert channel_socket.take() == []
 
 
-def test_what_waited_in_a_mailbox_came_before_it_was_taken(
-    bus_url: str, mailbox: Callable[[], int], wait_until: WaitUntil
+def test_what_waited_in_a_channel_socket_came_before_it_was_taken(
+    bus_url: str, channel_socket: Callable[[], int], wait_until: WaitUntil
 ) -> None:
     taker, bus = ChannelSocket(parse_url(bus_url), "/a"), LcmBus(parse_url(bus_url))
     bus.publish("/a", b"1")
-    wait_until(lambda: _waiting_bytes(mailbox()) > 0)
+    wait_until(lambda: _waiting_bytes(channel_socket()) > 0)
     before = time.time_ns()
     ((_, arrival),) = taker.take()
     assert before - 10_000_000_000 < arrival <= before
@@ -199,15 +199,15 @@ for number in range(100_000):
 
 
 @pytest.mark.usefixtures("private_network")
-def test_wtf_does_not_blame_a_mailbox_for_what_its_filter_drops(
+def test_wtf_does_not_blame_a_channel_socket_for_what_its_filter_drops(
     start_python: Callable[..., Any],
     lcmtools: Callable[..., Any],
-    mailbox: Callable[[], int],
+    channel_socket: Callable[[], int],
     bus_url: str,
 ) -> None:
     for source in (_FOLLOWER, _TALKER):
         start_python(source, LCM_DEFAULT_URL=bus_url).wait_for("ready")
-    (row,) = (row for row in udp_sockets() if row.inode == mailbox())
+    (row,) = (row for row in udp_sockets() if row.inode == channel_socket())
     assert row.drops > 0  # the kernel counts them
     found = json.loads(lcmtools("wtf", "--json", "--wait", "0.5s", LCM_DEFAULT_URL=bus_url).stdout)
     assert "kernel-drops" not in [finding["rule"] for finding in found]

@@ -1,4 +1,4 @@
-"""The filter of a mailbox, run here by a small machine of the tests' own."""
+"""The filter of a channel socket, run here by a small machine of the tests' own."""
 
 from collections.abc import Callable, Sequence
 

@@ -109,7 +109,7 @@ def test_a_socket_that_goes_while_the_tables_are_read_counts_for_nothing(
     assert after(computer, plain, 1.0) is False
 
 
-def test_a_marked_socket_is_no_strangers_whoever_holds_it(computer: Computer) -> None:
+def test_a_marked_socket_is_a_nodes_in_any_process(computer: Computer) -> None:
     computer.sockets[400] = PLAIN
     computer.marked = frozenset({100, 400})
 

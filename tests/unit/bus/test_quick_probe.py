@@ -1,4 +1,4 @@
-"""What a glance sends."""
+"""The datagram of a quick probe."""
 
 import pytest
 
@@ -13,6 +13,6 @@ def test_the_question_is_the_probe_of_the_protocol() -> None:
     assert short_message(0, PROBE_CHANNEL, encode_probe(Probe())) == PROBE
 
 
-def test_only_a_multicast_bus_can_be_glanced_at() -> None:
+def test_only_a_multicast_bus_can_be_probed() -> None:
     with pytest.raises(BusError, match="multicast"):
         QuickProbe(parse_url("tcpq://127.0.0.1:7700"))
