@@ -14,16 +14,8 @@ from typing import Protocol
 from lcmtools.messages.scalars import STRAY_BYTES
 from lcmtools.messages.shape import as_bytes, as_sequence
 
-FORMATS = {
-    "bool": "?",
-    "uint8": "B",
-    "int8": "b",
-    "int16": "h",
-    "int32": "i",
-    "int64": "q",
-    "float32": "f",
-    "float64": "d",
-}
+_TYPES = ("bool", "uint8", "int8", "int16", "int32", "int64", "float32", "float64")
+FORMATS = dict(zip(_TYPES, "?Bbhiqfd", strict=True))
 """The ``struct`` codes of the primitive types of fixed size."""
 BOOLEANS: dict[object, bool] = {False: False, True: True}
 """The values accepted as booleans; ``struct`` alone takes any object for true."""

@@ -31,21 +31,10 @@ from lcmtools.messages.scalars import STRAY_BYTES
 from lcmtools.messages.shape import as_sequence
 
 _ESCAPES = {
-    "\0": "\\0",
-    "\a": "\\a",
-    "\b": "\\b",
-    "\t": "\\t",
-    "\n": "\\n",
-    "\v": "\\v",
-    "\f": "\\f",
-    "\r": "\\r",
-    "\x1b": "\\e",
-    '"': '\\"',
-    "\\": "\\\\",
-    "\x85": "\\N",
-    "\xa0": "\\_",
-    "\u2028": "\\L",
-    "\u2029": "\\P",
+    character: f"\\{letter}"
+    for character, letter in zip(
+        '\0\a\b\t\n\v\f\r\x1b"\\\x85\xa0\u2028\u2029', '0abtnvfre"\\N_LP', strict=True
+    )
 }
 _ESCAPED = re.compile(r"[^ !#-\[\]-~]")
 
