@@ -88,14 +88,13 @@ class MessageFormatter:
         self._is_one_of_many = is_one_of_many
         self._notify = notify
         self._table = CsvTable(self._tell)
-        self._told: set[str] = set()
+        self._notified: set[str] = set()
         self._has_shown = False
 
     def text(self, found: SelectedPacket) -> str | None:
-        """The text of a message; None for one that is not to be shown or has no fields.
+        """Return the text of a message; None for one that is not to be shown or has no fields.
 
-        A message that has not what is asked for is passed over, which is said once, where others
-        have it or may have it.
+        A message without the selected fields is left out with one notice, if others may have them.
         """
         try:
             text = self._shown(found)
@@ -174,16 +173,18 @@ class MessageFormatter:
             return self._raw_record(packet, error=str(reason))
         is_unknown = isinstance(reason, UnknownFingerprint)
         if is_all and self._options.form in ("text", "flow"):
-            if is_unknown and not self._told:
+            if is_unknown and not self._notified:
                 self._tell("unknown", f"no type is known for {channel}; {remedy_of_unknown()}")
             return self._headed(found, f"{_raw_text(packet, str(reason))}\n---")
-        what = f"{reason}; {remedy_of_unknown()}" if is_unknown and not self._told else str(reason)
+        what = (
+            f"{reason}; {remedy_of_unknown()}" if is_unknown and not self._notified else str(reason)
+        )
         self._tell(f"raw {channel}", f"a message on {channel} has no known fields: {what}")
         return None
 
     def _tell(self, about: str, text: str) -> None:
-        if about not in self._told:
-            self._told.add(about)
+        if about not in self._notified:
+            self._notified.add(about)
             self._notify(text)
 
 

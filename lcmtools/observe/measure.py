@@ -81,21 +81,13 @@ class Delays:
 
 @dataclass(frozen=True, slots=True)
 class ListenOptions:
-    """Which messages count, and for how long.
+    """The messages that count, and the end of a measurement."""
 
-    Attributes:
-        timeout: The longest time without a message [s]; None for without end.
-        count: The number of reports that end it; None for never.
-        wall_time: Go by the computer's clock where a simulator keeps the time too.
-        condition: Only messages for which it is true count; None for all.
-        names: The namespace and the remaps that topics are read by.
-    """
-
-    timeout: float | None = None
-    count: int | None = None
-    wall_time: bool = False
-    condition: Filter | None = None
-    names: Resolver = GLOBAL
+    timeout: float | None = None  # without a message [s]; None for no limit
+    count: int | None = None  # of reports; None for no limit
+    wall_time: bool = False  # the computer's clock even if a simulator publishes /clock
+    condition: Filter | None = None  # that messages must fulfil
+    names: Resolver = GLOBAL  # namespace and remaps of the topics
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ __all__ = ["publish"]
 
 
 def __getattr__(name: str) -> object:
-    """Import ``publish`` when it is first used: services and parameters do without it."""
+    """Import ``publish`` when it is first used (PEP 562)."""
     if name != "publish":
         raise AttributeError(f"module 'lcmtools.publish' has no attribute '{name}'")
     from lcmtools.publish.publication import publish

@@ -1,7 +1,6 @@
 """Messages to publish and requests to send: from values, a file, or a stream as it comes.
 
-Belongs here: reading them, and errors that name the source. Must not know YAML nor what becomes of
-the messages.
+Belongs here: reading them, and errors that name the source. Must not know YAML.
 """
 
 import errno
@@ -33,17 +32,11 @@ _PATIENCE = 2.0  # [s] before the person reads that nothing comes
 
 @dataclass(frozen=True, slots=True)
 class Incoming:
-    """Messages to be sent.
+    """Messages to be sent."""
 
-    Attributes:
-        templates: The messages; None where the next one has not come yet.
-        is_file: True if they are in a file, all of them read and checked.
-        is_one: True if there is one message, which may be sent again and again.
-    """
-
-    templates: Iterator[Template | None]
-    is_file: bool = False
-    is_one: bool = False
+    templates: Iterator[Template | None]  # None where the next one has not come yet
+    is_file: bool = False  # they are in a file, all of them read and checked
+    is_one: bool = False  # there is one message, which may be sent again and again
 
     @property
     def is_stream(self) -> bool:
@@ -115,7 +108,7 @@ class _Reader:
         return Incoming(iter(found), is_file=True, is_one=is_one)
 
     def templates(self) -> Iterator[Template | None]:
-        """The messages; the person reads it when the first takes long."""
+        """The messages; ``notify`` is called when the first takes long."""
         deadline = time.monotonic() + _PATIENCE
         try:
             for template in drafts_from_lines(self._kind, self._lines()):

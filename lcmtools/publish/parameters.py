@@ -1,4 +1,4 @@
-"""The parameters of other nodes: which ones are meant, and reading and changing them.
+"""The parameters of other nodes: finding, reading and changing them.
 
 A parameter is named as in rosparam, ``/husky0/driver/gain``, or as in ros2, by two words:
 ``/husky0/driver gain``.
@@ -74,8 +74,7 @@ Parameters: TypeAlias = Mapping[str, RemoteParameter]
 Answers: TypeAlias = Mapping[str, Parameters]
 """The parameters of each node that answered, by its name."""
 
-_AT_ONCE = 16
-"""Nodes that are read at the same time."""
+_AT_ONCE = 16  # nodes that are read at the same time
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,9 +162,8 @@ def _remote(p: msgs.Parameter) -> RemoteParameter:
 
 
 def has_parameters(node: Node) -> bool:
-    """True if a node announces a service for its parameters."""
-    own = service_name(node.name)
-    return any(endpoint.topic == own for endpoint in node.having(Role.SERVICE))
+    """Return whether a node announces a service for its parameters."""
+    return service_name(node.name) in (end.topic for end in node.having(Role.SERVICE))
 
 
 def nodes_with_parameters(graph: Graph) -> list[Node]:
@@ -225,7 +223,7 @@ class Target:
 
 
 def find_target(graph: Graph, words: Sequence[str]) -> Target:
-    """Return what one word or two mean: a node, a parameter, or a namespace with nodes.
+    """Return the node, the parameter, or the namespace with nodes that one word or two mean.
 
     Raises:
         UsageError: A name is empty.

@@ -14,8 +14,7 @@ from lcmtools.messages.yaml_input import draft_from_values
 from lcmtools.packages import provide_user_types
 from lcmtools.publish.incoming import Incoming, Notify, Template
 from lcmtools.publish.own_node import own_node
-from lcmtools.publish.schedule import Schedule, schedule_for
-from lcmtools.publish.sender import OnSent, Sender
+from lcmtools.publish.sender import OnSent, Schedule, Sender, schedule_for
 from lcmtools.publish.subscriber_wait import SubscriberWait
 from lcmtools.settings import read_user_file
 

@@ -1,9 +1,10 @@
 """Sending messages in time: as they come, at a rate, and again to late subscribers.
 
-Belongs here: when what is sent. Must not know where messages come from.
+Belongs here: the schedule. Must not know where messages come from.
 """
 
 import itertools
+import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -15,13 +16,58 @@ from lcmtools.node.node import Node
 from lcmtools.node.process import spin_once
 from lcmtools.node.publisher import Publisher
 from lcmtools.publish.incoming import Incoming, Notify, Template
-from lcmtools.publish.schedule import Schedule, due_times
 
 OnSent: TypeAlias = Callable[[int, Message, bool], None]
 """Called with the number of a message, the message, and True where it was sent again."""
 
 _POLL = 0.02  # [s] between two looks for new subscribers
 _MOST_BEHIND = 0.1  # [s] that are made up for; a computer that slept sends no burst
+_FILE_RATE = 10.0  # [Hz], as rostopic
+_TIMES_RATE = 1.0  # [Hz], as ros2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Schedule:
+    """The schedule of messages, by the rules of rostopic and ros2."""
+
+    rate: float | None = None  # [Hz]; None for as they come
+    count: int | None = None  # of messages; None for all
+    is_endless: bool = False  # start again after the last one
+    stay: float = 0.0  # time after the last [s], for late subscribers
+
+
+def schedule_for(
+    incoming: Incoming,
+    *,
+    rate: float | None = None,
+    count: int | None = None,
+    latch: bool = False,
+    keep_alive: float | None = None,
+) -> Schedule:
+    """Return the schedule for messages from a source; see ``publish`` for the options."""
+    is_alone = incoming.is_one and not incoming.is_file and rate is None and count is None
+    repeats = rate is not None or (incoming.is_file and not latch)
+    usual = _TIMES_RATE if count and incoming.is_one else None
+    return Schedule(
+        rate=rate or (_FILE_RATE if incoming.is_file else usual),
+        count=count,
+        is_endless=incoming.is_one and not count and repeats,
+        stay=(math.inf if latch or is_alone else 0.0) if keep_alive is None else keep_alive,
+    )
+
+
+def due_times(rate: float | None, most_behind: float = 0.0) -> Iterator[float]:
+    """Yield the times [s, monotonic] at which to send, from now on; at once without a rate [Hz].
+
+    Take each when the last has gone. A delay up to ``most_behind`` [s] is made up for; after a
+    longer one the rest is postponed.
+    """
+    period = 1 / rate if rate else 0.0
+    due = time.monotonic()
+    while True:
+        yield due
+        behind = time.monotonic() - due - period
+        due += period + (behind if behind > most_behind else 0.0)
 
 
 class BrokenOff(UsageError):  # noqa: N818 - named for what happened, as in errors.py
@@ -32,21 +78,15 @@ class BrokenOff(UsageError):  # noqa: N818 - named for what happened, as in erro
 
 @dataclass(slots=True)
 class Sender:
-    """Sends messages with a publisher of a node, whose clock gives the stamps.
-
-    Attributes:
-        latch: Send the last message again to late subscribers.
-        endures: Wait for a network that fails after the first message.
-        count: Messages that have been sent.
-    """
+    """Sends messages with a publisher of a node, whose clock gives the stamps."""
 
     node: Node
     publisher: Publisher[Message]
-    latch: bool
-    endures: bool
+    latch: bool  # send the last message again to late subscribers
+    endures: bool  # wait for a network that fails after the first message
     notify: Notify
     on_sent: OnSent
-    count: int = 0
+    count: int = 0  # of messages that have been sent
     _is_cut_off: bool = False
     _last: Template | None = None
     _served: frozenset[str] = frozenset()
@@ -78,7 +118,7 @@ class Sender:
         return bool(self.node.get_parameter("use_sim_time").value)
 
     def _unbroken(self, templates: Iterator[Template | None]) -> Iterator[Template | None]:
-        """The messages; an error after some of them says how many have been sent."""
+        """The messages; an error after some of them reports the number that has been sent."""
         try:
             yield from templates
         except UsageError as error:
@@ -124,7 +164,7 @@ class Sender:
         self._served = present
 
     def _is_sent(self, template: Template) -> bool:
-        """Send a message; return False where the network is gone, which is said once."""
+        """Send a message; return False where the network is gone, which is notified once."""
         payload = template.payload(self.node.get_clock().now())
         try:
             self.publisher.publish_payload(payload)

@@ -1,7 +1,6 @@
 """Waiting for subscribers before the first message.
 
-Belongs here: which ones to wait for, how long, and what the person reads meanwhile. Must not know
-what is published.
+Must not know what is published.
 """
 
 import os
@@ -20,7 +19,7 @@ from lcmtools.publish.incoming import Notify
 
 _LONGEST = 1.0  # [s] for any subscriber, where no number was given
 _ANSWERED = 0.25  # [s] after which every node that is there has announced itself
-_PATIENCE = 2.0  # [s] before the person reads what is waited for
+_PATIENCE = 2.0  # [s] before a person reads about the wait
 _POLL = 0.01  # [s]
 
 
