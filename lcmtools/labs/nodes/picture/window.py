@@ -37,7 +37,7 @@ class WindowDisplay(Display):
             self._window = tk.Tk()
         except tk.TclError as error:
             raise LcmtoolsError(
-                f"there is no window: {error}", "leave --window out, or use --save FILE"
+                f"no window can be opened: {error}", "leave --window out, or use --save FILE"
             ) from None
         self._label = tk.Label(
             self._window,
