@@ -121,6 +121,7 @@ class SpyApp(App[int]):
     RowTable > .datatable--hover { background: ansi_default; }
     #prompt { height: 1; }
     SortScreen, HelpScreen { align: center middle; background: transparent; }
+    SortScreen OptionList { text-overflow: ellipsis; }  /* fold fails without a width */
     SortScreen OptionList, HelpScreen VerticalScroll {
         width: 24; max-width: 100%; height: auto; max-height: 100%; border: round ansi_cyan; }
     HelpScreen VerticalScroll { width: 74; }

@@ -154,6 +154,7 @@ def look(script: Script, view: View = View(), ready: str = "44 channels") -> int
 
 def test_the_table_shows_all_columns_and_what_is_known_of_the_bus() -> None:
     async def script(screen: Screen) -> None:
+        await screen.until(lambda: "f1 Help" in screen.text)  # keys come when the table has focus
         lines = screen.text.splitlines()
         assert lines[0].startswith("lcmtools spy  udpm://239.255.76.67:7667  44 channels  161.00")
         assert lines[1] == "lcm-sink (pid 7) listens as no node"
@@ -373,6 +374,22 @@ def test_any_size_will_do_and_the_table_follows_it() -> None:
             assert max(map(len, lines)) <= width
             await screen.at_once("enter", "escape", "f6", "escape")
             await screen.until(lambda: screen.is_table)
+
+    look(script)
+
+
+def test_a_terminal_too_narrow_for_a_screen_ends_nothing() -> None:
+    async def script(screen: Screen) -> None:
+        for key in ("f1", "f6", "enter"):
+            await screen.press(key)
+            await screen.until(lambda: not screen.is_table)
+            for width in range(4, 0, -1):
+                screen.resize(width, 10)
+                await screen.until(lambda: screen.app.screen.size.width == width)  # noqa: B023
+            await screen.press("escape")
+            await screen.until(lambda: screen.is_table)
+            screen.resize(140, 30)
+            await screen.until(lambda: screen.app.screen.size.width == 140)
 
     look(script)
 
