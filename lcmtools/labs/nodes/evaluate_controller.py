@@ -59,7 +59,8 @@ class EvaluateController(Node):
         self._errors = ErrorStatistics()
         self._desired: Twist | None = None
         self._stat = self.create_publisher(ControllerEvaluationStat, "evaluation_stat")
-        self.create_subscription(Odometry, "odometry", self._take_odometry)
+        # a deep queue: each message is one sample, also when the computer is busy for a second
+        self.create_subscription(Odometry, "odometry", self._take_odometry, 100)
         self.create_subscription(Twist, "desired_velocity", self._take_desired_velocity, 1)
 
     def _take_desired_velocity(self, twist: Twist) -> None:
