@@ -147,7 +147,7 @@ def test_a_looking_command_is_shown_by_tools(
     try:
         assert "_lcmtools_echo" not in lcmtools("graph").stdout
         assert "1 observing command (--tools)" in lcmtools("graph").stderr
-        assert f"/_lcmtools_echo_{echo.pid} (looks on)" in lcmtools("graph", "--tools").stdout
+        assert f"/_lcmtools_echo_{echo.pid} (observes)" in lcmtools("graph", "--tools").stdout
     finally:
         echo.end()
 
