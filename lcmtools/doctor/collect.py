@@ -160,7 +160,7 @@ def _senders(monitor: BusMonitor, names: programs.ProgramNames) -> tuple[SenderF
 
 
 def _clocks(graph: Graph) -> tuple[HostClock, ...]:
-    """The other computers' clocks; a computer's quickest announcement tells most."""
+    """The other computers' clocks; a computer's quickest announcement counts."""
     lags: dict[tuple[str, str], dict[str, float]] = {}
     for node in graph.nodes:
         if node.lag is not None and node.sender and not is_here(node):

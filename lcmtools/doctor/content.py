@@ -16,7 +16,7 @@ from lcmtools.types.std_msgs import Time
 _FLOATS = ("float32", "float64")
 _QUATERNION = "geometry_msgs/Quaternion"
 _SECOND = 10**9  # [ns]
-_MAY_BE_NONE = {  # as the types themselves say
+_MAY_BE_NONE = {  # as the types themselves define
     "sensor_msgs/LaserScan": {"ranges", "intensities", "range_max"},
     "sensor_msgs/LaserEcho": {"echoes"},
     "sensor_msgs/Range": {"range"},

@@ -13,7 +13,7 @@ from lcmtools.wire.packet import Sender
 
 @dataclass(frozen=True, slots=True)
 class Host:
-    """The parts of this computer that bear on the bus; empty where the system does not tell."""
+    """The parts of this computer that bear on the bus; empty where not known."""
 
     uid: int = 0  # of the user who looks
     interface: str = ""  # to which the route to the group leads ("lo", "eth0")
@@ -23,8 +23,8 @@ class Host:
     rp_filter: int = 0  # 1 is strict
     speed_mbit: int = 0  # [Mbit/s]
     is_wireless: bool = False
-    receive_buffer: int = 0  # [byte] of a socket that asks for nothing (rmem_default)
-    most_receive_buffer: int = 0  # [byte] that a socket may ask for (rmem_max)
+    receive_buffer: int = 0  # [byte] of a socket by default (rmem_default)
+    most_receive_buffer: int = 0  # [byte] that a socket may request (rmem_max)
     firewall: str = ""  # the name of one that is enabled
     container: str = ""  # "container" or "WSL"
     reassembly_failures: int = 0  # IP datagrams with fragments missing, during the look
@@ -60,7 +60,7 @@ class Listener:
     drops: int = 0  # datagrams that the kernel dropped meanwhile, because its buffer was full
     queued_bytes: int = 0  # in its buffer at the end, with the kernel's overhead
     was_queued_bytes: int = 0  # at the start
-    buffer_bytes: int | None = None  # None where the system does not tell
+    buffer_bytes: int | None = None  # None where not known
     state: str = ""  # of the process, as ps shows it ("T" is stopped); "" where not known
     is_tool: bool = False  # a command of lcmtools that looks, not a part of the system
     is_node: bool = False  # has a filter that drops malformed datagrams, which count as drops
@@ -85,7 +85,7 @@ class Stream:
     """The messages of one sender on one channel during the look."""
 
     channel: str
-    sender: Sender | None  # None where the bus does not tell
+    sender: Sender | None  # None where not known
     name: str  # the sender, for people
     times: tuple[int, ...]  # [ns since 1970] of the first thousands of arrivals
     largest: int = 0  # [byte] the largest payload
@@ -112,7 +112,7 @@ class SimulatedClock:
 
     name: str  # of its publisher
     ratio: float  # simulated seconds in a second
-    target: float | None = 1.0  # asked for on its command line; None: as fast as it can
+    target: float | None = 1.0  # by its command line; None: as fast as it can
     busy: float | None = None  # share of time its process computed or waited for a processor
 
 

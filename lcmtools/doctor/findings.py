@@ -141,8 +141,8 @@ def cases(
         yield finding(title, facts, *remedies, severity=severity)
 
 
-def _statement(said: str | Statement) -> Statement:
-    return Statement(said, {}) if isinstance(said, str) else said
+def _statement(stated: str | Statement) -> Statement:
+    return Statement(stated, {}) if isinstance(stated, str) else stated
 
 
 @dataclass(frozen=True, slots=True)

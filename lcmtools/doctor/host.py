@@ -105,7 +105,7 @@ def route_interface(group: str) -> str:
 
 
 def _flags(interface: str) -> int:
-    """An interface's flags; those of one that works where the system does not tell."""
+    """An interface's flags; those of one that works where not known."""
     if not _PROC.joinpath("net/route").exists():
         return _WORKS
     with contextlib.suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:

@@ -23,7 +23,7 @@ from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.wire.packet import Packet, Sender
 
 _CLOCK = "/clock"
-_CLOCK_SPAN = 0.3  # [s] of ticks that tell how fast simulated time is
+_CLOCK_SPAN = 0.3  # [s] of ticks show how fast simulated time is
 _MOST_TIMES = 5000
 _MOST_STREAMS = 2000
 _MOST_ODDITIES = 200
@@ -165,7 +165,7 @@ class Listening:
 
 
 def target_rate(command: str) -> float | None:
-    """The --rate of a simulator's command line; 1 without, None where it says 0."""
+    """The --rate of a simulator's command line; 1 without, None if it is 0."""
     try:
         words = shlex.split(command.replace("--rate=", "--rate "))
     except ValueError:

@@ -120,8 +120,8 @@ def fingerprint_of(parts: Iterable[Field], others: dict[type[Message], int] | No
 def _hashed_bytes(part: Field) -> tuple[int, ...]:
     """The bytes that lcm-gen hashes for a field."""
 
-    def text(said: str) -> tuple[int, ...]:
-        data = said.encode()
+    def text(name: str) -> tuple[int, ...]:
+        data = name.encode()
         return len(data), *(byte - 256 if byte > 127 else byte for byte in data)  # noqa: PLR2004 - char
 
     primitive = text(_LCM_NAMES[part.type]) if part.message_class is None else ()

@@ -64,7 +64,7 @@ def lcm_processes(
     """The processes of this user that have to do with LCM, with where they are.
 
     Those that listen to a multicast group are there. One that only sends is where it was seen
-    (its port is one of ``seen``), or else where its variables say.
+    (its port is one of ``seen``), or the bus that its variables name.
     """
     buses: dict[int, str] = {}
     sending: dict[int, set[int]] = {}
@@ -83,17 +83,17 @@ def lcm_processes(
     found = [_lcm_process(pid, bus) for pid, bus in sorted(buses.items())]
     for pid, ports in sorted(sending.items()):
         if pid not in buses and uses_lcm(pid):
-            bus = "" if ports & seen else _said_bus(pid, url)
+            bus = "" if ports & seen else _named_bus(pid, url)
             found.append(_lcm_process(pid, bus))
     return tuple(found)
 
 
-def _said_bus(pid: int, url: BusUrl) -> str:
+def _named_bus(pid: int, url: BusUrl) -> str:
     """The bus that a process's variables name, where that is another multicast one."""
     with contextlib.suppress(LcmtoolsError):
-        said, _ = choose_url("", "", _variables(pid))
-        if said.is_multicast and (said.host, said.port) != (url.host, url.port):
-            return f"{said.host}:{said.port}"
+        named, _ = choose_url("", "", _variables(pid))
+        if named.is_multicast and (named.host, named.port) != (url.host, url.port):
+            return f"{named.host}:{named.port}"
     return ""
 
 

@@ -38,9 +38,9 @@ def text(findings: Sequence[Finding]) -> list[str]:
 
 def finding_text(finding: Finding) -> list[str]:
     """A finding, its items and its remedies."""
-    said = describe(finding)
-    remedies = (f"   -> {remedy}" for remedy in said.remedies)
-    return [f"{finding.severity.name} {said.title}", *said.items, *remedies]
+    words = describe(finding)
+    remedies = (f"   -> {remedy}" for remedy in words.remedies)
+    return [f"{finding.severity.name} {words.title}", *words.items, *remedies]
 
 
 def cleared_text(finding: Finding) -> str:
@@ -61,13 +61,13 @@ def not_checked(evidence: Evidence, rules: Iterable[Rule]) -> list[str]:
 
 def record(finding: Finding) -> dict[str, object]:
     """A finding for JSON: in words, and as data."""
-    said = describe(finding)
+    words = describe(finding)
     return {
         "rule": finding.rule,
         "severity": finding.severity.name.lower(),
-        "text": said.title,
-        "items": [item.strip(" *") for item in said.items],
-        "remedies": list(said.remedies),
+        "text": words.title,
+        "items": [item.strip(" *") for item in words.items],
+        "remedies": list(words.remedies),
         "subjects": [_subject(subject) for subject in finding.subjects()],
         "values": _plain(finding.title),
         "facts": [_plain(fact) for fact in finding.facts],
@@ -150,6 +150,6 @@ def _cases(finding: Finding) -> set[str]:
     return {_without_numbers(item.partition(": ")[0]) for item in describe(finding).items}
 
 
-def _without_numbers(said: str) -> str:
+def _without_numbers(text: str) -> str:
     """A text without its numbers, which change from look to look; but with those of processes."""
-    return re.sub(r"(?<!pid )(?<![\w/.:])\d[\d.]*", "#", said)
+    return re.sub(r"(?<!pid )(?<![\w/.:])\d[\d.]*", "#", text)

@@ -1,7 +1,7 @@
 """The sentences of findings: the one place where a finding, its facts and remedies become text.
 
 In a sentence, ``{name}`` is a part of the statement; backticks enclose a command that can be typed
-as it stands, and are not shown. Pure.
+as it is, and are not shown. Pure.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -251,7 +251,7 @@ def remedy_text(remedy: Statement) -> str:
 
 
 def commands(remedy: Statement) -> list[str]:
-    """The commands in a remedy that can be typed as they stand."""
+    """The commands in a remedy that can be typed as they are."""
     if remedy.kind == "mend-bus":
         hint = str(remedy.parts["hint"])
         command = hint if hint.startswith("export ") else hint.partition("type: ")[2]

@@ -29,7 +29,7 @@ def bus_works(evidence: Evidence) -> Iterator[Finding]:
     """
     if not evidence.bus_problem:
         return
-    # what bears on multicast only says nothing of a server
+    # facts about multicast do not apply to a server
     host = evidence.host if "udpm://" in evidence.url else Host()
     remedies = [state("mend-bus", hint=evidence.bus_remedy)] if evidence.bus_remedy else []
     if host.container == "container" and host.interface:

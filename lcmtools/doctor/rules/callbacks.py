@@ -53,7 +53,7 @@ def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
     """Callbacks keep up with their messages.
 
     A subscription keeps the newest messages, as many as its depth; those that a slow callback
-    leaves in the queue too long are lost. Depth 1 asks for that. The callback itself may be slow,
+    leaves in the queue too long are lost. Depth 1 requests that. The callback itself may be slow,
     another one of the node may hold it up, or the messages come in bursts.
     """
     lossy = [one for one in _subscriptions(evidence) if one.lost > 0]
@@ -70,7 +70,7 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
 
     All callbacks of a node run one after another. One that takes as long as there is between two
     messages lets them wait ever longer; one that never ends lets timers, services and all other
-    topics wait. A subscription of depth 1 is excepted: it asks for the newest message only. So is
+    topics wait. A subscription of depth 1 is excepted: it requests the newest message only. So is
     what a busy computer may be to blame for.
     """
     _, slow, busy = _judged(evidence)

@@ -68,7 +68,7 @@ def nothing_is_walled_in(evidence: Evidence) -> Iterator[Finding]:
     Severity.NOTE,
 )
 def the_network_has_a_querier(evidence: Evidence) -> Iterator[Finding]:
-    """The network has an IGMP querier, which asks for group members.
+    """The network has an IGMP querier, which queries for group members.
 
     Without one, many switches forget the members some minutes after these have started, and
     messages stop. A switch cannot be looked at from here; a bridge of this computer can, and

@@ -83,7 +83,7 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
 def simulated_time_has_a_source(evidence: Evidence) -> Iterator[Finding]:
     """Simulated time has a publisher, if any node uses it.
 
-    For a node with _use_sim_time:=true, time stands still until a message comes on /clock: its
+    For a node with _use_sim_time:=true, time does not pass until a message comes on /clock: its
     timers never run.
     """
     topic = evidence.graph.topic(_CLOCK)

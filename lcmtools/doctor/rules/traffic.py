@@ -233,6 +233,6 @@ def _wanted_streams(evidence: Evidence) -> list[Stream]:
 
 def _usual_interval(stream: Stream) -> float | None:
     """The median interval between the messages of a stream [s]; None where there are few."""
-    if len(stream.times) < 5 or is_hidden(stream.channel):  # noqa: PLR2004 - too few to tell
+    if len(stream.times) < 5 or is_hidden(stream.channel):  # noqa: PLR2004 - too few
         return None
     return median(later - earlier for earlier, later in pairwise(stream.times)) / 1e9 or None

@@ -50,7 +50,7 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
 def types_are_known(evidence: Evidence) -> Iterator[Finding]:
     """No unknown type is nearly a known one.
 
-    It is often an older or newer version of it. Its fingerprint tells which field differs; other
+    It is often an older or newer version of it. Its fingerprint shows which field differs; other
     unknown types are not reported.
     """
     facts, names = [], _names(evidence)
