@@ -43,11 +43,7 @@ class _Stream:
 
 
 class Listening:
-    """The evidence in messages, as they come.
-
-    Args:
-        types_of: The announced types of a topic.
-    """
+    """The evidence in messages, as they come; ``types_of`` are the announced types of a topic."""
 
     def __init__(self, types_of: Callable[[str], Sequence[str]]) -> None:
         self._decoder = Decoder(types_of)
@@ -65,11 +61,9 @@ class Listening:
         if is_hidden(packet.channel):
             return
         key = (packet.channel, packet.sender)
-        stream = self._streams.get(key)
-        if stream is None:
-            if len(self._streams) >= _MOST_STREAMS:
-                return
-            stream = self._streams[key] = _Stream()
+        if key not in self._streams and len(self._streams) >= _MOST_STREAMS:
+            return
+        stream = self._streams.setdefault(key, _Stream())
         if len(stream.times) < _MOST_TIMES:
             stream.times.append(packet.time)
         stream.largest = max(stream.largest, packet.size)
@@ -86,16 +80,8 @@ class Listening:
     def streams(self) -> tuple[Stream, ...]:
         """The messages by channel and sender; the senders have no names yet."""
         return tuple(
-            Stream(
-                channel,
-                sender,
-                "",
-                tuple(s.times),
-                s.largest,
-                s.bytes,
-                is_cut=len(s.times) >= _MOST_TIMES,
-            )
-            for (channel, sender), s in sorted(self._streams.items(), key=str)
+            Stream(*key, "", tuple(s.times), s.largest, s.bytes, len(s.times) >= _MOST_TIMES)
+            for key, s in sorted(self._streams.items(), key=str)
         )
 
     def oddities(self, name: Callable[[Sender | None], str]) -> tuple[Oddity, ...]:

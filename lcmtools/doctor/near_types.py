@@ -38,9 +38,7 @@ class NearType:
 def nearest_type(number: int, expected: Iterable[str] = ()) -> NearType | None:
     """The type that is one edit away from a fingerprint; None if there is none.
 
-    Args:
-        number: The fingerprint.
-        expected: The types that it should be: these are compared first, and with more edits.
+    The types that it is expected to be are compared first, and with more edits.
     """
     for name in dict.fromkeys(expected):
         cls = message_class(name)
@@ -100,9 +98,7 @@ def _retyped(part: Field) -> Iterator[Field]:
 def fingerprint_of(parts: Iterable[Field], others: dict[type[Message], int] | None = None) -> int:
     """The fingerprint of a type that has these fields.
 
-    Args:
-        parts: The fields.
-        others: Fingerprints of the types of fields, where they are not those of the classes.
+    ``others`` are the fingerprints of fields' types that differ from those of their classes.
     """
     value, nested = _START, 0
     for part in parts:

@@ -24,9 +24,8 @@ _HEADINGS = {
 
 def text(findings: Sequence[Finding]) -> list[str]:
     """A count for each severity, then its findings with their items."""
-    rows: list[str] = []
-    if not any(finding.severity > Severity.NOTE for finding in findings):
-        rows = ["No errors or warnings", ""]
+    is_well = all(finding.severity is Severity.NOTE for finding in findings)
+    rows = ["No errors or warnings", ""] if is_well else []
     for severity, (noun, meaning) in _HEADINGS.items():
         group = [finding for finding in findings if finding.severity is severity]
         if group:
@@ -96,25 +95,20 @@ def _plain(statement: Statement) -> dict[str, object]:
 
 def rules_text(rules: Sequence[Rule], *, in_full: bool) -> list[str]:
     """A line for each rule; in full, its explanation and remedy."""
-    if in_full:
-        parts = ((one, f"{one.id} ({one.severity.name.lower()})") for one in rules)
-        return [
-            line
-            for one, head in parts
-            for line in (head, "", one.explanation, "", f"   -> {one.remedy}")
-        ]
-    width = max(len(one.id) for one in rules)
-    return [f"{one.id:{width}}  {one.severity.name.lower():7}  {one.title}" for one in rules]
+    rows, width = [], max(len(rule.id) for rule in rules)
+    for rule in rules:
+        severity = rule.severity.name.lower()
+        if in_full:
+            rows += [f"{rule.id} ({severity})", "", rule.explanation, "", f"   -> {rule.remedy}"]
+        else:
+            rows.append(f"{rule.id:{width}}  {severity:7}  {rule.title}")
+    return rows
 
 
 def rule_record(rule: Rule) -> dict[str, object]:
     """A rule for JSON."""
-    return {
-        "rule": rule.id,
-        "severity": rule.severity.name.lower(),
-        "explanation": rule.explanation,
-        "remedy": rule.remedy,
-    }
+    known = {"explanation": rule.explanation, "remedy": rule.remedy}
+    return {"rule": rule.id, "severity": rule.severity.name.lower(), **known}
 
 
 def watch(

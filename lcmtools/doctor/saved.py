@@ -34,11 +34,7 @@ class _Misfit(Exception):  # noqa: N818 - never leaves this module
 
 
 def save(evidence: Evidence, file: Path) -> None:
-    """Write evidence to a file.
-
-    Raises:
-        LcmtoolsError: It cannot be written.
-    """
+    """Write evidence to a file; an error has one line."""
     try:
         file.write_text(to_text(evidence), encoding="ascii")
     except OSError as error:
@@ -46,11 +42,7 @@ def save(evidence: Evidence, file: Path) -> None:
 
 
 def load(file: Path) -> Evidence:
-    """Read evidence from a file that ``save`` wrote.
-
-    Raises:
-        LcmtoolsError: It cannot be read, or is no such file.
-    """
+    """Read evidence from a file that ``save`` wrote; an error has one line."""
     try:
         return from_text(file.read_text(encoding="ascii"))
     except OSError as error:

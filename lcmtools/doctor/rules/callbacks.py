@@ -36,12 +36,10 @@ class _Subscription:
     def is_too_slow(self, crowd: float = 0.0) -> bool:
         """Return whether its callback takes longer than the time between two messages.
 
-        Args:
-            crowd: The share of its time that it may have waited for a processor.
+        ``crowd`` is the share of its time that it may have waited for a processor.
         """
-        if self.took is None or self.interval is None:
-            return False
-        return self.took * (1 - crowd) >= _NEARLY_ALL * self.interval
+        took, interval = self.took, self.interval
+        return bool(took and interval and took * (1 - crowd) >= _NEARLY_ALL * interval)
 
     def pace(self) -> dict[str, Part]:
         """The time that its callback takes, and the time between two messages [s]."""
