@@ -1,6 +1,5 @@
 """Collecting the evidence: all that ``wtf`` reads from the outside, once."""
 
-import contextlib
 import os
 import time
 from collections.abc import Mapping, Sequence
@@ -100,9 +99,8 @@ def _look(monitor: BusMonitor, evidence: Evidence, listen: float) -> Evidence:
 
 
 def _take(monitor: BusMonitor, listening: Listening, seconds: float) -> None:
-    with contextlib.suppress(EOFError):  # a log has ended
-        for packet in monitor.packets(seconds):
-            listening.take(packet)
+    for packet in monitor.packets(seconds):
+        listening.take(packet)
 
 
 def _counted_again(monitor: BusMonitor, listening: Listening, listen: float) -> Graph:
