@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError
+from lcmtools.folders import home_folder
 from lcmtools.names import check_legal, did_you_mean
 
 if TYPE_CHECKING:
@@ -101,11 +102,8 @@ class Said:
 
 def user_path(environment: Mapping[str, str]) -> Path | None:
     """Return the path of the user's file by the XDG rules; None where there is no home."""
-    folder = environment.get("XDG_CONFIG_HOME", "")
-    if folder.startswith("/"):  # the XDG rules have a relative one ignored
-        return Path(folder) / "lcmtools" / "config.yaml"
-    home = environment.get("HOME", "")
-    return Path(home) / ".config" / "lcmtools" / "config.yaml" if home else None
+    folder = home_folder(environment, "XDG_CONFIG_HOME", ".config")
+    return folder / "lcmtools" / "config.yaml" if folder else None
 
 
 def read_user_file(environment: Mapping[str, str]) -> UserFile:

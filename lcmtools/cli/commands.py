@@ -11,8 +11,8 @@ TOPIC_COMMANDS = {
     "hz": Entry(f"{_TOPIC}.rates:hz", "Measure the rate of topics."),
     "bw": Entry(f"{_TOPIC}.rates:bw", "Measure the bandwidth of topics."),
     "delay": Entry(f"{_TOPIC}.rates:delay", "Measure the delay of a topic's messages."),
-    "type": Entry(f"{_TOPIC}.type:command", "Print a topic's type."),
-    "find": Entry(f"{_TOPIC}.find:command", "List the topics of a type."),
+    "type": Entry(f"{_TOPIC}.types:print_type", "Print a topic's type."),
+    "find": Entry(f"{_TOPIC}.types:find", "List the topics of a type."),
 }
 NODE_COMMANDS = {
     "list": Entry("lcmtools.cli.node.list:list_nodes", "List the nodes on the bus."),

@@ -35,15 +35,13 @@ _CHANGED = ("LCMTOOLS_COLOR", "LCMTOOLS_DEBUG", "NO_COLOR", "COLUMNS", "LINES")
 @contextlib.contextmanager
 def unchanged_environment() -> Iterator[None]:
     """Restore the environment variables that a command line may set."""
-    before = {name: os.environ.get(name) for name in _CHANGED}
+    before = {name: os.environ[name] for name in _CHANGED if name in os.environ}
     try:
         yield
     finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
+        for name in _CHANGED:
+            os.environ.pop(name, None)
+        os.environ.update(before)
 
 
 @contextlib.contextmanager

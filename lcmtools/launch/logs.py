@@ -9,19 +9,17 @@ from pathlib import Path
 from typing import TextIO
 
 from lcmtools.errors import LcmtoolsError
+from lcmtools.folders import home_folder
 from lcmtools.launch.node_process import NodeProcess
 from lcmtools.launch.plan import Output
 
 
 def _base_folder(environment: Mapping[str, str]) -> Path:
     """Return the folder of all launches, by the XDG rules."""
-    state = environment.get("XDG_STATE_HOME", "")
-    if state.startswith("/"):  # the XDG rules have a relative one ignored
-        return Path(state) / "lcmtools" / "log"
-    home = environment.get("HOME", "")
-    if not home:
+    state = home_folder(environment, "XDG_STATE_HOME", ".local/state")
+    if state is None:
         raise LcmtoolsError("there is no folder for log files", "set HOME or XDG_STATE_HOME")
-    return Path(home) / ".local" / "state" / "lcmtools" / "log"
+    return state / "lcmtools" / "log"
 
 
 def make_folder(environment: Mapping[str, str]) -> Path:

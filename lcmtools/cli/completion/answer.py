@@ -98,7 +98,7 @@ def _be_silent() -> None:
 def _log() -> None:
     import traceback
 
-    from lcmtools.cli.files import home_folder
+    from lcmtools.folders import home_folder
 
     folder = home_folder(os.environ, "XDG_STATE_HOME", ".local/state")
     if folder is None or not os.environ.get("LCMTOOLS_DEBUG"):

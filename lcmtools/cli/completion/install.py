@@ -10,8 +10,8 @@ from importlib.resources import files
 from pathlib import Path
 from shlex import quote
 
-from lcmtools.cli.files import home_folder, write_atomically
 from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.folders import home_folder, write_atomically
 
 NAMES = ("bash", "zsh", "fish")
 _ALONE = "the script alone: lcmtools completion bash"

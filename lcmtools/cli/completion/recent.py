@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from lcmtools.cli.files import runtime_folder, write_atomically
+from lcmtools.folders import runtime_folder, write_atomically
 from lcmtools.graph.model import Graph, Role, Traffic
 
 KEPT = 60_000_000_000

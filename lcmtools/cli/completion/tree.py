@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lcmtools.cli.completion.completer import Completer, Source
-from lcmtools.cli.files import cache_folder, write_atomically
+from lcmtools.folders import cache_folder, write_atomically
 
 if TYPE_CHECKING:  # click takes longer to import than a completion otherwise takes
     import click

@@ -8,9 +8,9 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from lcmtools.cli.files import write_atomically
 from lcmtools.cli.output import data, lines
 from lcmtools.errors import LcmtoolsError, MissingExtra, UsageError
+from lcmtools.folders import write_atomically
 from lcmtools.graph.drawing import as_json, dot, mermaid, text
 from lcmtools.graph.drawing.diagram import Diagram
 

@@ -4,6 +4,7 @@ import json
 import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
+from lcmtools.cli.output import columns
 from lcmtools.launch.arguments import arguments_of
 from lcmtools.launch.file import File
 from lcmtools.launch.packages import lab_files
@@ -38,22 +39,13 @@ def arguments_answer(files: Sequence[File]) -> Answer:
     return records, rows or ["No arguments."]
 
 
-def plan_answer(question: str, plan: Plan, node: str) -> Answer:
-    """Return the answer to a question about a plan, or about one of its nodes."""
-    return _ANSWERS[question](plan, node)
-
-
 def outcome_rows(outcomes: Sequence[Outcome]) -> list[str]:
     """Return the closing table."""
     rows = [("node", "end", "restarts", "log")]
     rows += [
         (o.node, o.end, str(o.restarts), shlex.quote(o.log) if o.log else "-") for o in outcomes
     ]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]
+    return [*columns(rows)]
 
 
 def _names(plan: Plan, _node: str) -> Answer:
@@ -117,7 +109,7 @@ def _plain(value: ParameterValue) -> object:
     return json.loads(plain_json(listed))  # type: ignore[arg-type] # a list of scalars
 
 
-_ANSWERS: Mapping[str, Callable[[Plan, str], Answer]] = {
+PLAN_ANSWERS: Mapping[str, Callable[[Plan, str], Answer]] = {
     "nodes": _names,
     "args": _line,
     "find-node": _place,
@@ -125,3 +117,4 @@ _ANSWERS: Mapping[str, Callable[[Plan, str], Answer]] = {
     "files": lambda plan, _node: (list(plan.files), plan.files),
     "dry-run": _dry_run,
 }
+"""Answers to questions about a plan, or about one of its nodes."""

@@ -8,11 +8,11 @@ from lcmtools.bus.preflight import wait_for_bus
 from lcmtools.bus.url import domain_url
 from lcmtools.cli.declare import argument, duration, option, subcommand
 from lcmtools.cli.launch.answers import (
+    PLAN_ANSWERS,
     Answer,
     arguments_answer,
     list_answer,
     outcome_rows,
-    plan_answer,
 )
 from lcmtools.cli.launch.screen import Screen
 from lcmtools.cli.options import bus_options, chosen_url, json_option
@@ -134,7 +134,7 @@ def command(
     for note in plan.notes:
         talk(f"lcmtools launch: {note}")
     if asked:
-        return _print(plan_answer(asked, plan, named.get(asked) or ""), as_json=as_json)
+        return _print(PLAN_ANSWERS[asked](plan, named.get(asked) or ""), as_json=as_json)
     if wait:
         wait_for_bus(chosen_url(), lambda text: talk(f"lcmtools launch: {text}"))
     return _run(plan, output, StopTimeouts(sigint_timeout, sigterm_timeout))

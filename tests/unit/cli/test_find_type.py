@@ -1,6 +1,6 @@
 """Which topics are of a type."""
 
-from lcmtools.cli.topic.find import is_of_type
+from lcmtools.cli.topic.types import is_of_type
 from lcmtools.graph.model import Endpoint, Node, Role, Topic, Traffic
 from lcmtools.messages.registry import fingerprint, message_class
 

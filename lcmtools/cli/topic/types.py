@@ -1,13 +1,19 @@
-"""``lcmtools type``."""
+"""``lcmtools type`` and ``find``."""
 
-from lcmtools.cli.declare import argument, subcommand
-from lcmtools.cli.options import json_option, looking_names, looking_options, open_monitor
-from lcmtools.cli.output import document, lines
+from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.options import (
+    all_option,
+    json_option,
+    looking_names,
+    looking_options,
+    open_monitor,
+)
+from lcmtools.cli.output import data, document, lines, show, talk
 from lcmtools.errors import LcmtoolsError, UsageError, ValueMismatch
 from lcmtools.graph.model import Graph, Topic
 from lcmtools.messages.path import Path, Target, parse_path, splits, target
-from lcmtools.messages.registry import message_class
-from lcmtools.names import Resolver
+from lcmtools.messages.registry import candidates, message_class, type_name
+from lcmtools.names import Resolver, is_hidden
 from lcmtools.observe.describe import UNKNOWN, fingerprint_rows, type_text
 from lcmtools.observe.find import find_topic, known_spelling
 
@@ -16,7 +22,7 @@ from lcmtools.observe.find import find_topic, known_spelling
 @argument("topic", completer="bus:topics")
 @json_option
 @looking_options
-def command(topic: str, *, as_json: bool) -> None:
+def print_type(topic: str, *, as_json: bool) -> None:
     """Print the type of a topic, or of a field of its messages.
 
     For a field it prints the topic's type, the field and the field's type, as rostopic does.
@@ -77,3 +83,43 @@ def _text(found: Target) -> str:
 def _unknown(topic: Topic) -> LcmtoolsError:
     rows = "; ".join(fingerprint_rows(topic))
     return LcmtoolsError(f"the type of {topic.name} is not known", rows)
+
+
+@subcommand("find")
+@argument("type_", metavar="TYPE", completer="messages:types")
+@option("-c", "--count-topics", is_flag=True, help="Print only the number of topics.")
+@all_option
+@json_option
+@looking_options
+def find(type_: str, *, count_topics: bool, show_all: bool, as_json: bool) -> None:
+    """List the topics of a type: announced by nodes, or by fingerprint for plain LCM programs.
+
+    TYPE is geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or Twist.
+
+    \b
+    Examples:
+      lcmtools find geometry_msgs/Twist
+      lcmtools find std_msgs.String --json
+    """
+    name = type_name(message_class(type_))
+    with open_monitor("find") as monitor:
+        graph, url = monitor.settle(), monitor.url
+    topics = [topic for topic in graph.topic_names() if show_all or not is_hidden(topic)]
+    found = [topic for topic in topics if is_of_type(graph.topic(topic), name)]
+    if count_topics:
+        data(str(len(found)))
+        return
+    show(found, found, as_json=as_json)
+    if not found:
+        talk(f"no topics of type {name} on {url}")
+
+
+def is_of_type(topic: Topic, name: str) -> bool:
+    """Return whether a type is announced, or may be what a program that announces nothing sends.
+
+    A fingerprint that an announced type has too is taken for that type's.
+    """
+    seen = map(candidates, topic.fingerprints)
+    return name in topic.types or any(
+        name in names and not set(names) & set(topic.types) for names in seen
+    )

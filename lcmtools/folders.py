@@ -7,12 +7,10 @@ from pathlib import Path
 
 
 def home_folder(environment: Mapping[str, str], variable: str, default: str) -> Path | None:
-    """Return a folder of the user's; None where the environment names no home.
+    """Return a folder of the user's by the XDG rules; None where the environment names no home.
 
-    Args:
-        environment: The environment variables.
-        variable: Names the folder where it is absolute ("XDG_CACHE_HOME"), by the XDG rules.
-        default: The folder's place in the home otherwise (".cache").
+    The variable ("XDG_CACHE_HOME") names the folder, if by an absolute path; else it has its
+    ``default`` place in the home (".cache").
     """
     named = environment.get(variable, "")
     if named.startswith("/"):
