@@ -124,10 +124,6 @@ def _choose_color(ctx: click.Context, parameter: click.Parameter, value: str | N
         ctx.meta[COLOR] = value
 
 
-def _never_color(ctx: click.Context, parameter: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's signature
-    _choose_color(ctx, parameter, "never" if value else None)
-
-
 def _debug(ctx: click.Context, _parameter: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's signature
     if value and not ctx.resilient_parsing:
         os.environ["LCMTOOLS_DEBUG"] = "1"
@@ -147,7 +143,11 @@ def manner_options(*, hidden: bool) -> list[click.Option]:
             help="Colour: auto, always or never (else LCMTOOLS_COLOR, NO_COLOR).",
         ),
         click.Option(
-            ["--no-color"], is_flag=True, callback=_never_color, expose_value=False, hidden=True
+            ["--no-color"],
+            flag_value="never",
+            callback=_choose_color,
+            expose_value=False,
+            hidden=True,
         ),
         click.Option(
             ["--debug"],

@@ -35,9 +35,11 @@ def document(value: object) -> None:
     data(json.dumps(value, ensure_ascii=False, indent=2).translate(_ESCAPES_IN_JSON))
 
 
-def show(value: object, rows: Iterable[str], *, as_json: bool) -> None:
+def show(
+    value: object, rows: Iterable[str], decorate: Callable[[str], str] = str, *, as_json: bool
+) -> None:
     """Print a value as a JSON document, or as lines."""
-    document(value) if as_json else lines(rows)
+    document(value) if as_json else lines(rows, decorate)
 
 
 def columns(rows: Sequence[Sequence[str]]) -> Iterator[str]:

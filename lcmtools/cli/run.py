@@ -11,7 +11,7 @@ from lcmtools.arguments import NodeArguments
 from lcmtools.cli.declare import argument, option, subcommand
 from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import bus_choice, bus_options, json_option
-from lcmtools.cli.output import document, lines, talk
+from lcmtools.cli.output import show, talk
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.packages.nodes import OWN, Runnable, find_node, runnables
 from lcmtools.packages.summaries import summary
@@ -63,14 +63,9 @@ def _list(nodes: Sequence[Runnable], package: str | None, *, as_json: bool) -> N
     typed = {
         node.name if node.package == own else f"{node.package} {node.name}": node for node in nodes
     }
-    if as_json:
-        document(sorted(typed))
-        return
-    width = max(map(len, typed), default=0)
-    lines(
-        f"{name:<{width}}  {summary(node.target, node.folder)}".rstrip()
-        for name, node in sorted(typed.items())
-    )
+    names, width = sorted(typed), max(map(len, typed), default=0)
+    found = ((name, summary(typed[name].target, typed[name].folder)) for name in names)
+    show(names, (f"{name:<{width}}  {text}".rstrip() for name, text in found), as_json=as_json)
 
 
 def _find(words: Sequence[str], known: Sequence[Runnable]) -> tuple[Runnable, list[str]]:

@@ -12,7 +12,7 @@ import click
 from lcmtools.cli.completion.completer import complete
 from lcmtools.cli.declare import duration, option, subcommand
 from lcmtools.cli.options import bus_choice, bus_options, chosen_url, json_option
-from lcmtools.cli.output import data, document, lines, talk
+from lcmtools.cli.output import data, lines, show, talk
 from lcmtools.color import BOLD, RED, YELLOW, paint, stream_wants_color
 from lcmtools.doctor import report, saved
 from lcmtools.doctor.collect import collect, unusable
@@ -81,10 +81,8 @@ def command(
     """
     if list_rules or explain:
         shown = [explain] if explain else RULES
-        if as_json:
-            document([report.rule_record(rule) for rule in shown])
-        else:
-            lines(report.rules_text(shown, in_full=explain is not None))
+        rows = report.rules_text(shown, in_full=explain is not None)
+        show([report.rule_record(rule) for rule in shown], rows, as_json=as_json)
         return 0
     rules = [rule for rule in dict.fromkeys(only or RULES) if rule not in ignore]
     if not rules:
@@ -98,10 +96,8 @@ def command(
         saved.save(evidence, save_to)
         talk(f"the evidence is in {save_to}")
     findings = examine(evidence, rules)
-    if as_json:
-        document([report.record(finding) for finding in findings])
-    else:
-        lines([*report.text(findings), *report.not_checked(evidence, rules)], _decoration())
+    rows = [*report.text(findings), *report.not_checked(evidence, rules)]
+    show([report.record(finding) for finding in findings], rows, _decoration(), as_json=as_json)
     return max((finding.severity for finding in findings), default=Severity.NOTE).value
 
 

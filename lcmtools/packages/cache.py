@@ -16,6 +16,7 @@ from threading import Lock
 
 from lcmtools import __version__
 from lcmtools.errors import LcmtoolsError
+from lcmtools.folders import cache_folder
 from lcmtools.messages.type_source import Problem, TypeSource
 from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.packages.type_files import LcmFile
@@ -115,11 +116,8 @@ def _make(files: Sequence[LcmFile], prefix: str, root: Path, shipped: Mapping[st
 
 def _cache_folder(environment: Mapping[str, str]) -> Path:
     """Return the user's cache folder; one of this process only where that cannot be written."""
-    named = environment.get("XDG_CACHE_HOME", "")
-    home = environment.get("HOME", "")
-    base = Path(named) if named.startswith("/") else Path(home) / ".cache" if home else None
-    if base is not None:
-        folder = base / "lcmtools" / "types"
+    if base := cache_folder(environment):
+        folder = base / "types"
         with suppress(OSError):
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             if os.access(folder, os.W_OK):

@@ -4,7 +4,6 @@
     bus, messages, programs
                 the completers: functions from a situation to candidates
     situation   the words before the cursor, the bus at a glance; candidates
-    recent      channels remembered from one completion to the next
     tree        the commands, options and arguments as plain data, kept in a file
     line        the option or argument that the word under the cursor belongs to
     shells      requests and answers of bash, zsh and fish, with their quoting

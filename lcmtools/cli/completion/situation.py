@@ -67,7 +67,7 @@ class Situation:
 
         try:
             with QuickProbe(self.url) as quick_probe:
-                from lcmtools.cli.completion.recent import with_recent_channels
+                from lcmtools.bus.recent_channels import with_recent_channels
 
                 seen = quick_probe.graph(self._running_nodes())
                 bus = f"{self.url.host}-{self.url.port}"

@@ -106,12 +106,10 @@ def type_(service: str, *, as_json: bool) -> None:
     with open_monitor("service_type") as monitor:
         graph = monitor.settle(foreign=False)
     found = find_service(graph, in_names(service), looking_names().namespace)
-    if as_json:
-        document({"service": found.name, "type": found.type_text if found.types else None})
-    elif not found.types:
+    if not (found.types or as_json):
         raise LcmtoolsError(f"the type of {found.name} is not known")
-    else:
-        lines([found.type_text])
+    record = {"service": found.name, "type": found.type_text if found.types else None}
+    show(record, [found.type_text], as_json=as_json)
 
 
 @subcommand("args")

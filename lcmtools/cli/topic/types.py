@@ -8,7 +8,7 @@ from lcmtools.cli.options import (
     looking_options,
     open_monitor,
 )
-from lcmtools.cli.output import data, document, lines, show, talk
+from lcmtools.cli.output import data, show, talk
 from lcmtools.errors import LcmtoolsError, UsageError, ValueMismatch
 from lcmtools.graph.model import Graph, Topic
 from lcmtools.messages.path import Path, Target, parse_path, splits, target
@@ -40,12 +40,10 @@ def print_type(topic: str, *, as_json: bool) -> None:
     text = type_text(found)
     if path.steps:
         _show_field(found, text, path, as_json=as_json)
-    elif as_json:
-        document({"topic": found.name, "type": None if text == UNKNOWN else text})
-    elif text == UNKNOWN:
+        return
+    if text == UNKNOWN and not as_json:
         raise _unknown(found)
-    else:
-        lines([text])
+    show({"topic": found.name, "type": None if text == UNKNOWN else text}, [text], as_json=as_json)
 
 
 def _find(graph: Graph, argument: str, names: Resolver) -> tuple[Topic, Path]:
@@ -67,10 +65,8 @@ def _show_field(topic: Topic, text: str, path: Path, *, as_json: bool) -> None:
     except ValueMismatch as error:  # as of a topic that is not there: exit code 1
         raise LcmtoolsError(error.what, error.hint) from error
     field = str(path).replace(".", "/")
-    if as_json:
-        document({"topic": topic.name, "type": text, "field": field, "field_type": _text(found)})
-    else:
-        lines([f"{text} {field} {_text(found)}"])
+    record = {"topic": topic.name, "type": text, "field": field, "field_type": _text(found)}
+    show(record, [f"{text} {field} {_text(found)}"], as_json=as_json)
 
 
 def _text(found: Target) -> str:
