@@ -45,8 +45,8 @@ PKG_COMMANDS = {
     "prefix": Entry(f"{_PKG}.look:find_command", "find, as ROS 2 names it.", is_alias=True),
 }
 SRV_COMMANDS = {
-    "list": Entry("lcmtools.cli.srv:list_types", "List the service types."),
-    "show": Entry("lcmtools.cli.srv:show_type", "Show the fields of a service type."),
+    "list": Entry(f"{_MSG}.look:list_services", "List the service types."),
+    "show": Entry(f"{_MSG}.look:show_service", "Show the fields of a service type."),
 }
 _SERVICE = "lcmtools.cli.service"
 SERVICE_COMMANDS = {

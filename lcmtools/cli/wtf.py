@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from lcmtools.cli.completion.completer import complete
+from lcmtools.cli.completion.completer import Completer
 from lcmtools.cli.declare import duration, option, subcommand
 from lcmtools.cli.options import bus_choice, bus_options, chosen_url, json_option
 from lcmtools.cli.output import data, lines, show, talk
@@ -35,7 +35,7 @@ def _rule(identifier: str) -> Rule:
 
 
 def _rule_option(*names: str, text: str, multiple: bool) -> Callable[..., Callable[..., object]]:
-    ids = complete("programs:rules", is_fixed=True)
+    ids = Completer("programs:rules", is_fixed=True)
     return option(
         *names, metavar="ID", multiple=multiple, type=_rule, help=text, shell_complete=ids
     )

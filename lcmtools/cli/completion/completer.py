@@ -1,4 +1,4 @@
-"""Completers, declared on click's options and arguments: ``shell_complete=complete("bus:topics")``.
+"""Completers, declared on options and arguments: ``completer="bus:topics"`` (see ``declare``).
 
 Every command imports this module: it imports nothing itself.
 """
@@ -43,17 +43,3 @@ class Completer:
         }
         found = candidates(self._source, Situation(incomplete, given))
         return [one.value for one in found if one is not FILES and one.value.startswith(incomplete)]
-
-
-def complete(home: str, *, is_fixed: bool = False) -> Completer:
-    """Declare the function that completes a parameter, as "module:function"."""
-    return Completer(home, is_fixed=is_fixed)
-
-
-def complete_words(*words: str) -> Completer:
-    """Declare the words that a parameter may be."""
-    return Completer([[word] for word in words])
-
-
-complete_files = Completer("files")
-"""Declares that a parameter is a file's name."""

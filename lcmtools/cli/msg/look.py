@@ -7,9 +7,6 @@ from lcmtools.cli.declare import argument, option, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import data, document, show, talk
 from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
-from lcmtools.messages.definition import declaration, definition, prototype
-from lcmtools.messages.fields import visible_fields
-from lcmtools.messages.plain import to_json
 from lcmtools.messages.registry import (
     Message,
     default_registry,
@@ -17,11 +14,13 @@ from lcmtools.messages.registry import (
     message_class,
     packages,
     problems,
+    service_class,
+    service_name,
+    service_names,
     type_name,
     type_names,
 )
 from lcmtools.names import did_you_mean
-from lcmtools.packages.type_files import shipped_folder
 
 _single_line_option = option(
     "-s", "--single-line", is_flag=True, help="All on one line, separated by spaces."
@@ -88,6 +87,9 @@ def find_field(name: str, *, as_json: bool) -> None:
       lcmtools msg find-field covariance
       lcmtools msg find-field header --json
     """
+    from lcmtools.messages.definition import declaration  # the others do without
+    from lcmtools.messages.fields import visible_fields
+
     known = [(t, field) for t in type_names() for field in visible_fields(message_class(t))]
     found = [(type_, declaration(field)) for type_, field in known if field.name == name]
     if not found:
@@ -130,6 +132,9 @@ def proto(type_: str, *, as_json: bool) -> None:
       lcmtools msg proto geometry_msgs/Twist
       lcmtools msg proto sensor_msgs/Joy > joy.yaml
     """
+    from lcmtools.messages.definition import prototype
+    from lcmtools.messages.plain import to_json
+
     kind = message_class(type_)
     data(to_json(kind()) if as_json else prototype(kind))
 
@@ -153,6 +158,8 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
       lcmtools msg show -r sensor_msgs/LaserScan
       lcmtools type /husky0/odometry | lcmtools msg show
     """
+    from lcmtools.messages.definition import definition
+
     type_ = _piped() if type_ == "-" else type_
     kind = message_class(type_)
     name, text = type_name(kind), (source_text if raw else definition)(kind)
@@ -165,6 +172,8 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
 
 def source_text(kind: type[Message]) -> str:
     """Return the .lcm file of a message type, as its author wrote it."""
+    from lcmtools.packages.type_files import shipped_folder
+
     name = type_name(kind)
     file = default_registry().files().get(name) or f"{shipped_folder() / name}.lcm"
     try:
@@ -182,3 +191,41 @@ def _piped() -> str:
         what = "several types" if words else "no type"
         raise UsageError(f"standard input has {what}", _EXAMPLE)
     return words[0]
+
+
+@subcommand("list")
+@json_option
+def list_services(*, as_json: bool) -> None:
+    """List the service types that lcmtools knows.
+
+    \b
+    Examples:
+      lcmtools srv list
+      lcmtools srv list --json
+    """
+    show(service_names(), service_names(), as_json=as_json)
+
+
+@subcommand("show")
+@argument("type_", metavar="TYPE", completer="messages:service_types")
+@option("-r", "--raw", is_flag=True, help="Show the .lcm files, with the comments.")
+@json_option
+def show_service(type_: str, *, raw: bool, as_json: bool) -> None:
+    """Show the fields of a service type: the request's, a line of dashes, the response's.
+
+    TYPE is std_srvs/Trigger, std_srvs/srv/Trigger, std_srvs.Trigger or Trigger.
+
+    \b
+    Examples:
+      lcmtools srv show std_srvs/SetBool
+      lcmtools srv show Trigger --json
+    """
+    from lcmtools.messages.definition import definition
+
+    pair, name = service_class(type_), service_name(type_)
+    text = source_text if raw else definition
+    request, response = text(pair.Request), text(pair.Response)
+    heading = [] if "/" in type_ or "." in type_ else [f"[{name}]:"]
+    record = {"type": name, "request": request, "response": response}
+    rows = [*heading, *request.splitlines(), "---", *response.splitlines()]
+    show(record, rows, as_json=as_json)

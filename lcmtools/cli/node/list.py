@@ -5,7 +5,6 @@ import socket
 from collections import Counter, deque
 
 from lcmtools.cli.declare import argument, duration, option, subcommand
-from lcmtools.cli.node.sections import program_record, program_rows
 from lcmtools.cli.options import (
     all_option,
     bus_options,
@@ -54,6 +53,8 @@ def list_nodes(
       lcmtools node list
       lcmtools node list -a /husky0
     """
+    from lcmtools.cli.node.sections import program_record, program_rows  # the others do without
+
     with open_monitor("node_list") as monitor:
         graph = monitor.settle(foreign=show_all and wait is None)
         if show_all and wait is not None:
