@@ -164,5 +164,4 @@ def run() -> None:
 
 
 def _wants_json(arguments: Sequence[str]) -> bool:
-    """True if the words ask for JSON, whatever the command makes of them."""
     return "--json" in arguments[: [*arguments, "--"].index("--")]

@@ -20,8 +20,7 @@ if TYPE_CHECKING:  # lcmtools --help and usage errors do without the bus
     from lcmtools.bus.url import BusUrl
     from lcmtools.observe.monitor import BusMonitor
 
-COLOR = "lcmtools.color"
-"""The key of a click context's ``meta`` for the value of ``--color``."""
+COLOR = "lcmtools.color"  # the key of a click context's ``meta`` for the value of ``--color``
 
 
 @dataclass(slots=True)

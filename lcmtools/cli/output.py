@@ -73,7 +73,6 @@ def complain(command: str, error: LcmtoolsError, *, as_json: bool = False) -> No
 
 
 def _write(text: str) -> None:
-    """Write to standard output at once."""
     try:
         sys.stdout.write(text)
         sys.stdout.flush()

@@ -16,8 +16,7 @@ from lcmtools.cli.completion.shells import SHELLS, Request
 from lcmtools.cli.completion.situation import FILES, Candidate, Situation, candidates
 from lcmtools.cli.completion.tree import Tree
 
-VARIABLE = "_LCMTOOLS_COMPLETE"
-"""The environment variable with the name of the shell that asks."""
+VARIABLE = "_LCMTOOLS_COMPLETE"  # the environment variable with the name of the shell that asks
 _LATEST = 2.0  # [s] after which the process ends whatever delays it
 
 

@@ -13,12 +13,10 @@ from lcmtools.names import base_name_of, is_hidden, namespace_of, spellings
 if TYPE_CHECKING:  # most completions do without
     from lcmtools.types.lcmtools_msgs import Parameter
 
-TOPIC = ("topic", "topics", "words")
-"""The parameters that are topics."""
+TOPIC = ("topic", "topics", "words")  # the parameters that are topics
 _ANSWER = 0.08  # [s] that a node has to answer
 _DEFAULT_URL = "udpm://239.255.76.67:7667?ttl=0"
-_STATE = "sim_msgs/GetState"
-"""The service that only simulators offer."""
+_STATE = "sim_msgs/GetState"  # the service that only simulators offer
 
 
 def urls(situation: Situation) -> Iterator[Candidate]:

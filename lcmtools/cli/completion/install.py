@@ -116,7 +116,6 @@ def _without_ours(text: str) -> str:
 
 
 def _text(path: Path) -> str | None:
-    """The text of a file; None where there is none."""
     try:
         return path.read_bytes().decode("utf-8", "surrogateescape")
     except (FileNotFoundError, NotADirectoryError):

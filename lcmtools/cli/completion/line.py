@@ -66,7 +66,6 @@ def _take_option(place: Place, option: Option, value: str | None, rest: Iterator
 
 
 def _at(place: Place, word: str) -> Place:
-    """Complete the place with the kind of the word itself."""
     option, value = _option_of(place, word)
     if option is not None and value is not None and "=" in word:
         place.source = option.source or ""
@@ -83,7 +82,6 @@ def _at(place: Place, word: str) -> Place:
 
 
 def _take_argument(place: Place, word: str, describe: Describe) -> Place | None:
-    """Go on behind an argument, or into a command of a group."""
     if place.command.commands:
         path = [*place.path, word]
         command = describe(path) if word in place.command.commands else None

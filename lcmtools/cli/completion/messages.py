@@ -96,7 +96,6 @@ def _by_package(names: Sequence[str], word: str) -> Iterator[Candidate]:
 
 
 def _spelled(name: str, word: str) -> str:
-    """A type's name as the word begins to spell it."""
     package, _, short = name.rpartition("/")
     match = _SPELLING.match(word)
     return f"{package}{match[1]}{match[2] or ''}{short}" if match else name

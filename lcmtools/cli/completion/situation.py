@@ -24,8 +24,7 @@ class Candidate:
     is_open: bool = False  # more may follow without a blank, as after a package's name and slash
 
 
-FILES = Candidate("")
-"""Stands for the files that the shell itself completes."""
+FILES = Candidate("")  # stands for the files that the shell itself completes
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,7 @@ if TYPE_CHECKING:  # click takes longer to import than a completion otherwise ta
     import click
 
 _FORMAT = 3  # of the file
-_CODE = ("cli", "doctor", "labs/commands")
-"""The folders whose files decide on what is kept."""
+_CODE = ("cli", "doctor", "labs/commands")  # the folders whose files decide on what is kept
 
 
 @dataclass(frozen=True, slots=True)

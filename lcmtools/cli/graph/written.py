@@ -91,7 +91,6 @@ def _document(diagram: Diagram, format_: str) -> str:
 
 
 def _svg(document: str) -> str:
-    """A diagram in Graphviz's language as SVG, laid out by Graphviz."""
     done = subprocess.run(  # noqa: S603 - our own document
         [_graphviz(), "-Tsvg"], input=document.encode(), capture_output=True, check=False
     )
@@ -102,7 +101,6 @@ def _svg(document: str) -> str:
 
 
 def _graphviz() -> str:
-    """The path of Graphviz's program."""
     if path := shutil.which("dot"):
         return path
     raise MissingExtra(

@@ -141,8 +141,7 @@ def command(
 
 
 def _print(answer: Answer, *, as_json: bool) -> int:
-    value, rows = answer
-    show(value, rows, as_json=as_json)
+    show(*answer, as_json=as_json)
     return 0
 
 

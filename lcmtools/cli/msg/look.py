@@ -183,7 +183,6 @@ def source_text(kind: type[Message]) -> str:
 
 
 def _piped() -> str:
-    """The type that standard input says."""
     if sys.stdin is None or sys.stdin.isatty():
         raise UsageError("no type is given", _EXAMPLE)
     words = sys.stdin.read().replace(",", " ").split()

@@ -66,7 +66,6 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
 
 
 def _find(monitor: BusMonitor, graph: Graph, word: str) -> list[Node] | list[Program]:
-    """The nodes that a word means, else the programs."""
     try:
         return find_nodes(graph, in_names(word))
     except UsageError:

@@ -60,7 +60,6 @@ def command(
 
 
 def _confirmed(nodes: list[Node], *, yes: bool) -> list[Node]:
-    """The nodes, if the person agrees; none otherwise."""
     if yes:
         return nodes
     if not sys.stdin.isatty():
@@ -82,7 +81,6 @@ def _chosen(nodes: list[Node]) -> list[Node]:
 
 
 def _complain(ends: list[NodeEnd], timeout: float) -> int:
-    """Say what else ended and what did not; return the exit code."""
     named = {end.node.name for end in ends}
     for end in ends:
         others = [name for name in end.others if name not in named]

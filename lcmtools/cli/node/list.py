@@ -131,7 +131,6 @@ def machine(host: str | None, *, show_all: bool, as_json: bool) -> None:
 
 
 def _nodes_of(host: str, nodes: list[Node], computers: Computers) -> list[Node]:
-    """The nodes of a computer, by its name or its address."""
     wanted = socket.gethostname() if host in ("localhost", "127.0.0.1") else host
     found = [
         node

@@ -63,9 +63,9 @@ def _ping_one(
     finally:
         if as_json:
             average = sum(times) / len(times) if times else None
-            record = {"min": min(times, default=None), "average": average}
-            record["max"] = max(times, default=None)
-            document({"node": node.name, "times": times, **record})
+            low, high = min(times, default=None), max(times, default=None)
+            spread = {"min": low, "average": average, "max": high}
+            document({"node": node.name, "times": times, **spread})
         else:
             lines(_summary(times))
 
@@ -81,12 +81,8 @@ def _ping_all(monitor: BusMonitor, nodes: list[Node], timeout: float, *, as_json
     finally:
         answered = [seconds for seconds in times if seconds is not None]
         if as_json:
-            document(
-                [
-                    {"node": n.name, "time": seconds}
-                    for n, seconds in zip(nodes, times, strict=False)
-                ]
-            )
+            pairs = zip(nodes, times, strict=False)
+            document([{"node": one.name, "time": seconds} for one, seconds in pairs])
         elif nodes:
             lines([f"{len(answered)} of {len(nodes)} nodes answered", *_summary(answered)])
     return 0 if len(answered) == len(nodes) else NothingReceived.exit_code

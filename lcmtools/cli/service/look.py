@@ -155,7 +155,6 @@ def info(services: tuple[str, ...], *, as_json: bool) -> None:
 
 
 def _text(service: OfferedService) -> list[str]:
-    """As rosservice info prints it, with the process beside the node."""
     rows = [row for node, endpoint in service.servers for row in _server(node, endpoint)]
     names = service.arguments()
     rows.append(f"Type: {service.type_text}")

@@ -107,7 +107,6 @@ def command(
 
 
 def _live(selection: ChannelSelection, view: View) -> int:
-    """Show the live view until it is left; return the exit code."""
     if not all(stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):
         raise UsageError("spy needs a terminal", "--once prints the table")
     try:

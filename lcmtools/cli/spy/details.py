@@ -17,10 +17,8 @@ from lcmtools.observe.channels import Row
 from lcmtools.observe.field_lines import FieldLine
 from lcmtools.observe.study import ChannelState, Curve, Sample, curve
 
-BIN_NS = 500_000_000
-"""The time that a bar of a curve stands for [ns]."""
-BARS = 40
-"""The greatest number of bars."""
+BIN_NS = 500_000_000  # the time that a bar of a curve stands for [ns]
+BARS = 40  # the greatest number of bars
 
 _INDENT = "  "
 _HEX = 16  # bytes in a line

@@ -172,7 +172,6 @@ def _form(forms: Mapping[str, bool], changing: Mapping[str, bool]) -> Form:
 def _topics_and_type(
     words: tuple[str, ...], bag: str | None, *, all_topics: bool
 ) -> tuple[tuple[str, ...], str]:
-    """The topics among the words, and the type, which may stand last; "" where it does not."""
     if all_topics and bag is None:
         raise UsageError("--all is for logs", "name one with -b, or echo '**'")
     if all_topics and words:
@@ -185,7 +184,6 @@ def _topics_and_type(
 
 
 def _open(bag: str | None) -> BusMonitor:
-    """The bus, or a log."""
     if bag is None:
         return open_monitor("echo", whole=True, plays=True)
     if bus_choice().url or bus_choice().domain:

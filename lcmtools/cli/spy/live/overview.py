@@ -196,7 +196,6 @@ class Overview(LivePage):
         return text
 
     def _remarks(self) -> Text | None:
-        """A line about trouble, or about programs whose channels are unknown."""
         if self._snapshot.trouble:
             return Text(self._snapshot.trouble, "bold red")
         programs = self._snapshot.plain_listeners

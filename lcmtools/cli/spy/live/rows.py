@@ -13,8 +13,7 @@ from textual.renderables.sparkline import Sparkline
 from textual.screen import Screen, ScreenResultType
 from textual.widgets import DataTable, Static
 
-PERIOD = 0.2
-"""Time between two looks at what is new [s]."""
+PERIOD = 0.2  # time between two looks at what is new [s]
 CURVE = Color.parse("ansi_cyan").rich_color
 
 
