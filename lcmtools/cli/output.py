@@ -57,7 +57,7 @@ def talk(text: str, speaker: str = "") -> None:
         name = f"{speaker.translate(_ESCAPES)}:"
         wanted = stream_wants_color(sys.stderr, os.environ)
         said = f"{paint(name, BOLD_RED) if wanted else name} {said}"
-    with contextlib.suppress(OSError):  # where nothing can be said, the exit code still tells
+    with contextlib.suppress(OSError):  # where nothing can be said, the exit code remains
         sys.stderr.write(f"{said}\n")
         sys.stderr.flush()
 

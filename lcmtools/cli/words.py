@@ -9,7 +9,7 @@ import click
 
 from lcmtools.cli.dashes import bare, shielded
 
-WITHOUT_END = "forever"  # the value of an option of ``may_stand_alone`` that stands alone
+WITHOUT_END = "forever"  # the value of an option of ``may_stand_alone`` that is given alone
 
 _EXCLUDE_ONE = frozenset(("-r", "--rate", "-t", "--times"))
 """Options that the option -1 cannot stand beside."""

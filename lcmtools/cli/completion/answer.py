@@ -1,4 +1,4 @@
-"""The entry point of completion, for a shell that asks when somebody presses TAB.
+"""The entry point of completion, for the request that a shell makes at TAB.
 
 It is silent whatever happens: nothing may be printed into the prompt. With LCMTOOLS_DEBUG set,
 errors go to a file.
@@ -16,7 +16,7 @@ from lcmtools.cli.completion.shells import SHELLS, Request
 from lcmtools.cli.completion.situation import FILES, Candidate, Situation, candidates
 from lcmtools.cli.completion.tree import Tree
 
-VARIABLE = "_LCMTOOLS_COMPLETE"  # the environment variable with the name of the shell that asks
+VARIABLE = "_LCMTOOLS_COMPLETE"  # the environment variable that names the requesting shell
 _LATEST = 2.0  # [s] after which the process ends whatever delays it
 
 

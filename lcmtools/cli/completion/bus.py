@@ -102,7 +102,7 @@ def services(situation: Situation) -> Iterator[Candidate]:
 def parameters(situation: Situation) -> Iterator[Candidate]:
     """Nodes; after a node its parameters; after a parameter its value.
 
-    The name is rosparam's ("/driver/gain") or ros2's ("driver gain"); the node itself is asked.
+    The name is rosparam's ("/driver/gain") or ros2's ("driver gain"); the node itself answers.
     """
     before = situation.all("words", "node", "name")
     if not before:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:  # click takes longer to import than a completion otherwise ta
     import click
 
 Source = str | Sequence[Sequence[str]]
-"""Where candidates come from: "module:function", "files", "" for nowhere; or words with help."""
+"""The origin of candidates: "module:function", "files", "" for nowhere; or words with help."""
 
 
 class Completer:

@@ -24,7 +24,7 @@ class Candidate:
     is_open: bool = False  # more may follow without a blank, as after a package's name and slash
 
 
-FILES = Candidate("")  # stands for the files that the shell itself completes
+FILES = Candidate("")  # the files, which the shell itself completes
 
 
 @dataclass(frozen=True)

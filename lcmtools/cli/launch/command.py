@@ -120,21 +120,21 @@ def command(
       lcmtools launch robot.yaml robot:=husky1
     """
     named = {"args": node, "find-node": sought}
-    asked = next((name for name, value in named.items() if value is not None), question)
-    if as_json and not asked:
+    query = next((name for name, value in named.items() if value is not None), question)
+    if as_json and not query:
         raise UsageError("--json needs a question", f"one of --{', --'.join(_QUESTIONS)}")
-    if asked == "list":
+    if query == "list":
         return _print(list_answer(), as_json=as_json)
     typed = read_words(words, ns, usual_namespace(os.environ))
     is_piped = typed.places == (STANDARD_INPUT,)
     files = [read_standard_input()] if is_piped else list(map(read_file, find_files(typed.places)))
-    if asked == "show-args":
+    if query == "show-args":
         return _print(arguments_answer(files), as_json=as_json)
     plan = make_plan(files, Given(typed.arguments, typed.namespace, os.environ))
     for note in plan.notes:
         talk(f"lcmtools launch: {note}")
-    if asked:
-        return _print(PLAN_ANSWERS[asked](plan, named.get(asked) or ""), as_json=as_json)
+    if query:
+        return _print(PLAN_ANSWERS[query](plan, named.get(query) or ""), as_json=as_json)
     if wait:
         wait_for_bus(chosen_url(), lambda text: talk(f"lcmtools launch: {text}"))
     return _run(plan, output, StopTimeouts(sigint_timeout, sigterm_timeout))

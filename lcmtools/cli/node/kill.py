@@ -34,7 +34,7 @@ def command(
     """
     if kill_all and nodes:
         raise UsageError("--all takes no node's name", "leave out one of them")
-    if not (kill_all or nodes or sys.stdin.isatty()):  # there is nobody to choose from a list
+    if not (kill_all or nodes or sys.stdin.isatty()):  # no person can choose from a list
         raise click.MissingParameter(param_hint="'NODES...'", param_type="argument")
     with open_monitor("node_kill") as monitor:
         graph = monitor.settle(foreign=False)

@@ -46,7 +46,7 @@ def process(node: Node, now: int) -> list[str]:
 
 
 def usage(pid: int, now: int) -> list[str]:
-    """Return the resources that a process of this computer uses, where the system tells."""
+    """Return the resources that a process of this computer uses, where the system knows."""
     taken = usage_of(pid)
     if taken is None:
         return []
@@ -211,7 +211,7 @@ def program_record(program: Program) -> dict[str, object]:
 
 
 def command_text(program: Program) -> str:
-    """Return a program's command line, as far as the system tells."""
+    """Return a program's command line, as far as the system knows."""
     if program.process:
         return program.process.command
     return f"a program{candidates_text(program.candidates)}"

@@ -17,7 +17,7 @@ from lcmtools.observe.channels import Row
 from lcmtools.observe.field_lines import FieldLine
 from lcmtools.observe.study import ChannelState, Curve, Sample, curve
 
-BIN_NS = 500_000_000  # the time that a bar of a curve stands for [ns]
+BIN_NS = 500_000_000  # the time of one bar of a curve [ns]
 BARS = 40  # the greatest number of bars
 
 _INDENT = "  "

@@ -132,7 +132,7 @@ def command(
     if offset and bag is not None:
         raise UsageError("--offset is relative to now, and a log has no now", "leave out --offset")
     topics, type_ = _topics_and_type(words, bag, all_topics=all_topics)
-    asked = DisplayOptions(
+    options = DisplayOptions(
         _form(forms, changes),
         tuple(map(parse_path, fields)),
         Filter(condition) if condition is not None else None,
@@ -149,9 +149,9 @@ def command(
         monitor.discover()
         stream = ArrivalStream(monitor, meant, names)
         for types, path in stream.announced():
-            asked.check(types, path)
-        decoder = Decoder(monitor.types_of, asked.message_class, keep_stray=True)
-        formatter = MessageFormatter(decoder, asked, lambda: stream.is_one_of_many, notify)
+            options.check(types, path)
+        decoder = Decoder(monitor.types_of, options.message_class, keep_stray=True)
+        formatter = MessageFormatter(decoder, options, lambda: stream.is_one_of_many, notify)
         for text in islice(taken(stream, formatter.text, timeout, notify), limit):
             data(f"{prefix}{text}")
 
