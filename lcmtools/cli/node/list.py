@@ -3,6 +3,7 @@
 import contextlib
 import socket
 from collections import Counter, deque
+from collections.abc import Callable
 
 from lcmtools.cli.declare import argument, duration, option, subcommand
 from lcmtools.cli.options import (
@@ -18,9 +19,6 @@ from lcmtools.cli.output import data, document, lines, show, talk
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Node, Staleness
 from lcmtools.names import Pattern, did_you_mean
-from lcmtools.observe.computers import Computers
-from lcmtools.observe.describe import listed_node, node_record
-from lcmtools.observe.senders import programs
 
 _HEADING = "Programs that are no nodes (seen on the bus):"
 
@@ -54,6 +52,8 @@ def list_nodes(
       lcmtools node list -a /husky0
     """
     from lcmtools.cli.node.sections import program_record, program_rows  # the others do without
+    from lcmtools.observe.describe import listed_node, node_record
+    from lcmtools.observe.senders import programs
 
     with open_monitor("node_list") as monitor:
         graph = monitor.settle(foreign=show_all and wait is None)
@@ -113,14 +113,17 @@ def machine(host: str | None, *, show_all: bool, as_json: bool) -> None:
       lcmtools node machine
       lcmtools node machine husky0-pc
     """
+    from lcmtools.observe.computers import Computers
+    from lcmtools.observe.describe import listed_node
+
     with open_monitor("node_machine") as monitor:
         graph, url = monitor.settle(foreign=False), monitor.url
     nodes = [node for node in graph.nodes if show_all or not node.is_hidden]
-    computers = Computers(graph.nodes)
-    names: dict[str, list[Node]] = {name: [] for name in sorted(set(map(computers.of, nodes)))}
-    found = nodes if host is None else _nodes_of(host, nodes, computers)
+    machine_of = Computers(graph.nodes).of
+    names: dict[str, list[Node]] = {name: [] for name in sorted(set(map(machine_of, nodes)))}
+    found = nodes if host is None else _nodes_of(host, nodes, machine_of)
     for node in found:
-        names[computers.of(node)].append(node)
+        names[machine_of(node)].append(node)
     show(
         [{"host": h, "nodes": [n.name for n in of]} for h, of in names.items() if of],
         names if host is None else map(listed_node, found),
@@ -130,12 +133,12 @@ def machine(host: str | None, *, show_all: bool, as_json: bool) -> None:
         talk(f"no nodes on {url}")
 
 
-def _nodes_of(host: str, nodes: list[Node], computers: Computers) -> list[Node]:
+def _nodes_of(host: str, nodes: list[Node], machine_of: Callable[[Node], str]) -> list[Node]:
     wanted = socket.gethostname() if host in ("localhost", "127.0.0.1") else host
     found = [
         node
         for node in nodes
-        if wanted in (node.host, computers.of(node), node.sender and node.sender.address)
+        if wanted in (node.host, machine_of(node), node.sender and node.sender.address)
     ]
     if not found:
         hint = did_you_mean(host, {node.host for node in nodes})

@@ -14,7 +14,6 @@ from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Endpoint, Node
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.registry import service_name
-from lcmtools.observe.counters import callback_record, callback_times
 from lcmtools.observe.describe import listed_node, node_record
 from lcmtools.observe.find import OfferedService, find_service, offered_services
 
@@ -165,6 +164,8 @@ def _text(service: OfferedService) -> list[str]:
 
 
 def _server(node: Node, endpoint: Endpoint) -> list[str]:
+    from lcmtools.observe.counters import callback_times  # the others do without
+
     took = callback_times(endpoint)
     return [
         f"Node: {listed_node(node)}",
@@ -175,6 +176,8 @@ def _server(node: Node, endpoint: Endpoint) -> list[str]:
 
 
 def _record(service: OfferedService) -> dict[str, object]:
+    from lcmtools.observe.counters import callback_record
+
     return {
         "service": service.name,
         "types": list(service.types),
