@@ -9,7 +9,6 @@ from lcmtools.bus.url import domain_url
 from lcmtools.cli.declare import argument, duration, option, subcommand
 from lcmtools.cli.launch.answers import (
     PLAN_ANSWERS,
-    Answer,
     arguments_answer,
     list_answer,
     outcome_rows,
@@ -124,25 +123,23 @@ def command(
     if as_json and not query:
         raise UsageError("--json needs a question", f"one of --{', --'.join(_QUESTIONS)}")
     if query == "list":
-        return _print(list_answer(), as_json=as_json)
+        show(*list_answer(), as_json=as_json)
+        return 0
     typed = read_words(words, ns, usual_namespace(os.environ))
     is_piped = typed.places == (STANDARD_INPUT,)
     files = [read_standard_input()] if is_piped else list(map(read_file, find_files(typed.places)))
     if query == "show-args":
-        return _print(arguments_answer(files), as_json=as_json)
+        show(*arguments_answer(files), as_json=as_json)
+        return 0
     plan = make_plan(files, Given(typed.arguments, typed.namespace, os.environ))
     for note in plan.notes:
         talk(f"lcmtools launch: {note}")
     if query:
-        return _print(PLAN_ANSWERS[query](plan, named.get(query) or ""), as_json=as_json)
+        show(*PLAN_ANSWERS[query](plan, named.get(query) or ""), as_json=as_json)
+        return 0
     if wait:
         wait_for_bus(chosen_url(), lambda text: talk(f"lcmtools launch: {text}"))
     return _run(plan, output, StopTimeouts(sigint_timeout, sigterm_timeout))
-
-
-def _print(answer: Answer, *, as_json: bool) -> int:
-    show(*answer, as_json=as_json)
-    return 0
 
 
 def _run(plan: Plan, output: str | None, timeouts: StopTimeouts) -> int:

@@ -124,11 +124,8 @@ def machine(host: str | None, *, show_all: bool, as_json: bool) -> None:
     found = nodes if host is None else _nodes_of(host, nodes, machine_of)
     for node in found:
         names[machine_of(node)].append(node)
-    show(
-        [{"host": h, "nodes": [n.name for n in of]} for h, of in names.items() if of],
-        names if host is None else map(listed_node, found),
-        as_json=as_json,
-    )
+    record = [{"host": h, "nodes": [n.name for n in of]} for h, of in names.items() if of]
+    show(record, names if host is None else map(listed_node, found), as_json=as_json)
     if not nodes:
         talk(f"no nodes on {url}")
 
