@@ -1,4 +1,4 @@
-"""What the labs' tests share: who is left of what a lab started."""
+"""Shared by the labs' tests: the processes that are left of a lab."""
 
 import os
 from collections.abc import Callable
@@ -9,7 +9,7 @@ import pytest
 
 @pytest.fixture
 def left_over(tmp_path: Path) -> Callable[[], list[str]]:
-    """The command lines of processes that know the test's TMPDIR, which it gives to its labs."""
+    """Return the command lines of processes with the test's TMPDIR, which it hands to its labs."""
 
     def find() -> list[str]:
         mark = f"TMPDIR={tmp_path}".encode()

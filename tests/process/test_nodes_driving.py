@@ -20,18 +20,18 @@ Run = Callable[..., subprocess.CompletedProcess[str]]
 
 
 class Robot:
-    """Hears all commands on a bus."""
+    """Receives all commands on a bus."""
 
     def __init__(self, url: str, topic: str) -> None:
-        self.heard: list[Velocity] = []
+        self.received: list[Velocity] = []
         self._bus = lcm.LCM(url)
-        self._bus.subscribe(topic, self._hear)
+        self._bus.subscribe(topic, self._receive)
         self._goes_on = True
         self._thread = threading.Thread(target=self._listen)
         self._thread.start()
 
     def close(self) -> None:
-        """Hear no more."""
+        """Receive no more."""
         self._goes_on = False
         self._thread.join()
 
@@ -39,12 +39,12 @@ class Robot:
         while self._goes_on:
             self._bus.handle_timeout(50)
 
-    def _hear(self, _channel: str, payload: bytes) -> None:
+    def _receive(self, _channel: str, payload: bytes) -> None:
         try:
             twist = Twist.decode(payload)
         except ValueError:
             twist = TwistStamped.decode(payload).twist
-        self.heard.append((round(twist.linear.x, 3), round(twist.angular.z, 3)))
+        self.received.append((round(twist.linear.x, 3), round(twist.angular.z, 3)))
 
 
 @pytest.fixture
@@ -62,7 +62,7 @@ def listen(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[
 
 
 class Typist:
-    """A program at a terminal, and who types."""
+    """A program at a terminal, and its user."""
 
     def __init__(self, *command: str) -> None:
         self.screen, self._end = pty.openpty()
@@ -132,8 +132,8 @@ def typist(lcmtools_path: str) -> Iterator[Callable[..., Typist]]:
         one.close()
 
 
-def without_repeats(heard: list[Velocity]) -> list[Velocity]:
-    return [one for before, one in zip([None, *heard], heard, strict=False) if one != before]
+def without_repeats(received: list[Velocity]) -> list[Velocity]:
+    return [one for before, one in zip([None, *received], received, strict=False) if one != before]
 
 
 def test_keys_from_a_pipe_are_published_one_by_one_and_end_with_zeros(
@@ -142,12 +142,12 @@ def test_keys_from_a_pipe_are_published_one_by_one_and_end_with_zeros(
     robot = listen("/cmd_vel")
     result = lcmtools("run", "teleop", stdin="i q z l I J . k\n")
     assert result.returncode == 0
-    wait_until(lambda: len(robot.heard) >= 11)
-    assert robot.heard[:8] == [
+    wait_until(lambda: len(robot.received) >= 11)
+    assert robot.received[:8] == [
         (0.5, 0.0), (0.55, 0.0), (0.495, 0.0), (0.0, -0.99), (0.495, 0.0), (0.0, 0.99),
         (-0.495, 0.99), (0.0, 0.0),
     ]  # fmt: skip
-    assert set(robot.heard[8:]) == {(0.0, 0.0)}
+    assert set(robot.received[8:]) == {(0.0, 0.0)}
 
 
 def test_waits_in_a_pipe_are_kept_and_the_command_repeated(
@@ -155,9 +155,9 @@ def test_waits_in_a_pipe_are_kept_and_the_command_repeated(
 ) -> None:
     robot = listen("/RosAria/cmd_vel")
     lcmtools("run", "pioneer_manual_controller", "_speed:=0.3", stdin="i 1 l")
-    wait_until(lambda: robot.heard[-3:] == [(0.0, 0.0)] * 3)
-    assert without_repeats(robot.heard) == [(0.3, 0.0), (0.0, -1.0), (0.0, 0.0)]
-    assert 6 <= robot.heard.count((0.3, 0.0)) <= 12
+    wait_until(lambda: robot.received[-3:] == [(0.0, 0.0)] * 3)
+    assert without_repeats(robot.received) == [(0.3, 0.0), (0.0, -1.0), (0.0, 0.0)]
+    assert 6 <= robot.received.count((0.3, 0.0)) <= 12
 
 
 def test_stamped_commands_go_to_the_remapped_topic(
@@ -165,8 +165,8 @@ def test_stamped_commands_go_to_the_remapped_topic(
 ) -> None:
     robot = listen("/a/b")
     lcmtools("run", "teleop", "--stamped", "__ns:=/a", "cmd_vel:=b", stdin="u")
-    wait_until(lambda: len(robot.heard) >= 4)
-    assert without_repeats(robot.heard) == [(0.5, 1.0), (0.0, 0.0)]
+    wait_until(lambda: len(robot.received) >= 4)
+    assert without_repeats(robot.received) == [(0.5, 1.0), (0.0, 0.0)]
 
 
 def test_sliders_are_steered_from_a_pipe(
@@ -174,8 +174,8 @@ def test_sliders_are_steered_from_a_pipe(
 ) -> None:
     robot = listen("/husky0/desired_velocity")
     lcmtools("run", "steering", "/husky0/desired_velocity", stdin="up up left d x space")
-    wait_until(lambda: len(robot.heard) >= 9)
-    assert without_repeats(robot.heard) == [
+    wait_until(lambda: len(robot.received) >= 9)
+    assert without_repeats(robot.received) == [
         (0.1, 0.0), (0.2, 0.0), (0.2, 0.1), (0.2, 0.09), (0.0, 0.09), (0.0, 0.0),
     ]  # fmt: skip
 
@@ -192,12 +192,12 @@ def test_every_ending_signal_stops_the_robot_and_restores_the_terminal(
     driver.wait_for("v +0.00")
     assert driver.settings() != driver.before
     driver.type("i")
-    wait_until(lambda: robot.heard.count((0.5, 0.0)) >= 3)
+    wait_until(lambda: robot.received.count((0.5, 0.0)) >= 3)
     driver.process.send_signal(number)
     driver.process.send_signal(number)  # impatience changes nothing
     assert driver.end() == 0
     assert driver.settings() == driver.before
-    wait_until(lambda: robot.heard[-3:] == [(0.0, 0.0)] * 3)
+    wait_until(lambda: robot.received[-3:] == [(0.0, 0.0)] * 3)
 
 
 @pytest.mark.parametrize("last_key", ["\x04", "hang up"])
@@ -211,14 +211,14 @@ def test_end_of_the_terminal_stops_the_robot(
     driver = typist("pioneer_manual_controller")
     driver.wait_for("v +0.00")
     driver.type("\x1b[A")  # the arrow up
-    wait_until(lambda: (0.5, 0.0) in robot.heard)
+    wait_until(lambda: (0.5, 0.0) in robot.received)
     if last_key == "hang up":
         driver.hang_up()
         driver.process.wait(40)
     else:
         driver.type(last_key)
         assert driver.end() == 0
-    wait_until(lambda: robot.heard[-3:] == [(0.0, 0.0)] * 3)
+    wait_until(lambda: robot.received[-3:] == [(0.0, 0.0)] * 3)
 
 
 def test_key_that_is_held_drives_and_one_that_is_let_go_stops(
@@ -228,8 +228,8 @@ def test_key_that_is_held_drives_and_one_that_is_let_go_stops(
     driver = typist("teleop", "--hold")
     driver.wait_for("v +0.00")
     driver.type("i")
-    wait_until(lambda: robot.heard[-1:] == [(0.5, 0.0)])
-    wait_until(lambda: robot.heard[-3:] == [(0.0, 0.0)] * 3)
+    wait_until(lambda: robot.received[-1:] == [(0.5, 0.0)])
+    wait_until(lambda: robot.received[-3:] == [(0.0, 0.0)] * 3)
     assert driver.process.poll() is None
 
 
@@ -240,10 +240,10 @@ def test_suspended_program_stops_the_robot_and_gives_the_terminal_back(
     driver = typist("teleop")
     driver.wait_for("v +0.00")
     driver.type("i")
-    wait_until(lambda: (0.5, 0.0) in robot.heard)
+    wait_until(lambda: (0.5, 0.0) in robot.received)
     driver.process.send_signal(signal.SIGTSTP)
     # a session of its own is an orphaned group, which the kernel does not stop: it goes on at once
-    wait_until(lambda: robot.heard[-3:] == [(0.0, 0.0)] * 3)
+    wait_until(lambda: robot.received[-3:] == [(0.0, 0.0)] * 3)
     driver.process.send_signal(signal.SIGCONT)
     driver.type("j")
-    wait_until(lambda: robot.heard[-1] == (0.0, 1.0))
+    wait_until(lambda: robot.received[-1] == (0.0, 1.0))

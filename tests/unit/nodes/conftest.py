@@ -18,7 +18,7 @@ NodeT = TypeVar("NodeT", bound=lcmtools.Node)
 MessageT = TypeVar("MessageT", bound=Message)
 
 
-class Stage:
+class NodeBench:
     """One node on a bus, driven step by step."""
 
     def __init__(self, set_context: Callable[[Context], None]) -> None:
@@ -36,22 +36,22 @@ class Stage:
         self._node = node
         return node
 
-    def say(self, topic: str, *messages: Message) -> None:
+    def publish(self, topic: str, *messages: Message) -> None:
         """Publish messages, and let the node deal with each."""
         assert self._node is not None
         for message in messages:
             self.bus.publish(topic, encode(message))
             lcmtools.spin_once(self._node)
 
-    def tell_time(self, *seconds: float) -> None:
+    def advance_time(self, *seconds: float) -> None:
         """Let simulated time pass; the node was started with _use_sim_time:=true."""
         for time in seconds:
             clock = Clock()
             clock.clock.sec, clock.clock.nsec = divmod(round(time * 1e9), 10**9)
-            self.say("/clock", clock)
+            self.publish("/clock", clock)
 
-    def heard(self, topic: str, message_type: type[MessageT]) -> list[MessageT]:
-        """What was published on a topic."""
+    def published(self, topic: str, message_type: type[MessageT]) -> list[MessageT]:
+        """Return the messages of a topic that have been published."""
         published = tuple(self.bus.published)
         return [decode(message_type, payload) for channel, payload in published if channel == topic]
 
@@ -62,10 +62,10 @@ class Stage:
 
 
 @pytest.fixture
-def stage(monkeypatch: pytest.MonkeyPatch) -> Iterator[Stage]:
+def bench(monkeypatch: pytest.MonkeyPatch) -> Iterator[NodeBench]:
     def set_context(context: Context) -> None:
         monkeypatch.setattr(lcmtools.node.process._process, "context", context)
 
-    stage = Stage(set_context)
-    yield stage
-    stage.close()
+    bench = NodeBench(set_context)
+    yield bench
+    bench.close()

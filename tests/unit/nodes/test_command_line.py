@@ -1,4 +1,4 @@
-"""What the labs' nodes do with their command line."""
+"""The command lines of the labs' nodes."""
 
 import importlib
 from pathlib import Path

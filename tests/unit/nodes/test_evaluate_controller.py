@@ -23,8 +23,8 @@ def _odometry(forward: float, turn_rate: float) -> Odometry:
     return message
 
 
-def _stats(stage: Any) -> list[tuple[int, float, float]]:
-    heard = stage.heard("/evaluation_stat", ControllerEvaluationStat)
+def _stats(bench: Any) -> list[tuple[int, float, float]]:
+    heard = bench.published("/evaluation_stat", ControllerEvaluationStat)
     return [(stat.samples, stat.last_error, stat.average_error) for stat in heard]
 
 
@@ -39,32 +39,34 @@ def test_average_of_nothing_is_zero() -> None:
     assert ErrorStatistics().average() == 0.0
 
 
-def test_nothing_is_measured_before_the_first_desired_velocity(stage: Any) -> None:
-    stage.start(EvaluateController)
-    stage.say("/odometry", _odometry(1.0, 0.0), _odometry(1.0, 0.0))
-    assert _stats(stage) == []
+def test_nothing_is_measured_before_the_first_desired_velocity(bench: Any) -> None:
+    bench.start(EvaluateController)
+    bench.publish("/odometry", _odometry(1.0, 0.0), _odometry(1.0, 0.0))
+    assert _stats(bench) == []
 
 
-def test_each_odometry_message_is_one_sample(stage: Any) -> None:
-    stage.start(EvaluateController)
-    stage.say("/desired_velocity", _twist(0.5, 0.2))
-    stage.say("/odometry", _odometry(0.2, 0.6), _odometry(0.5, 0.2))
+def test_each_odometry_message_is_one_sample(bench: Any) -> None:
+    bench.start(EvaluateController)
+    bench.publish("/desired_velocity", _twist(0.5, 0.2))
+    bench.publish("/odometry", _odometry(0.2, 0.6), _odometry(0.5, 0.2))
     expected = [(1, 0.5, 0.5), (2, 0.0, math.sqrt(0.125))]
-    assert _stats(stage) == [pytest.approx(stat) for stat in expected]
+    assert _stats(bench) == [pytest.approx(stat) for stat in expected]
 
 
-def test_error_is_that_to_the_newest_desired_velocity(stage: Any) -> None:
-    stage.start(EvaluateController)
-    stage.say("/desired_velocity", _twist(0.5, 0.0), _twist(0.0, 0.0))
-    stage.say("/odometry", _odometry(0.3, 0.4))
-    assert _stats(stage) == [pytest.approx((1, 0.5, 0.5))]
+def test_error_is_that_to_the_newest_desired_velocity(bench: Any) -> None:
+    bench.start(EvaluateController)
+    bench.publish("/desired_velocity", _twist(0.5, 0.0), _twist(0.0, 0.0))
+    bench.publish("/odometry", _odometry(0.3, 0.4))
+    assert _stats(bench) == [pytest.approx((1, 0.5, 0.5))]
 
 
 def test_velocity_that_is_not_finite_does_not_spoil_the_average(
-    stage: Any, capsys: pytest.CaptureFixture[str]
+    bench: Any, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    stage.start(EvaluateController)
-    stage.say("/desired_velocity", _twist(0.5, 0.0))
-    stage.say("/odometry", _odometry(math.nan, 0.0), _odometry(0.0, math.inf), _odometry(0.4, 0.0))
-    assert _stats(stage) == [pytest.approx((1, 0.1, 0.1))]
+    bench.start(EvaluateController)
+    bench.publish("/desired_velocity", _twist(0.5, 0.0))
+    bench.publish(
+        "/odometry", _odometry(math.nan, 0.0), _odometry(0.0, math.inf), _odometry(0.4, 0.0)
+    )
+    assert _stats(bench) == [pytest.approx((1, 0.1, 0.1))]
     assert capsys.readouterr().err.count("a velocity is not finite: sample ignored") == 1

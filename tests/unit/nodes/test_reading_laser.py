@@ -40,9 +40,9 @@ def test_scan_is_told_in_a_line(message: LaserScan, line: str) -> None:
     assert describe(message) == line
 
 
-def test_lines_come_twice_a_second(stage: Any, capsys: pytest.CaptureFixture[str]) -> None:
-    stage.start(ReadingLaser, "_use_sim_time:=true")
+def test_lines_come_twice_a_second(bench: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    bench.start(ReadingLaser, "_use_sim_time:=true")
     for time in range(1, 13):
-        stage.tell_time(time / 10)
-        stage.say("/dolly/laser_scan", scan(1.0, 2.0, 3.0))
+        bench.advance_time(time / 10)
+        bench.publish("/dolly/laser_scan", scan(1.0, 2.0, 3.0))
     assert capsys.readouterr().err.count("ahead 2.00 m") == 3

@@ -28,115 +28,115 @@ def _odometry(time: float, forward: float = 0.0, turn_rate: float = 0.0) -> Odom
     return message
 
 
-def _efforts(stage: Any, topic: str = TOPIC) -> list[tuple[float, ...]]:
-    return [tuple(message.effort) for message in stage.heard(topic, JointState)]
+def _efforts(bench: Any, topic: str = TOPIC) -> list[tuple[float, ...]]:
+    return [tuple(message.effort) for message in bench.published(topic, JointState)]
 
 
 @pytest.mark.parametrize(
     ("topic", "message"), [("/odometry", _odometry(1.0)), ("/desired_velocity", _twist(0.5))]
 )
 def test_controller_is_silent_until_it_has_both_inputs(
-    stage: Any, topic: str, message: Odometry | Twist
+    bench: Any, topic: str, message: Odometry | Twist
 ) -> None:
-    controller = stage.start(SimpleController)
-    stage.say(topic, message, message)
+    controller = bench.start(SimpleController)
+    bench.publish(topic, message, message)
     controller.stop()
-    assert _efforts(stage) == []
+    assert _efforts(bench) == []
 
 
-def test_controller_publishes_efforts_of_left_and_right_at_the_odometry_s_time(stage: Any) -> None:
-    stage.start(SimpleController)
-    stage.say("/odometry", _odometry(12.25))
-    stage.say("/desired_velocity", _twist(0.5))
-    (command,) = stage.heard(TOPIC, JointState)
+def test_controller_publishes_efforts_of_left_and_right_at_the_odometry_s_time(bench: Any) -> None:
+    bench.start(SimpleController)
+    bench.publish("/odometry", _odometry(12.25))
+    bench.publish("/desired_velocity", _twist(0.5))
+    (command,) = bench.published(TOPIC, JointState)
     assert command.name == ["left", "right"]
     assert (list(command.position), list(command.velocity)) == ([], [])
     assert tuple(command.effort) == pytest.approx((0.5, 0.5))
     assert (command.header.stamp.sec, command.header.stamp.nsec) == (12, 250_000_000)
 
 
-def test_turn_to_the_left_is_driven_by_the_right_wheels(stage: Any) -> None:
-    stage.start(SimpleController)
-    stage.say("/desired_velocity", _twist(0.0, 1.0))
-    stage.say("/odometry", _odometry(1.0))
-    assert _efforts(stage) == [pytest.approx((-0.5351, 0.5351))]
+def test_turn_to_the_left_is_driven_by_the_right_wheels(bench: Any) -> None:
+    bench.start(SimpleController)
+    bench.publish("/desired_velocity", _twist(0.0, 1.0))
+    bench.publish("/odometry", _odometry(1.0))
+    assert _efforts(bench) == [pytest.approx((-0.5351, 0.5351))]
 
 
-def test_controller_integrates_over_the_time_between_stamps(stage: Any) -> None:
-    stage.start(SimpleController, "_kp:=0", "_ki:=2")
-    stage.say("/desired_velocity", _twist(0.5))
-    stage.say("/odometry", _odometry(1.0), _odometry(1.02), _odometry(1.07))
-    lefts = [left for left, _ in _efforts(stage)]
+def test_controller_integrates_over_the_time_between_stamps(bench: Any) -> None:
+    bench.start(SimpleController, "_kp:=0", "_ki:=2")
+    bench.publish("/desired_velocity", _twist(0.5))
+    bench.publish("/odometry", _odometry(1.0), _odometry(1.02), _odometry(1.07))
+    lefts = [left for left, _ in _efforts(bench)]
     assert lefts == pytest.approx([0.0, 0.02, 0.07])
 
 
-def test_odometry_without_stamps_counts_by_the_node_s_clock(stage: Any) -> None:
-    stage.start(SimpleController, "_kp:=0", "_ki:=2", "_use_sim_time:=true")
-    stage.say("/desired_velocity", _twist(0.5))
+def test_odometry_without_stamps_counts_by_the_node_s_clock(bench: Any) -> None:
+    bench.start(SimpleController, "_kp:=0", "_ki:=2", "_use_sim_time:=true")
+    bench.publish("/desired_velocity", _twist(0.5))
     for time in (1.0, 1.05):
-        stage.tell_time(time)
-        stage.say("/odometry", _odometry(0.0))
-    assert [left for left, _ in _efforts(stage)] == pytest.approx([0.0, 0.05])
+        bench.advance_time(time)
+        bench.publish("/odometry", _odometry(0.0))
+    assert [left for left, _ in _efforts(bench)] == pytest.approx([0.0, 0.05])
 
 
-def test_namespace_and_remap_connect_the_controller_to_the_robot(stage: Any) -> None:
-    controller = stage.start(SimpleController, "__ns:=/husky0", "controlled_velocity:=velocity_cmd")
-    stage.say("/husky0/odometry", _odometry(1.0))
-    stage.say("/husky0/desired_velocity", _twist(0.1))
+def test_namespace_and_remap_connect_the_controller_to_the_robot(bench: Any) -> None:
+    controller = bench.start(SimpleController, "__ns:=/husky0", "controlled_velocity:=velocity_cmd")
+    bench.publish("/husky0/odometry", _odometry(1.0))
+    bench.publish("/husky0/desired_velocity", _twist(0.1))
     assert controller.name == "/husky0/simple_controller"
-    assert _efforts(stage, "/husky0/velocity_cmd") == [pytest.approx((0.1, 0.1))]
+    assert _efforts(bench, "/husky0/velocity_cmd") == [pytest.approx((0.1, 0.1))]
 
 
 def test_desired_velocity_that_is_not_finite_is_refused_with_one_warning(
-    stage: Any, capsys: pytest.CaptureFixture[str]
+    bench: Any, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    stage.start(SimpleController)
-    stage.say("/odometry", _odometry(1.0))
-    stage.say("/desired_velocity", _twist(0.1), _twist(math.nan), _twist(0.0, math.inf))
-    stage.say("/odometry", _odometry(1.0))
-    assert _efforts(stage) == [pytest.approx((0.1, 0.1))] * 2
+    bench.start(SimpleController)
+    bench.publish("/odometry", _odometry(1.0))
+    bench.publish("/desired_velocity", _twist(0.1), _twist(math.nan), _twist(0.0, math.inf))
+    bench.publish("/odometry", _odometry(1.0))
+    assert _efforts(bench) == [pytest.approx((0.1, 0.1))] * 2
     warnings = capsys.readouterr().err
     assert warnings.count("\n") == 1
     assert "desired_velocity ignored: linear.x nan m/s, angular.z 0.0 rad/s" in warnings
 
 
 def test_odometry_that_is_not_finite_is_refused_with_one_warning(
-    stage: Any, capsys: pytest.CaptureFixture[str]
+    bench: Any, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    stage.start(SimpleController)
-    stage.say("/desired_velocity", _twist(0.1))
-    stage.say("/odometry", _odometry(1.0, math.nan), _odometry(1.1, 0.0, -math.inf))
-    assert _efforts(stage) == []
+    bench.start(SimpleController)
+    bench.publish("/desired_velocity", _twist(0.1))
+    bench.publish("/odometry", _odometry(1.0, math.nan), _odometry(1.1, 0.0, -math.inf))
+    assert _efforts(bench) == []
     warnings = capsys.readouterr().err
     assert warnings.count("\n") == 1
     assert "odometry ignored: linear.x nan m/s, angular.z 0.0 rad/s" in warnings
 
 
-def test_stop_lets_the_robot_stand(stage: Any) -> None:
-    controller = stage.start(SimpleController)
-    stage.say("/odometry", _odometry(1.0))
-    stage.say("/desired_velocity", _twist(0.5))
+def test_stop_lets_the_robot_stand(bench: Any) -> None:
+    controller = bench.start(SimpleController)
+    bench.publish("/odometry", _odometry(1.0))
+    bench.publish("/desired_velocity", _twist(0.5))
     controller.stop()
-    assert _efforts(stage)[-1] == (0.0, 0.0)
+    assert _efforts(bench)[-1] == (0.0, 0.0)
 
 
-def test_gain_that_is_no_number_is_refused(stage: Any) -> None:
+def test_gain_that_is_no_number_is_refused(bench: Any) -> None:
     with pytest.raises(UsageError, match="parameter kp: expected a number, got 'much'"):
-        stage.start(SimpleController, "_kp:=much")
+        bench.start(SimpleController, "_kp:=much")
 
 
-def test_changed_gain_counts_from_the_next_message_on(stage: Any) -> None:
-    controller = stage.start(SimpleController)
-    stage.say("/desired_velocity", _twist(0.5))
-    stage.say("/odometry", _odometry(1.0))
+def test_changed_gain_counts_from_the_next_message_on(bench: Any) -> None:
+    controller = bench.start(SimpleController)
+    bench.publish("/desired_velocity", _twist(0.5))
+    bench.publish("/odometry", _odometry(1.0))
     controller.set_parameters([Parameter("kp", 0.25)])
-    stage.say("/odometry", _odometry(1.0))
-    assert [efforts[0] for efforts in _efforts(stage)] == pytest.approx([0.5, 0.125])
+    bench.publish("/odometry", _odometry(1.0))
+    assert [efforts[0] for efforts in _efforts(bench)] == pytest.approx([0.5, 0.125])
 
 
 @pytest.mark.parametrize("gain", [-0.1, float("nan"), float("inf")])
-def test_gain_that_cannot_be_is_refused(stage: Any, gain: float) -> None:
-    controller = stage.start(SimpleController)
+def test_gain_that_cannot_be_is_refused(bench: Any, gain: float) -> None:
+    controller = bench.start(SimpleController)
     (result,) = controller.set_parameters([Parameter("ki", gain)])
     assert not result.successful
     assert controller.get_parameter("ki").value == 6.7

@@ -1,4 +1,4 @@
-"""What keys are, where they are written down, and what they mean."""
+"""Keys from terminals and scripts, and the velocities that they set."""
 
 import pytest
 
