@@ -60,7 +60,7 @@ $(VENV)/.venv:
 	touch $@
 
 $(VENV)/.installed: pyproject.toml | $(VENV)/.venv
-	$(BIN)/pip install --quiet --disable-pip-version-check $(EDITABLE) '.[sim]'
+	$(BIN)/pip install --quiet --disable-pip-version-check $(EDITABLE) '.[sim,tui,view]'
 	touch $@
 
 $(VENV)/.installed-dev: pyproject.toml | $(VENV)/.venv
