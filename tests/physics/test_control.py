@@ -170,7 +170,7 @@ def test_a_robot_is_not_put_inside_another_and_goes_on_as_it_was(
     node.call("step", steps=240)
 
     assert not response.success
-    assert response.message.startswith("/husky0 would stand 0.")
+    assert response.message.startswith("/husky0 would be 0.")
     assert response.message.endswith(" m inside /husky1; choose another place")
     moved, stood = (robot.state(0) for robot in simulation.robots)
     assert moved.velocity[0] == pytest.approx(1.0, rel=0.01)

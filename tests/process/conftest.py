@@ -120,7 +120,8 @@ class Receiver:
         node.create_subscription(UInt64, "~mark", lambda m: self._marks.append(m.data))
 
     def subscribe(self, topic: str, kind: str = "std_msgs/String") -> Callable[[], list[Any]]:
-        """Subscribe to a topic; the result gives all messages of it so far, as plain values."""
+        """Subscribe to a topic; the result gives all messages of it since, as plain values."""
+        self._pass_mark()  # messages sent before may still wait in this node's socket
         found: list[Any] = []
         take = self.node.create_subscription
         take(message_class(kind), topic, lambda message: found.append(to_plain(message)), 1000)

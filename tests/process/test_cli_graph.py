@@ -231,10 +231,11 @@ def test_channels_of_any_bytes_are_drawn(
         "    print('sent', flush=True)\n    time.sleep(0.05)\n"
     )
     start(sys.executable, str(script)).wait_for("sent")
-    document = json.loads(lcmtools("graph", "--json", LCM_DEFAULT_URL=url).stdout)
+    wait = ("--wait", "0.5s")  # ten times the period
+    document = json.loads(lcmtools("graph", "--json", *wait, LCM_DEFAULT_URL=url).stdout)
     assert sorted(topic["topic"] for topic in document["topics"]) == sorted(names)
     for form in ("text", "dot", "mermaid"):
-        result = lcmtools("graph", "--format", form, LCM_DEFAULT_URL=url, LC_ALL="C.UTF-8")
+        result = lcmtools("graph", "--format", form, *wait, LCM_DEFAULT_URL=url, LC_ALL="C.UTF-8")
         assert result.returncode == 0
         assert "日本" in result.stdout
         assert not re.search(r"[\x00-\x09\x0b-\x1f]", result.stdout)

@@ -100,7 +100,7 @@ def test_state_is_text_for_people_too(tell: Tell) -> None:
 def test_a_robot_comes_with_its_topics_and_goes_with_them(
     tell: Tell, lcmtools: Run, wait_until: Callable[..., None]
 ) -> None:
-    assert tell("spawn", "pioneer", "p3dx", "-4", "-1") == "the pioneer /p3dx is there\n"
+    assert tell("spawn", "pioneer", "p3dx", "-4", "-1") == "the pioneer /p3dx was added\n"
     wait_until(lambda: "/p3dx/RosAria/pose" in lcmtools("list").stdout)
     tell("step", "24")
     assert state(tell, "p3dx")["pose"]["position"]["x"] == pytest.approx(-4, abs=1e-3)
