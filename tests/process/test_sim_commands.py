@@ -105,7 +105,7 @@ def test_a_robot_comes_with_its_topics_and_goes_with_them(
     tell("step", "24")
     assert state(tell, "p3dx")["pose"]["position"]["x"] == pytest.approx(-4, abs=1e-3)
 
-    assert tell("delete", "p3dx") == "/p3dx is gone\n"
+    assert tell("delete", "p3dx") == "/p3dx was removed\n"
     wait_until(lambda: "/p3dx/" not in lcmtools("list").stdout)
     assert lcmtools("sim", "state", "p3dx").returncode == 1
 
