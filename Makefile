@@ -4,8 +4,10 @@
 # make man        the man pages, into build/man; a built wheel has them
 # make check      types fresh, ruff, mypy, import rules, spelling
 
-# pybullet has wheels for Python 3.9 to 3.11; an interpreter that it fits is preferred
-PYTHON ?= $(shell command -v python3.11 || command -v python3.10 || command -v python3)
+# the first that is new enough; where there is none, uv brings its own
+PYTHON ?= $(shell for python in python3 python3.14 python3.13 python3.12 python3.11 python3.10; do \
+  $$python -c 'import sys; sys.exit(sys.version_info < (3, 10))' 2>/dev/null && \
+  command -v $$python && break; done)
 VENV ?= .venv
 # how many tests run at a time: more than processors, for many of them wait; simulators do not
 JOBS ?= 4
@@ -27,8 +29,10 @@ test: $(VENV)/.installed-dev
 	$(BIN)/pytest -n $(JOBS) --dist worksteal -m "not timing" $(FAST) $(ARGS)
 	$(BIN)/pytest -m timing $(FAST) $(ARGS)
 
+# The physics tests run with pybullet above, where it is installed, and with MuJoCo here.
 test-slow: $(VENV)/.installed-dev
 	$(BIN)/pytest -n $(SLOW_JOBS) --dist worksteal $(SLOW) $(ARGS)
+	LCMTOOLS_ENGINE=mujoco $(BIN)/pytest -n $(SLOW_JOBS) --dist worksteal tests/physics $(ARGS)
 
 check: $(VENV)/.installed-dev
 	$(BIN)/python lcm_types/generate.py --check
@@ -52,11 +56,16 @@ bench: $(VENV)/.installed-dev
 	for script in $(filter-out bench/common.py bench/commands.py bench/compared.py,$(wildcard bench/*.py)); do echo "== $$script"; $(BIN)/python $$script || exit 1; done
 
 $(VENV)/.venv:
-	@$(PYTHON) -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 11))' || { \
-	  echo "the simulator's pybullet has no wheel for $$($(PYTHON) --version); type:" >&2; \
-	  echo '  uv python install 3.11 && make $(MAKECMDGOALS) PYTHON="$$(uv python find 3.11)"' >&2; \
-	  exit 1; }
-	$(PYTHON) -m venv $(VENV)
+	@if [ -n "$(PYTHON)" ]; then \
+	  $(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || { \
+	    echo "lcmtools needs Python 3.10 or newer, and $(PYTHON) is $$($(PYTHON) --version)" >&2; exit 1; }; \
+	  $(PYTHON) -m venv $(VENV); \
+	elif command -v uv >/dev/null; then \
+	  uv venv --quiet --seed --python '>=3.10' $(VENV); \
+	else \
+	  echo "lcmtools needs Python 3.10 or newer: install one, or uv (https://docs.astral.sh/uv/)" >&2; \
+	  exit 1; \
+	fi
 	touch $@
 
 $(VENV)/.installed: pyproject.toml | $(VENV)/.venv

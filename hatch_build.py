@@ -1,9 +1,7 @@
 """Writes the man pages when a wheel is built, from the commands' own help."""
 
-import os
 import subprocess
 import sys
-from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
@@ -17,11 +15,9 @@ class ManPages(BuildHookInterface):  # type: ignore[type-arg]
         """Write the pages and have them packed."""
         del version
         self._folder = TemporaryDirectory(prefix="lcmtools-man-")
-        path = os.pathsep.join([self.root, *filter(None, [os.environ.get("PYTHONPATH")])])
-        script = Path(self.root) / "docs" / "man_pages.py"
-        command = [sys.executable, str(script), self._folder.name]
-        environment = {**os.environ, "PYTHONPATH": path}
-        subprocess.run(command, env=environment, check=True)  # noqa: S603 - our own module
+        # -m, and no PYTHONPATH: pip takes a folder that is installed editably out of that
+        command = [sys.executable, "-m", "docs.man_pages", self._folder.name]
+        subprocess.run(command, cwd=self.root, check=True)  # noqa: S603 - our own module
         build_data["shared_data"][self._folder.name] = "share/man/man1"
 
     def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:

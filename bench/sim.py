@@ -1,15 +1,15 @@
-"""The speed of the simulator beside the bare engine with the same bodies.
+"""The speed of the simulator beside the bare engine with the same bodies, for each engine there.
 
 Every row is a scene. Columns, whose sides take turns in slices: simulated seconds in a second of
 processor time
-  bare        of Bullet's stepSimulation alone
-  engine      of stepSimulation, and of reading and setting every robot's motion
+  bare        of the engine's step alone
+  engine      of the engine's step, and of reading and setting every robot's motion
   drive       of the simulation without its sensors: commands, motors, tyres and encoders too
   sensors     of the simulation with all its sensors, including the encoding of messages
   alone       of the whole node on a bus without any subscriber
   subscribed  of the whole node with a plain LCM program, for which everything is sent
 and the share of a whole node's time that is not the engine's or the sensors':
-  tyres       motors, tyres and encoders, alone: the physics that Bullet does not do
+  tyres       motors, tyres and encoders, alone: the physics that the engine does not do
   loop        the rest, alone: the schedule, the clock, the bus
   sending     passing the messages to LCM, subscribed
 Then the time from the start to the first odometry, and memory.
@@ -17,6 +17,7 @@ Then the time from the start to the first odometry, and memory.
     python bench/sim.py [--seconds SIMULATED] [--hours SIMULATED]
 """
 
+import os
 import resource
 import subprocess
 import sys
@@ -34,6 +35,7 @@ import lcmtools
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools_sim.bridge import Bridge
+from lcmtools_sim.engines import ENGINES, VARIABLE, engine_version, is_installed
 from lcmtools_sim.geometry import Pose
 from lcmtools_sim.loop import Loop
 from lcmtools_sim.mounted import Subscribers
@@ -269,10 +271,13 @@ def main() -> None:
     arguments.add_argument("--hours", type=float, default=0.25, help="simulated, for memory")
     said = arguments.parse_args()
     isolate()
-    memory(said.hours)
-    compare(said.seconds)
-    times = sorted(first_odometry() for _ in range(5))
-    print(f"start to first odometry: {times[0]:.2f} s at best, {times[2]:.2f} s mostly")
+    for name in filter(is_installed, ENGINES):
+        os.environ[VARIABLE] = name
+        print(f"\n{engine_version(name)}")
+        memory(said.hours)
+        compare(said.seconds)
+        times = sorted(first_odometry() for _ in range(5))
+        print(f"start to first odometry: {times[0]:.2f} s at best, {times[2]:.2f} s mostly")
 
 
 if __name__ == "__main__":

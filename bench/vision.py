@@ -28,7 +28,7 @@ from lcmtools_sim.vision.messages import (
     depth_message,
     in_millimetres,
 )
-from lcmtools_sim.vision.noise import KINECT, noisy
+from lcmtools_sim.vision.noise import noisy
 from lcmtools_sim.vision.render import Rendering, render
 from lcmtools_sim.vision.scan import Numbers, Scanner
 from lcmtools_sim.vision.solids import Floats, solids_of
@@ -174,9 +174,9 @@ def follow_ups(count: int) -> None:
     """Print the time of each step after a picture."""
     camera, random = Camera(640, 480, FIELD_OF_VIEW), np.random.default_rng(1)
     sight = seen(camera, 0.0)
-    color, rough = color_image(sight), noisy(sight.depth, KINECT, random)
+    color, rough = color_image(sight), noisy(sight.depth, random, spread=1.4e-3)
     works = {
-        "noise": lambda _yaw: noisy(sight.depth, KINECT, random),
+        "noise": lambda _yaw: noisy(sight.depth, random, spread=1.4e-3),
         "32FC1": lambda _yaw: depth_message(sight.depth, METRES, NEAR, FAR),
         "16UC1": lambda _yaw: in_millimetres(sight.depth, NEAR, FAR),
         "PNG of depth": lambda _yaw: png(sight.depth),

@@ -53,7 +53,7 @@ def page(words: Words) -> str:
         rows.append(".SH COMMANDS")
         for below, text in command.help_lines():
             rows += [".TP", f".BR {_escaped('-'.join((*words, below)))} (1)", _escaped(text)]
-    rows += [".SH EXIT STATUS", _escaped(EXIT_CODES), ".SH ENVIRONMENT"]
+    rows += [".SH EXIT STATUS", _escaped(" ".join(EXIT_CODES.split())), ".SH ENVIRONMENT"]
     for variable, option in _ENVIRONMENT.items():
         rows += [".TP", f".B {variable}", f"As {_escaped(option)}; an option wins over it."]
     above = "lcmtools-config" if len(words) == 1 else "-".join(words[:-1])

@@ -28,21 +28,12 @@ _IGNORED_SPECIALS = ("__log", "__ip", "__hostname", "__master")
 
 @dataclass(slots=True)
 class NodeArguments:
-    """The names, parameters and bus of a node's command line.
-
-    Attributes:
-        namespace: From ``__ns:=`` or ``--ns``; None if not given, as of all texts here.
-        name: From ``__name:=`` or ``--name``.
-        remaps: Pairs (from, to), as written.
-        parameters: Private parameters, name to YAML text.
-        lcm_url: From ``--lcm-url``.
-        domain: From ``--domain``.
-    """
+    """The names, parameters and bus of a node's command line; None for what is not given."""
 
     namespace: str | None = None
     name: str | None = None
-    remaps: list[tuple[str, str]] = field(default_factory=list)
-    parameters: dict[str, str] = field(default_factory=dict)
+    remaps: list[tuple[str, str]] = field(default_factory=list)  # (from, to), as written
+    parameters: dict[str, str] = field(default_factory=dict)  # private ones, name to YAML text
     lcm_url: str | None = None
     domain: str | None = None
 
@@ -62,11 +53,8 @@ class NodeArguments:
 def split_arguments(arguments: Sequence[str]) -> tuple[NodeArguments, list[str]]:
     """Take the naming arguments out of a node's argument list, which has no program's name.
 
-    Returns:
-        Their value, and the arguments that are the node's own; after a ``--`` all are.
-
-    Raises:
-        UsageError: A flag lacks its value, or an unknown ``__special:=`` is given.
+    Returns their value, and the arguments that are the node's own; after a ``--`` all are.
+    UsageError is raised for a flag without its value, and an unknown ``__special:=``.
     """
     said = NodeArguments()
     rest: list[str] = []
@@ -106,11 +94,20 @@ def misspelt(words: Sequence[str], unknown: str, *, of_node: bool = True) -> str
     if before.endswith(":="):
         rest[:0] = [before]
     for count in range(1, len(rest) + 1):
-        if match := _MISSPELT.fullmatch("".join(rest[:count])):
+        parts = rest[:count]
+        if not all(map(_belong_together, parts, parts[1:])):
+            break  # two words, each with a meaning of its own
+        if match := _MISSPELT.fullmatch("".join(parts)):
             name, value = match.groups()
             is_topic = not of_node or name[0] in "_~/" or value[0].isalpha() or value[0] in "_~/"
             return f"did you mean {name if is_topic else f'_{name}'}:={value}?"
     return ""
+
+
+def _belong_together(left: str, right: str) -> bool:
+    """Return True for neighbours with a sign between, as in "a :=" or "= b"."""
+    has_sign = left[-1:] in (":", "=") or right[:1] in (":", "=")
+    return has_sign and not is_assignment(right) and not right.startswith("--")
 
 
 def looks_special(word: str) -> bool:
@@ -146,9 +143,8 @@ def _take_assignment(said: NodeArguments, key: str, value: str) -> None:
     elif key in ("__name", "__node"):
         said.name = value
     elif key.startswith("__"):
-        raise UsageError(
-            f"{key}:={value}: there is no such special name", "the special names: __ns, __name"
-        )
+        what = f"{key}:={value}: there is no such special name"
+        raise UsageError(what, "the special names: __ns, __name")
     elif key.startswith("_"):
         said.parameters[key[1:]] = value
     else:

@@ -23,20 +23,14 @@ def is_wanted(environment: Mapping[str, str], usual: str = "auto", *, is_termina
     FORCE_COLOR and CLICOLOR_FORCE, then the setting; else a terminal gets colour, unless it is a
     dumb one.
 
-    Args:
-        environment: The process's environment variables.
-        usual: The user's setting: "auto", "always" or "never".
-        is_terminal: True if the stream is a terminal.
+    ``usual`` is the user's setting: "auto", "always" or "never".
     """
     chosen = environment.get("LCMTOOLS_COLOR") or "auto"
-    if chosen == "auto" and environment.get("NO_COLOR"):
-        return False
-    if chosen == "auto" and any(
-        environment.get(name, "0") not in ("", "0") for name in ("FORCE_COLOR", "CLICOLOR_FORCE")
-    ):
-        return True
     if chosen == "auto":
-        chosen = usual
+        if environment.get("NO_COLOR"):
+            return False
+        forced = (environment.get(name, "0") for name in ("FORCE_COLOR", "CLICOLOR_FORCE"))
+        chosen = "always" if any(value not in ("", "0") for value in forced) else usual
     if chosen == "auto":
         return is_terminal and environment.get("TERM", "dumb") != "dumb"
     return chosen == "always"

@@ -27,23 +27,16 @@ _LCM_INTERNAL = ("LCM_SELF_TEST", "#!mpudpm")
 
 @dataclass(frozen=True, slots=True)
 class Resolver:
-    """The meaning of the names in a node's code.
+    """The meaning of the names in a node's code."""
 
-    Attributes:
-        namespace: The node's namespace, global ("/" or "/husky0").
-        node: The node's full name ("/husky0/simple_controller").
-        remaps: Pairs (from, to) as given; both sides are resolved before they are compared.
-    """
-
-    namespace: str = "/"
-    node: str = ""
-    remaps: tuple[tuple[str, str], ...] = ()
+    namespace: str = "/"  # the node's, global ("/husky0")
+    node: str = ""  # its full name ("/husky0/simple_controller")
+    remaps: tuple[tuple[str, str], ...] = ()  # (from, to) as given; compared when resolved
 
     def resolve(self, name: str) -> str:
         """The topic or service that ``name`` means for this node, remapped.
 
-        Raises:
-            InvalidName: The name is illegal or too long for an LCM channel.
+        InvalidName is raised for one that is illegal, or too long for an LCM channel.
         """
         resolved = self.expand(name)
         for source, target in reversed(self.remaps):  # the last of several equal rules wins
@@ -52,11 +45,7 @@ class Resolver:
         return check_length(resolved, name)
 
     def spellings(self, name: str) -> Sequence[str]:
-        """The channels that a topic's name may mean where it is *read*, remapped.
-
-        Raises:
-            InvalidName: The name is empty.
-        """
+        """The channels that a topic's name may mean where it is *read*, remapped."""
         if not name:
             raise InvalidName("the topic's name is empty", "lcmtools list shows the topics")
         found = spellings(name, self.namespace)
@@ -73,21 +62,15 @@ class Resolver:
 def resolve(name: str, namespace: str = "/", node: str = "") -> str:
     """The global form of a name: "/a" as it is, "a" in the namespace, "~a" below the node.
 
-    Raises:
-        InvalidName: The name has characters that ROS names do not have, or is private where there
-            is no node.
+    InvalidName is raised for other characters than ROS names have, and for "~a" without a node.
     """
     check_legal(name)
     if name.startswith("~"):
         if not node:
-            raise InvalidName(
-                f"'{name}' is private, and there is no node here",
-                "write the name in full, for example /node/name",
-            )
+            what = f"'{name}' is private, and there is no node here"
+            raise InvalidName(what, "write the name in full, for example /node/name")
         return _clean(f"{node}/{name[1:]}")
-    if name.startswith("/"):
-        return _clean(name)
-    return _clean(f"{namespace}/{name}")
+    return _clean(name if name.startswith("/") else f"{namespace}/{name}")
 
 
 def resolve_namespace(namespace: str) -> str:
@@ -98,10 +81,8 @@ def resolve_namespace(namespace: str) -> str:
 def check_legal(name: str) -> None:
     """Raise InvalidName unless it is a graph resource name or empty, which is the namespace."""
     if name and not _LEGAL_NAME.fullmatch(name):
-        raise InvalidName(
-            f"'{name}' is not a legal name",
-            "names are made of letters, digits, '_' and '/', and start with a letter, '/' or '~'",
-        )
+        rule = "names are made of letters, digits, '_' and '/', and start with a letter, '/' or '~'"
+        raise InvalidName(f"'{name}' is not a legal name", rule)
 
 
 def check_node(name: str) -> None:
@@ -123,11 +104,9 @@ def check_channel(channel: str) -> str:
 def check_base_name(name: str) -> None:
     """Raise InvalidName unless it is a node's name without a namespace: one part."""
     if not _LEGAL_BASE_NAME.fullmatch(name):
-        raise InvalidName(
-            f"'{name}' is not a legal node name",
-            "a node's name is letters, digits and '_', and starts with no digit; its namespace is"
-            " given by __ns:=",
-        )
+        rule = "a node's name is letters, digits and '_', and starts with no digit"
+        hint = f"{rule}; its namespace is given by __ns:="
+        raise InvalidName(f"'{name}' is not a legal node name", hint)
 
 
 def check_length(channel: str, name: str = "") -> str:
@@ -141,11 +120,9 @@ def check_length(channel: str, name: str = "") -> str:
         raise InvalidName(f"{channel!r} is no text that a channel can be named by") from error
     if size > MAX_CHANNEL_BYTES:
         source = f" (from '{name}')" if name and name != channel else ""
-        raise InvalidName(
-            f"'{channel}'{source} has {size} bytes and LCM channels have at most"
-            f" {MAX_CHANNEL_BYTES}",
-            "use a shorter name or namespace",
-        )
+        limit = f"LCM channels have at most {MAX_CHANNEL_BYTES}"
+        what = f"'{channel}'{source} has {size} bytes and {limit}"
+        raise InvalidName(what, "use a shorter name or namespace")
     if not channel or "\0" in channel:
         raise InvalidName("a channel name must not be empty or contain a zero byte")
     return channel

@@ -27,11 +27,7 @@ _MOST_BYTES = 100_000  # of a settings file
 
 
 def parse_duration(text: str) -> float:
-    """Return a time span in seconds: ``2``, ``2s``, ``500ms`` or ``1m``.
-
-    Raises:
-        UsageError: It is no duration.
-    """
+    """Return a time span in seconds: ``2``, ``2s``, ``500ms`` or ``1m``; UsageError for others."""
     form = _DURATION.fullmatch(text)
     if not form:
         raise UsageError(f"'{text}' is not a duration", "write 500ms, 2s or 1m")
@@ -45,17 +41,13 @@ def _check_color(text: str) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """A setting: its key in the file, its environment variable, its flag and its default.
-
-    Attributes:
-        check: Raises LcmtoolsError for a value that is wrong.
-    """
+    """A setting: its key in the file, its environment variable, its flag and its default."""
 
     name: str
     variable: str
     option: str
     default: str = ""
-    check: Callable[[str], object] = str
+    check: Callable[[str], object] = str  # raises LcmtoolsError for a value that is wrong
 
 
 SETTINGS = {
@@ -72,17 +64,11 @@ SETTINGS = {
 
 @dataclass(frozen=True, slots=True)
 class UserFile:
-    """The user's file.
+    """The user's file."""
 
-    Attributes:
-        path: Its path; None where the environment names no home.
-        values: By the settings' names, as text.
-        lines: The line of each value, from 1.
-    """
-
-    path: Path | None = None
-    values: Mapping[str, str] = field(default_factory=dict)
-    lines: Mapping[str, int] = field(default_factory=dict)
+    path: Path | None = None  # None where the environment names no home
+    values: Mapping[str, str] = field(default_factory=dict)  # by the settings' names, as text
+    lines: Mapping[str, int] = field(default_factory=dict)  # of each value, from 1
 
     def source(self, name: str) -> str:
         """Return the place of a value, for messages: "/home/me/.config/.../config.yaml:3"."""
@@ -107,11 +93,7 @@ def user_path(environment: Mapping[str, str]) -> Path | None:
 
 
 def read_user_file(environment: Mapping[str, str]) -> UserFile:
-    """Return the user's file; an empty one where there is none.
-
-    Raises:
-        InvalidFile: It cannot be read or is wrong, with the line.
-    """
+    """Return the user's file, empty where there is none; InvalidFile, with the line, if wrong."""
     path = user_path(environment)
     if path is None:
         return NO_FILE
@@ -140,11 +122,7 @@ def said(name: str, flag: str | None, environment: Mapping[str, str], file: User
 
 
 def usual_namespace(environment: Mapping[str, str]) -> str:
-    """Return the namespace in which names are resolved by default.
-
-    Raises:
-        InvalidFile: The user's file is wrong.
-    """
+    """Return the namespace in which names are resolved by default; InvalidFile as of the file."""
     return said("namespace", None, environment, read_user_file(environment)).value
 
 

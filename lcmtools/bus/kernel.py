@@ -6,12 +6,14 @@ nothing is filtered or marked, and the answer to a question is None or empty. Pr
 """
 
 import contextlib
+import os
 import socket
 import struct
 import sys
 import time
 from array import array
 from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
 
 from lcmtools.bus.socket_filter import Program
@@ -32,12 +34,14 @@ SELECTIVE = 0x4C
 The kernel counts what a filter drops and what a full buffer drops together.
 """
 
+_WANTED_BUFFER_BYTES = 8 << 20
 # asm-generic/socket.h and linux/in.h; Python's socket module does not name these
 _SO_ATTACH_FILTER, _SO_TIMESTAMPNS, _SO_MEMINFO, _IP_RECVTTL = 26, 35, 55, 12
 _MEMORY_LIMIT, _MEMORY_DROPS = 1, 8  # places among its numbers (linux/sock_diag.h)
 _IS_LINUX = sys.platform == "linux"
 _TIMESPEC = struct.Struct("@qq")
 
+_PIDFD_GETFD, _MCAST_MSFILTER = 438, 48  # asm-generic/unistd.h, linux/in.h
 _NETLINK_SOCK_DIAG, _SOCK_DIAG_BY_FAMILY = 4, 20
 _REQUEST_DUMP = 0x301  # NLM_F_REQUEST | NLM_F_DUMP
 _ERROR, _DONE = 2, 3
@@ -101,12 +105,12 @@ def dropped(receiver: socket.socket) -> int | None:
     return None
 
 
-def granted_buffer(wanted: int) -> int:
-    """Return how much of a receive buffer [byte] this system grants without asking root."""
+def receive_buffer_bytes() -> int:
+    """Return the largest receive buffer wanted that this system grants without asking root."""
     try:
-        return min(wanted, int(Path("/proc/sys/net/core/rmem_max").read_text()))
+        return min(_WANTED_BUFFER_BYTES, int(Path("/proc/sys/net/core/rmem_max").read_text()))
     except (OSError, ValueError):
-        return wanted  # setsockopt clamps or refuses by itself
+        return _WANTED_BUFFER_BYTES  # setsockopt clamps or refuses by itself
 
 
 def open_descriptors() -> set[int]:
@@ -128,11 +132,41 @@ def own_network() -> int:
 def receive_buffers() -> dict[int, int]:
     """Return the size of each UDP socket's receive buffer [byte] by its inode."""
     start = 4 * _MEMORY_LIMIT
+    families = socket.AF_INET, socket.AF_INET6
     return {
         inode: size
-        for inode, numbers in _attributes(_MEMORY)
+        for inode, numbers in chain.from_iterable(_attributes(_MEMORY, one) for one in families)
         if (size := int.from_bytes(numbers[start : start + 4], sys.byteorder))
     }
+
+
+def joined_interfaces(pid: int, inode: int, group: str) -> tuple[str, ...]:
+    """Return the interfaces on which a process's socket has joined a multicast group.
+
+    Empty where the system does not tell: it takes a copy of the socket, which root may have, and
+    where Yama allows it also the process's user (pidfd_getfd(2)).
+    """
+    import ctypes
+
+    libc = ctypes.CDLL(None, use_errno=True)
+    found: list[str] = []
+    with contextlib.suppress(OSError, AttributeError, StopIteration):
+        files = (Path("/proc") / str(pid) / "fd").iterdir()
+        number = next(int(f.name) for f in files if str(f.readlink()) == f"socket:[{inode}]")
+        process = os.pidfd_open(pid)
+        copy = libc.syscall(_PIDFD_GETFD, process, number, 0)
+        os.close(process)
+        if copy < 0:
+            return ()
+        for index, name in socket.if_nameindex():
+            # struct group_filter, which getsockopt reads; it fails where there is no membership
+            address = struct.pack("=HH4s", socket.AF_INET, 0, socket.inet_aton(group))
+            query = ctypes.create_string_buffer(struct.pack("@Ixxxx128sII", index, address, 0, 0))
+            size = ctypes.c_uint(len(query) - 1)
+            if not libc.getsockopt(copy, 0, _MCAST_MSFILTER, query, ctypes.byref(size)):
+                found.append(name)
+        os.close(copy)
+    return tuple(found)
 
 
 def selective_sockets() -> frozenset[int]:
@@ -151,7 +185,7 @@ def _marked(*marks: int) -> frozenset[int]:
     )
 
 
-def _attributes(kind: int) -> Iterator[tuple[int, bytes]]:
+def _attributes(kind: int, family: int = socket.AF_INET) -> Iterator[tuple[int, bytes]]:
     """Yield the inode and the attribute of every UDP socket of this network that has it.
 
     One request by sock_diag(7), answered with every socket; any user may send it.
@@ -163,7 +197,7 @@ def _attributes(kind: int) -> Iterator[tuple[int, bytes]]:
         socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, _NETLINK_SOCK_DIAG) as kernel,
     ):
         kernel.settimeout(_TIMEOUT)
-        request = _REQUEST.pack(socket.AF_INET, socket.IPPROTO_UDP, 1 << (kind - 1), 0, _ALL_STATES)
+        request = _REQUEST.pack(family, socket.IPPROTO_UDP, 1 << (kind - 1), 0, _ALL_STATES)
         size = _HEADER.size + len(request)
         kernel.send(_HEADER.pack(size, _SOCK_DIAG_BY_FAMILY, _REQUEST_DUMP, 1, 0) + request)
         while data := kernel.recv(1 << 16):

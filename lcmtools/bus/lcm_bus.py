@@ -106,7 +106,7 @@ class LcmBus:
             self._closed = True
         if self._paced:
             self._paced.close()
-        self._wake()
+        os.write(self._wake_write, b"\0")
         self._thread.join(timeout=2.0)
         os.close(self._wake_read)
         os.close(self._wake_write)
@@ -120,9 +120,6 @@ class LcmBus:
         if instance is None:
             raise BusError(f"the connection to {self.url} is lost")
         return instance
-
-    def _wake(self) -> None:
-        os.write(self._wake_write, b"\0")
 
     def _on_receiver(self, work: Callable[[], None]) -> None:
         """Run ``work`` on the receiving thread and wait for it; its exception is raised here."""
@@ -142,7 +139,7 @@ class LcmBus:
             if self._closed:
                 raise BusError("the bus is closed")
             self._requests.put(run)
-            self._wake()
+            os.write(self._wake_write, b"\0")
         try:
             error = done.get(timeout=_REQUEST_TIMEOUT)
         except queue.Empty:
@@ -157,8 +154,9 @@ class LcmBus:
 
     def _subscribe_all(self, instance: Instance) -> None:
         self._subscriptions.clear()
-        for channel in (name for name, handlers in self._handlers.items() if handlers):
-            self._subscribe_channel(instance, channel)
+        for channel, handlers in self._handlers.items():
+            if handlers:
+                self._subscribe_channel(instance, channel)
 
     def _subscribe_channel(self, instance: Instance, channel: str) -> None:
         with self._sending:

@@ -26,8 +26,13 @@ from collections.abc import Callable
 
 import lcm
 
-from lcmtools.bus.kernel import ANNOUNCED, attach, mark, open_descriptors
-from lcmtools.bus.multicast import receive_buffer_bytes
+from lcmtools.bus.kernel import (
+    ANNOUNCED,
+    attach,
+    mark,
+    open_descriptors,
+    receive_buffer_bytes,
+)
 from lcmtools.bus.preflight import check_bus
 from lcmtools.bus.socket_filter import well_formed
 from lcmtools.bus.url import BusUrl

@@ -13,23 +13,17 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from lcmtools.bus.kernel import ANNOUNCED, granted_buffer, mark
+from lcmtools.bus.kernel import ANNOUNCED, mark, receive_buffer_bytes
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire.datagram import short_message
 
 SELF_TEST_CHANNEL = "LCM_SELF_TEST"
 """The channel of liblcm's own self test."""
-
-WANTED_BUFFER_BYTES = 8 << 20
+_SELF_TEST = short_message(0, SELF_TEST_CHANNEL, b"lcm self test")
 _LOOPBACK_ROUTE = "sudo ip link set lo up multicast on && sudo ip route add 224.0.0.0/4 dev lo"
 _NO_ROUTE = {errno.ENETUNREACH, errno.ENODEV, errno.EADDRNOTAVAIL, errno.EHOSTUNREACH}
 _LOOPBACK_TIMEOUT = 0.4  # [s]; it normally takes well under a millisecond
-
-
-def receive_buffer_bytes() -> int:
-    """Return the largest receive buffer that this system grants without asking root [byte]."""
-    return granted_buffer(WANTED_BUFFER_BYTES)
 
 
 def sending_socket(url: BusUrl) -> socket.socket:
@@ -68,20 +62,11 @@ def check_multicast(url: BusUrl) -> None:
     Raises:
         BusError: With what to type. It takes under half a second to find out.
     """
-    check_route(url)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe, _explained(url):
+        probe.connect((url.host, url.port))  # sends nothing: is there a route?
     with receiving_socket(url) as receiver, sending_socket(url) as sender:
         sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
         check_loopback(url, sender, receiver)
-
-
-def check_route(url: BusUrl) -> None:
-    """Make sure that there is a route to the group; sends nothing.
-
-    Raises:
-        BusError: With what to type.
-    """
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe, _explained(url):
-        probe.connect((url.host, url.port))
 
 
 def check_sending(url: BusUrl) -> None:
@@ -90,9 +75,8 @@ def check_sending(url: BusUrl) -> None:
     Raises:
         BusError: The system does not send it.
     """
-    datagram = short_message(0, SELF_TEST_CHANNEL, b"lcm self test")
     with sending_socket(url) as sender, _explained(url):
-        sender.sendto(datagram, (url.host, url.port))
+        sender.sendto(_SELF_TEST, (url.host, url.port))
 
 
 def check_loopback(url: BusUrl, sender: socket.socket, receiver: socket.socket) -> None:
@@ -101,12 +85,11 @@ def check_loopback(url: BusUrl, sender: socket.socket, receiver: socket.socket) 
     Raises:
         BusError: It does not.
     """
-    datagram = short_message(0, SELF_TEST_CHANNEL, b"lcm self test")
     deadline = time.monotonic() + _LOOPBACK_TIMEOUT
     with _explained(url):
         while (left := deadline - time.monotonic()) > 0:
-            sender.sendto(datagram, (url.host, url.port))
-            if _receives(receiver, datagram, sender.getsockname()[1], min(left, 0.05)):
+            sender.sendto(_SELF_TEST, (url.host, url.port))
+            if _receives_self_test(receiver, sender.getsockname()[1], min(left, 0.05)):
                 return
     raise BusError(
         f"multicast to {url.host}:{url.port} does not come back to this host",
@@ -114,14 +97,14 @@ def check_loopback(url: BusUrl, sender: socket.socket, receiver: socket.socket) 
     )
 
 
-def _receives(receiver: socket.socket, datagram: bytes, port: int, timeout: float) -> bool:
+def _receives_self_test(receiver: socket.socket, port: int, timeout: float) -> bool:
     """Return whether our own datagram arrives; other traffic is ignored."""
     deadline = time.monotonic() + timeout
     while (left := deadline - time.monotonic()) > 0:
         if not select.select([receiver], [], [], left)[0]:
             return False
-        data, address = receiver.recvfrom(len(datagram) + 1)
-        if data == datagram and address[1] == port:
+        data, address = receiver.recvfrom(len(_SELF_TEST) + 1)
+        if data == _SELF_TEST and address[1] == port:
             return True
     return False
 

@@ -13,7 +13,7 @@ from collections import deque
 from lcmtools.bus.multicast import sending_socket
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
-from lcmtools.wire.datagram import MESSAGE_MAX, fits_datagram, fragments, short_message
+from lcmtools.wire.datagram import MAGIC_FRAGMENT, MESSAGE_MAX, datagrams
 
 PACED_ABOVE_BYTES = 120_000
 """Payloads up to this size fit stock receive buffers in one burst."""
@@ -98,12 +98,7 @@ class PacedSender:
         self._seqno += 1
         # a message that cannot leave is lost, as any datagram may be; the next one is tried again
         with contextlib.suppress(OSError):
-            if fits_datagram(channel, payload):
-                self._transmit(short_message(self._seqno, channel, payload))
-                return
-            for datagram in fragments(self._seqno, channel, payload):
-                self._transmit(datagram)
-                time.sleep(_PAUSE)
-
-    def _transmit(self, datagram: bytes) -> None:
-        self._socket.sendto(datagram, self._address)
+            for datagram in datagrams(self._seqno, channel, payload):
+                self._socket.sendto(datagram, self._address)
+                if datagram.startswith(MAGIC_FRAGMENT):
+                    time.sleep(_PAUSE)

@@ -10,14 +10,18 @@ import os
 import socket
 import struct
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from ipaddress import IPv4Address
 from pathlib import Path
 
 _PROC = Path("/proc")
 _LCM_MARK = b"LCM_SELF_TEST"  # a program that is linked with liblcm statically has this in it
-_SOCKET_TABLE = _PROC / "net" / "udp"
+_SOCKET_TABLES = (_PROC / "net" / "udp", _PROC / "net" / "udp6")  # Java's are in the second
+_ANY_V6, _MAPPED_V6 = "0" * 32, f"{'0' * 16}FFFF0000"  # IPv6 sockets that receive IPv4, too
+
+_INTERPRETERS = ("python", "pypy", "ruby", "perl", "lua", "node", "bash", "sh")
+"""The beginnings of the names of programs whose first argument is a script."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,11 +45,23 @@ class Process:
     start_ticks: int = 0  # its start, in clock ticks since boot: with the pid, its identity
 
     def called(self, most: int) -> str:
-        """Return the command line in so many characters; first its words lose their folders."""
+        """Return the command line in so many characters.
+
+        First the program, and the script that an interpreter runs, lose their folders; then words
+        at the end are left out. Arguments are not changed.
+        """
         if len(self.command) <= most:
             return self.command
-        words = self.command.split(" ")
-        return " ".join(word.rpartition("/")[2] or word for word in words)[:most]
+        program, *arguments = self.command.split(" ")
+        program = program.rpartition("/")[2] or program
+        place = next((n for n, word in enumerate(arguments) if not word.startswith("-")), None)
+        if program.startswith(_INTERPRETERS) and place is not None:
+            arguments[place] = arguments[place].rpartition("/")[2]
+        text = " ".join([program, *arguments])
+        if len(text) <= most:
+            return text
+        kept = text[: most - 1].rpartition(" ")[0] or text[: most - 2]
+        return f"{kept} …"
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,11 +76,12 @@ class Usage:
 
 def udp_sockets() -> list[UdpSocket]:
     """Return all UDP sockets of this network namespace; empty where that is not known."""
-    try:
-        lines = _SOCKET_TABLE.read_text().splitlines()[1:]
-    except OSError:
-        return []
-    return [_parse_row(line.split()) for line in lines]
+    found = []
+    for table in _SOCKET_TABLES:
+        with contextlib.suppress(OSError):
+            rows = (_parse_row(line.split()) for line in table.read_text().splitlines()[1:])
+            found += [row for row in rows if row is not None]
+    return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,20 +109,13 @@ def senders_from(port: int, rows: Iterable[UdpSocket], holders: Mapping[int, Pro
     return Senders(tuple(ordered), all(row.inode in holders for row in able))
 
 
-def senders_of_port(port: int) -> Senders:
-    """Return the possible senders from a local UDP port."""
-    rows = [row for row in udp_sockets() if row.port == port]
-    return senders_from(port, rows, owners(row.inode for row in rows))
-
-
 def owners(inodes: Iterable[int]) -> dict[int, Process]:
     """Return the process that holds each socket, of those that this user may look into."""
     targets = {f"socket:[{inode}]": inode for inode in inodes}
     found: dict[int, Process] = {}
-    for pid in _pids() if targets else ():
-        for target in _open_files(pid):
-            if target in targets and (process := process_of(pid)):
-                found.setdefault(targets[target], process)
+    for pid, target in _open_files() if targets else ():
+        if target in targets and (process := process_of(pid)):
+            found.setdefault(targets[target], process)
     return found
 
 
@@ -113,10 +123,9 @@ def process_of(pid: int) -> Process | None:
     """Return the process with this pid; None if there is none (a zombie has ended)."""
     try:
         command = (_PROC / str(pid) / "cmdline").read_bytes().replace(b"\0", b" ").strip()
-        status = (_PROC / str(pid) / "stat").read_text()
+        fields = _status(pid)
     except OSError:
         return None
-    fields = status.rpartition(")")[2].split()  # the name before it may contain anything
     if fields[0] in ("Z", "X"):
         return None
     return Process(pid, command.decode("utf-8", "replace"), int(fields[19]))
@@ -124,11 +133,10 @@ def process_of(pid: int) -> Process | None:
 
 def usage_of(pid: int) -> Usage | None:
     """Return a process's use of this computer; None where it is unknown."""
-    folder = _PROC / str(pid)
     try:
-        fields = (folder / "stat").read_text().rpartition(")")[2].split()
+        fields = _status(pid)
         uptime = float((_PROC / "uptime").read_text().split()[0])
-        uid = folder.stat().st_uid
+        uid = (_PROC / str(pid)).stat().st_uid
     except (OSError, ValueError):
         return None
     ticks = os.sysconf("SC_CLK_TCK")
@@ -139,6 +147,11 @@ def usage_of(pid: int) -> Usage | None:
         memory_bytes=int(fields[21]) * os.sysconf("SC_PAGE_SIZE"),
         processor_time=(int(fields[11]) + int(fields[12])) / ticks,
     )
+
+
+def _status(pid: int) -> list[str]:
+    status = (_PROC / str(pid) / "stat").read_text()
+    return status.rpartition(")")[2].split()  # the name before it may contain anything
 
 
 def is_local(address: str) -> bool:
@@ -217,18 +230,20 @@ def _contains(file: Path, text: bytes) -> bool:
 
 def _is_joined(group: str) -> bool:
     """Return whether any socket of this computer has joined the multicast group."""
-    packed = struct.unpack("=I", socket.inet_aton(group))[0]
+    number = struct.unpack("=I", socket.inet_aton(group))[0]
     try:
-        return f"{packed:08X}" in (_PROC / "net" / "igmp").read_text()
+        return f"{number:08X}" in (_PROC / "net" / "igmp").read_text()
     except OSError:
         return False
 
 
-def _parse_row(columns: list[str]) -> UdpSocket:
+def _parse_row(columns: list[str]) -> UdpSocket | None:
+    """Return the socket of a row; None where it is for IPv6 only."""
     address, port = columns[1].split(":")
-    packed = struct.pack("=I", int(address, 16))
+    if len(address) == len(_ANY_V6) and address != _ANY_V6 and address[:24] != _MAPPED_V6:
+        return None
     return UdpSocket(
-        address=socket.inet_ntoa(packed),
+        address=socket.inet_ntoa(struct.pack("=I", int(address[-8:], 16))),
         port=int(port, 16),
         inode=int(columns[9]),
         uid=int(columns[7]),
@@ -237,18 +252,11 @@ def _parse_row(columns: list[str]) -> UdpSocket:
     )
 
 
-def _pids() -> list[int]:
-    try:
-        return [int(entry.name) for entry in _PROC.iterdir() if entry.name.isdigit()]
-    except OSError:
-        return []
-
-
-def _open_files(pid: int) -> list[str]:
-    # of other users' processes, none
-    targets: list[str] = []
-    with contextlib.suppress(OSError):
-        for descriptor in (_PROC / str(pid) / "fd").iterdir():
-            with contextlib.suppress(OSError):  # closed meanwhile
-                targets.append(str(descriptor.readlink()))
-    return targets
+def _open_files() -> Iterator[tuple[int, str]]:
+    """Yield processes with the targets of their descriptors; none of other users' processes."""
+    with contextlib.suppress(OSError):  # no such system
+        for folder in (entry for entry in _PROC.iterdir() if entry.name.isdigit()):
+            with contextlib.suppress(OSError):  # another user's, or ended meanwhile
+                for descriptor in (folder / "fd").iterdir():
+                    with contextlib.suppress(OSError):  # closed meanwhile
+                        yield int(folder.name), str(descriptor.readlink())

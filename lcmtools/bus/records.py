@@ -9,7 +9,6 @@ import json
 import os
 import stat
 from collections.abc import Container, Iterator, Mapping
-from dataclasses import replace
 from pathlib import Path
 
 from lcmtools.bus.kernel import own_network
@@ -66,12 +65,23 @@ class NodeRecords:
         """
         for record in self._records():
             with contextlib.suppress(ValueError, KeyError, TypeError):
-                yield _node(record)
+                pid = int(str(record["pid"]))
+                process = process_of(pid)
+                is_alive = process is not None and process.start_ticks == record["start_ticks"]
+                yield Node(
+                    name=str(record["name"]),
+                    id=str(record["id"]),
+                    host=str(record["host"]),
+                    pid=pid,
+                    start_time=int(str(record["start_time"])),
+                    command=str(record["command"]),
+                    stale=Staleness.HANGS if is_alive else Staleness.ENDED,
+                )
 
     def namesake(self, node: Node) -> Node | None:
         """Return a node of the same name that another process of this computer runs, if any."""
-        others = (one for one in self.read() if one.name == node.name and one.pid != node.pid)
-        return next((one for one in others if one.stale is Staleness.HANGS), None)
+        alive = (one for one in self.read() if one.stale is Staleness.HANGS)
+        return next((one for one in alive if one.name == node.name and one.pid != node.pid), None)
 
     def topics(self, identifiers: Container[str], role: Role) -> set[str]:
         """Return the topics that nodes of these ids published, or subscribed to."""
@@ -93,21 +103,6 @@ class NodeRecords:
                         yield record
 
 
-def _node(record: Mapping[str, object]) -> Node:
-    pid = int(str(record["pid"]))
-    process = process_of(pid)
-    alive = process is not None and process.start_ticks == record["start_ticks"]
-    node = Node(
-        name=str(record["name"]),
-        id=str(record["id"]),
-        host=str(record["host"]),
-        pid=pid,
-        start_time=int(str(record["start_time"])),
-        command=str(record["command"]),
-    )
-    return replace(node, stale=Staleness.HANGS if alive else Staleness.ENDED)
-
-
 def _base_folders(environment: Mapping[str, str]) -> list[Path]:
     """Return the folders of records, the one to write to first: the user's runtime folder, /tmp."""
     shared = Path(f"/tmp/lcmtools-{os.getuid()}")  # noqa: S108 - private, and checked to be
@@ -124,10 +119,8 @@ def _is_private(folder: Path) -> bool:
         base = folder.parent.parent.lstat()
     except OSError:
         return False
-    own = os.getuid()
     return (
         stat.S_ISDIR(status.st_mode)
-        and status.st_uid == own
-        and base.st_uid == own
+        and status.st_uid == base.st_uid == os.getuid()
         and not base.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
     )

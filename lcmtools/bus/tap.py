@@ -24,7 +24,7 @@ from lcmtools.bus.socket_filter import heads_only
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.names import check_length
-from lcmtools.wire.datagram import fits_datagram, fragments, short_message
+from lcmtools.wire.datagram import datagrams
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.reader import PROTOCOL_PREFIX, Reader
 from lcmtools.wire.sequence import Sequence
@@ -122,11 +122,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         check_length(channel)
         self._seqno += 1
         try:
-            if fits_datagram(channel, payload):
-                datagram = short_message(self._seqno, channel, payload)
-                self._sender.sendto(datagram, self._address)
-                return
-            for datagram in fragments(self._seqno, channel, payload):
+            for datagram in datagrams(self._seqno, channel, payload):
                 self._sender.sendto(datagram, self._address)
         except OSError as error:
             raise BusError(f"cannot send to {self._address[0]}: {error.strerror}") from error

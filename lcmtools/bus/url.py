@@ -77,7 +77,7 @@ def choose_url(
 ) -> tuple[BusUrl, str]:
     """Return the chosen bus, and the source of the choice.
 
-    In this order: the URL given ("--lcm-url"), LCM_DEFAULT_URL, the domain given ("--domain"),
+    In this order: the URL given ("--lcm-url"), the domain given ("--domain"), LCM_DEFAULT_URL,
     LCMTOOLS_DOMAIN, the URL and the domain of the user's file (its line), LCM's default
     ("default"). An empty value counts as not given, as in liblcm.
 
@@ -87,8 +87,8 @@ def choose_url(
     """
     candidates = (
         (url, "--lcm-url", parse_url),
-        (environment.get("LCM_DEFAULT_URL"), "LCM_DEFAULT_URL", parse_url),
         (domain, "--domain", domain_url),
+        (environment.get("LCM_DEFAULT_URL"), "LCM_DEFAULT_URL", parse_url),
         (environment.get("LCMTOOLS_DOMAIN"), "LCMTOOLS_DOMAIN", domain_url),
         (file.values.get("lcm_url"), "lcm_url", parse_url),
         (file.values.get("domain"), "domain", domain_url),
@@ -122,9 +122,12 @@ def parse_url(text: str, source: str = "LCM URL") -> BusUrl:
             did_you_mean(provider, _PROVIDERS) or f"write {_example()}",
         )
     network, *option_parts = rest.split("?")
-    options = _parse_options("&".join(option_parts))
+    pairs = (part.partition("=") for part in "&".join(option_parts).split("&") if part)
+    options = {key: value for key, _, value in pairs}  # unknown ones too: liblcm ignores them
     where = f"{source} '{text}'"
-    _check_numbers(where, options)
+    for key in ("ttl", "recv_buf_size", "nports"):
+        if not _is_number(value := options.get(key, "0")):
+            raise InvalidUrl(f"{where}: {key}={value} is not a number", f"write {_example()}")
     if provider in ("udpm", "mpudpm"):
         host, port = _parse_group(where, provider, network)
     elif provider == "tcpq":
@@ -143,19 +146,6 @@ def misread_options(url: BusUrl) -> Iterator[str]:
             yield f"{key}={value} has no effect{f'; {hint}' if hint else ''}"
         elif key == "ttl" and int(value) > _MAX_TTL:
             yield f"ttl={value} is sent as {url.ttl}; the greatest is {_MAX_TTL}"
-
-
-def _parse_options(text: str) -> dict[str, str]:
-    # unknown options are kept: liblcm ignores them too
-    pairs = (part.partition("=") for part in text.split("&") if part)
-    return {key: value for key, _, value in pairs}
-
-
-def _check_numbers(where: str, options: Mapping[str, str]) -> None:
-    for key in ("ttl", "recv_buf_size", "nports"):
-        value = options.get(key, "0")
-        if not _is_number(value):
-            raise InvalidUrl(f"{where}: {key}={value} is not a number", f"write {_example()}")
 
 
 def _parse_group(where: str, provider: str, network: str) -> tuple[str, int]:

@@ -5,26 +5,20 @@ import os
 import click
 
 from lcmtools.bus.url import choose_url
-from lcmtools.cli.declare import subcommand
+from lcmtools.cli.declare import examples, subcommand
 from lcmtools.cli.options import COLOR, bus_choice, bus_options, json_option
 from lcmtools.cli.output import columns, show
 from lcmtools.settings import SETTINGS, read_user_file, said
 
 
-@subcommand("config")
-@json_option
-@bus_options
+@subcommand("config", json_option, bus_options)
+@examples("config", "config --domain 3 --json")
 def command(*, as_json: bool) -> None:
     """Show each setting's value and source, and the path of your settings file.
 
     A setting is taken from an option, else from an environment variable, else from the file, which
     is YAML with the settings' names as keys. A URL takes precedence over a domain from the same
     source.
-
-    \b
-    Examples:
-      lcmtools config
-      lcmtools config --domain 3 --json
     """
     file = read_user_file(os.environ)
     choice = bus_choice()

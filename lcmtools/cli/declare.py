@@ -1,6 +1,7 @@
 """Declaring commands: one way for their help, their options' types and their completion."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from inspect import cleandoc
 from typing import Any, TypeVar
 
 import click
@@ -15,10 +16,52 @@ CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 
 def subcommand(
-    name: str, *, cls: type[click.Command] = click.Command, **context: object
+    name: str,
+    *usual: Callable[[click.Command], object],
+    cls: type[click.Command] = click.Command,
+    **context: object,
 ) -> Callable[[Callable[..., object]], click.Command]:
-    """Make a function a command, with what its click context has besides the usual."""
-    return click.command(name, cls=cls, context_settings={**CONTEXT, **context})
+    """Make a function a command, with what its click context has besides the usual.
+
+    The ``usual`` options follow those that are declared between this line and the function.
+    """
+
+    def declare(function: Callable[..., object]) -> click.Command:
+        command = click.command(name, cls=cls, context_settings={**CONTEXT, **context})(function)
+        together(*usual)(command)
+        return command
+
+    return declare
+
+
+FunctionT = TypeVar("FunctionT", bound=Callable[..., object])
+
+
+def examples(*lines: str) -> Callable[[FunctionT], FunctionT]:
+    """End a command's help, which is its docstring, with command lines behind "lcmtools "."""
+
+    def declare(function: FunctionT) -> FunctionT:
+        function.__doc__ = with_examples(cleandoc(function.__doc__ or ""), lines)
+        return function
+
+    return declare
+
+
+def with_examples(text: str, lines: Iterable[str]) -> str:
+    """Return a help text with examples at its end."""
+    return "\n".join([text, "", "\b", "Examples:", *(f"  lcmtools {line}" for line in lines)])
+
+
+def together(*parts: Callable[[Any], Any]) -> Callable[[CommandT], CommandT]:
+    """Make several options and arguments one decorator, of a function or of a command."""
+
+    def declare(command: CommandT) -> CommandT:
+        # click appends to a command what it prepends to a function
+        for part in parts if isinstance(command, click.Command) else reversed(parts):
+            command = part(command)
+        return command
+
+    return declare
 
 
 def argument(

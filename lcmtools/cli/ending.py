@@ -21,13 +21,6 @@ BY_SIGNAL = 128
 """The exit code of a command that a signal has ended is this and the signal's number."""
 
 _ENVIRONMENT = ParameterSource.ENVIRONMENT
-_QUIET_ENDS: dict[type[BaseException], int] = {
-    KeyboardInterrupt: INTERRUPTED,
-    click.Abort: INTERRUPTED,
-    BrokenPipeError: 0,  # the reader has closed the pipe
-}
-
-
 _CHANGED = ("LCMTOOLS_COLOR", "LCMTOOLS_DEBUG", "NO_COLOR", "COLUMNS", "LINES")
 """Environment variables that options set for the command and the processes that it starts."""
 
@@ -79,11 +72,6 @@ def end_at_once() -> None:
         signal.signal(number, lambda number, _frame: os._exit(BY_SIGNAL + number))
 
 
-def exit_code(result: object) -> int:
-    """Return a command's own exit code; 0 where it returns none."""
-    return result if isinstance(result, int) else 0
-
-
 def explain(error: BaseException, command: str, *, as_json: bool = False) -> int | None:
     """Print an error in one line; return the exit code, or None if a traceback is to show it.
 
@@ -93,13 +81,14 @@ def explain(error: BaseException, command: str, *, as_json: bool = False) -> int
         return error.exit_code
     if isinstance(error, click.ClickException):
         return _usage_error(error, command)
-    for kind, code in _QUIET_ENDS.items():
-        if isinstance(error, kind):
-            return code
+    if isinstance(error, (KeyboardInterrupt, click.Abort)):
+        return INTERRUPTED
+    if isinstance(error, BrokenPipeError):  # the reader has closed the pipe
+        return 0
     if os.environ.get("LCMTOOLS_DEBUG") or not isinstance(error, Exception):
         return None
     failure = _failure(error)
-    complain(command, failure, as_json=as_json and failure.exit_code != USAGE)
+    complain(command, failure, as_json=as_json and not isinstance(failure, UsageError))
     return failure.exit_code
 
 

@@ -2,22 +2,17 @@
 
 import click
 
-from lcmtools.cli.declare import argument, subcommand
+from lcmtools.cli.declare import argument, examples, subcommand
 from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.output import data
 
 
 @subcommand("help")
+@examples("help echo", "help node info")
 @argument("words", metavar="[COMMAND...]", nargs=-1, completer="programs:commands")
 @click.pass_context
 def command(ctx: click.Context, words: tuple[str, ...]) -> None:
-    """Show the help of a command, as COMMAND --help does.
-
-    \b
-    Examples:
-      lcmtools help echo
-      lcmtools help node info
-    """
+    """Show the help of a command, as COMMAND --help does."""
     context = ctx.find_root()
     for word in words:
         group = context.command

@@ -7,7 +7,6 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from types import MappingProxyType
 from typing import cast
 
 import click
@@ -26,24 +25,22 @@ COMMAND = "lcmtools.command"
 class Entry:
     """A command of a group."""
 
-    home: str  # "module:attribute" of the click command
+    home: str  # "module:attribute" of the click command, below lcmtools
     help: str  # one line for the group's help, which leaves out aliases
     is_alias: bool = False
 
 
 class LazyGroup(click.Group):
-    """A group with a table of commands; ``absent`` has hints for ROS's that make no sense here."""
+    """A group with a table of commands."""
 
     def __init__(
         self,
         *args: object,
         entries: Mapping[str, Entry],
-        absent: Mapping[str, str] = MappingProxyType({}),
         **kwargs: object,
     ) -> None:
         super().__init__(*args, **kwargs)  # type: ignore[arg-type] # click's own arguments
         self._entries = entries
-        self._absent = absent
 
     def list_commands(self, _: click.Context) -> list[str]:
         """Return the commands that help lists."""
@@ -55,7 +52,9 @@ class LazyGroup(click.Group):
         if entry is None:
             return None
         module, attribute = entry.home.split(":")
-        return _mannered(cast(click.Command, getattr(import_module(module), attribute)))
+        return _mannered(
+            cast(click.Command, getattr(import_module(f"lcmtools.{module}"), attribute))
+        )
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Read the group's own options; without anything typed, print the help."""
@@ -68,20 +67,29 @@ class LazyGroup(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Find the command, or fail with the one that may have been meant."""
+        command = self.get_command(ctx, args[0])
+        if command is None and not args[0].startswith("-"):
+            args = self._instead(ctx, args)
+            command = self.get_command(ctx, args[0])
         name = args[0]
-        command = self.get_command(ctx, name)
-        if command is None and not name.startswith("-"):
-            near = closest(name, self._entries)
-            hint = f"; did you mean '{near[0]}'?" if near else ""
-            if name in self._absent:
-                hint = f": {self._absent[name]}"
-            ctx.fail(f"no such command '{name}'{hint}")
         ctx.meta[COMMAND] = f"{ctx.command_path} {name}"
         if command is not None:
             ctx.default_map = {name: _usual_values(command)}
             if is_looking(command):
                 return name, command, take_names(ctx, args[1:])
         return super().resolve_command(ctx, args)
+
+    def _instead(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """The words that take the place of a command of ROS; an error for any other one."""
+        from lcmtools.cli.ros import instead
+
+        ctx.meta[COMMAND] = ctx.command_path
+        found = instead("" if ctx.parent is None else str(self.name), args)
+        if not found:
+            near = closest(args[0], self._entries)
+            hint = f"; did you mean '{near[0]}'?" if near else ""
+            ctx.fail(f"no such command '{args[0]}'{hint}")
+        return found
 
     def format_commands(self, _: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands from the table, importing none."""

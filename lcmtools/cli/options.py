@@ -1,8 +1,7 @@
 """Options that several commands share, each defined once."""
 
 import os
-import signal
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -10,15 +9,12 @@ import click
 from click.core import ParameterSource
 
 from lcmtools.arguments import NodeArguments, is_assignment, split_arguments
-from lcmtools.cli.declare import CommandT, option
-from lcmtools.cli.output import talk
+from lcmtools.cli.declare import CommandT, duration, option, together
 from lcmtools.errors import UsageError
-from lcmtools.names import Pattern, Resolver, has_wildcard, resolve_namespace, spellings
-from lcmtools.settings import COLORS, read_user_file, usual_namespace
+from lcmtools.settings import COLORS
 
 if TYPE_CHECKING:  # lcmtools --help and usage errors do without the bus
-    from lcmtools.bus.url import BusUrl
-    from lcmtools.observe.monitor import BusMonitor
+    pass
 
 COLOR = "lcmtools.color"  # the key of a click context's ``meta`` for the value of ``--color``
 
@@ -39,24 +35,24 @@ def _remember(ctx: click.Context, parameter: click.Parameter, value: str | None)
     return value
 
 
-def bus_options(command: CommandT) -> CommandT:
-    """Add ``--lcm-url`` and ``--domain``; ``chosen_url`` reads them."""
-    url = option(
+bus_options = together(
+    option(
         "--lcm-url",
         metavar="URL",
         callback=_remember,
         expose_value=False,
         completer="bus:urls",
         help="The bus, for example 'udpm://239.255.76.67:7667?ttl=0' (else LCM_DEFAULT_URL).",
-    )
-    domain = option(
+    ),
+    option(
         "--domain",
         metavar="N",
         callback=_remember,
         expose_value=False,
-        help="The bus on port 7667 + N (else LCMTOOLS_DOMAIN). A URL takes precedence.",
-    )
-    return url(domain(command))
+        help="The bus on port 7667 + N (else LCMTOOLS_DOMAIN). --lcm-url takes precedence.",
+    ),
+)
+"""``--lcm-url`` and ``--domain``; ``chosen_url`` reads them."""
 
 
 def _remember_names(ctx: click.Context, parameter: click.Parameter, value: object) -> None:
@@ -80,20 +76,16 @@ def _add_names(ctx: click.Context, words: Sequence[str]) -> None:
     names.remaps += said.remaps
 
 
-def looking_options(command: CommandT) -> CommandT:
-    """Add ``bus_options``, ``--ns`` and ``--remap``; ``looking_names`` and ``in_names`` read them.
-
-    ``LazyGroup`` takes ``__ns:=`` and ``a:=b`` out of the words of the commands that have these.
-    """
-    ns = option(
+names_options = together(
+    option(
         "--ns",
         metavar="NAME",
         completer="bus:namespaces",
         callback=_remember_names,
         expose_value=False,
         help="The namespace of relative names; as __ns:=NAME.",
-    )
-    remap = option(
+    ),
+    option(
         "--remap",
         metavar="FROM:=TO",
         multiple=True,
@@ -101,13 +93,27 @@ def looking_options(command: CommandT) -> CommandT:
         callback=_remember_names,
         expose_value=False,
         help="Use TO in place of FROM; as FROM:=TO.",
-    )
-    return ns(remap(bus_options(command)))
+    ),
+)
+"""``--ns`` and ``--remap``, which ``BusChoice.names`` then has."""
+
+looking_options = together(names_options, bus_options)
+"""The options of commands that look at a bus; ``looking_names`` and ``in_names`` read them.
+
+``LazyGroup`` takes ``__ns:=`` and ``a:=b`` out of the words of the commands that have these.
+"""
 
 
 def is_looking(command: click.Command) -> bool:
-    """Return whether a command has ``looking_options``."""
-    return any(option.name == "ns" and not option.expose_value for option in command.params)
+    """Return whether a command has ``looking_options``; pub is a node of its own name."""
+    names = {parameter.name for parameter in command.params if not parameter.expose_value}
+    return "ns" in names and command.name != "pub"
+
+
+def timeout_option(seconds: float) -> Callable[[CommandT], CommandT]:
+    """Return ``--timeout`` of a command that waits for an answer."""
+    text = f"Longest wait for an answer (else {seconds:g}s)."
+    return option("--timeout", type=duration, default=seconds, help=text)
 
 
 json_option = option("--json", "as_json", is_flag=True, help="Print JSON.")
@@ -162,67 +168,3 @@ def manner_options(*, hidden: bool) -> list[click.Option]:
 def bus_choice() -> BusChoice:
     """Return the bus options of the command line."""
     return click.get_current_context().ensure_object(BusChoice)
-
-
-def chosen_url() -> "BusUrl":
-    """Return the bus that the command line and the environment select."""
-    from lcmtools.bus.url import choose_url
-
-    choice = bus_choice()
-    url, source = choose_url(choice.url, choice.domain, os.environ, read_user_file(os.environ))
-    if choice.domain and source != "--domain":
-        talk(f"lcmtools: --domain {choice.domain} has no effect: {source} wins")
-    return url
-
-
-def open_monitor(tool: str, *, whole: bool = False, plays: bool = False) -> "BusMonitor":
-    """Open the bus or the log that the command line selects, for the command ``tool``.
-
-    Large messages come as a whole, or only their heads; a log is played at its own speed, or read
-    at once. A request to shut down ends the command as SIGTERM does.
-    """
-    from lcmtools.observe.monitor import BusMonitor
-
-    return BusMonitor(
-        chosen_url(),
-        tool,
-        os.environ,
-        whole=whole,
-        plays=plays,
-        on_outage=lambda text: talk(f"lcmtools {tool}: {text}"),
-        on_shutdown=lambda: signal.raise_signal(signal.SIGTERM),
-    )
-
-
-def notify(text: str) -> None:
-    """Tell the person something in the name of the command that runs."""
-    talk(f"{click.get_current_context().command_path}: {text}")
-
-
-def looking_names() -> Resolver:
-    """The names of a command that looks: its namespace and its remaps."""
-    said = bus_choice().names
-    namespace = usual_namespace(os.environ) if said.namespace is None else said.namespace
-    return Resolver(resolve_namespace(namespace), remaps=tuple(said.remaps))
-
-
-def looking_pattern(text: str, *, hidden: bool) -> Pattern:
-    """A topic, namespace or pattern as a looking command reads it."""
-    names = looking_names()
-    word = text if has_wildcard(text) else in_names(text)
-    return Pattern(word, names.namespace, hidden=hidden)
-
-
-def in_names(word: str) -> str:
-    """A node, service, namespace or pattern as the command line's own ``--ns`` and remaps have it.
-
-    Where neither is given the word stays as it is, for it may be a name's last part or a pid.
-    """
-    said, names = bus_choice().names, looking_names()
-    if not word or not (said.namespace or said.remaps):
-        return word
-    found = names.spellings(word)[-1]
-    if said.namespace and has_wildcard(word) and not word.startswith("/"):
-        return f"{names.namespace.rstrip('/')}/{word}"
-    is_remapped = found != spellings(word, names.namespace)[-1]
-    return found if said.namespace or is_remapped else word

@@ -1,5 +1,6 @@
 """``lcmtools run``."""
 
+import inspect
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,20 +9,25 @@ import click
 
 import lcmtools
 from lcmtools.arguments import NodeArguments
-from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import bus_choice, bus_options, json_option
 from lcmtools.cli.output import show, talk
 from lcmtools.errors import LcmtoolsError, UsageError
-from lcmtools.packages.nodes import OWN, Runnable, find_node, runnables
-from lcmtools.packages.summaries import summary
+from lcmtools.node.process import set_note
+from lcmtools.packages.finding import find_node, own_answer
+from lcmtools.packages.nodes import OWN, Program, Runnable, runnables
 from lcmtools.packages.workspace import workspace
 
 
-@subcommand("run", allow_interspersed_args=False)
+@subcommand("run", json_option, bus_options, allow_interspersed_args=False)
+@examples(
+    "run sim",
+    "run simple_controller __ns:=/husky0 controlled_velocity:=velocity_cmd",
+    "run air_lab0 simple_controller __ns:=/husky0",
+    "run --list",
+)
 @option("-l", "--list", "show_list", is_flag=True, help="List the nodes that can be run.")
-@json_option
-@bus_options
 @argument("name", required=False, metavar="[PACKAGE] NAME", completer="programs:programs")
 @argument("arguments", nargs=-1, type=click.UNPROCESSED, completer="programs:arguments")
 def command(name: str | None, arguments: tuple[str, ...], *, show_list: bool, as_json: bool) -> int:
@@ -30,13 +36,6 @@ def command(name: str | None, arguments: tuple[str, ...], *, show_list: bool, as
     After NAME: __ns:=/husky0, __name:=driver, from:=to, _parameter:=value; or the same as --ns,
     --name, --param parameter:=value, --remap from:=to (-r). All other arguments are passed to the
     node. A PACKAGE of the workspace need not be installed; PACKAGE alone lists its nodes.
-
-    \b
-    Examples:
-      lcmtools run sim
-      lcmtools run simple_controller __ns:=/husky0 controlled_velocity:=velocity_cmd
-      lcmtools run air_lab0 simple_controller __ns:=/husky0
-      lcmtools run --list
     """
     if show_list and name:
         raise UsageError("--list takes no node's name", f"type lcmtools run {name}, or only --list")
@@ -64,34 +63,27 @@ def _list(nodes: Sequence[Runnable], package: str | None, *, as_json: bool) -> N
         node.name if node.package == own else f"{node.package} {node.name}": node for node in nodes
     }
     names, width = sorted(typed), max(map(len, typed), default=0)
-    found = ((name, summary(typed[name].target, typed[name].folder)) for name in names)
-    show(names, (f"{name:<{width}}  {text}".rstrip() for name, text in found), as_json=as_json)
-
-
-def _find(words: Sequence[str], known: Sequence[Runnable]) -> tuple[Runnable, list[str]]:
-    try:
-        return find_node(words, known)
-    except UsageError as error:
-        for problem in workspace(Path.cwd()).problems:  # the missing node may be in there
-            raise UsageError(error.what, str(problem)) from error
-        raise
+    rows = (f"{name:<{width}}  {typed[name].summary()}".rstrip() for name in names)
+    show(names, rows, as_json=as_json)
 
 
 def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
-    node, arguments = _find(words, known)
-    hidden = [one.package for one in known if one.name == node.name and one.package != node.package]
-    if node.package == OWN and words[0] == node.name and hidden:
-        talk(
-            f"lcmtools run: this is lcmtools' own {node.name}; {hidden[0]} has one too: "
-            f"lcmtools run {hidden[0]} {node.name}"
-        )
+    is_doubled = words[0] in words[1:2] and words[0] not in {node.package for node in known}
+    words = words[is_doubled:]  # rosrun image_view image_view: the package has the node's name
+    node, arguments = find_node(words, known, Path.cwd())
+    others = [one.package for one in known if one.name == node.name and one.package != OWN]
+    if node.package == OWN and words[0] == node.name and others:
+        what = f"this is lcmtools' own {node.name}; {others[0]} has one too"
+        talk(f"lcmtools run: {what}: lcmtools run {others[0]} {node.name}")
+    elif words[0] == node.name:
+        set_note(own_answer(node))
     bus = bus_choice()
     chosen = NodeArguments(lcm_url=bus.url or None, domain=bus.domain or None)
     typed = words[: len(words) - len(arguments)]
     try:
         program = node.load()
         click.get_current_context().meta[COMMAND] = f"lcmtools run {' '.join(typed)}"
-        return program([*chosen.words(), *arguments]) or 0
+        return _call(program, [*chosen.words(), *arguments]) or 0
     except KeyboardInterrupt:  # asked to end before the node was ready to be asked
         return 0
     except (LcmtoolsError, OSError):
@@ -104,3 +96,11 @@ def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
         return 1
     finally:
         lcmtools.shutdown()  # where the node has not done so
+
+
+def _call(program: Program, words: Sequence[str]) -> int | None:
+    """Call a node's main function; one without parameters reads its words from ``sys.argv``."""
+    if inspect.signature(program).parameters:
+        return program(words)
+    sys.argv[1:] = words
+    return program()

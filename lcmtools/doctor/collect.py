@@ -3,12 +3,13 @@
 import os
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import cast
 
-from lcmtools.bus.kernel import receive_buffers, selective_sockets
+from lcmtools.bus.kernel import joined_interfaces, receive_buffers, selective_sockets
 from lcmtools.bus.listeners import listening_sockets
-from lcmtools.bus.processes import Process, is_local
+from lcmtools.bus.processes import Process, is_local, usage_of
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl
 from lcmtools.doctor import host as computer
@@ -16,30 +17,40 @@ from lcmtools.doctor import programs
 from lcmtools.doctor.evidence import (
     Evidence,
     HostClock,
+    LcmProcess,
     Listener,
     SenderFacts,
     SimulatedClock,
 )
 from lcmtools.doctor.listening import Listening, target_rate
+from lcmtools.doctor.memory import Memory
+from lcmtools.doctor.rules import pace, traffic
 from lcmtools.errors import BusError, UsageError
 from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.graph.protocol import PERIOD
 from lcmtools.observe.losses import losses
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.senders import SocketTable, is_here, user_name
+from lcmtools.wire.packet import Sender
 
 _REQUESTS = 5  # for announcements at the end of a look, at most
 _ANSWER_TIME = 0.05  # [s] several times what nodes need
+_LONG_ENOUGH = 0.3  # [s] of a look that may last longer than was wanted
 
 
-def collect(url: BusUrl, environment: Mapping[str, str], listen: float) -> Evidence:
-    """Look at a bus for ``listen`` seconds. A bus that does not work is evidence, not an error."""
+def collect(
+    url: BusUrl, environment: Mapping[str, str], listen: float, memory: Memory | None = None
+) -> Evidence:
+    """Look at a bus for ``listen`` seconds, or longer where that leaves doubts.
+
+    A bus that does not work is evidence, not an error. ``memory`` is that of earlier looks.
+    """
     here = computer.host(url, environment)
     evidence = Evidence(url=str(url), ttl=url.ttl if url.is_multicast else 0, host=here)
-    failures = computer.reassembly_failures()
+    failures, filtered = computer.reassembly_failures(), computer.rp_filter_drops()
     try:
         with BusMonitor(url, "wtf", environment, whole=True) as monitor:
-            evidence = _look(monitor, evidence, listen)
+            evidence = _look(monitor, evidence, listen, memory or Memory())
     except BusError as error:
         return replace(evidence, bus_problem=error.what, bus_remedy=error.hint)
     stale = {node.id for node in evidence.graph.nodes if node.stale}
@@ -48,7 +59,11 @@ def collect(url: BusUrl, environment: Mapping[str, str], listen: float) -> Evide
         evidence,
         stale_published=records.topics(stale, Role.PUBLISHER),
         stale_subscribed=records.topics(stale, Role.SUBSCRIBER),
-        host=replace(here, reassembly_failures=computer.reassembly_failures() - failures),
+        host=replace(
+            here,
+            reassembly_failures=computer.reassembly_failures() - failures,
+            rp_filter_drops=computer.rp_filter_drops() - filtered,
+        ),
     )
 
 
@@ -58,40 +73,88 @@ def unusable(error: UsageError) -> Evidence:
     return Evidence(url="", bus_problem=error.what, bus_remedy=remedy)
 
 
-def _look(monitor: BusMonitor, evidence: Evidence, listen: float) -> Evidence:
-    before = monitor.settle(foreign=False)
-    table, on_bus = _sockets(monitor.url)
-    busy_before, start = _clock_busy(before), time.monotonic()
-    waited_before = {one.pid: programs.waited_time(one.pid) for one in table.holders.values()}
-    listening = Listening(monitor.types_of)
-    _take(monitor, listening, listen)
+def _look(monitor: BusMonitor, evidence: Evidence, listen: float, memory: Memory) -> Evidence:
+    begin = _Begin.now(monitor)
+    evidence = replace(evidence, before=begin.graph)
+    _take(monitor, begin.listening, listen)
+    found = memory.recall(_gathered(monitor, evidence, begin, listen))
+    longer = max(pace.doubt(found), traffic.doubt(found)) if listen >= _LONG_ENOUGH else 0.0
+    if longer > listen:
+        _take(monitor, begin.listening, longer - listen)
+        found = memory.recall(_gathered(monitor, evidence, begin, longer))
+    memory.learn(found)
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Begin:
+    """The bus and this computer at the start of a look, to be compared with what comes."""
+
+    graph: Graph
+    table: SocketTable
+    on_bus: frozenset[int]  # the inodes of the sockets that receive from it
+    times: Mapping[int, tuple[int, int]]  # that processes have computed, and waited to [ns]
+    listening: Listening
+    time: float
+
+    @classmethod
+    def now(cls, monitor: BusMonitor) -> "_Begin":
+        graph = monitor.settle(foreign=False)
+        table, on_bus = _sockets(monitor.url)
+        pids = {process.pid for process in table.holders.values()} - {os.getpid()}
+        times = {pid: programs.processor_times(pid) for pid in pids}
+        return cls(graph, table, on_bus, times, Listening(monitor.types_of), time.monotonic())
+
+    def spent(self) -> dict[int, tuple[int, int]]:
+        """The times that processes have computed, and waited to, since [ns]."""
+        now = {pid: programs.processor_times(pid) for pid in self.times}
+        return {
+            pid: (now[pid][0] - computed, now[pid][1] - waited)
+            for pid, (computed, waited) in self.times.items()
+        }
+
+
+def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: float) -> Evidence:
+    """The evidence of a look that has lasted ``listen`` seconds."""
+    listening = begin.listening
     after = _counted_again(monitor, listening, listen)
     later, still_on_bus = _sockets(monitor.url)
-    seconds = time.monotonic() - start
-    busy = {
-        pid: (spent - busy_before.get(pid, spent)) / 1e9 / seconds
-        for pid, spent in _clock_busy(after).items()
-    }
+    seconds, spent = time.monotonic() - begin.time, begin.spent()
+    busy = {pid: (computed + waited) / 1e9 / seconds for pid, (computed, waited) in spent.items()}
+    # some are stopped and continued again and again, and miss nothing
+    running = {pid for pid, (computed, _) in spent.items() if computed}
     names = programs.ProgramNames(monitor, listening, after, later)
     ports = {sender.port for sender in monitor.tap.sequences} if monitor.tap else set()
-    processes = programs.lcm_processes(monitor.url, later.rows.values(), later.holders, ports)
+    processes: tuple[LcmProcess, ...] = ()
+    if not monitor.is_log:
+        processes = programs.lcm_processes(monitor.url, later.rows.values(), later.holders, ports)
     return replace(
         evidence,
-        before=before,
         graph=after,
         listened=listen,
         malformed=names.malformed(monitor),
         own_drops=(monitor.tap.drops() if monitor.tap else None) or 0,
         senders=_senders(monitor, names),
         streams=tuple(
-            replace(one, name=names.senders.name(one.sender), pid=names.pid(one))
+            replace(
+                one,
+                name=names.name(one.sender),
+                pid=names.pid(one),
+                has_ended=_has_ended(one.sender, later),
+            )
             for one in listening.streams()
         ),
-        listeners=_listeners(on_bus & still_on_bus, table, names),
-        oddities=listening.oddities(names.senders.name),
+        listeners=tuple(
+            replace(one, state="") if one.pid in running else one
+            for one in _listeners(begin.on_bus & still_on_bus, begin.table, names, monitor.url.host)
+        ),
+        oddities=listening.oddities(names.name),
+        logs=listening.logs(),
         clock=_clock(listening, after, names, busy),
-        processes=programs.with_topics(processes, after),
-        processor_wait=_longest_wait(waited_before),
+        processes=programs.with_topics(
+            (replace(one, state="") if one.pid in running else one for one in processes), after
+        ),
+        processor_wait=max((waited for _, waited in spent.values()), default=0) / 1e9,
         users={uid: user_name(uid) for uid in {row.uid for row in later.rows.values()}},
         clocks=_clocks(after),
         remote=frozenset(node.id for node in after.nodes if not is_here(node)),
@@ -120,12 +183,6 @@ def _counted_again(monitor: BusMonitor, listening: Listening, listen: float) -> 
     return monitor.graph()
 
 
-def _longest_wait(before: Mapping[int, int]) -> float:
-    """The longest time that a process has waited for a processor since [s]."""
-    waits = (programs.waited_time(pid) - t for pid, t in before.items() if pid != os.getpid())
-    return max(0, *waits, 0) / 1e9
-
-
 def _sockets(url: BusUrl) -> tuple[SocketTable, frozenset[int]]:
     """This computer's UDP sockets, and the inodes of those that receive from the bus."""
     if not url.is_multicast:
@@ -142,19 +199,34 @@ def _senders(monitor: BusMonitor, names: programs.ProgramNames) -> tuple[SenderF
         if sender.port == tap.port:
             continue
         users = {row.uid for row in names.table.sockets(sender)}
+        age = 0.0 if sequence.is_shared else _age(names.senders.process(sender))
         facts.append(
             SenderFacts(
                 sender,
-                names.senders.name(sender),
+                names.name(sender),
                 is_local=is_local(sender.address),
                 messages=sequence.messages,
                 lost=lost[sender].lost if sender in lost else 0,
                 ttl=tap.ttls.get(sender),
                 uid=users.pop() if len(users) == 1 else None,
                 paces=names.senders.node(sender) is not None,
+                process_age=age,
+                average_rate=sequence.sent / age if age else 0.0,
             )
         )
     return tuple(facts)
+
+
+def _age(process: Process | None) -> float:
+    """The time since a process was started [s]; 0 where that is not known."""
+    usage = usage_of(process.pid) if process else None
+    return max(0.0, (time.time_ns() - usage.start_time) / 1e9) if usage else 0.0
+
+
+def _has_ended(sender: Sender | None, table: SocketTable) -> bool:
+    """Return whether a sender was a program of this computer and its socket is gone."""
+    known = sender is not None and bool(table.rows) and is_local(sender.address)
+    return known and not table.sockets(cast("Sender", sender))
 
 
 def _clocks(graph: Graph) -> tuple[HostClock, ...]:
@@ -168,7 +240,7 @@ def _clocks(graph: Graph) -> tuple[HostClock, ...]:
 
 
 def _listeners(
-    on_bus: frozenset[int], before: SocketTable, names: programs.ProgramNames
+    on_bus: frozenset[int], before: SocketTable, names: programs.ProgramNames, group: str
 ) -> tuple[Listener, ...]:
     buffers, after = receive_buffers(), names.table
     found = []
@@ -183,7 +255,7 @@ def _listeners(
         nodes = names.by_pid.get(process.pid, []) if process else []
         found.append(
             Listener(
-                names.of_process(process) if process else f"a program of user {row.uid}",
+                names.of_process(process) if process else f"a program of {user_name(row.uid)}",
                 process.pid if process else None,
                 row.uid,
                 drops=max(0, row.drops - earlier.drops),
@@ -193,6 +265,7 @@ def _listeners(
                 state=programs.state_of(process.pid) if process else "",
                 is_tool=process is not None and _is_tool(process, nodes),
                 is_node=bool(nodes),
+                joined=joined_interfaces(process.pid, inode, group) if process else (),
             )
         )
     return tuple(sorted(found, key=lambda listener: (listener.pid or 0, listener.name)))
@@ -203,12 +276,6 @@ def _is_tool(process: Process, nodes: Sequence[Node]) -> bool:
     if nodes:
         return all(node.tool for node in nodes)
     return any(Path(word).name == "lcmtools" for word in process.command.split()[:3])
-
-
-def _clock_busy(graph: Graph) -> dict[int, int]:
-    """The time that the local publishers of ``/clock`` have computed so far [ns]."""
-    publishers = graph.topic("/clock").publishers
-    return {node.pid: programs.busy_time(node.pid) for node, _ in publishers if is_here(node)}
 
 
 def _clock(
@@ -222,4 +289,4 @@ def _clock(
     node = names.senders.node(sender) or (publishers[0] if len(publishers) == 1 else None)
     target = target_rate(node.command) if node else 1.0
     share = busy.get(node.pid) if node and is_here(node) else None
-    return SimulatedClock(names.senders.name(sender), ratio, target, share)
+    return SimulatedClock(names.name(sender), ratio, target, share)

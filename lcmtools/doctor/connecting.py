@@ -4,14 +4,15 @@ Pure: the graph in, remedies out. Each changes one argument, and names the node 
 """
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import chain
 
 from lcmtools.doctor.findings import Part, Statement, Subject, state, subject
 from lcmtools.doctor.renaming import (
-    are_near,
-    because,
+    NearNames,
     expanded,
+    give_reason,
     is_legal,
     publish_on,
     remap_argument,
@@ -24,8 +25,12 @@ from lcmtools.names import base_name_of, is_hidden, namespace_of
 # Topics that nodes publish or subscribe to as a matter of course; roswtf excepts /clock, /rosout.
 _COMMON = frozenset({"/clock", "/rosout", "/tf", "/tf_static"})
 
-Loose = dict[Node, list[Endpoint]]
-"""The endpoints of nodes that have nothing at the other end."""
+_PERIODS = 3  # of a topic on average, without a message, are no sign that it is heard no more
+_FEWEST = 4  # messages that show that a topic is published again and again; pub -1 sends one
+_LONG_AGO = 180_000_000_000  # [ns]
+
+End = tuple[Node, Endpoint]
+"""An endpoint of a node."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,65 +45,49 @@ class Way:
 
 def is_simulator(node: Node) -> bool:
     """Return whether a node publishes the time, and so has sensors for any subscriber."""
-    return any(endpoint.topic == "/clock" for endpoint in node.having(Role.PUBLISHER))
+    return any(e.topic == "/clock" and e.role is Role.PUBLISHER for e in node.endpoints)
 
 
-def loose_ends(graph: Graph, role: Role, *, of_tools: bool = False) -> Loose:
+def loose_ends(graph: Graph, role: Role, *, of_tools: bool = False) -> list[End]:
     """The publications, or subscriptions, of live nodes that have nothing at the other end."""
+    live = [node for node in graph.nodes if not node.stale]
     other = Role.PUBLISHER if role is Role.SUBSCRIBER else Role.SUBSCRIBER
-    connected = {e.topic for node in graph.nodes if not node.stale for e in node.having(other)}
+    connected = {e.topic for node in live for e in node.endpoints if e.role is other}
     if role is Role.SUBSCRIBER:
-        connected |= {seen.channel for seen in graph.traffic}
-    loose: Loose = defaultdict(list)
-    for node in graph.nodes:
-        if node.stale or (node.tool and not of_tools):
-            continue
-        fed_groups = {e.group for e in node.endpoints if e.role is role and e.topic in connected}
-        for endpoint in _first_of_each_group(node.endpoints):
-            if (
-                endpoint.role is role
-                and endpoint.topic not in connected | _COMMON
-                and not is_hidden(endpoint.topic)
-                and not (endpoint.group and endpoint.group in fed_groups)
-            ):
-                loose[node].append(endpoint)
-    return loose
+        connected |= {seen.channel for seen in graph.traffic} | _heard(live, graph.time)
+    nodes = (node for node in live if of_tools or not node.tool)
+    return [(node, end) for node in nodes for end in _loose(node, role, connected)]
 
 
-def _first_of_each_group(endpoints: Iterable[Endpoint]) -> Iterator[Endpoint]:
-    """Alternatives of each other count as one, under the name of the first."""
-    groups = set()
-    for endpoint in endpoints:
-        if endpoint.group not in groups:
-            yield endpoint
-        if endpoint.group:
-            groups.add(endpoint.group)
+def _heard(nodes: Iterable[Node], now: int) -> set[str]:
+    """The topics of which messages came of late, by the counters of their subscribers.
+
+    A program that is no node may publish too seldom to be seen in one look.
+    """
+    heard = set()
+    for node in nodes:
+        for end in node.endpoints:
+            lived, age = end.last_time - node.start_time, node.time_there(now) - end.last_time
+            is_fed = end.role is Role.SUBSCRIBER and end.messages >= _FEWEST
+            if is_fed and age < min(_PERIODS * lived / end.messages, _LONG_AGO):
+                heard.add(end.topic)
+    return heard
 
 
-def ways(graph: Graph, loose: Loose, names: Mapping[str, str]) -> list[Way]:
-    """The known ways to connect loose subscriptions; ``names`` are the senders'."""
-    outputs = loose_ends(graph, Role.PUBLISHER, of_tools=True)
-    return [
-        way
-        for node, endpoints in loose.items()
-        for endpoint in endpoints
-        for way in _Search(graph, outputs, names, node, endpoint).ways()
-    ]
-
-
-def ways_out(graph: Graph, node: Node, endpoint: Endpoint) -> Iterator[Statement]:
-    """The remedies that lead a loose publication to a subscription that has another publisher."""
-    for listener in graph.nodes:
-        for other in listener.having(Role.SUBSCRIBER):
-            if listener.id == node.id or listener.tool or not _fit(endpoint, other):
-                continue
-            if are_near(endpoint.topic, other.topic):
-                remedy = start_with(node, endpoint.topic, other.topic)
-                yield because(remedy, "subscribes", listener=listener, channel=other.topic)
+def _loose(node: Node, role: Role, connected: set[str]) -> Iterator[Endpoint]:
+    """The loose ends of a node; alternatives of each other count as one, the first."""
+    ends = [end for end in node.endpoints if end.role is role]
+    groups = {end.group for end in ends if end.group and end.topic in connected}
+    for end in ends:
+        is_apart = end.topic in connected | _COMMON or is_hidden(end.topic)
+        if not is_apart and end.group not in groups:
+            yield end
+        if end.group:
+            groups.add(end.group)
 
 
 def _fit(one: Endpoint, other: Endpoint) -> bool:
-    return bool(set(one.fingerprints) & set(other.fingerprints))
+    return not set(one.fingerprints).isdisjoint(other.fingerprints)
 
 
 def _as_seen_by(node: Node, topic: str) -> str:
@@ -107,163 +96,212 @@ def _as_seen_by(node: Node, topic: str) -> str:
     return base_name_of(topic) if own == namespace_of(topic) else topic
 
 
-@dataclass(frozen=True, slots=True)
-class _Search:
-    """The ways to connect one subscription, from the likeliest kind of slip to the least likely."""
+def _sent(topic: Topic) -> set[int]:
+    """The types that are announced or sent on a topic."""
+    return {f for _, e in topic.publishers for f in e.fingerprints} | set(topic.fingerprints)
 
-    graph: Graph
-    outputs: Loose
-    names: Mapping[str, str]  # of the senders on the channels, for people
-    node: Node
-    endpoint: Endpoint
 
-    def ways(self) -> list[Way]:
-        kinds = (self._elsewhere, self._near, self._unmapped, self._beside, self._of_another_type)
-        return next((found for kind in kinds if (found := list(kind()))), [])
+def _by(key: Callable[[str], str], ends: Iterable[End]) -> dict[str, list[End]]:
+    """Endpoints by a part of their topics' names."""
+    found: dict[str, list[End]] = defaultdict(list)
+    for node, endpoint in ends:
+        found[key(endpoint.topic)].append((node, endpoint))
+    return found
 
-    def _way(
-        self,
-        remedy: Statement,
-        reason: str,
-        channel: str,
-        by_node: Node | None = None,
-        **parts: Part,
-    ) -> Way:
-        remedy = because(remedy, reason, channel=channel, **parts)
-        return Way(remedy, self.node.id, channel, by_node.id if by_node else "")
 
-    def _publications(self) -> Iterator[tuple[Node, Endpoint]]:
-        """The publications of other live nodes."""
-        for node in self.graph.nodes:
-            if not node.stale and node.id != self.node.id:
-                for endpoint in node.having(Role.PUBLISHER):
-                    yield node, endpoint
+class Connecting:
+    """The ways to connect loose ends; ``names`` are those of the channels' senders, for people."""
+
+    def __init__(self, graph: Graph, names: Mapping[str, str]) -> None:
+        self._graph, self._names = graph, names
+        live = [(n, e) for n in graph.nodes if not n.stale for e in n.endpoints]
+        published = [(n, e) for n, e in live if e.role is Role.PUBLISHER]
+        self._by_base = _by(base_name_of, published)
+        self._by_namespace = _by(namespace_of, published)
+        self._subscribed = _by(str, ((n, e) for n, e in live if e.role is Role.SUBSCRIBER))
+        self._near_names = NearNames(n for n in graph.topic_names() if not is_hidden(n))
+        self._near_subscribed = NearNames(self._subscribed)
+        outputs = loose_ends(graph, Role.PUBLISHER, of_tools=True)
+        self._loose = {(node.id, end.topic) for node, end in outputs}
+        self._foreign = graph.foreign()
+        sent = {seen.channel for seen in graph.traffic} | {e.topic for _, e in published}
+        self._placed = {
+            node.id
+            for node, end in live
+            if namespace_of(node.name) == namespace_of(end.topic) and not is_hidden(end.topic)
+            if end.topic in (sent if end.role is Role.SUBSCRIBER else self._subscribed)
+        }
+
+    def ways(self, loose: Iterable[End]) -> list[Way]:
+        """The known ways to connect loose subscriptions."""
+        return [way for node, end in loose for way in self._ways(node, end)]
+
+    def ways_out(self, node: Node, endpoint: Endpoint) -> Iterator[Statement]:
+        """The remedies that lead a loose publication to a subscription that has a publisher."""
+        for topic in self._near_subscribed.of(endpoint.topic):
+            for listener, other in self._subscribed[topic]:
+                if listener.id != node.id and not listener.tool and _fit(endpoint, other):
+                    remedy = publish_on(node, endpoint.topic, topic)
+                    yield give_reason(remedy, "subscribes", listener=listener, channel=topic)
+
+    def _ways(self, node: Node, end: Endpoint) -> list[Way]:
+        """The ways of the likeliest kind of slip."""
+        kinds = self._elsewhere, self._near, self._unmapped, self._beside, self._of_another_type
+        return next((found for kind in kinds if (found := list(kind(node, end)))), [])
 
     def _is_loose(self, publisher: Node, publication: Endpoint) -> bool:
-        return publication in self.outputs.get(publisher, ())
+        return (publisher.id, publication.topic) in self._loose
+
+    def _is_misplaced(self, node: Node, topic: str, *, command: bool = False) -> bool:
+        """Return whether a node's namespace is what is wrong with a topic in it.
+
+        Where another topic of the node in it is connected, it is not; nor where a command is at the
+        other end, which has the topic as its argument, but for a node without any namespace.
+        """
+        space = namespace_of(node.name)
+        is_own = space == namespace_of(topic) and node.id not in self._placed
+        return is_own and not (command and space != "/")
 
     def _sender(self, channel: str, fallback: object = "unknown sender") -> Subject:
-        return Subject("sender", self.names.get(channel, str(fallback)))
+        return Subject("sender", self._names.get(channel, str(fallback)))
 
-    def _elsewhere(self) -> Iterator[Way]:
+    def _elsewhere(self, node: Node, end: Endpoint) -> Iterator[Way]:
         """The same name in another namespace: one of the two nodes is in the wrong one."""
-        base, space = base_name_of(self.endpoint.topic), namespace_of(self.endpoint.topic)
         announced = [
             (publisher, other)
-            for publisher, other in self._publications()
-            if base_name_of(other.topic) == base and _fit(self.endpoint, other)
+            for publisher, other in self._by_base[base_name_of(end.topic)]
+            if publisher.id != node.id and _fit(end, other)
         ]
+        inside = expanded(end.topic.lstrip("/"), node)
+        for publisher, other in announced:
+            if other.topic == inside != end.topic:
+                yield _way(node, start_with(node, end.topic, inside), inside, publisher)
+                return
         misplaced = [pair for pair in announced if self._is_loose(*pair)]
-        if announced and namespace_of(self.node.name) == space:
+        command = bool(misplaced) and misplaced[0][0].tool
+        if announced and self._is_misplaced(node, end.topic, command=command):
             publisher, other = announced[0]
             first, *more = dict.fromkeys(namespace_of(one.topic) for _, one in announced)
             parts = {"or": tuple(more)} if more else {}
-            remedy = state("namespace", node=self.node, namespace=first, **parts)
-            yield self._way(remedy, "published", other.topic, publisher)
+            remedy = state("namespace", node=node, namespace=first, **parts)
+            yield _way(node, remedy, other.topic, publisher)
         elif misplaced:
-            yield self._moved(misplaced[0][0], misplaced[0][1].topic)
+            yield _moved(node, end, *misplaced[0])
         elif not announced:
-            yield from self._sent_elsewhere()
+            yield from self._sent_elsewhere(node, end)
 
-    def _moved(self, publisher: Node, topic: str) -> Way:
-        """The publisher has the wrong name, not the subscription."""
-        remedy = publish_on(publisher, topic, self.endpoint.topic)
-        return self._way(remedy, "publishes", topic, publisher, publisher=subject(publisher))
-
-    def _sent_elsewhere(self) -> Iterator[Way]:
+    def _sent_elsewhere(self, node: Node, end: Endpoint) -> Iterator[Way]:
         """The same for senders that are no nodes."""
-        wanted = self.endpoint.topic
-        is_own = namespace_of(self.node.name) == namespace_of(wanted)
-        for seen in self.graph.foreign():
-            channel, sent = seen.channel, set(seen.fingerprints) & set(self.endpoint.fingerprints)
-            if base_name_of(channel) != base_name_of(wanted) or not sent:
+        for seen in self._foreign:
+            channel = seen.channel
+            if base_name_of(channel) != base_name_of(end.topic):
                 continue
-            if is_own and is_legal(channel):
-                remedy = state("namespace", node=self.node, namespace=namespace_of(channel))
-            elif not self.graph.topic(channel).subscribers:
-                remedy = state("republish", topic=wanted)
+            if set(seen.fingerprints).isdisjoint(end.fingerprints):
+                continue
+            if self._is_misplaced(node, end.topic) and is_legal(channel):
+                remedy = state("namespace", node=node, namespace=namespace_of(channel))
+            elif not self._graph.topic(channel).subscribers:
+                remedy = state("republish", topic=end.topic)
             else:
                 continue
-            yield self._way(remedy, "published", channel, by=self._sender(channel, seen.sender))
+            yield _way(node, remedy, channel, by=self._sender(channel, seen.sender))
             return
 
-    def _near(self) -> Iterator[Way]:
+    def _near(self, node: Node, end: Endpoint) -> Iterator[Way]:
         """Nearly the same name, and not of a wrong type."""
-        wanted = self.endpoint.topic
-        for name in self.graph.topic_names():
-            if name == wanted or is_hidden(name) or not are_near(name, wanted):
-                continue
-            topic = self.graph.topic(name)
-            sent, taken = _sent(topic), set(self.endpoint.fingerprints)
-            others = [(n, e) for n, e in topic.publishers if n.id != self.node.id]
+        for name in self._near_names.of(end.topic):
+            topic = self._graph.topic(name)
+            sent, taken = _sent(topic), set(end.fingerprints)
+            others = [(n, e) for n, e in topic.publishers if n.id != node.id]
             if (taken and sent and not sent & taken) or not (others or topic.traffic):
                 continue
-            publisher = next((n for n, e in others if self._is_loose(n, e)), None)
-            if is_legal(name) and publisher and self._is_slip_of(publisher, name):
-                yield self._moved(publisher, name)
+            slip = next(((n, e) for n, e in others if self._is_loose(n, e)), None)
+            if is_legal(name) and slip and _is_slip_of(slip[0], name, node, end):
+                yield _moved(node, end, *slip)
                 return
             known: dict[str, Part] = {} if others else {"by": self._sender(name)}
             if is_legal(name):
-                remedy = start_with(self.node, wanted, name)
+                remedy = start_with(node, end.topic, name)
                 if not (others or topic.subscribers):
-                    known["or_publish_on"] = wanted
+                    known["or_publish_on"] = end.topic
             else:
-                remedy = state("republish", topic=wanted)
-            yield self._way(remedy, "published", name, publisher, **known)
+                remedy = state("republish", topic=end.topic)
+            yield _way(node, remedy, name, slip and slip[0], "published", **known)
             return
 
-    def _is_slip_of(self, publisher: Node, name: str) -> bool:
-        """Return whether the publisher, not the subscriber, has the name that is to be changed."""
-        if remap_argument(publisher, name) or remap_argument(self.node, self.endpoint.topic):
-            return bool(remap_argument(publisher, name))
-        is_foreign = namespace_of(self.node.name) != namespace_of(self.endpoint.topic)
-        return publisher.tool or is_foreign
-
-    def _unmapped(self) -> Iterator[Way]:
+    def _unmapped(self, node: Node, end: Endpoint) -> Iterator[Way]:
         """A remap that leads away from a topic that is published."""
-        argument = remap_argument(self.node, self.endpoint.topic)
-        before = expanded(argument.partition(":=")[0], self.node)
-        topic = self.graph.topic(before)
-        others = any(one.id != self.node.id and not one.stale for one, _ in topic.publishers)
-        is_fed = (others or topic.foreign) and _sent(topic) & set(self.endpoint.fingerprints)
-        if argument and is_fed:
-            remedy = state("drop-remap", node=self.node, argument=argument)
-            yield self._way(remedy, "published", before)
+        argument = remap_argument(node, end.topic)
+        before = expanded(argument.partition(":=")[0], node)
+        topic = self._graph.topic(before)
+        others = any(one.id != node.id and not one.stale for one, _ in topic.publishers)
+        if argument and (others or topic.foreign) and _sent(topic) & set(end.fingerprints):
+            yield _way(node, state("drop-remap", node=node, argument=argument), before)
 
-    def _beside(self) -> Iterator[Way]:
+    def _beside(self, node: Node, end: Endpoint) -> Iterator[Way]:
         """Publications of the same type and namespace without subscribers: a remap is missing.
 
         The names of a simulator's topics are fixed; others are remapped to them.
         """
-        wanted = self.endpoint.topic
-        for publisher, publication in self._publications():
+        for publisher, publication in self._by_namespace[namespace_of(end.topic)]:
             topic = publication.topic
-            is_beside = namespace_of(topic) == namespace_of(wanted)
-            if not is_beside or not _fit(self.endpoint, publication):
+            if publisher.id == node.id or not _fit(end, publication):
                 continue
             if is_simulator(publisher):
-                if not is_simulator(self.node):
-                    remedy = start_with(self.node, wanted, _as_seen_by(self.node, topic))
-                    yield self._way(remedy, "same-type", topic, publisher)
+                if not is_simulator(node):
+                    remedy = start_with(node, end.topic, _as_seen_by(node, topic))
+                    yield _way(node, remedy, topic, publisher, "same-type")
             elif self._is_loose(publisher, publication) and not publisher.tool:
-                remedy = publish_on(publisher, topic, _as_seen_by(publisher, wanted))
-                yield self._way(remedy, "no-subscriber", topic, publisher)
+                remedy = publish_on(publisher, topic, _as_seen_by(publisher, end.topic))
+                yield _way(node, remedy, topic, publisher, "no-subscriber")
 
-    def _of_another_type(self) -> Iterator[Way]:
+    def _of_another_type(self, node: Node, end: Endpoint) -> Iterator[Way]:
         """The same name in another namespace, or nearly the same name, but of another type."""
-        wanted = self.endpoint.topic
-        sent = [(subject(n), other.topic, other.type, n.id) for n, other in self._publications()]
-        for seen in self.graph.foreign():
+        if not end.fingerprints:
+            return
+        base, near = base_name_of(end.topic), set(self._near_names.of(end.topic))
+        for publisher, other in chain.from_iterable(self._by_base.values()):
+            is_meant = base_name_of(other.topic) == base or other.topic in near
+            if is_meant and publisher.id != node.id:
+                yield _retyped(node, end, other.topic, subject(publisher), other.type, publisher.id)
+                return
+        for seen in self._foreign:
             known = [name for number in seen.fingerprints for name in candidates(number)]
-            sent += [(self._sender(seen.channel), seen.channel, name, "") for name in known[:1]]
-        for publisher, topic, name, identity in sent if self.endpoint.fingerprints else ():
-            if base_name_of(topic) == base_name_of(wanted) or are_near(topic, wanted):
-                types = {"type": name, "topic": topic, "expected": self.endpoint.type}
-                remedy = state("change-type", publisher=publisher, node=self.node, **types)
-                yield Way(remedy, self.node.id, topic, identity)
+            if known and (base_name_of(seen.channel) == base or seen.channel in near):
+                yield _retyped(node, end, seen.channel, self._sender(seen.channel), known[0])
                 return
 
 
-def _sent(topic: Topic) -> set[int]:
-    """The types that are announced or sent on a topic."""
-    return {f for _, e in topic.publishers for f in e.fingerprints} | set(topic.fingerprints)
+def _way(
+    node: Node,
+    remedy: Statement,
+    channel: str,
+    by_node: Node | None = None,
+    because: str = "published",
+    **parts: Part,
+) -> Way:
+    given = give_reason(remedy, because, channel=channel, **parts)
+    return Way(given, node.id, channel, by_node.id if by_node else "")
+
+
+def _moved(node: Node, end: Endpoint, publisher: Node, publication: Endpoint) -> Way:
+    """The publisher has the wrong name, not the subscription."""
+    topic = publication.topic
+    remedy = publish_on(publisher, topic, end.topic)
+    return _way(node, remedy, topic, publisher, "publishes", publisher=subject(publisher))
+
+
+def _retyped(
+    node: Node, end: Endpoint, topic: str, publisher: Subject, name: str, identity: str = ""
+) -> Way:
+    types = {"type": name, "topic": topic, "expected": end.type}
+    return Way(
+        state("change-type", publisher=publisher, node=node, **types), node.id, topic, identity
+    )
+
+
+def _is_slip_of(publisher: Node, name: str, node: Node, end: Endpoint) -> bool:
+    """Return whether the publisher, not the subscriber, has the name that is to be changed."""
+    if remap_argument(publisher, name) or remap_argument(node, end.topic):
+        return bool(remap_argument(publisher, name))
+    return publisher.tool or namespace_of(node.name) != namespace_of(end.topic)

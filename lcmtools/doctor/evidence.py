@@ -3,12 +3,16 @@
 Belongs here: what the rules may look at. Must not read anything, nor judge.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
+from functools import wraps
+from typing import TypeVar
 
 from lcmtools.graph.model import Graph, Node
 from lcmtools.wire.packet import Sender
+
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,8 +23,10 @@ class Host:
     interface: str = ""  # to which the route to the group leads ("lo", "eth0")
     is_up: bool = True  # the interface; so are the next ones
     can_multicast: bool = True
+    has_link: bool = True
     joined: tuple[str, ...] = ()  # interfaces on which any program has joined the group
     rp_filter: int = 0  # 1 is strict
+    rp_filter_drops: int = 0  # datagrams that it dropped, during the look
     speed_mbit: int = 0  # [Mbit/s]
     is_wireless: bool = False
     receive_buffer: int = 0  # [byte] of a socket by default (rmem_default)
@@ -64,6 +70,7 @@ class Listener:
     state: str = ""  # of the process, as ps shows it ("T" is stopped); "" where not known
     is_tool: bool = False  # a command of lcmtools that looks, not a part of the system
     is_node: bool = False  # has a filter that drops malformed datagrams, which count as drops
+    joined: tuple[str, ...] = ()  # interfaces on which it is in the bus's group, where known
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +85,8 @@ class SenderFacts:
     ttl: int | None = None  # of its datagrams; None where not known
     uid: int | None = None  # the user of a local one, where known
     paces: bool = False  # spreads the fragments of large messages, as nodes of lcmtools do
+    process_age: float = 0.0  # [s] since its process was started; 0 where not known
+    average_rate: float = 0.0  # [Hz] of its messages since then, by their numbers
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,18 +101,43 @@ class Stream:
     bytes: int = 0  # of all payloads
     is_cut: bool = False  # there were more arrivals than times
     pid: int | None = None  # the sender's process on this computer, where known
+    has_ended: bool = False  # the sender, a program of this computer
+    format: str = ""  # "JSON", "protobuf", ... of payloads that are likely no LCM messages
+
+
+@dataclass(frozen=True, slots=True)
+class Publication:
+    """A sender's messages on a topic in earlier looks of ``--watch``."""
+
+    topic: str
+    sender: Sender | None
+    name: str  # the sender, for people
+    pid: int | None  # the sender's process on this computer, where known
+    rate: float  # [Hz] the fastest so far
+    gap: float  # [s] the longest between the latest messages
+    last_time: int  # [ns since 1970] of the newest message
 
 
 @dataclass(frozen=True, slots=True)
 class Oddity:
     """A value in the messages of a topic that looks wrong."""
 
-    kind: str  # "not-finite", "quaternion", "covariance", "nsec", "future", "old", "boot",
-    # or "undecodable"
+    kind: str  # "not-finite", "quaternion", "covariance", "nsec", "future", "old", "replayed",
+    # "boot" or "undecodable"
     topic: str
     name: str  # the sender, for people
     text: str  # the field's path, and what is odd about it
     count: int = 1  # messages that have it
+
+
+@dataclass(frozen=True, slots=True)
+class LogLine:
+    """A warning or an error that came on ``/rosout``."""
+
+    node: str  # that wrote it
+    level: str  # "warning", "error" or "fatal"
+    text: str  # its first line, shortened
+    count: int = 1  # times that it came
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +156,7 @@ class LcmProcess:
 
     pid: int
     command: str
-    bus: str = ""  # "239.255.76.67:7668" where it is on another bus; "" on this one
+    bus: str = ""  # "239.255.76.67:7668" or a URL where it is on another bus; "" on this one
     variable: str = ""  # its LCM_DEFAULT_URL or LCMTOOLS_DOMAIN, as NAME=VALUE
     open_files: int = 0
     most_files: int = 0  # that it may have open
@@ -130,9 +164,9 @@ class LcmProcess:
     topics: tuple[str, ...] = ()  # published on its bus, if that was looked at
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Evidence:
-    """Everything that the rules may look at."""
+    """Everything that the rules may look at. It has no slots: ``derived`` keeps values in it."""
 
     url: str
     bus_problem: str = ""  # the reason why the bus cannot be used at all
@@ -145,8 +179,10 @@ class Evidence:
     own_drops: int = 0  # datagrams that wtf itself was too slow for
     senders: Sequence[SenderFacts] = ()
     streams: Sequence[Stream] = ()
+    remembered: Sequence[Publication] = ()  # of senders that may still be there
     listeners: Sequence[Listener] = ()  # on this computer
     oddities: Sequence[Oddity] = ()
+    logs: Sequence[LogLine] = ()
     clock: SimulatedClock | None = None  # None without a simulator
     processes: Sequence[LcmProcess] = ()
     host: Host = field(default_factory=Host)
@@ -160,3 +196,33 @@ class Evidence:
     def own_nodes(self) -> list[Node]:
         """The nodes of this computer: only their process numbers mean anything here."""
         return [node for node in self.graph.nodes if node.id not in self.remote]
+
+    def has_others(self) -> bool:
+        """Return whether other computers are seen to take part."""
+        return any(not sender.is_local for sender in self.senders)
+
+
+def derived(compute: Callable[[Evidence], _T]) -> Callable[[Evidence], _T]:
+    """Compute a function of evidence once, however many rules need it."""
+
+    @wraps(compute)
+    def once(evidence: Evidence) -> _T:
+        known = vars(evidence)
+        if compute.__qualname__ not in known:
+            known[compute.__qualname__] = compute(evidence)
+        value: _T = known[compute.__qualname__]
+        return value
+
+    return once
+
+
+@derived
+def sender_names(evidence: Evidence) -> dict[Sender | None, str]:
+    """The names of the senders, for people."""
+    return {one.sender: one.name for one in evidence.senders}
+
+
+@derived
+def channel_names(evidence: Evidence) -> dict[str, str]:
+    """The name of a sender of each channel, for people."""
+    return {stream.channel: stream.name for stream in evidence.streams}

@@ -13,6 +13,7 @@ from lcmtools.doctor.evidence import (
     HostClock,
     LcmProcess,
     Listener,
+    Publication,
     SenderFacts,
     Stream,
 )
@@ -41,7 +42,7 @@ class Subject:
         return self.name
 
 
-Observed: TypeAlias = Node | LcmProcess | SenderFacts | Stream | Listener | HostClock
+Observed: TypeAlias = Node | LcmProcess | SenderFacts | Stream | Publication | Listener | HostClock
 """A value of the evidence that a finding can be about."""
 Part: TypeAlias = Subject | str | int | float | tuple[Subject, ...] | tuple[str, ...]
 """A subject, or a measured value."""
@@ -51,7 +52,7 @@ _KINDS = {
     **dict.fromkeys(("sender", "senders", "other_sender", "program", "programs", "by"), "sender"),
     **dict.fromkeys(("host", "hosts"), "host"),
     **dict.fromkeys(("user", "users"), "user"),
-    **dict.fromkeys(("interface", "bridge"), "interface"),
+    **dict.fromkeys(("interface", "interfaces", "bridge"), "interface"),
 }
 """The kind of subject that a bare name is, by the part's name."""
 
@@ -65,7 +66,7 @@ def subject(observed: Observed) -> Subject:
             return Subject("process", observed.command, observed.pid)
         case SenderFacts():
             return Subject("sender", observed.name, address=str(observed.sender))
-        case Stream():
+        case Stream() | Publication():
             return Subject("sender", observed.name, observed.pid)
         case Listener():
             return Subject("listener", observed.name, observed.pid)
@@ -110,7 +111,7 @@ class Finding:
     title: Statement  # the fault
     facts: tuple[Statement, ...] = ()  # the single cases of it, or what else is known
     remedies: tuple[Statement, ...] = ()  # what to type or change
-    severity: Severity = Severity.WARNING
+    severity: Severity = Severity.ERROR  # its rule limits it
     rule: str = ""  # the id of the rule that found it ("unconnected-subscriptions")
 
     def subjects(self) -> list[Subject]:
@@ -119,26 +120,20 @@ class Finding:
         return list(dict.fromkeys(one for s in statements for one in s.subjects()))
 
 
-def finding(
+def found(
     title: str | Statement,
-    facts: Iterable[Statement] = (),
+    facts: Iterable[Statement] | None = None,
     *remedies: str | Statement,
-    severity: Severity = Severity.WARNING,
-) -> Finding:
-    """A finding, with each remedy once. The kind alone is a statement without parts."""
-    distinct = {repr(one): one for one in map(_statement, remedies)}
-    return Finding(_statement(title), tuple(facts), tuple(distinct.values()), severity)
-
-
-def cases(
-    title: str | Statement,
-    facts: Iterable[Statement],
-    *remedies: str | Statement,
-    severity: Severity = Severity.WARNING,
+    severity: Severity = Severity.ERROR,
 ) -> Iterator[Finding]:
-    """A finding that these facts make; none without facts."""
-    if facts := tuple(facts):
-        yield finding(title, facts, *remedies, severity=severity)
+    """A finding, with each remedy once; none if it is one of facts and there are no facts.
+
+    The kind alone is a statement without parts. Its rule limits the severity.
+    """
+    items = tuple(facts or ())
+    if items or facts is None:
+        distinct = {repr(one): one for one in map(_statement, remedies)}
+        yield Finding(_statement(title), items, tuple(distinct.values()), severity)
 
 
 def _statement(stated: str | Statement) -> Statement:
@@ -161,7 +156,7 @@ class Rule:
     """A rule of ``wtf``."""
 
     id: str  # its name ("unconnected-subscriptions")
-    severity: Severity  # of its gravest finding
+    severity: Severity  # of its gravest finding; others say that they are milder
     explanation: str  # a paragraph: what should be true, and why that matters
     remedy: str  # the usual one; findings give it more exactly
     check: Check  # looks at the evidence and yields findings
@@ -173,7 +168,10 @@ class Rule:
 
     def examine(self, evidence: Evidence) -> list[Finding]:
         """Everything that this rule finds."""
-        return [replace(finding, rule=self.id) for finding in self.check(evidence)]
+        return [
+            replace(finding, rule=self.id, severity=min(finding.severity, self.severity))
+            for finding in self.check(evidence)
+        ]
 
 
 def rule(

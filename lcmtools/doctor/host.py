@@ -12,8 +12,8 @@ import socket
 import struct
 import subprocess
 import sys
+from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
@@ -25,8 +25,8 @@ from lcmtools.doctor.self_test import LARGE_BYTES, large_problem, send_problem
 from lcmtools.errors import LcmtoolsError
 
 _PROC, _NET = Path("/proc"), Path("/sys/class/net")
-_UP, _MULTICAST = 0x1, 0x1000  # linux/if.h
-_WORKS = _UP | _MULTICAST
+_UP, _RUNNING, _MULTICAST = 0x1, 0x40, 0x1000  # linux/if.h
+_WORKS = _UP | _RUNNING | _MULTICAST
 _GET_FLAGS = 0x8913  # linux/sockios.h; /sys may show another network's interfaces
 _TYPE_PACKAGES = ("geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs")
 _UFW = Path("/etc/ufw/ufw.conf")
@@ -48,6 +48,7 @@ def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
         interface=interface,
         is_up=bool(flags & _UP),
         can_multicast=bool(flags & _MULTICAST) or not interface,
+        has_link=bool(flags & _RUNNING) or not interface,
         joined=_joined(url.host) if url.is_multicast else (),
         rp_filter=max(
             _number(_PROC / f"sys/net/ipv4/conf/{name}/rp_filter")
@@ -122,9 +123,19 @@ def _routed_interfaces() -> set[str]:
 
 def reassembly_failures() -> int:
     """IP datagrams so far whose pieces did not all come."""
-    rows = [line.split() for line in text_of(_PROC / "net/snmp").splitlines() if line[:3] == "Ip:"]
+    return _counter(_PROC / "net/snmp", "Ip:", "ReasmFails")
+
+
+def rp_filter_drops() -> int:
+    """IP datagrams so far that rp_filter has dropped."""
+    return _counter(_PROC / "net/netstat", "TcpExt:", "IPReversePathFilter")
+
+
+def _counter(file: Path, group: str, name: str) -> int:
+    """A counter of the kernel, in a file with a line of names before each line of numbers."""
+    rows = [line.split() for line in text_of(file).splitlines() if line.startswith(group)]
     with contextlib.suppress(ValueError, IndexError):
-        return int(rows[1][rows[0].index("ReasmFails")])
+        return int(rows[1][rows[0].index(name)])
     return 0
 
 
@@ -187,22 +198,10 @@ def firewall() -> tuple[str, str]:
         return "", "its rules are not known on this system"
     if os.getuid() != 0:
         return "", "only root can read its rules: sudo lcmtools wtf, or sudo nft list ruleset"
-    return _read_rules()
-
-
-def _read_rules() -> tuple[str, str]:
     readers = {name: command for name, command in _READERS.items() if shutil.which(command[0])}
     if not readers:
         return "", "neither nft nor iptables-save is installed, which would show its rules"
-    found = (name for name, command in readers.items() if refuses(_output(command)))
-    return next(found, ""), ""
-
-
-@dataclass(slots=True)
-class _Chain:
-    is_met: bool = False  # by datagrams that come in or leave, without any jump
-    refuses: bool = False
-    jumps: set[str] = field(default_factory=set)
+    return next((name for name, command in readers.items() if refuses(_output(command))), ""), ""
 
 
 def refuses(rules: str) -> bool:
@@ -210,7 +209,7 @@ def refuses(rules: str) -> bool:
 
     What is only forwarded for others, as Docker's rules are about, does not count.
     """
-    chains: dict[str, _Chain] = {}
+    met, refusing, jumps = set(), set(), defaultdict[str, set[str]](set)  # by a chain's name
     current = ""
     for line in rules.splitlines():
         words = line.replace(";", " ").split()
@@ -218,25 +217,14 @@ def refuses(rules: str) -> bool:
             current = words[1]
         elif words and words[0][:1] == ":":
             current = words[0][1:]
-        chain = chains.setdefault(current, _Chain())
-        chain.is_met |= current in ("INPUT", "OUTPUT") or bool(_MET.search(line))
-        chain.refuses |= bool(_REFUSALS & set(words))
-        chain.jumps |= {b for a, b in pairwise(words) if a in _JUMPS}
-    return _meets_refusal(chains)
-
-
-def _meets_refusal(chains: Mapping[str, _Chain]) -> bool:
-    waiting = [name for name, chain in chains.items() if chain.is_met]
-    seen: set[str] = set()
-    while waiting:
-        name = waiting.pop()
-        if name in seen or name not in chains:
-            continue
-        seen.add(name)
-        if chains[name].refuses:
-            return True
-        waiting += chains[name].jumps
-    return False
+        if current in ("INPUT", "OUTPUT") or _MET.search(line):
+            met.add(current)
+        if _REFUSALS & set(words):
+            refusing.add(current)
+        jumps[current] |= {b for a, b in pairwise(words) if a in _JUMPS}
+    while new := {target for name in met for target in jumps[name]} - met:
+        met |= new
+    return not met.isdisjoint(refusing)
 
 
 def _output(command: Sequence[str]) -> str:

@@ -7,32 +7,39 @@ sampled; everything is counted.
 import contextlib
 import shlex
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 from lcmtools.clock import join_stamp
 from lcmtools.doctor.content import oddities
-from lcmtools.doctor.evidence import Oddity, Stream
+from lcmtools.doctor.evidence import LogLine, Oddity, Stream
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.messages.fields import stamp
+from lcmtools.messages.foreign import foreign_format
 from lcmtools.messages.registry import Message
 from lcmtools.names import is_hidden
 from lcmtools.observe.decoding import Decoder
-from lcmtools.types.rosgraph_msgs import Clock
+from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.wire.packet import Packet, Sender
 
-_CLOCK = "/clock"
+_CLOCK, _LOG = "/clock", "/rosout"
+_LEVELS = {Log.WARN: "warning", Log.ERROR: "error", Log.FATAL: "fatal"}
 _CLOCK_SPAN = 0.3  # [s] of ticks show how fast simulated time is
 _MOST_TIMES = 5000
 _MOST_STREAMS = 2000
-_MOST_ODDITIES = 200
+_MOST_ODDITIES, _MOST_LOGS = 200, 50
+_LOG_CHARACTERS = 200
 _SHARE = 0.3  # of the time may go into looking into messages
 _LARGEST = 4 << 20  # bytes of a message that is looked into
 _FUTURE, _OLD = 1.0, 10.0  # [s] that a stamp may be off
 _SIMULATED = 10**18  # [ns] an earlier stamp (2001) counts from a simulation's start
 
+_FASTEST = 10  # times real time, or its part, at which a log is played
+
 _Key = tuple[str, Sender | None]
+_Stamped = tuple[int, int]  # arrival and stamp of a message [ns]
 
 
 @dataclass(slots=True)
@@ -40,6 +47,7 @@ class _Stream:
     times: list[int] = field(default_factory=list)
     largest: int = 0
     bytes: int = 0
+    format: str = ""
 
 
 class Listening:
@@ -49,6 +57,8 @@ class Listening:
         self._decoder = Decoder(types_of)
         self._streams: dict[_Key, _Stream] = {}
         self._odd: dict[tuple[str, _Key, str], Oddity] = {}
+        self._logs: Counter[tuple[str, str, str]] = Counter()  # by node, level and text
+        self._old: dict[_Key, tuple[_Stamped, _Stamped]] = {}  # the first and the last old stamp
         self._start = time.monotonic()
         self._spent = 0.0
         self.clock_ticks: list[tuple[int, int]] = []
@@ -70,28 +80,45 @@ class Listening:
         stream.bytes += packet.size
         try:
             self._decoder.message_class(packet)  # to load a type is not to look into a message
-        except LcmtoolsError:
-            return  # its type is not known
+        except LcmtoolsError:  # its type is not known
+            is_whole = packet.whole_bytes is None
+            if packet.fingerprint is not None and not stream.format:
+                stream.format = foreign_format(packet.payload, is_whole=is_whole)
+            return
         now = time.monotonic()
-        if packet.channel == _CLOCK or self._spent <= _SHARE * (now - self._start) + 0.05:
+        if packet.channel in (_CLOCK, _LOG) or self._spent <= _SHARE * (now - self._start) + 0.05:
             self._look_into(packet, key)
             self._spent += time.monotonic() - now
 
     def streams(self) -> tuple[Stream, ...]:
         """The messages by channel and sender; the senders have no names yet."""
         return tuple(
-            Stream(*key, "", tuple(s.times), s.largest, s.bytes, len(s.times) >= _MOST_TIMES)
+            Stream(
+                *(*key, "", tuple(s.times), s.largest, s.bytes, len(s.times) >= _MOST_TIMES),
+                format=s.format,
+            )
             for key, s in sorted(self._streams.items(), key=str)
         )
 
     def oddities(self, name: Callable[[Sender | None], str]) -> tuple[Oddity, ...]:
         """The oddities in the messages, each once."""
         return tuple(
-            replace(odd, name=name(key[1]))
+            replace(odd, name=name(key[1]), kind=self._replayed(key) if kind == "old" else kind)
             for (kind, key, _), odd in self._odd.items()
             if kind != "boot" or not self.clock_ticks  # the clock came after it
             if kind not in ("future", "old") or len(self._clocks) <= 1  # else by which of them?
         )
+
+    def _replayed(self, key: _Key) -> str:
+        """Return "replayed" where a topic's old stamps advance with the clock, else "old"."""
+        (arrival, stamped), (last_arrival, last_stamped) = self._old[key]
+        advance, passed = last_stamped - stamped, last_arrival - arrival
+        is_even = passed and 1 / _FASTEST < advance / passed < _FASTEST
+        return "replayed" if is_even else "old"
+
+    def logs(self) -> tuple[LogLine, ...]:
+        """The warnings and errors on ``/rosout``, each once."""
+        return tuple(LogLine(*entry, count) for entry, count in self._logs.items())
 
     def clock_ratio(self) -> float | None:
         """Simulated seconds in a second, in the best quarter: one stumble is no slowness.
@@ -119,6 +146,11 @@ class Listening:
             self.clock_ticks.append((packet.time, simulated))
             self.clock_sender = packet.sender
             self._clocks.add(packet.sender)
+        if isinstance(message, Log) and message.level in _LEVELS:
+            text = message.msg.strip().partition("\n")[0][:_LOG_CHARACTERS]
+            entry = message.name, _LEVELS[message.level], text
+            if entry in self._logs or len(self._logs) < _MOST_LOGS:
+                self._logs[entry] += 1
         odd = list(oddities(message))
         for kind, text in odd:
             self._note(kind, key, text)
@@ -139,6 +171,8 @@ class Listening:
             self._note("future", key, f"header.stamp is {-late:.1f} s in the future")
         elif late > _OLD:
             self._note("old", key, f"header.stamp is {late:.1f} s old")
+            first, _ = self._old.get(key, ((arrival, stamped), None))
+            self._old[key] = first, (arrival, stamped)
 
     def _note(self, kind: str, key: _Key, text: str) -> None:
         """Count an oddity, by the kind and the place, which its text begins with."""

@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import resource
 import time
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -20,6 +21,7 @@ from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.senders import SenderNames, SocketTable, is_here
+from lcmtools.wire.packet import Sender
 
 _PROC = Path("/proc")
 _KNOWN_GROUPS = frozenset({"224.0.0.251", "239.255.255.250", "224.0.0.252"})  # mDNS, SSDP, LLMNR
@@ -34,17 +36,11 @@ def state_of(pid: int) -> str:
     return text_of(_PROC / str(pid) / "stat").rpartition(")")[2].strip()[:1]
 
 
-def busy_time(pid: int) -> int:
-    """The time that a process's first thread has computed, or waited for a processor [ns]."""
-    numbers = text_of(_PROC / str(pid) / "schedstat").split()
-    return int(numbers[0]) + int(numbers[1]) if len(numbers) > 1 else 0
-
-
-def waited_time(pid: int) -> int:
-    """The time that a process's threads have waited for a processor, all together [ns]."""
+def processor_times(pid: int) -> tuple[int, int]:
+    """The time that a process's threads have computed, and waited for a processor [ns]."""
     files = (_PROC / str(pid) / "task").glob("*/schedstat")
-    numbers = [text_of(file).split() for file in files]
-    return sum(int(row[1]) for row in numbers if len(row) > 1)
+    rows = [row for file in files if len(row := text_of(file).split()) > 1]
+    return sum(int(row[0]) for row in rows), sum(int(row[1]) for row in rows)
 
 
 def never_reads(pid: int) -> bool:
@@ -64,37 +60,59 @@ def lcm_processes(
     """The processes of this user that have to do with LCM, with where they are.
 
     Those that listen to a multicast group are there. One that only sends is where it was seen
-    (its port is one of ``seen``), or the bus that its variables name.
+    (its port is one of ``seen``), or the bus that its variables name; so is one without UDP.
     """
+    own = os.getuid()
+    mine = [
+        (process.pid, row)
+        for row in sockets
+        if (process := holders.get(row.inode)) and row.uid == own and process.pid != os.getpid()
+    ]
     buses: dict[int, str] = {}
     sending: dict[int, set[int]] = {}
-    own = os.getuid()
-    for row in sockets:
-        process = holders.get(row.inode)
+    for pid, row in mine:
         multicast = IPv4Address(row.address).is_multicast and row.address not in _KNOWN_GROUPS
-        if not process or row.uid != own or process.pid == os.getpid():
-            continue
         if row.port == url.port and (row.address == url.host or not multicast):
-            buses[process.pid] = ""
-        elif multicast:
-            buses.setdefault(process.pid, f"{row.address}:{row.port}")
-        else:
-            sending.setdefault(process.pid, set()).add(row.port)
-    found = [_lcm_process(pid, bus) for pid, bus in sorted(buses.items())]
-    for pid, ports in sorted(sending.items()):
+            buses[pid] = ""
+        elif not multicast:
+            sending.setdefault(pid, set()).add(row.port)
+        elif _is_of_lcm(holders[row.inode]):
+            buses.setdefault(pid, f"{row.address}:{row.port}")
+    for pid, ports in sending.items():
         if pid not in buses and uses_lcm(pid):
-            bus = "" if ports & seen else _named_bus(pid, url)
-            found.append(_lcm_process(pid, bus))
-    return tuple(found)
+            buses[pid] = "" if ports & seen else _named_bus(pid, url)
+    without_udp = _pids_of(own) - {pid for pid, _ in mine} - {os.getpid()}
+    named = {pid: bus for pid in without_udp if "://" in (bus := _named_bus(pid, url))}
+    buses |= {pid: bus for pid, bus in named.items() if uses_lcm(pid)}
+    return tuple(_lcm_process(pid, bus) for pid, bus in sorted(buses.items()))
+
+
+def _is_of_lcm(process: Process) -> bool:
+    """Return whether a process uses LCM, as far as that shows: of Java only by its command line."""
+    return "lcm" in process.command or uses_lcm(process.pid)
+
+
+def _pids_of(user: int) -> set[int]:
+    """The processes of a user in this network."""
+    found = set()
+    for folder in _PROC.glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            is_here = (folder / "ns/net").samefile(_PROC / "self/ns/net")
+            if is_here and folder.stat().st_uid == user:
+                found.add(int(folder.name))
+    return found
 
 
 def _named_bus(pid: int, url: BusUrl) -> str:
-    """The bus that a process's variables name, where that is another multicast one."""
-    with contextlib.suppress(LcmtoolsError):
-        named, _ = choose_url("", "", _variables(pid))
-        if named.is_multicast and (named.host, named.port) != (url.host, url.port):
-            return f"{named.host}:{named.port}"
-    return ""
+    """The bus that a process's variables name, where that is another one: HOST:PORT, or a URL."""
+    variables = _variables(pid)
+    try:
+        named, _ = choose_url("", "", variables)
+    except LcmtoolsError:  # a URL without a port, for example
+        return variables.get("LCM_DEFAULT_URL", "")
+    if (named.provider, named.host, named.port) == (url.provider, url.host, url.port):
+        return ""
+    return f"{named.host}:{named.port}" if named.is_multicast else str(named)
 
 
 def _variables(pid: int) -> dict[str, str]:
@@ -105,19 +123,17 @@ def _variables(pid: int) -> dict[str, str]:
 
 def _lcm_process(pid: int, bus: str) -> LcmProcess:
     process = process_of(pid)
-    folder = _PROC / str(pid)
-    limits = [line.split() for line in text_of(folder / "limits").splitlines()]
-    most = next((row[3] for row in limits if row[:3] == ["Max", "open", "files"]), "0")
-    open_files = 0
-    with contextlib.suppress(OSError):
-        open_files = sum(1 for _ in (folder / "fd").iterdir())
+    open_files = most = 0
+    with contextlib.suppress(OSError, AttributeError):  # prlimit is Linux's
+        most = max(0, resource.prlimit(pid, resource.RLIMIT_NOFILE)[0])
+        open_files = sum(1 for _ in (_PROC / str(pid) / "fd").iterdir())
     return LcmProcess(
         pid,
         process.command if process else "",
         bus,
         next((f"{name}={value}" for name, value in _variables(pid).items()), ""),
         open_files,
-        int(most) if most.isdigit() else 0,
+        most,
         state_of(pid),
     )
 
@@ -168,6 +184,17 @@ class ProgramNames:
         tap = monitor.tap
         self.senders.learn(seen | set(tap.sequences) | set(tap.malformed) if tap else seen)
         self.senders.learn((), graph.nodes)
+
+    def name(self, sender: Sender | None) -> str:
+        """A sender's node, else its process; of a port that Java programs share, the candidates."""
+        known = self.senders.name(sender)
+        if sender is None or known != str(sender):
+            return known
+        able = self.table.processes(sender)
+        names = sorted(self.of_process(process) for process in able.candidates)
+        if names and not able.are_all:
+            names.append("another program")
+        return " or ".join(names) or known
 
     def pid(self, stream: Stream) -> int | None:
         """A sender's process on this computer."""

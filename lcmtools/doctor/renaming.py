@@ -4,37 +4,96 @@ Pure: nodes as they are in, remedies out.
 """
 
 import re
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from functools import lru_cache
+from itertools import zip_longest
 
 from lcmtools.doctor.findings import Observed, Part, Statement, state
 from lcmtools.graph.model import Node
 from lcmtools.names import base_name_of, namespace_of
 
-_SHORT = 4  # characters: names this short are near each other by chance
+_SHORT, _LONG = 4, 8  # characters: shorter names are near by chance; longer ones have more slips
+_ABBREVIATED = 4  # consonants of a word that may be shortened, as command to cmd
 
 
 def are_near(one: str, other: str) -> bool:
-    """Return whether two names are equal but for case, slashes, spaces or one character.
+    """Return whether a person may have typed one name for the other.
 
+    Equal but for case, slashes and spaces; but for one slip, in long names two: a character more,
+    less or changed, or two swapped; or with words abbreviated (velocity_command, velocity_cmd).
     Names that differ only in their numbers mean different things (/husky0, /husky1).
     """
-    if re.sub(r"[0-9]+", "0", one) == re.sub(r"[0-9]+", "0", other):
+    if _without_numbers(one) == _without_numbers(other):
         return False
-    first, second = (re.sub(r"[\s/_]", "", name).casefold() for name in (one, other))
+    first, second = _folded(one), _folded(other)
     if first == second:
         return True
-    return min(len(first), len(second)) > _SHORT and _is_one_change(first, second)
+    if min(len(first), len(second)) <= _SHORT:
+        return False
+    bases = base_name_of(one), base_name_of(other)
+    is_long = min(len(_folded(base)) for base in bases) >= _LONG
+    if _are_within(first, second, 2 if is_long else 1):
+        return True
+    return is_long and namespace_of(one) == namespace_of(other) and _are_abbreviations(*bases)
 
 
-def _is_one_change(one: str, other: str) -> bool:
-    """Return whether one character more, less or changed, or two swapped, are the difference."""
-    if len(one) > len(other):
-        one, other = other, one
-    start = next((i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), len(one))
-    if len(one) == len(other):
-        swapped = one[start : start + 2][::-1] + one[start + 2 :]
-        return one[start + 1 :] == other[start + 1 :] or swapped == other[start:]
-    return one[start:] == other[start + 1 :]
+class NearNames:
+    """Names by which others are near; those that differ only in numbers are compared once."""
+
+    def __init__(self, names: Iterable[str]) -> None:
+        self._alike: dict[str, list[str]] = {}
+        for name in names:
+            self._alike.setdefault(_without_numbers(name), []).append(name)
+
+    def of(self, name: str) -> Iterator[str]:
+        """The names that are near to one."""
+        pattern = _without_numbers(name)
+        for other, names in self._alike.items():
+            if _are_near_patterns(pattern, other):
+                yield from (one for one in names if are_near(one, name))
+
+
+@lru_cache(100_000)
+def _are_near_patterns(one: str, other: str) -> bool:
+    return are_near(re.sub("0", "", one), re.sub("0", "", other))
+
+
+def _without_numbers(name: str) -> str:
+    return re.sub(r"[0-9]+", "0", name)
+
+
+def _folded(name: str) -> str:
+    return re.sub(r"[\s/_]", "", name).casefold()
+
+
+def _are_within(one: str, other: str, edits: int) -> bool:
+    """Return whether so many characters more, less or changed, or pairs swapped, are enough."""
+    if abs(len(one) - len(other)) > edits:
+        return False
+    differing = (n for n, (a, b) in enumerate(zip(one, other, strict=False)) if a != b)
+    start = next(differing, min(len(one), len(other)))
+    one, other = one[start:], other[start:]
+    if not edits or one == other:
+        return one == other
+    swapped = one[1::-1] == other[:2] and _are_within(one[2:], other[2:], edits - 1)
+    pairs = (one[1:], other), (one, other[1:]), (one[1:], other[1:])
+    return swapped or any(_are_within(first, second, edits - 1) for first, second in pairs)
+
+
+def _are_abbreviations(one: str, other: str) -> bool:
+    """Return whether each word of two names may be short for the other's."""
+    pairs = list(zip_longest(*(name.casefold().split("_") for name in (one, other)), fillvalue=""))
+    return all(a[:1] == b[:1] and _are_near_words(a, b) for a, b in pairs)
+
+
+def _are_near_words(one: str, other: str) -> bool:
+    if min(len(one), len(other)) > _SHORT:
+        return _are_within(one, other, 1)
+    first, second = (re.sub(r"[aeiou]|(.)(?=\1)", "", word) for word in (one, other))
+    return one == other or (
+        max(len(first), len(second)) >= _ABBREVIATED and _are_within(first, second, 1)
+    )
 
 
 def is_legal(channel: str) -> bool:
@@ -42,7 +101,7 @@ def is_legal(channel: str) -> bool:
     return re.fullmatch(r"/[A-Za-z0-9_/]*", channel) is not None
 
 
-def because(remedy: Statement, reason: str, **parts: Part | Observed) -> Statement:
+def give_reason(remedy: Statement, reason: str, **parts: Part | Observed) -> Statement:
     """Give a remedy its reason."""
     known = state("", because=reason, **parts).parts
     return replace(remedy, parts={**known, **remedy.parts})
@@ -50,15 +109,16 @@ def because(remedy: Statement, reason: str, **parts: Part | Observed) -> Stateme
 
 def start_with(node: Node, topic: str, target: str) -> Statement:
     """Start a node so that it uses another topic in place of one that it uses now."""
-    name = base_name_of(topic) if namespace_of(node.name) == namespace_of(topic) else topic
-    argument = remap_argument(node, topic)
+    argument, space = remap_argument(node, topic), namespace_of(node.name)
+    source, wanted = argument.partition(":=")[0], expanded(target, node)
+    name = base_name_of(topic) if space == namespace_of(topic) else topic
+    if not argument and topic != wanted == expanded(topic.lstrip("/"), node):
+        return state("remove-slash", node=node, topic=topic, name=topic[1:], namespace=space)
     if not argument:
         return state("remap", node=node, old=name, new=target)
-    source = argument.partition(":=")[0]
-    wanted = expanded(target, node)
     if expanded(source, node) != wanted:
         return state("replace-remap", node=node, old=source, new=target, argument=argument)
-    if are_near(topic, wanted):
+    if are_near(topic, wanted) or wanted == expanded(topic.lstrip("/"), node):
         return state("drop-remap", node=node, argument=argument)
     # the other way round was meant
     return state("replace-remap", node=node, old=name, new=target, argument=argument)

@@ -5,13 +5,15 @@ Pure: findings in, lines and plain values out.
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Part, Rule, Severity, Statement, Subject
 from lcmtools.doctor.rules import examine
 from lcmtools.doctor.rules.unchecked import unchecked
-from lcmtools.doctor.words import commands, describe, remedy_text, unchecked_text
+from lcmtools.doctor.words import commands, describe, fact_lines, remedy_text, unchecked_text
 
+_MOST = 24  # items, or remedies, of a finding in text
 _HEADINGS = {
     Severity.ERROR: ("error(s)", "Something is wrong, and will not work as it is"),
     Severity.WARNING: (
@@ -38,24 +40,48 @@ def text(findings: Sequence[Finding]) -> list[str]:
 def finding_text(finding: Finding) -> list[str]:
     """A finding, its items and its remedies."""
     words = describe(finding)
-    remedies = (f"   -> {remedy}" for remedy in words.remedies)
-    return [f"{finding.severity.name} {words.title}", *words.items, *remedies]
+    remedies = [f"   -> {remedy}" for remedy in words.remedies]
+    rows = [*_shortened(words.items, " *"), *_shortened(remedies, "   ->")]
+    return [f"{finding.severity.name} {words.title}", *rows]
 
 
-def cleared_text(finding: Finding) -> str:
-    """A line about a finding that is gone."""
-    return f"CLEARED {describe(finding).title}"
+def _shortened(rows: Sequence[str], mark: str) -> list[str]:
+    """The first rows, and the number of the others; JSON has them all."""
+    if len(rows) <= _MOST:
+        return list(rows)
+    return [*rows[: _MOST - 1], f"{mark} … and {len(rows) - _MOST + 1} more"]
+
+
+def cleared_text(finding: Finding) -> list[str]:
+    """A finding that is gone, and its items."""
+    words = describe(finding)
+    return [f"CLEARED {words.title}", *_shortened(words.items, " *")]
 
 
 def not_checked(evidence: Evidence, rules: Iterable[Rule]) -> list[str]:
     """The parts that could not be looked at, a line each, and an empty one before."""
-    wanted = {rule.id for rule in rules}
     rows = [
-        f"Not checked: {one.rule} ({unchecked_text(one)})"
+        f"Not checked: {one['rule']} ({one['text']})" for one in unchecked_records(evidence, rules)
+    ]
+    return ["", *rows] if rows else []
+
+
+def unchecked_records(evidence: Evidence, rules: Iterable[Rule]) -> list[dict[str, object]]:
+    """The same for JSON, with the keys of findings."""
+    wanted = {rule.id for rule in rules}
+    keys = ("items", "remedies", "subjects", "facts", "actions")
+    empty: dict[str, list[object]] = {key: [] for key in keys}
+    return [
+        {
+            "rule": one.rule,
+            "severity": "unchecked",
+            "text": unchecked_text(one),
+            **empty,
+            "values": _plain(one.reason),
+        }
         for one in unchecked(evidence)
         if one.rule in wanted
     ]
-    return ["", *rows] if rows else []
 
 
 def record(finding: Finding) -> dict[str, object]:
@@ -131,7 +157,11 @@ def changes(before: Iterable[Finding], now: Iterable[Finding]) -> Iterator[tuple
     for key, finding in found.items():
         if key not in known:
             yield "appeared", finding
-        elif _cases(finding) != _cases(known[key]):
+            continue
+        cases, old = _cases(finding.facts), _cases(known[key].facts)
+        if gone := [fact for fact in known[key].facts if not _cases([fact]) <= cases]:
+            yield "cleared", replace(known[key], facts=tuple(gone))
+        if cases != old:
             yield "changed", finding
 
 
@@ -139,9 +169,10 @@ def _key(finding: Finding) -> str:
     return f"{finding.rule} {_without_numbers(describe(finding).title)}"
 
 
-def _cases(finding: Finding) -> set[str]:
-    """The items of a finding, without what is measured."""
-    return {_without_numbers(item.partition(": ")[0]) for item in describe(finding).items}
+def _cases(facts: Iterable[Statement]) -> set[str]:
+    """The facts of a finding in words, without what is measured."""
+    rows = (row for fact in facts for row in fact_lines(fact))
+    return {_without_numbers(row.partition(": ")[0]) for row in rows}
 
 
 def _without_numbers(text: str) -> str:

@@ -91,10 +91,17 @@ def _default(part: Field[Any]) -> object:
 def _value(plain: _Plain, kind: _Type, path: str) -> _Made:
     """The value of a type that a plain one is written for."""
     origin: object = get_origin(kind)
+    kinds = get_args(kind)
     if origin in (Union, types.UnionType):  # as in ``float | None``
-        return None if plain is None else _value(plain, get_args(kind)[0], path)
+        return None if plain is None else _value(plain, kinds[0], path)
+    if origin is Mapping:
+        _expect(isinstance(plain, dict) and all(k.isascii() and k.isdigit() for k in plain), path)
+        return {int(key): _value(part, kinds[1], path) for key, part in plain.items()}
+    if origin is tuple:
+        return tuple(_several(plain, kinds, path))
     if origin is not None:
-        return _collection(plain, origin, get_args(kind), path)
+        values = _several(plain, (kinds[0], ...), path)
+        return frozenset(values) if origin is AbstractSet else tuple(values)
     if hasattr(kind, "_fields"):  # a named tuple
         return kind(*_several(plain, tuple(_hints(kind).values()), path))
     return _object(plain, kind, path) if is_dataclass(kind) else _single(plain, kind, path)
@@ -109,12 +116,13 @@ def _object(plain: _Plain, kind: _Type, path: str) -> _Made:
     return kind(**{n: _value(part, hints[n], f"{path}.{n}") for n, part in plain.items()})
 
 
-def _collection(plain: _Plain, origin: object, kinds: tuple[_Type, ...], path: str) -> _Made:
-    if origin is Mapping:
-        _expect(isinstance(plain, dict) and all(k.isascii() and k.isdigit() for k in plain), path)
-        return {int(key): _value(part, kinds[1], path) for key, part in plain.items()}
-    values = _several(plain, kinds if origin is tuple else (kinds[0], ...), path)
-    return frozenset(values) if origin is AbstractSet else tuple(values)
+def _several(plain: _Plain, kinds: tuple[_Type, ...], path: str) -> list[_Made]:
+    """The values in a list: all of one type, or each of its own."""
+    _expect(isinstance(plain, list), path)
+    each = kinds[:1] * len(plain) if kinds[-1] is ... else kinds
+    _expect(len(each) == len(plain), path)
+    pairs = zip(plain, each, strict=True)
+    return [_value(part, kind, f"{path}[{n}]") for n, (part, kind) in enumerate(pairs)]
 
 
 def _single(plain: _Plain, kind: _Type, path: str) -> _Made:
@@ -125,15 +133,6 @@ def _single(plain: _Plain, kind: _Type, path: str) -> _Made:
     _expect(isinstance(plain, bool) == (kind is bool), path)
     _expect(isinstance(plain, str) or _LEAST <= plain <= _MOST, path)
     return kind(plain)
-
-
-def _several(plain: _Plain, kinds: tuple[_Type, ...], path: str) -> list[_Made]:
-    """The values in a list: all of one type, or each of its own."""
-    _expect(isinstance(plain, list), path)
-    each = kinds[:1] * len(plain) if kinds[-1] is ... else kinds
-    _expect(len(each) == len(plain), path)
-    pairs = zip(plain, each, strict=True)
-    return [_value(part, kind, f"{path}[{n}]") for n, (part, kind) in enumerate(pairs)]
 
 
 def _expect(holds: bool, path: str) -> None:  # noqa: FBT001 - an assertion

@@ -7,12 +7,12 @@ self test: the large message goes to a port of its own, with ttl 0.
 import errno
 import select
 import socket
-import struct
+from dataclasses import replace
 
 from lcmtools.bus.multicast import (
     check_multicast,
     check_sending,
-    receive_buffer_bytes,
+    receiving_socket,
     sending_socket,
 )
 from lcmtools.bus.url import BusUrl
@@ -36,7 +36,8 @@ def large_problem(url: BusUrl) -> str:
     except BusError:
         return ""  # not even a small one does, which is another fault
     try:
-        with _receiver(url) as receiver, sending_socket(url) as sender:
+        free_port = replace(url, port=0)
+        with receiving_socket(free_port) as receiver, sending_socket(url) as sender:
             sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
             address = (url.host, receiver.getsockname()[1])
             parts = list(fragments(0, _CHANNEL, bytes(LARGE_BYTES)))
@@ -44,6 +45,8 @@ def large_problem(url: BusUrl) -> str:
                 sender.sendto(part, address)
                 if not _comes(receiver, part):
                     return f"part {number} of {len(parts)}, {len(part)} bytes, is lost"
+    except BusError as error:
+        return error.what
     except OSError as error:
         if error.errno == errno.EMSGSIZE:
             return "the system does not send datagrams as large as LCM's"
@@ -58,20 +61,6 @@ def send_problem(url: BusUrl) -> tuple[str, str]:
     except BusError as error:
         return error.what, error.hint
     return "", ""
-
-
-def _receiver(url: BusUrl) -> socket.socket:
-    """A socket that receives from the group on a free port that no other program can share."""
-    receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    try:
-        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer_bytes())
-        receiver.bind((url.host, 0))
-        membership = struct.pack("=4sl", socket.inet_aton(url.host), socket.INADDR_ANY)
-        receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
-    except OSError:
-        receiver.close()
-        raise
-    return receiver
 
 
 def _comes(receiver: socket.socket, datagram: bytes) -> bool:

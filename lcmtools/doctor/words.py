@@ -4,7 +4,7 @@ In a sentence, ``{name}`` is a part of the statement; backticks enclose a comman
 as it is, and are not shown. Pure.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from string import Formatter
 from typing import Any, NamedTuple
 
@@ -30,15 +30,20 @@ TITLES = {
     "igmp-querier": "The bridge {bridge} sends no IGMP queries, and no other computer is seen",
     "interfaces": "The route to the bus leads to {interface}, but programs listen elsewhere:",
     "irregular": "The following come unevenly:",
-    "kernel-drops": "The kernel dropped datagrams that the following did not read in time:",
+    "kernel-drops": "The following read too slowly, so that the kernel dropped datagrams:",
     "large-messages": "A message of {bytes} bytes does not come back: {problem}",
     "long-names": "The following names are nearly as long as LCM can carry (63 bytes):",
+    "link": "The interface {interface}, to which the route to the bus leads, has no link: nothing"
+    " leaves this computer",
     "loopback-route": "ttl={ttl}, but the route to the bus leads to lo: no other computer"
     " receives anything",
+    "callback-errors": "Callbacks of the following raise exceptions:",
+    "logged": "The following nodes log warnings or errors:",
     "loss": "Messages of the following senders were lost:",
     "malformed": "The following senders put datagrams on the bus that are not LCM's:",
     "mpudpm": "The following programs use mpudpm, which is not the udpm of this bus:",
     "no-clock": "The following nodes use simulated time, and nothing publishes {topic}:",
+    "no-lcm-messages": "The following are no LCM messages:",
     "no-traffic": "There are no nodes on {bus}, and nothing came in {listened:g} s",
     "not-finite": "Numbers that are published are not finite:",
     "nsec": "Times that are published are invalid:",
@@ -52,13 +57,16 @@ TITLES = {
     "queue-drops": "The following nodes are too slow for the messages they receive:",
     "reassembly": "{datagrams} datagrams came without some of their fragments",
     "rp-filter": "rp_filter is strict on {interface}: it may drop other computers' messages",
+    "replayed": "Stamps are old and advance as the clock does, as in a log that is played again:",
+    "rp-filter-drops": "rp_filter dropped {datagrams} datagrams that came in on another interface"
+    " than the one that leads to their senders",
     "sending": "Messages cannot leave this computer: {problem}",
     "silent": "The following have stopped publishing:",
     "similar-names": "The following channels look like the same, and are not:",
     "slow-callbacks": "The following callbacks take too long:",
     "slow-rate": "The following have become slower:",
     "slow-simulator": "Simulated time passes at {ratio:.2f} of real time{target:not}",
-    "small-buffer": "{topic} from {sender} has {bytes} bytes, too many for:",
+    "small-buffer": "{topic} from {sender} has {bytes} bytes, too many for the receive buffers of:",
     "stale-nodes": "The following nodes do not answer any more:",
     "stopped-programs": "The following programs are stopped, and send nothing:",
     "stuck-listeners": "The following are subscribed, but do not read:",
@@ -69,9 +77,11 @@ TITLES = {
     "unconnected-publications": "The following node publications have no announced subscriber:",
     "unconnected-subscriptions": "The following node subscriptions are unconnected:",
     "undecodable": "Messages cannot be decoded:",
+    "types-without-file": "The types of the following are not known here:",
     "unknown-type": "The types of the following are nearly known ones:",
     "unusable-names": "The following channels have names that few programs can subscribe to:",
 }
+_MOST = 8  # names in a row
 _PACE = "its callback takes {callback_time:time}, messages come every {interval:time}"
 _LOST = "{node} lost {lost} messages of {topic} (depth {depth})"
 _SENT = "{lost} of {sent} ({percent:.1f} %)"
@@ -80,35 +90,42 @@ FACTS = {
     "busy-node": "{node} is in its callbacks {percent:.0f} % of the time, most in {busiest:work}",
     "bytes-wait": "{listener}: {queued_bytes} bytes wait",
     "channel": "{topic} from {sender}",
-    "dropped": "{listener}: {drops}, its buffer {buffer_bytes:holds}",
+    "dropped": "{listener}: {drops}, its receive buffer {buffer_bytes:holds}",
     "dropped-by-busy-node": f"{_LOST}: its node is in {{busiest:work}} most of the time",
     "dropped-by-queue": _LOST,
     "dropped-in-bursts": f"{_LOST}: they come in bursts",
     "dropped-long-call": f"{_LOST}: a call of its callback took {{seconds:time}}",
     "dropped-slow-callback": f"{_LOST}: {_PACE}",
     "dropped-without-spin": f"{_LOST}: no callback has run",
-    "expects": "{node} expects {types:or}",
+    "expects": "{node} expects {type}",
     "firewall-enabled": "the firewall {firewall} is enabled",
     "gap": "{sender}: {topic}, {longest:.2f} s without a message, usually {usual:time}",
     "in-container": "this is a {container}, which may not forward multicast",
     "interface-down": "the interface {interface} is down",
     "joined-on": "on {interface}",
     "listens": "{listener} listens",
+    "listens-on": "{listener}: on {interfaces:and}",
+    "logged": "{node}: {level}: {text}{messages:count}",
     "lost-in-sender": f"{{sender:called}}: {_SENT} before they left it",
     "lost-on-network": f"{{sender:called}}: {_SENT} on the network",
+    "may-publish": "{process} (pid {process.pid}) uses LCM, and may publish seldom",
     "more": "and {count} more",
+    "no-link": "the interface {interface} has no link",
     "no-multicast-flag": "the interface {interface} has no multicast flag",
     "node-pid": "{node} (pid {pid})",
     "node-process": "pid {pid} on {host}: {command}",
     "node-topics": "{node}:",
-    "odd-channel": "{topic:repr} from {sender}",
+    "odd-channel": "{topic:repr} from {sender}: {reason}",
+    "odd-type": "the odd one is {senders:and}: {programs:and} {programs:use} {types:or}",
     "oddity": "{topic} from {sender}: {text}{messages:count}",
+    "older-type": "the older version is probably that of {senders:and}",
     "on-bus": "pid {process.pid} on {bus}{variable:brackets}: {process}",
-    "open-files": "pid {process.pid} has {open_files} of {most_files} files open: {process}",
+    "open-files": "pid {process.pid} has {open_files} files open, of {most_files}: {process}",
     "process": "{process} (pid {process.pid})",
     "program": "{program}",
     "publisher": "{sender}: {topic}",
-    "publishes": "{node} publishes {types:or}",
+    "publishes": "{node} publishes {type}",
+    "raised": "{node} raised {exception} {count:times}, {place}: {message} (in {callback:call})",
     "sender-reason": "{sender}: {reason}",
     "sends": "{sender} sends {type}",
     "sends-with-ttl": "{sender} sends with ttl={ttl}",
@@ -116,6 +133,9 @@ FACTS = {
     "silent-stream": "{publisher}: {topic}, {seconds:.1f} s ago, {rate:.3g} Hz before",
     "slow-callback": f"{{node}}, {{topic}}: {_PACE}",
     "slower": "{node}: {topic}, {rate:.3g} Hz in place of {usual:.3g} Hz",
+    "slower-program": "{sender}: {rate:.3g} Hz in all, and {usual:.3g} Hz on average since its"
+    " start",
+    "slower-stream": "{sender}: {topic}, {rate:.3g} Hz in place of {usual:.3g} Hz",
     "stale": "{node} (pid {pid}): {why}",
     "stale-elsewhere": "{node} (pid {pid} on {host:at}): {why}",
     "stopped": "{listener}: it is stopped",
@@ -136,19 +156,32 @@ REMEDIES = {
     "callback-less-or-rate": "let the callback of {topic} do less, or publish it every"
     " {seconds:time} only",
     "change-type": "{publisher} publishes {topic}, but as {type}, and {node} expects {expected}",
-    "compare-buses": "if it runs already, it is on another bus: compare LCM_DEFAULT_URL and"
+    "close-files": "close what is not needed, or start them again; more than 1024 do not help, as"
+    " liblcm waits with select",
+    "compare-buses": "if it runs already, it may be on another bus: compare LCM_DEFAULT_URL and"
     " LCMTOOLS_DOMAIN in both shells",
     "compare-clocks": "compare them: `chronyc tracking`, or `timedatectl timesync-status`",
+    "connect": "plug its cable in, or connect its Wi-Fi",
+    "correct": "correct {place}, and start {node} again",
     "depth": "give the subscription of {topic} a greater queue depth",
     "depth-1": "where only the newest message counts, subscribe with depth=1",
     "drop-remap": "start {node} without {argument}",
+    "encode-by-lcm": "if that is not intended, describe them in a .lcm file, and encode them with"
+    " the code that lcm-gen makes of it",
     "enable-querier": "`echo 1 | sudo tee /sys/class/net/{bridge}/bridge/multicast_querier`",
     "end-one-or-remap": "end one of them{pids:kills}, or start it with {topic}:={topic}_2",
     "end-one-or-rename": "end one of them{pids:kills}, or let it publish on another channel",
     "end-or-rename": "end one of them, or start it with __name:={name}",
+    "expects-as": "let {program} subscribe to {topic} as {types:or}",
+    "correct-environment": "correct the variable in this shell and in ~/.bashrc; of packages, leave"
+    " one: pip uninstall, pip install lcm",
     "export": "`export {variable}='{value}'`",
     "host-network": "start the container with: --network host",
-    "inspect": "see what it does: `sudo py-spy dump --pid {pid}`, or `gdb -p {pid}`",
+    "if-no-log": "if it is no log, its computer's clock is wrong: `sudo timedatectl set-ntp true`",
+    "inspect": "see what it does: `sudo gdb -p {pid}`",
+    "inspect-java": "see what it does: `jstack {pid}`",
+    "inspect-python": "see what it does: `sudo py-spy dump --pid {pid}`",
+    "join-here": "if they should be on this one, start them with {variable}='{value}'",
     "look-at-firewall": "see whether a firewall drops large datagrams: `sudo nft list ruleset`",
     "look-there": "see whether {host} is reached and the node runs: `lcmtools wtf`, typed there",
     "macos-large-datagrams": "macOS: `sudo sysctl -w net.inet.udp.maxdgram=65535`",
@@ -160,19 +193,26 @@ REMEDIES = {
     "own-domain": "use a bus of your own: `export {variable}={value}` (a number up to 232)",
     "plain-name": "publish on a name of letters, digits, _ and / only",
     "print-values": "print the values where the node computes them",
+    "publishes-as": "let {program} publish {topic} as {types:or}",
+    "read-log": "read the whole log: `lcmtools echo /rosout`",
     "remap": "start {node} with {old}:={new}",
     "remap-one": "remap one of them to another topic, for example {topic}:={topic}_2",
+    "remove-slash": "let {node} use '{name}' in place of '{topic}': the slash at its start keeps it"
+    " out of the namespace {namespace}",
+    "rename-one": "let one of them use another channel",
     "replace-remap": "start {node} with {old}:={new} in place of {argument}",
     "republish": "let it publish on '{topic}'",
-    "restart": "restart them",
     "restart-listeners": "start the listeners again, or let the route lead there:"
     " `ip route show 224.0.0.0/4`",
     "restart-or-forget": "start {node} again, or forget it: `lcmtools node cleanup`",
     "route": "if they should: `sudo ip route replace 224.0.0.0/4 dev eth0` (with your interface)",
+    "route-to": "or let the route lead elsewhere:"
+    " `sudo ip route replace 224.0.0.0/4 dev {interface}`",
     "same-lcm-files": _LCM_GEN,
     "same-name": "publish both on the same name",
     "same-type": "it works; declare the same type on both sides, so that all commands show the"
     " same",
+    "sends-as": "let {program} send {types:or} on {topic}",
     "send-elsewhere": "let them send elsewhere, or end them; their ports and programs: `ss -uanp`",
     "send-less": "send less or smaller messages; a large one is lost with any of its parts",
     "set-clocks": "let both computers keep the time: `sudo timedatectl set-ntp true`",
@@ -184,6 +224,7 @@ REMEDIES = {
     "split-time": "sec, nsec = divmod(time.time_ns(), 1_000_000_000)",
     "stamp-utc": "stamp with the time since 1970: time.time(), node.get_clock().now()",
     "start-it-with-variable": "start it with {variable}='{value}'",
+    "start-publisher": "start what publishes {topics:and}; what is there: `lcmtools list -v`",
     "start-simulator": "or start the simulator, for example: `lcmtools run sim`",
     "start-something": "start something, for example: `lcmtools run talker`",
     "start-with-variable": "start them with {variable}='{value}'",
@@ -192,6 +233,7 @@ REMEDIES = {
     "sysctl": "`sudo sysctl -w {name}={value}`",
     "ttl-1-is-enough": "ttl=1 is enough for the computers of one network",
     "unknown-covariance": "where nothing is known, set the first number to -1",
+    "type-path": "name the folder of their .lcm files: export LCMTOOLS_TYPE_PATH=FOLDER",
     "use-lcm-gen": "let the sender use lcm-gen's code, unchanged",
     "use-server": "or join both by a server: LCM_DEFAULT_URL=tcpq://HOST:7700",
     "use-sim-time": "where a simulator runs, start the node with _use_sim_time:=true",
@@ -229,7 +271,7 @@ def describe(finding: Finding) -> Description:
     """Put a finding into words."""
     return Description(
         _fill(TITLES[finding.title.kind], finding.title.parts),
-        tuple(line for fact in finding.facts for line in _lines(fact)),
+        tuple(line for fact in finding.facts for line in fact_lines(fact)),
         tuple(map(remedy_text, finding.remedies)),
     )
 
@@ -267,7 +309,8 @@ def unchecked_text(unchecked: Unchecked) -> str:
     return _fill(UNCHECKED[unchecked.reason.kind], unchecked.reason.parts)
 
 
-def _lines(fact: Statement) -> Iterator[str]:
+def fact_lines(fact: Statement) -> Iterator[str]:
+    """A fact in words: a line, and perhaps further ones below it."""
     yield f" * {_fill(FACTS[fact.kind], {**fact.parts, 'type': _type(fact)})}"
     if fact.kind == "node-topics":  # as roswtf lists them: a node, and its topics below it
         yield from (f"   * {topic}" for topic in fact.subjects() if topic.kind == "topic")
@@ -277,14 +320,29 @@ def _type(fact: Statement) -> str:
     """The type of messages that a fact is about, as far as it is known."""
     if "types" in fact.parts:
         return _fill("{types:or}", fact.parts)
+    if "format" in fact.parts:
+        return str(fact.parts["format"])
     if "fingerprint" not in fact.parts:
         return "data that is no LCM message"
     near = ": like {like}, but {difference}" if "like" in fact.parts else ""
-    return _fill(f"an unknown type ({{fingerprint}}{near})", fact.parts)
+    name = "{name}" if "name" in fact.parts else "an unknown type"
+    return _fill(f"{name} ({{fingerprint}}{near})", fact.parts)
+
+
+def _first(values: Sequence[object]) -> list[str]:
+    """The first of many values, and the number of the others."""
+    more = [f"{len(values) - _MOST + 1} more"] if len(values) > _MOST else []
+    return [*map(_shown, values[: _MOST - len(more)]), *more]
+
+
+def _shown(value: object) -> str:
+    """A name as it is shown: channels that are no topics of nodes in quotes."""
+    is_plain = isinstance(value, Subject) and value.kind == "topic" and value.name[:1] != "/"
+    return repr(str(value)) if is_plain else str(value)
 
 
 _SPECS: Mapping[str, Callable[[Any], str]] = {
-    "and": lambda values: " and ".join(map(str, values)),
+    "and": lambda values: " and ".join(_first(values)),
     "at": lambda host: f"{host} at {host.address}" if host.address else str(host),
     "brackets": lambda text: f" ({text})" if text else "",
     "called": lambda sender: (
@@ -293,12 +351,15 @@ _SPECS: Mapping[str, Callable[[Any], str]] = {
     "count": lambda messages: f" ({messages} messages)" if messages > 1 else "",
     "holds": lambda size: f"holds {size} bytes" if size else "is too small",
     "kills": lambda pids: " " + " or ".join(f"(kill {pid})" for pid in pids) if pids else "",
-    "list": lambda values: ", ".join(map(str, values)),
+    "list": lambda values: ", ".join(_first(values)),
     "not": lambda target: f", not {target:g}" if target != 1 else "",
     "or": lambda values: " or ".join(map(str, values)),
+    "call": lambda name: f"the callback of {name}" if str(name).startswith("/") else str(name),
     "repr": lambda value: repr(str(value)),
+    "times": lambda count: f"{count} times" if count > 1 else "once",
+    "use": lambda several: "uses" if len(several) == 1 else "use",
     "time": lambda seconds: duration_text(seconds * 1e9),
-    "with": lambda topics: f", with {' and '.join(map(str, topics))}" if topics else "",
+    "with": lambda topics: f", with {' and '.join(_first(topics))}" if topics else "",
     "work": lambda name: "the timers" if name == "timers" else f"the callback of {name}",
 }
 """The ways to show a part that ``format`` does not have."""
@@ -307,7 +368,7 @@ _SPECS: Mapping[str, Callable[[Any], str]] = {
 class _Sentence(Formatter):
     def format_field(self, value: object, format_spec: str) -> str:
         if isinstance(value, Subject) and not format_spec:
-            return value.name
+            return _shown(value)
         special = _SPECS.get(format_spec)
         return special(value) if special else str(super().format_field(value, format_spec))
 

@@ -31,7 +31,8 @@ DEEPEST = 40
 _SHOWN = 40  # characters of an expression that an error repeats
 _PLAIN_NODES = (ast.Name, ast.BoolOp, ast.Call, ast.Tuple, ast.List)
 _FIELD_NODES = (ast.Attribute, ast.Subscript, ast.Slice)
-_FAULTS = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
+_OF_VALUES = (ArithmeticError, LookupError, ValueError)
+_FAULTS = (*_OF_VALUES, AttributeError, TypeError)
 
 
 class Scope(Protocol):
@@ -48,34 +49,27 @@ class ExpressionFault(Exception):  # noqa: N818 - named for what happened, as in
     """An expression that cannot be worked out with the values it was given."""
 
 
+class NoValue(ExpressionFault):
+    """An expression that has no value with these values, and may have one with others."""
+
+
 @dataclass(frozen=True, slots=True)
 class Language:
-    """The syntax of a kind of expressions.
+    """The syntax of a kind of expressions."""
 
-    Attributes:
-        name: Their name in errors.
-        example: The hint for an expression that cannot be read.
-        allowed: The hint for a part that is not allowed: "fields, numbers ... are".
-        longest: Characters of an expression.
-        functions: Functions besides those that every expression has.
-        has_fields: Values have fields, and arrays have elements: ``m.x``, ``a[0]``.
-        has_choices: ``a if b else c``, and text may be joined.
-    """
-
-    name: str
-    example: str
-    allowed: str
-    longest: int
-    functions: Mapping[str, Function]
-    has_fields: bool = False
-    has_choices: bool = False
+    name: str  # in errors
+    example: str  # the hint for an expression that cannot be read
+    allowed: str  # the hint for a part that is not allowed: "fields, numbers ... are"
+    longest: int  # characters
+    functions: Mapping[str, Function]  # besides those that every expression has
+    has_fields: bool = False  # values have fields, and arrays have elements: m.x, a[0]
+    has_choices: bool = False  # "a if b else c", and text may be joined
 
 
 class Expression:
     """An expression of a language whose form has been checked: its ``text`` and its tree ``root``.
 
-    Raises:
-        UsageError: It is none, is too long or has a part that is not allowed, which is named.
+    UsageError is raised for one that is too long, or names the part that is not allowed.
     """
 
     def __init__(self, text: str, language: Language) -> None:
@@ -86,7 +80,11 @@ class Expression:
         self._check(self.root, 0)
 
     def value(self, scope: Scope) -> object:
-        """Return the value of the expression; raise ExpressionFault where it has none."""
+        """Return the value of the expression; raise ExpressionFault where it has none.
+
+        It is NoValue where other values of the names might do: for an element that an array does
+        not have, or a division by zero. "and" and "or" have a value where one operand decides.
+        """
         return self._value(self.root, scope)
 
     def place(self, node: ast.AST) -> str:
@@ -167,7 +165,9 @@ class Expression:
             return self._ways[type(node)](self, node, scope)
         except _FAULTS as fault:
             reason = str(fault) or type(fault).__name__
-            raise ExpressionFault(f"'{self.place(node)}': {reason}") from None
+            depends = isinstance(fault, _OF_VALUES) and _has_names(node)
+            kind = NoValue if depends else ExpressionFault
+            raise kind(f"'{self.place(node)}': {reason}") from None
 
     def _element(self, node: ast.Subscript, scope: Scope) -> object:
         array = cast("tuple[object, ...]", self._value(node.value, scope))
@@ -191,10 +191,17 @@ class Expression:
 
     def _boolean(self, node: ast.BoolOp, scope: Scope) -> object:
         found: object = None
+        missing: NoValue | None = None
         for operand in node.values:
-            found = self._value(operand, scope)
+            try:
+                found = self._value(operand, scope)
+            except NoValue as fault:
+                missing = fault
+                continue
             if bool(found) is isinstance(node.op, ast.Or):
-                break
+                return found
+        if missing:
+            raise missing
         return found
 
     def _comparison(self, node: ast.Compare, scope: Scope) -> bool:
@@ -236,6 +243,10 @@ class Expression:
         ast.Tuple: _list,
         ast.List: _list,
     }
+
+
+def _has_names(node: ast.AST) -> bool:
+    return isinstance(node, ast.Name) or any(map(_has_names, operands(node)))
 
 
 def operands(node: ast.AST) -> list[ast.expr]:

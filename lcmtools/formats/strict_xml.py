@@ -18,27 +18,28 @@ DEEPEST = 50
 
 _CURLY = re.compile("[\u201c\u201d\u2018\u2019]")
 _NUMBERED = re.compile(r"\s*\d+\s*<")
+_QUOTED = re.compile(r"\"[^\"]*\"|'[^']*'")
+_MISTAKES = (
+    (re.compile(r"&(?!\w+;|#)"), "write & as &amp;"),
+    (re.compile(r"=\s*\"[^\"<>]*<"), "write < in a value as &lt;"),
+)
+"""Mistakes in a line that is not well-formed, and their remedies."""
+_MISTAKES_OUTSIDE_QUOTES = (
+    (re.compile(r"(?<!<!)--(?!>)"), "a comment cannot have -- in it"),
+    (re.compile(r"=\s*[^\s\"'<>]"), 'write values in quotes, as in name="driver"'),
+)
 
 
 @dataclass(slots=True)
 class Element:
-    """An element of a document.
-
-    Attributes:
-        tag: Its name.
-        source: The file that it comes from, for errors.
-        line: The line in which it begins, from 1.
-        attributes: As they are written.
-        children: In their order.
-        text: The text in it, without that of its children.
-    """
+    """An element of a document."""
 
     tag: str
-    source: str
-    line: int
+    source: str  # the file that it comes from, for errors
+    line: int  # in which it begins, from 1
     attributes: dict[str, str] = field(default_factory=dict)
     children: list["Self"] = field(default_factory=list)
-    text: str = ""
+    text: str = ""  # without that of its children
 
     @property
     def place(self) -> str:
@@ -56,8 +57,7 @@ E = TypeVar("E", bound=Element)
 def read_xml(content: bytes | str, source: str, kind: type[E]) -> E:
     """Return the root of a document, made of elements of a kind.
 
-    Raises:
-        InvalidFile: It is no XML, has a document type, or is nested too deeply; with the line.
+    InvalidFile, with the line: it is no XML, has a document type, or is nested too deeply.
     """
     from xml.parsers import expat  # elements are made without it, by other readers
 
@@ -88,7 +88,7 @@ def read_xml(content: bytes | str, source: str, kind: type[E]) -> E:
         parser.Parse(content, True)  # noqa: FBT003 - expat's signature
     except expat.ExpatError as error:
         reason = expat.errors.messages[error.code]
-        hint = _hint(content, error.lineno) or _unclosed(open_elements)
+        hint = _hint(content, error.lineno) or _unclosed(open_elements, reason)
         raise InvalidFile(f"{source}:{error.lineno}: not XML: {reason}", hint) from None
     except (LookupError, ValueError) as error:  # an encoding that is none
         raise InvalidFile(f"{source}:1: not XML: {error}", "write it in UTF-8") from None
@@ -102,12 +102,21 @@ def _hint(content: bytes | str, line: int) -> str:
     row = rows[line - 1] if 0 < line <= len(rows) else ""
     if _CURLY.search(row):
         return 'write straight quotes, as in name="driver"'
-    return "take the line numbers out" if _NUMBERED.match(row) else ""
+    if _NUMBERED.match(row):
+        return "take the line numbers out"
+    bare = _QUOTED.sub('""', row)
+    found = [hint for pattern, hint in _MISTAKES if pattern.search(row)]
+    found += [hint for pattern, hint in _MISTAKES_OUTSIDE_QUOTES if pattern.search(bare)]
+    before = "\n".join(rows[: line - 1])
+    start = before.rfind("<")
+    if start > before.rfind(">"):
+        found.append(f"is the tag of line {before.count(chr(10), 0, start) + 1} closed by '>'?")
+    return found[0] if found else ""
 
 
-def _unclosed(elements: list[E]) -> str:
+def _unclosed(elements: list[E], reason: str) -> str:
     """Return the hint for a text that breaks off, or closes another element."""
     last = elements[-1]
-    if not last.tag:
+    if not last.tag or "invalid token" in reason:
         return ""
     return f"is the <{last.tag}> of line {last.line} closed? </{last.tag}>, or <{last.tag} ... />"

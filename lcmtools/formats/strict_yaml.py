@@ -29,14 +29,7 @@ _TEXT_TAGS = (None, *(f"{_TAG}{name}" for name in ("int", "float", "bool", "null
 
 
 class Node:
-    """A value of a document.
-
-    Attributes:
-        value: Text as written, bytes (``!!binary``), a list, or a mapping by keys.
-        line: The line in which it begins, from 1.
-        key_line: The line of its key in a mapping; else its own.
-        is_quoted: True for text that was quoted, a block, or tagged ``!!str``.
-    """
+    """A value of a document."""
 
     __slots__ = ("is_quoted", "key_line", "line", "value")
 
@@ -47,9 +40,10 @@ class Node:
         *,
         is_quoted: bool = False,
     ) -> None:
-        self.value = value
-        self.line = self.key_line = line
-        self.is_quoted = is_quoted
+        self.value = value  # text as written, bytes (!!binary), a list, or a mapping by keys
+        self.line = line  # in which it begins, from 1
+        self.key_line = line  # of its key in a mapping
+        self.is_quoted = is_quoted  # text that was quoted, a block, or tagged !!str
 
     @property
     def is_nothing(self) -> bool:
@@ -68,22 +62,30 @@ class Node:
         return value
 
 
-def read_documents(text: str) -> Iterator[Node | None]:
+def read_values(text: str) -> Iterator[tuple[PlainNode, int]]:
+    """Return the documents that are not empty, without places, and their first lines."""
+    for root in read_documents(text, keeps_places=False):
+        if root:
+            yield _bare(root), root.line
+
+
+def read_documents(text: str, *, keeps_places: bool = True) -> Iterator[Node | None]:
     """Return the documents of a text, one after the other; None for an empty one.
 
-    Raises:
-        BadYaml: A document is wrong; those before it have been returned by then.
+    Without places only the root is a Node: the garbage collector would visit all others again and
+    again while a large text is read. BadYaml is raised for a document that is wrong, after those
+    before it.
     """
     import yaml
 
     loader = getattr(yaml, "CBaseLoader", yaml.BaseLoader)
-    tree = _Tree()
+    tree = _Tree(keeps_places=keeps_places)
     try:
         for event in yaml.parse(text, Loader=loader):
             tree.take(event)
             if isinstance(event, yaml.DocumentEndEvent):
                 yield tree.root
-                tree = _Tree()
+                tree = _Tree(keeps_places=keeps_places)
     except yaml.MarkedYAMLError as error:
         raise explained(error, text) from None
     except (yaml.reader.ReaderError, UnicodeEncodeError):
@@ -91,11 +93,7 @@ def read_documents(text: str) -> Iterator[Node | None]:
 
 
 def read_file(text: str, source: str) -> Node | None:
-    """Return the only document of a file; None if there is nothing in it.
-
-    Raises:
-        InvalidFile: It is not strict YAML, or several documents; with file and line.
-    """
+    """Return the only document of a file, None if it is empty; raise InvalidFile, with the line."""
     try:
         found = [node for node in read_documents(text) if node]
     except BadYaml as bad:
@@ -113,10 +111,11 @@ _NO_KEY: _Key = ("", 0)  # values in a list, and the root, have none
 class _Tree:
     """The nodes of one document while its events come in."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, keeps_places: bool) -> None:
         import yaml
 
         self._yaml = yaml
+        self._keeps_places = keeps_places
         self.root: Node | None = None
         self._open: list[tuple[Node, str | None]] = []  # collections, each with its anchor
         self._keys: list[_Key | None] = [_NO_KEY]  # the key of the next value; None: it comes next
@@ -124,11 +123,7 @@ class _Tree:
         self._repeated = 0
 
     def take(self, event: "yaml.Event") -> None:
-        """Take the next event.
-
-        Raises:
-            BadYaml: It does not belong there.
-        """
+        """Take the next event; raise BadYaml if it does not belong there."""
         yaml = self._yaml
         if isinstance(event, yaml.ScalarEvent):
             if self._keys[-1] is None:
@@ -161,7 +156,7 @@ class _Tree:
         if self._repeated > MOST_REPEATED:
             raise _bad(event, f"aliases repeat more than {MOST_REPEATED} values")
         if self._keys[-1] is None:
-            self._set_key(event, known.plain())
+            self._set_key(event, _bare(known))
         else:
             self._add(Node(known.value, known.line, is_quoted=known.is_quoted), None)
 
@@ -183,16 +178,22 @@ class _Tree:
             self.root = None if node.is_nothing else node
             return
         value, key = self._open[-1][0].value, self._keys[-1]
+        part = node if self._keeps_places else cast("Node", _bare(node))
         if isinstance(value, list):
-            value.append(node)
+            value.append(part)
         elif key and isinstance(value, dict):
-            value[key[0]], node.key_line = node, key[1]
+            value[key[0]], node.key_line = part, key[1]
             self._keys[-1] = None
 
 
-def _count(node: Node) -> int:
-    """Return the number of values in a node, those that aliases repeat counted each time."""
-    value = node.value
+def _bare(node: Node) -> PlainNode:
+    """Return the value of a node whose parts are as they should be; None for nothing."""
+    return None if node.is_nothing else cast("PlainNode", node.value)
+
+
+def _count(part: object) -> int:
+    """Return the number of values in a part, those that aliases repeat counted each time."""
+    value = part.value if isinstance(part, Node) else part
     if isinstance(value, dict):
         return 1 + sum(map(_count, value.values()))
     return 1 + sum(map(_count, value)) if isinstance(value, list) else 1

@@ -15,13 +15,9 @@ _IN_BRACKETS = (_NO_COMMA, "did not find expected node content")
 
 
 class BadYaml(ValueError):  # noqa: N818 - named for what happened, as in errors.py
-    """A text that is not the YAML that is accepted here.
+    """A text that is not the YAML that is accepted here, with the text to type instead as hint.
 
-    Attributes:
-        problem: The mistake.
-        line: Its line, from 1; 0 where it is unknown.
-        column: Its character in that line, from 1; 0 where it is unknown.
-        hint: The text to type instead, or "".
+    Lines and columns (characters of a line) count from 1; 0 is for an unknown one.
     """
 
     def __init__(self, problem: str, line: int = 0, column: int = 0, hint: str = "") -> None:

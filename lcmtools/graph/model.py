@@ -1,8 +1,9 @@
 """The graph's values: nodes, their endpoints, and the messages observed on the channels."""
 
-from collections.abc import Iterable
+from collections import defaultdict
 from dataclasses import dataclass
 from enum import Enum, IntEnum
+from functools import cached_property
 
 from lcmtools.names import base_name_of, is_hidden
 from lcmtools.wire.packet import Sender
@@ -31,48 +32,26 @@ class Staleness(str, Enum):
     HANGS = "runs but does not answer"
     ENDED = "ended without saying goodbye"
 
-    def __str__(self) -> str:
-        """Return the text."""
-        return self.value
-
-    def __format__(self, spec: str) -> str:
-        """Return the text; Python versions differ in what they do otherwise."""
-        return format(self.value, spec)
+    __str__ = str.__str__
 
 
 @dataclass(frozen=True, slots=True)
 class Endpoint:
-    """One publisher, subscription, service or client of a node.
+    """One publisher, subscription, service or client of a node."""
 
-    Attributes:
-        topic: The full name of the topic or service.
-        role: The node's role for it.
-        types: The declared type first, then others that are accepted too ("package/Name").
-        fingerprints: Of ``types``, unsigned.
-        group: Subscriptions of a node with the same group are alternatives of each other.
-        depth: Queue depth in messages; 0 where there is no queue.
-        messages: Messages sent or received so far.
-        bytes: Bytes of their payloads.
-        drops: Messages that a full queue pushed out.
-        last_time: Time of the last one, nanoseconds since 1970; 0 for none.
-        calls: Number of calls of the callback; 0 where there is none.
-        busy: Time spent in the callback, in a running call too [ns].
-        longest: Time of the longest call, of a running one so far [ns].
-    """
-
-    topic: str
-    role: Role
-    types: tuple[str, ...] = ()
-    fingerprints: tuple[int, ...] = ()
-    group: str = ""
-    depth: int = 0
-    messages: int = 0
-    bytes: int = 0
-    drops: int = 0
-    last_time: int = 0
-    calls: int = 0
-    busy: int = 0
-    longest: int = 0
+    topic: str  # the full name of the topic or service
+    role: Role  # the node's role for it
+    types: tuple[str, ...] = ()  # the declared one first, then others that are accepted too
+    fingerprints: tuple[int, ...] = ()  # of ``types``, unsigned
+    group: str = ""  # subscriptions of a node with the same group are alternatives of each other
+    depth: int = 0  # of the queue, in messages; 0 where there is no queue
+    messages: int = 0  # sent or received so far
+    bytes: int = 0  # of their payloads
+    drops: int = 0  # messages that a full queue pushed out
+    last_time: int = 0  # of the last message [ns since 1970]; 0 for none
+    calls: int = 0  # of the callback; 0 where there is none
+    busy: int = 0  # time spent in the callback, in a running call too [ns]
+    longest: int = 0  # time of the longest call, of a running one so far [ns]
 
     @property
     def type(self) -> str:
@@ -81,43 +60,38 @@ class Endpoint:
 
 
 @dataclass(frozen=True, slots=True)
+class CallbackError:
+    """An exception that a node's callback has raised, once or again and again."""
+
+    callback: str  # "/odometry", "timer 0.1 s", "service /reset" or "parameters"
+    exception: str  # "AttributeError"
+    message: str  # the first line of its text, shortened
+    place: str  # innermost line of the user's own code: "simple_controller.py:35"
+    count: int  # since the node's start
+    last_time: int  # nanoseconds since 1970
+
+
+@dataclass(frozen=True, slots=True)
 class Node:
-    """A named participant of the bus.
+    """A named participant of the bus; times are nanoseconds since 1970."""
 
-    Attributes:
-        name: Full name ("/husky0/simple_controller").
-        id: Unique for each run of each node.
-        host: Name of its computer.
-        pid: Its process there.
-        start_time: Its start, nanoseconds since 1970.
-        command: Its command line.
-        tool: A command that looks at the bus for a while, not a part of the system.
-        ports: UDP ports it sends from, besides the one its announcements come from.
-        endpoints: What it publishes, subscribes and serves.
-        sender: The source of its announcements; None where the bus names none.
-        last_announced: Arrival of its last announcement, nanoseconds since 1970; 0 for none.
-        stale: The reason why it counts as stale; false for a node that is alive.
-        busy: Time spent in its callbacks, those of timers too [ns].
-        sent: Time of its last announcement by its own computer's clock, nanoseconds since 1970; 0
-            if unknown.
-        lag: Shortest time from the sending of an announcement to its arrival, by the two computers'
-            clocks [ns]: negative if its clock is ahead; None if unknown.
-    """
-
-    name: str
-    id: str
-    host: str
-    pid: int
+    name: str  # in full: "/husky0/simple_controller"
+    id: str  # unique for each run of each node
+    host: str  # the name of its computer
+    pid: int  # its process there
     start_time: int = 0
-    command: str = ""
-    tool: bool = False
-    ports: tuple[int, ...] = ()
+    command: str = ""  # its command line
+    tool: bool = False  # a command that looks at the bus for a while, not a part of the system
+    ports: tuple[int, ...] = ()  # UDP ports it sends from besides that of its announcements
     endpoints: tuple[Endpoint, ...] = ()
-    sender: Sender | None = None
-    last_announced: int = 0
+    sender: Sender | None = None  # of its announcements; None where the bus names none
+    last_announced: int = 0  # arrival of its last announcement; 0 for none
     stale: Staleness = Staleness.NOT
-    busy: int = 0
-    sent: int = 0
+    busy: int = 0  # time spent in its callbacks, those of timers too [ns]
+    sent: int = 0  # time of its last announcement by its own computer's clock; 0 if unknown
+    errors: tuple[CallbackError, ...] = ()  # of its callbacks; different ones, the newest last
+    # Shortest time from the sending of an announcement to its arrival, by the two computers'
+    # clocks [ns]: negative if its clock is ahead; None if unknown.
     lag: int | None = None
 
     def having(self, role: Role) -> tuple[Endpoint, ...]:
@@ -148,25 +122,14 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Traffic:
-    """One sender's observed messages on one channel.
-
-    Attributes:
-        channel: The channel.
-        sender: The sender; None where the bus names none.
-        fingerprints: Fingerprints in order of appearance; a few where they keep changing, as with
-            data that is no LCM message.
-        messages: Number of messages.
-        bytes: Bytes of their payloads.
-        first_time: Arrival of the first, nanoseconds since 1970.
-        last_time: Arrival of the last.
-    """
+    """One sender's observed messages on one channel; times are nanoseconds since 1970."""
 
     channel: str
-    sender: Sender | None
-    fingerprints: tuple[int, ...]
+    sender: Sender | None  # None where the bus names none
+    fingerprints: tuple[int, ...]  # in order of appearance; a few where they keep changing
     messages: int
-    bytes: int
-    first_time: int
+    bytes: int  # of their payloads
+    first_time: int  # arrival of the first
     last_time: int
 
     def rate(self) -> float | None:
@@ -176,24 +139,23 @@ class Traffic:
         return (self.messages - 1) * 1e9 / (self.last_time - self.first_time)
 
 
+Ends = tuple[tuple[Node, Endpoint], ...]
+"""Endpoints with their nodes."""
+
+
 @dataclass(frozen=True, slots=True)
 class Topic:
     """The known facts of one topic.
 
-    Attributes:
-        name: The channel's name.
-        publishers: Nodes with their endpoints that announce to publish it.
-        subscribers: Nodes with their endpoints that announce to subscribe to it.
-        traffic: The observed messages, by sender.
-        foreign: The part of ``traffic`` that no announced node has sent. Where the bus names no
-            sender, an announced publisher explains all of it.
+    ``foreign`` is the part of the traffic that no announced node has sent. Where the bus names no
+    sender, an announced publisher explains all of it.
     """
 
     name: str
-    publishers: tuple[tuple[Node, Endpoint], ...]
-    subscribers: tuple[tuple[Node, Endpoint], ...]
-    traffic: tuple[Traffic, ...]
-    foreign: tuple[Traffic, ...]
+    publishers: Ends = ()  # announced
+    subscribers: Ends = ()
+    traffic: tuple[Traffic, ...] = ()  # by sender
+    foreign: tuple[Traffic, ...] = ()
 
     @property
     def types(self) -> tuple[str, ...]:
@@ -207,55 +169,34 @@ class Topic:
         return tuple(dict.fromkeys(f for seen in self.traffic for f in seen.fingerprints))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)  # without slots, for the table of topics that is kept
 class Graph:
-    """All that is known of a bus at one time.
+    """All that is known of a bus at one time."""
 
-    Attributes:
-        nodes: Announced nodes, sorted by name; stale ones included.
-        traffic: The observed messages, on hidden channels too.
-        time: Time of this snapshot, nanoseconds since 1970.
-    """
-
-    nodes: tuple[Node, ...] = ()
-    traffic: tuple[Traffic, ...] = ()
-    time: int = 0
+    nodes: tuple[Node, ...] = ()  # announced, sorted by name; stale ones included
+    traffic: tuple[Traffic, ...] = ()  # on hidden channels too
+    time: int = 0  # of this snapshot [ns since 1970]
 
     def topic_names(self) -> list[str]:
         """Return all topics that are published, observed, or subscribed to by a node; sorted."""
-        announced = {
-            endpoint.topic
-            for node in self.nodes
-            for endpoint in node.endpoints
-            if endpoint.role is Role.PUBLISHER
-            or (endpoint.role is Role.SUBSCRIBER and not node.tool)
-        }
-        return sorted(announced | {seen.channel for seen in self.traffic})
+        return [topic.name for topic in self.topics()]
 
     def topic(self, name: str) -> Topic:
         """Return the facts of one topic; empty when there are none."""
-        ends = [(node, end) for node in self.nodes for end in node.endpoints if end.topic == name]
-        return _topic(name, ends, [t for t in self.traffic if t.channel == name], self._senders())
+        return self._topics.get(name) or Topic(name)
 
     def topics(self) -> list[Topic]:
-        """Return every topic, sorted; all of them at once, which is quicker than one by one."""
-        ends: dict[str, list[tuple[Node, Endpoint]]] = {}
-        for node in self.nodes:
-            for endpoint in node.endpoints:
-                ends.setdefault(endpoint.topic, []).append((node, endpoint))
-        traffic: dict[str, list[Traffic]] = {}
-        for seen in self.traffic:
-            traffic.setdefault(seen.channel, []).append(seen)
-        senders = self._senders()
+        """Return every topic, sorted; not those that only commands subscribe to."""
         return [
-            _topic(name, ends.get(name, ()), traffic.get(name, ()), senders)
-            for name in self.topic_names()
+            one
+            for one in self._topics.values()
+            if one.publishers or one.traffic or any(not node.tool for node, _ in one.subscribers)
         ]
 
     def foreign(self) -> list[Traffic]:
         """Return the messages that no announced node has sent, without LCM's self tests.
 
-        See ``Topic.foreign``.
+        See ``Topic``.
         """
         return [seen for one in self.topics() if one.name != _SELF_TEST for seen in one.foreign]
 
@@ -267,21 +208,27 @@ class Graph:
             return exact
         return [node for node in self.nodes if base_name_of(node.name) == name]
 
-    def _senders(self) -> frozenset[Sender]:
-        return frozenset(sender for node in self.nodes for sender in node.senders())
-
-
-def _topic(
-    name: str,
-    ends: Iterable[tuple[Node, Endpoint]],
-    traffic: Iterable[Traffic],
-    senders: frozenset[Sender],
-) -> Topic:
-    publishers = tuple(end for end in ends if end[1].role is Role.PUBLISHER)
-    subscribers = tuple(end for end in ends if end[1].role is Role.SUBSCRIBER)
-    foreign = (
-        seen
-        for seen in traffic
-        if seen.sender not in senders and not (seen.sender is None and publishers)
-    )
-    return Topic(name, publishers, subscribers, tuple(traffic), tuple(foreign))
+    @cached_property
+    def _topics(self) -> dict[str, Topic]:
+        """Every channel with a message, a publisher or a subscriber; sorted."""
+        ends: dict[tuple[str, Role], list[tuple[Node, Endpoint]]] = defaultdict(list)
+        for node in self.nodes:
+            for end in node.endpoints:
+                ends[end.topic, end.role].append((node, end))
+        traffic: dict[str, list[Traffic]] = defaultdict(list)
+        for seen in self.traffic:
+            traffic[seen.channel].append(seen)
+        senders = {sender for node in self.nodes for sender in node.senders()}
+        announced = {name for name, role in ends if role in (Role.PUBLISHER, Role.SUBSCRIBER)}
+        found = {}
+        for name in sorted(announced | traffic.keys()):
+            publishers = tuple(ends.get((name, Role.PUBLISHER), ()))
+            explained = senders | {None} if publishers else senders
+            found[name] = Topic(
+                name,
+                publishers,
+                tuple(ends.get((name, Role.SUBSCRIBER), ())),
+                tuple(traffic.get(name, ())),
+                tuple(seen for seen in traffic.get(name, ()) if seen.sender not in explained),
+            )
+        return found

@@ -5,14 +5,15 @@ change, at once on a lcmtools_msgs/Probe on PROBE_CHANNEL, and one with the stat
 ends. A lcmtools_msgs/Shutdown on SHUTDOWN_CHANNEL requests that a node's program end.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from hashlib import blake2b
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from lcmtools.errors import DecodeError, InvalidName
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import CallbackError, Endpoint, Node, Role
 from lcmtools.messages.codec import decode, encode
-from lcmtools.messages.registry import fingerprint
+from lcmtools.messages.registry import Message, fingerprint
 from lcmtools.names import check_length, check_node
 from lcmtools.types import lcmtools_msgs as msgs
 
@@ -29,8 +30,16 @@ ANSWER_SPREAD = 0.01
 MOST_OF_COMMAND = 1000
 """Characters of a command line that are announced."""
 
+M = TypeVar("M", bound=Message)
+_COUNTERS = ("messages", "bytes", "drops", "last_time", "calls", "busy", "longest")
+_OF_ENDPOINT = ("group", "depth", *_COUNTERS)
+_OF_NODE = ("name", "id", "host", "pid", "start_time", "busy", "sent")
+
+_OF_ERROR = ("callback", "exception", "message", "place", "count", "last_time")
+_MOST_ERRORS = 5
+
 _FINGERPRINT = fingerprint(msgs.Announcement).to_bytes(8, "big")
-_NAME_OFFSET = 16  # after the fingerprint and two length fields
+_NAME_OFFSET = 20  # after the fingerprint and three length fields
 _BEFORE_ID_BYTES = 12  # pid and start time
 _STATE_BYTES = 1
 _REVISION_BYTES = 8
@@ -67,86 +76,67 @@ class Shutdown:
 
 
 class Head(NamedTuple):
-    """The head of an announcement, read without decoding it; empty where there is none.
+    """The head of an announcement, read without decoding it; empty where there is none."""
 
-    Attributes:
-        identity: Equal in all announcements of one node but its goodbye, and in no others.
-        revision: Equal until more of the node changes than its counters and its clock.
-    """
-
-    identity: bytes
-    revision: bytes
+    identity: bytes  # equal in all announcements of one node but its goodbye, and in no others
+    revision: bytes  # equal until more of the node changes than its counters and its clock
 
 
 def encode_probe(probe: Probe) -> bytes:
     """Return the payload of a probe."""
-    message = msgs.Probe()
-    message.target, message.nonce = probe.target, probe.nonce
-    return encode(message)
+    return encode(_filled(msgs.Probe(), probe, ("target", "nonce")))
 
 
 def decode_probe(payload: bytes) -> Probe | None:
     """Return the probe in a payload; None if there is none."""
-    try:
-        message = decode(msgs.Probe, payload)
-    except DecodeError:
-        return None
-    return Probe(message.target, message.nonce)
+    message = _decoded(msgs.Probe, payload)
+    return Probe(message.target, message.nonce) if message else None
 
 
 def encode_shutdown(request: Shutdown) -> bytes:
     """Return the payload of a request to end."""
-    message = msgs.Shutdown()
-    message.target, message.nonce = request.target, request.nonce
+    message = _filled(msgs.Shutdown(), request, ("target", "nonce"))
     message.requester = _sendable(request.requester)
     return encode(message)
 
 
 def decode_shutdown(payload: bytes) -> Shutdown | None:
     """Return the request to end in a payload; None if there is none."""
-    try:
-        message = decode(msgs.Shutdown, payload)
-    except DecodeError:
-        return None
-    return Shutdown(message.target, message.nonce, message.requester)
+    message = _decoded(msgs.Shutdown, payload)
+    return Shutdown(message.target, message.nonce, message.requester) if message else None
 
 
 def encode_announcement(announcement: Announcement) -> bytes:
     """Return the payload of an announcement."""
     node = announcement.node
-    message = msgs.Announcement()
-    message.name, message.id, message.host = node.name, node.id, node.host
-    message.pid, message.start_time = node.pid, node.start_time
+    message = _filled(msgs.Announcement(), node, _OF_NODE)
     message.command, message.tool = _sendable(node.command), node.tool
     message.state = msgs.Announcement.LEAVING if announcement.leaving else msgs.Announcement.ALIVE
     message.revision = _revision(node)
     message.answers = announcement.answers
     message.ports = list(node.ports)
     message.endpoints = [_endpoint_message(endpoint) for endpoint in node.endpoints]
-    message.sent, message.busy = node.sent, node.busy
+    newest = node.errors[-_MOST_ERRORS:]
+    message.errors = [_filled(msgs.CallbackError(), error, _OF_ERROR) for error in newest]
     return encode(message)
 
 
 def decode_announcement(payload: bytes) -> Announcement | None:
     """Return the announcement in a payload; None if it is of another version or type."""
+    message = _decoded(msgs.Announcement, payload)
+    if message is None:
+        return None
     try:
-        message = decode(msgs.Announcement, payload)
         endpoints = tuple(_endpoint(part) for part in message.endpoints)
         check_node(check_length(message.name))
-    except (DecodeError, InvalidName, ValueError):
+    except (InvalidName, ValueError):
         return None
     node = Node(
-        name=message.name,
-        id=message.id,
-        host=message.host,
-        pid=message.pid,
-        start_time=message.start_time,
-        command=message.command,
+        **_values(message, (*_OF_NODE, "command")),
         tool=bool(message.tool),
         ports=tuple(message.ports),
         endpoints=endpoints,
-        busy=message.busy,
-        sent=message.sent,
+        errors=tuple(CallbackError(**_values(error, _OF_ERROR)) for error in message.errors),
     )
     return Announcement(node, message.state == msgs.Announcement.LEAVING, message.answers)
 
@@ -162,44 +152,51 @@ def head_of(payload: bytes) -> Head:
 
 
 def _revision(node: Node) -> int:
-    """Return a number that changes with anything of a node but its endpoints' counters."""
-    plain = [
-        replace(one, messages=0, bytes=0, drops=0, last_time=0, calls=0, busy=0, longest=0)
-        for one in node.endpoints
-    ]
-    structure = repr((node.command, node.tool, node.ports, plain)).encode("utf-8", "replace")
+    """Return a number that changes with anything of a node but what it counts."""
+    zeros: dict[str, Any] = dict.fromkeys(_COUNTERS, 0)
+    plain = [replace(endpoint, **zeros) for endpoint in node.endpoints]
+    errors = sorted((error.callback, error.exception, error.place) for error in node.errors)
+    structure = repr((node.command, node.tool, node.ports, plain, errors)).encode(
+        "utf-8", "replace"
+    )
     digest = blake2b(structure, digest_size=_REVISION_BYTES).digest()
     return int.from_bytes(digest, "big", signed=True)
 
 
 def _endpoint_message(endpoint: Endpoint) -> msgs.Endpoint:
-    message = msgs.Endpoint()
-    message.topic, message.role, message.group = endpoint.topic, endpoint.role, endpoint.group
+    message = _filled(msgs.Endpoint(), endpoint, _OF_ENDPOINT)
+    message.topic, message.role = endpoint.topic, endpoint.role
     message.types = list(endpoint.types)
     message.fingerprints = [_signed(value) for value in endpoint.fingerprints]
-    message.depth, message.drops = endpoint.depth, endpoint.drops
-    message.messages, message.bytes = endpoint.messages, endpoint.bytes
-    message.last_time = endpoint.last_time
-    message.calls, message.busy, message.longest = endpoint.calls, endpoint.busy, endpoint.longest
     return message
 
 
 def _endpoint(message: msgs.Endpoint) -> Endpoint:
     return Endpoint(
+        **_values(message, _OF_ENDPOINT),
         topic=check_length(message.topic),
         role=Role(message.role),
         types=tuple(message.types),
         fingerprints=tuple(value & 0xFFFFFFFFFFFFFFFF for value in message.fingerprints),
-        group=message.group,
-        depth=message.depth,
-        messages=message.messages,
-        bytes=message.bytes,
-        drops=message.drops,
-        last_time=message.last_time,
-        calls=message.calls,
-        busy=message.busy,
-        longest=message.longest,
     )
+
+
+def _filled(message: M, source: object, names: Iterable[str]) -> M:
+    """Return the message with the values of the attributes of the same names."""
+    for name, value in _values(source, names).items():
+        setattr(message, name, value)
+    return message
+
+
+def _values(source: object, names: Iterable[str]) -> dict[str, Any]:
+    return {name: getattr(source, name) for name in names}
+
+
+def _decoded(cls: type[M], payload: bytes) -> M | None:
+    try:
+        return decode(cls, payload)
+    except DecodeError:
+        return None
 
 
 def _sendable(command: str) -> str:

@@ -8,18 +8,26 @@ from lcmtools.names import did_you_mean
 
 
 @dataclass(frozen=True, slots=True)
-class Role:
+class LabProgram:
     """A program that a lab has a student write.
 
     Attributes:
         option: Its name on the command line of lab check.
         node: The model answer and the skeleton, nodes of the same name.
         arguments: Names that connect it; added unless the command line has a := of its own.
+        publishes: Topics of which it is to publish one.
+        types: The message types that these may have.
+        subscribes: Topics that it is to subscribe to.
+        has_keys: It is driven by keys, and not by its callbacks.
     """
 
     option: str
     node: str
     arguments: tuple[str, ...] = ()
+    publishes: tuple[str, ...] = ()
+    types: tuple[str, ...] = ()
+    subscribes: tuple[str, ...] = ()
+    has_keys: bool = False
 
     @property
     def answer(self) -> tuple[str, ...]:
@@ -36,7 +44,8 @@ class Lab:
         title: Its subject, in one line.
         world: The simulator's world.
         simulator: The simulator's node in that world.
-        roles: The programs that a student writes.
+        robot: The robot's namespace in that world.
+        programs: The programs that a student writes.
         steps: Commands to type next, in a second terminal.
     """
 
@@ -44,7 +53,8 @@ class Lab:
     title: str
     world: str
     simulator: str
-    roles: tuple[Role, ...]
+    robot: str
+    programs: tuple[LabProgram, ...]
     steps: tuple[str, ...]
 
 
@@ -53,13 +63,29 @@ _HUSKY = Lab(
     "A Husky by wheel effort: topics, names, a speed controller",
     "husky",
     "/morse",
+    "/husky0",
     (
-        Role(
+        LabProgram(
             "controller",
             "simple_controller",
             ("__ns:=/husky0", "controlled_velocity:=velocity_cmd"),
+            publishes=(
+                "/husky0/velocity_cmd",
+                "/husky0/wheel_cmd",
+                "/husky0/wheel_velocity_cmd",
+                "/husky0/cmd_vel",
+            ),
+            types=("sensor_msgs/JointState", "geometry_msgs/Twist"),
+            subscribes=("/husky0/odometry", "/husky0/desired_velocity"),
         ),
-        Role("evaluator", "evaluate_controller", ("__ns:=/husky0",)),
+        LabProgram(
+            "evaluator",
+            "evaluate_controller",
+            ("__ns:=/husky0",),
+            publishes=("/husky0/evaluation_stat",),
+            types=("air_lab0/ControllerEvaluationStat",),
+            subscribes=("/husky0/odometry", "/husky0/desired_velocity"),
+        ),
     ),
     (
         "lcmtools list",
@@ -74,9 +100,23 @@ _PIONEER = Lab(
     "A Pioneer with a Kinect: publishers, subscribers, a picture, driving by keys",
     "pioneer",
     "/gazebo",
+    "/",
     (
-        Role("teleop", "pioneer_manual_controller"),
-        Role("viewer", "kinect_viewer"),
+        LabProgram(
+            "teleop",
+            "pioneer_manual_controller",
+            publishes=("/RosAria/cmd_vel",),
+            types=("geometry_msgs/Twist",),
+            has_keys=True,
+        ),
+        LabProgram("viewer", "kinect_viewer", subscribes=("/camera/depth/image_raw",)),
+        LabProgram(
+            "path",
+            "path_follower",
+            publishes=("/RosAria/cmd_vel",),
+            types=("geometry_msgs/Twist",),
+            subscribes=("/path",),
+        ),
     ),
     (
         "lcmtools node list",
@@ -92,9 +132,12 @@ _DOLLY = Lab(
     "A Dolly in a circle: a node with a timer, and one that reads a laser",
     "dolly",
     "/gazebo",
+    "/dolly",
     (
-        Role("mover", "moving_robot"),
-        Role("reader", "reading_laser"),
+        LabProgram(
+            "mover", "moving_robot", publishes=("/dolly/cmd_vel",), types=("geometry_msgs/Twist",)
+        ),
+        LabProgram("reader", "reading_laser", subscribes=("/dolly/laser_scan",)),
     ),
     (
         "lcmtools list",

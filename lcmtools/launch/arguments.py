@@ -3,7 +3,7 @@
 Belongs here: the meaning of ``<arg>``. https://wiki.ros.org/roslaunch/XML/arg
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from lcmtools.errors import UsageError
@@ -38,13 +38,24 @@ def declare(element: Element, scope: Scope) -> Scope:
 def arguments_of(element: Element) -> list[Argument]:
     """Return the arguments that a file takes: those that it does not fix itself."""
     found: dict[str, Argument] = {}
-    for child in element.children:
+    for child in _declarations(element):
         about = child.attributes
-        if child.tag == "group":
-            found.update({argument.name: argument for argument in arguments_of(child)})
-        elif child.tag == "arg" and "value" not in about and (name := about.get("name")):
+        if "value" not in about and (name := about.get("name")):
             found.setdefault(name, Argument(name, about.get("default"), about.get("doc", "")))
     return list(found.values())
+
+
+def names_in(element: Element) -> set[str]:
+    """Return the names of a file's arguments, the fixed ones too."""
+    return {child.attributes.get("name", "") for child in _declarations(element)}
+
+
+def _declarations(element: Element) -> Iterator[Element]:
+    for child in element.children:
+        if child.tag == "group":
+            yield from _declarations(child)
+        elif child.tag == "arg":
+            yield child
 
 
 def given_inside(element: Element, scope: Scope) -> tuple[Scope, dict[str, str]]:
@@ -61,17 +72,6 @@ def given_inside(element: Element, scope: Scope) -> tuple[Scope, dict[str, str]]
             raise child.error(f"the argument '{name}' has no value")
         found[name] = scope.text(child, key)
     return inside, found
-
-
-def names_in(element: Element) -> set[str]:
-    """Return the names of a file's arguments, the fixed ones too."""
-    found: set[str] = set()
-    for child in element.children:
-        if child.tag == "group":
-            found |= names_in(child)
-        elif child.tag == "arg":
-            found.add(child.attributes.get("name", ""))
-    return found
 
 
 def check_given(roots: Sequence[Element], passed: Mapping[str, str]) -> None:

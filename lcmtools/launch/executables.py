@@ -10,14 +10,16 @@ import shutil
 import sys
 import sysconfig
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
 from lcmtools.errors import UsageError
 from lcmtools.launch.packages import files_below, find_package, is_there, lab_packages, path_from
 from lcmtools.names import did_you_mean
-from lcmtools.packages.nodes import OWN, Runnable, find_node, runnables
+from lcmtools.packages.finding import find_node, own_answer, undeclared
+from lcmtools.packages.nodes import OWN, Runnable, runnables
+from lcmtools.packages.workspace import workspace
 
 RUN = ("lcmtools", "run")
 _SAME_NODE = {
@@ -41,10 +43,21 @@ _ROS_PACKAGES = {
 
 @dataclass(frozen=True, slots=True)
 class Executable:
-    """The command line of a node, and the directory that it must be run in; "" for any."""
+    """The program of a node.
+
+    Attributes:
+        command: The words that start it.
+        directory: The directory that it must be run in; "" for any.
+        arguments: The words behind them in the file.
+        takes_names: It reads ``__ns:=`` and the like, as nodes do.
+        note: A sentence on whose program it is, if that may not be the one that is meant.
+    """
 
     command: tuple[str, ...]
     directory: str = ""
+    arguments: tuple[str, ...] = ()
+    takes_names: bool = True
+    note: str = ""
 
 
 def find_executable(package: str, name: str, folder: Path) -> Executable:
@@ -59,40 +72,44 @@ def find_executable(package: str, name: str, folder: Path) -> Executable:
         UsageError: There is no such package, or no such node in it.
     """
     plain = name.removesuffix(".py")
-    for start in (Path.cwd(), folder):
-        own = {node.name for node in _nodes_from(start) if node.package == package != OWN}
-        if word := next((word for word in (name, plain) if word in own), ""):
-            directory = "" if start == Path.cwd() else str(folder)
-            return Executable((*RUN, package, word), directory)
+    known = _nodes_from(Path.cwd(), folder)
+    nodes = {node.name: node for node in known if node.package == package}
+    for word in (name, plain):
+        if package != OWN and word in nodes:
+            return Executable((*RUN, package, word), _directory(nodes[word], folder))
     if package != OWN and (script := _script(package, name, folder)):
         return Executable((script,))
-    nodes = _nodes_of(package, folder)
+    is_own = package in _as_lcmtools() and not _is_in_workspace(package, folder)
+    nodes = {node.name: node for node in known if node.package == OWN} if is_own else nodes
     for spelling in (plain, _SAME_NODE.get(plain, plain)):
-        if package in _as_lcmtools() and spelling in nodes:
-            return Executable((*RUN, spelling))
+        if is_own and spelling in nodes:
+            return _own(spelling, known, package)
     if not nodes:
         find_package(package, folder)  # says that there is none
+    if error := undeclared((package, plain), known, (Path.cwd(), folder)):
+        raise error
     listed = f"it has {', '.join(sorted(nodes))}" if nodes else "make its file executable: chmod +x"
     hint = did_you_mean(name, nodes) or listed
     raise UsageError(f"there is no node '{name}' in the package {package}", hint)
 
 
-def find_typed(words: Sequence[str], folder: Path) -> tuple[Executable, list[str]]:
-    """Return the command of the node that words mean after ``lcmtools run``, and the words after.
+def find_typed(words: Sequence[str], folder: Path) -> Executable:
+    """Return the program that words mean after ``lcmtools run``; the words after are arguments.
 
     Raises:
         UsageError: There is no such node, or several packages have it.
     """
-    for start in (Path.cwd(), folder):
-        try:
-            _, rest = find_node(words, _nodes_from(start))
-        except UsageError as error:
-            failure = error
-            continue
+    known = _nodes_from(Path.cwd(), folder)
+    try:
+        node, rest = find_node(words, known, Path.cwd(), folder)
+    except UsageError as error:
+        failure = error
+    else:
+        note = own_answer(node) if words[0] == node.name else ""
         typed = words[: len(words) - len(rest)]
-        return Executable((*RUN, *typed), "" if start == Path.cwd() else str(folder)), rest
+        return Executable((*RUN, *typed), _directory(node, folder), tuple(rest), note=note)
     if len(words) > 1 and words[0] in _as_lcmtools():
-        return find_executable(words[0], words[1], folder), list(words[2:])
+        return replace(find_executable(words[0], words[1], folder), arguments=tuple(words[2:]))
     if shutil.which(words[0]) or is_there(path_from(folder, words[0])):
         hint = f"a program is written so:  exec: {words[0]}"
         raise UsageError(
@@ -143,17 +160,28 @@ def startable(command: Sequence[str]) -> list[str]:
     return words
 
 
-def _nodes_of(package: str, folder: Path) -> set[str]:
-    """Return the names of a package's nodes."""
-    own = OWN if package in _as_lcmtools() else package
-    known = (*_nodes_from(Path.cwd()), *_nodes_from(folder))
-    return {node.name for node in known if node.package == own}
+def _own(name: str, known: Sequence[Runnable], package: str) -> Executable:
+    """Return the command of lcmtools' own node, which a launch file names by another package."""
+    node = next(node for node in known if (node.package, node.name) == (OWN, name))
+    is_hidden = any(node.name == name and node.folder for node in known)
+    words = (OWN, name) if is_hidden else (name,)
+    return Executable((*RUN, *words), note="" if package == OWN else own_answer(node))
+
+
+def _directory(node: Runnable, folder: Path) -> str:
+    """Return the directory from which a node of the launch file's workspace is found."""
+    is_here = node.folder is None or node in _nodes_from(Path.cwd())
+    return "" if is_here else str(folder)
 
 
 @lru_cache(maxsize=4)
-def _nodes_from(start: Path) -> tuple[Runnable, ...]:
-    """Return the nodes of a folder's workspace and of installed packages, which takes a moment."""
-    return tuple(runnables(start))
+def _nodes_from(*starts: Path) -> tuple[Runnable, ...]:
+    """Return the nodes of folders' workspaces and of installed packages, which takes a moment."""
+    return tuple(runnables(*starts))
+
+
+def _is_in_workspace(package: str, folder: Path) -> bool:
+    return any(one.name == package for one in workspace(Path.cwd(), folder).packages)
 
 
 def _as_lcmtools() -> set[str]:

@@ -1,38 +1,55 @@
-"""A node of a plan with the process that runs it: its runs so far, and its end in words."""
+"""A node of a plan with the process that runs it: its runs so far, its log, its end in words."""
 
+import math
 import signal
 import time
 from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
 
 from lcmtools.launch.executables import startable
-from lcmtools.launch.plan import NodePlan
+from lcmtools.launch.plan import NodePlan, Output
 from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
 from lcmtools.processes.process_guard import ProcessGuard
 
+_LONG_LIFE = 5.0
+"""Seconds; a node that keeps dying sooner is started again after ever longer delays."""
+_SLOWEST = 10.0
 
+
+@dataclass(slots=True, eq=False)
 class NodeProcess:
     """A node that runs, or has run.
 
     Attributes:
         plan: Its plan.
         number: Its place among the nodes, from 1.
+        folder: For its log file.
         child: The process of its last run; None before the first.
         code: The exit code of its last run, negative for a signal; None while it runs.
         starts: Number of starts.
         started_at: Monotonic time of the last start.
+        short_lives: Number of runs, up to the last one, that ended soon.
+        due: Monotonic time of the next start; infinite if there is none.
+        is_draining: Its process has ended, but perhaps not all of its group.
         was_asked: True if it was asked to end.
         failure: The reason why it could not be started, or "".
     """
 
-    def __init__(self, plan: NodePlan, number: int) -> None:
-        self.plan = plan
-        self.number = number
-        self.child: ChildProcess | None = None
-        self.code: int | None = None
-        self.starts = 0
-        self.started_at = 0.0
-        self.was_asked = False
-        self.failure = ""
+    plan: NodePlan
+    number: int
+    folder: Path
+    child: ChildProcess | None = None
+    code: int | None = None
+    starts: int = 0
+    started_at: float = 0.0
+    short_lives: int = 0
+    due: float = math.inf
+    is_draining: bool = False
+    was_asked: bool = False
+    failure: str = ""
+    _file: TextIO | None = None
 
     @property
     def label(self) -> str:
@@ -40,9 +57,47 @@ class NodeProcess:
         return f"{self.plan.name.strip('/')}-{self.number}"
 
     @property
+    def log(self) -> str:
+        """The path of its log file, ``husky0-driver-1.log``; "" if it has none."""
+        if self.plan.output is Output.SCREEN or self.plan.takes_terminal:
+            return ""
+        return str(self.folder / f"{self.label.replace('/', '-')}.log")
+
+    @property
     def is_running(self) -> bool:
         """True while its own process runs."""
         return self.child is not None and self.code is None
+
+    @property
+    def has_failed(self) -> bool:
+        """True if it failed, was not asked to end, and is not to be started again."""
+        died = self.code not in (0, None) and not self.was_asked
+        return bool(self.failure) or (died and not self.plan.respawn)
+
+    def open_log(self) -> str:
+        """Open its log file, once for all runs; return the error, or ""."""
+        if self.log and not self.starts:
+            try:
+                self._file = Path(self.log).open("a", encoding="utf-8")  # noqa: SIM115 - see close_log
+            except OSError as error:
+                return f"cannot write {self.log}: {error.strerror}"
+        return ""
+
+    def write(self, text: str) -> str:
+        """Write a line into its log file; return the first error, or ""."""
+        try:
+            if self._file:
+                self._file.write(f"{text}\n")
+                self._file.flush()
+        except OSError as error:
+            self._file = None
+            return f"nothing more is written into {self.log}: {error.strerror}"
+        return ""
+
+    def close_log(self) -> None:
+        """Close its log file."""
+        if self._file:
+            self._file.close()
 
     def start(
         self, environment: Mapping[str, str], guard: ProcessGuard, timeouts: StopTimeouts
@@ -60,6 +115,7 @@ class NodeProcess:
             takes_input=plan.takes_input,
             takes_terminal=plan.takes_terminal,
         )
+        self.due = math.inf
         self.child = ChildProcess(start, guard, timeouts)
         self.code = None
         self.starts += 1
@@ -72,6 +128,14 @@ class NodeProcess:
             return False
         self.code = self.child.code
         return self.code is not None
+
+    def start_later(self, now: float) -> float:
+        """Be due for a start after some seconds, more if it keeps dying young; return them."""
+        self.short_lives = self.short_lives + 1 if now - self.started_at < _LONG_LIFE else 0
+        slower = min(_SLOWEST, 0.5 * 2 ** (self.short_lives - 2)) if self.short_lives > 1 else 0.0
+        delay = max(self.plan.respawn_delay, slower)
+        self.due = now + delay
+        return delay
 
     def end_text(self) -> str:
         """Return the end of its last run in words."""

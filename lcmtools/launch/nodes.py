@@ -8,12 +8,12 @@ import os
 import shlex
 import sys
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 
 from lcmtools.arguments import NodeArguments, split_arguments
 from lcmtools.formats.strict_xml import Element
 from lcmtools.launch.executables import (
     RUN,
+    Executable,
     find_executable,
     find_program,
     find_script,
@@ -29,24 +29,7 @@ _HOMES = ("ROS_HOME", "node")  # of cwd; other values that roslaunch knows
 _NAMESPACE = "LCMTOOLS_NAMESPACE"
 
 
-@dataclass(frozen=True, slots=True)
-class NodeProgram:
-    """The program of a node.
-
-    Attributes:
-        command: The words that start it.
-        arguments: The words behind them in the file.
-        takes_names: It reads ``__ns:=`` and the like, as nodes do.
-        directory: Its working directory; "" for any.
-    """
-
-    command: tuple[str, ...]
-    arguments: tuple[str, ...] = ()
-    takes_names: bool = True
-    directory: str = ""
-
-
-def node_name(element: Element, scope: Scope, program: NodeProgram) -> str:
+def node_name(element: Element, scope: Scope, program: Executable) -> str:
     """Return a node's full name."""
     name = scope.text(element, "name")
     if not name and {"run", "exec"} & set(element.attributes):
@@ -56,34 +39,34 @@ def node_name(element: Element, scope: Scope, program: NodeProgram) -> str:
     return resolve(name, scope.namespace)
 
 
-def find_node(element: Element, scope: Scope) -> NodeProgram:
+def find_node(element: Element, scope: Scope) -> Executable:
     """Return a node's program, which exists."""
     ways = [name for name in ("pkg", "run", "exec") if name in element.attributes]
     if len(ways) > 1:
-        raise element.error(f"a node has only one of {' and '.join(ways)}")
+        hint = "the program of pkg is named by type" if "pkg" in ways else ""
+        raise element.error(f"a node has only one of {' and '.join(ways)}", hint)
     if ways in (["exec"], ["run"]):
         words = _words(element, scope.required(element, ways[0]))
         if not words:
             raise element.error(f"'{ways[0]}' is empty in node")
         return located(element, lambda: _of_words(words, scope, ways[0]))
     package, name = scope.required(element, "pkg"), scope.required(element, "type")
-    found = located(element, lambda: find_executable(package, name, scope.folder))
-    return NodeProgram(found.command, directory=found.directory)
+    return located(element, lambda: find_executable(package, name, scope.folder))
 
 
-def _of_words(words: list[str], scope: Scope, way: str) -> NodeProgram:
+def _of_words(words: list[str], scope: Scope, way: str) -> Executable:
     """Return the program of exec: or run:, which takes words as ``lcmtools run`` or a path."""
-    first, *rest = words
+    first, rest = words[0], tuple(words[1:])
     if way == "exec":
-        return NodeProgram((find_program(first, scope.folder),), tuple(rest), takes_names=False)
+        program = find_program(first, scope.folder)
+        return Executable((program,), arguments=rest, takes_names=False)
     if "/" in first or first.endswith(".py"):
-        return NodeProgram(find_script(first, scope.folder), tuple(rest))
-    found, rest = find_typed(words, scope.folder)
-    return NodeProgram(found.command, tuple(rest), directory=found.directory)
+        return Executable(find_script(first, scope.folder), arguments=rest)
+    return find_typed(words, scope.folder)
 
 
 def plan_node(
-    element: Element, scope: Scope, program: NodeProgram, parameters: Mapping[str, str]
+    element: Element, scope: Scope, program: Executable, parameters: Mapping[str, str]
 ) -> NodePlan:
     """Return a node as a process, with all its parameters, name to YAML text."""
     name = node_name(element, scope, program)
@@ -120,7 +103,7 @@ def plan_node(
     )
 
 
-def _name_of(program: NodeProgram) -> str:
+def _name_of(program: Executable) -> str:
     """Return the name of a node without one: its program's."""
     first, *rest = program.command
     is_run = (first, *rest[:1]) == RUN
@@ -136,7 +119,7 @@ def _words(element: Element, text: str) -> list[str]:
         raise element.error(f"a quote is not closed in '{' '.join(text.split())}'") from None
 
 
-def _environment(scope: Scope, program: NodeProgram) -> dict[str, str]:
+def _environment(scope: Scope, program: Executable) -> dict[str, str]:
     """Return the variables that files set; a program that takes no names may read this one."""
     is_told = program.takes_names or scope.namespace == "/"
     return {**({} if is_told else {_NAMESPACE: scope.namespace}), **scope.set_variables}

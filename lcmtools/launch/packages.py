@@ -7,11 +7,12 @@ come with lcmtools.
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from importlib.util import find_spec
+from itertools import product
 from pathlib import Path
 
 from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.names import did_you_mean
+from lcmtools.packages.type_files import module_folders
 from lcmtools.packages.workspace import workspace
 
 LABS = Path(__file__).parent / "files"
@@ -56,7 +57,9 @@ def find_package(name: str, *starts: Path) -> Path:
     space = workspace(Path.cwd(), *starts)
     if name.replace("_", "a").replace("-", "a").isalnum():
         own = (package.folder for package in space.packages if package.name == name)
-        for folder in (*own, *_installed(name.replace("-", "_")), LABS / name):
+        module = name.replace("-", "_")
+        installed = [] if module in sys.stdlib_module_names else module_folders(module)
+        for folder in (*own, *installed, LABS / name):
             if folder.is_dir():
                 return folder
     known = [*lab_packages(), *(package.name for package in space.packages)]
@@ -112,49 +115,34 @@ def find_files(words: Sequence[str]) -> list[Path]:
         UsageError: There is no such package.
     """
     first, *rest = words
-    if not rest and not is_there(Path(first)):
+    if is_there(Path(first)):
+        if missing := next((word for word in rest if not is_there(Path(word))), ""):
+            raise InvalidFile(f"there is no launch file {missing}")
+        return list(map(Path, words))
+    if not rest:
         return [_find_alone(first)]
-    if rest and not is_there(Path(first)):
-        folder = find_package(first)
-        return [_find_in(folder, first, name) for name in rest]
-    return [_existing(word) for word in words]
-
-
-def _existing(word: str) -> Path:
-    path = Path(word)
-    if not is_there(path):
-        raise InvalidFile(f"there is no launch file {word}")
-    return path
+    folder = find_package(first)
+    return [_find_in(folder, first, name) for name in rest]
 
 
 def _find_alone(word: str) -> Path:
     """Return a file here, one of the labs', or the launch file of a package that has one."""
-    for name in _spellings(word):
-        for place in (Path(name), Path("launch") / name):
-            if is_there(place):
-                return place
+    names = _spellings(word)
+    own = (package.folder / "launch" for package in workspace(Path.cwd()).packages)
+    for name, place in product(names, (Path(), Path("launch"), *own)):
+        if is_there(place / name):
+            return place / name
     if Path(word).is_dir() and not is_package(word):
         raise InvalidFile(f"{word} is a folder, not a launch file")
-    known = {name: LABS / package / "launch" / name for package, name in lab_files()}
-    for name in _spellings(word):
-        if name in known:
-            return known[name]
+    known = {name: package for package, name in lab_files()}
+    if name := next((name for name in names if name in known), ""):
+        return _find_in(find_package(known[name]), known[name], name)
     if is_package(word):
         return _only_file(find_package(word), word)
-    here = [path.name for path in _launch_names(Path())]
+    here = [path.name for path in (*Path().glob("*"), *Path("launch").glob("*"))]
+    here = [name for name in here if name.endswith(SUFFIXES)]
     hint = did_you_mean(word, [*known, *here]) or f"those of the labs: {', '.join(known)}"
     raise InvalidFile(f"there is no launch file {word}", hint)
-
-
-def _launch_names(folder: Path) -> list[Path]:
-    """Return the files with names of launch files in a folder and in its folder launch."""
-    return [
-        path
-        for place in (folder, folder / "launch")
-        if place.is_dir()
-        for path in sorted(place.iterdir())
-        if path.suffix in SUFFIXES
-    ]
 
 
 def _find_in(folder: Path, package: str, name: str) -> Path:
@@ -191,13 +179,3 @@ def _launch_files(folder: Path) -> list[Path]:
 
 def _spellings(name: str) -> list[str]:
     return [name, *(f"{name}{suffix}" for suffix in SUFFIXES)]
-
-
-def _installed(name: str) -> Iterator[Path]:
-    if name in sys.stdlib_module_names:
-        return
-    try:
-        spec = find_spec(name)
-    except (ImportError, ValueError):
-        return
-    yield from map(Path, (spec and spec.submodule_search_locations) or ())

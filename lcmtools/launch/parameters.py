@@ -13,7 +13,7 @@ from lcmtools.launch.scope import Scope, located
 from lcmtools.messages.documents import parse
 from lcmtools.messages.fill import Value
 from lcmtools.messages.setting import ANY, read_setting, text_of, write_setting
-from lcmtools.names import check_legal, namespace_of, resolve
+from lcmtools.names import check_legal, namespace_of
 
 _KINDS = {"str": "string", "int": "int", "double": "float", "bool": "bool"}
 _SOURCES = ("value", "textfile", "command", "binfile")
@@ -67,11 +67,6 @@ def own_parameters(node: str, everywhere: Mapping[str, str]) -> dict[str, str]:
         elif f"{namespace.rstrip('/')}/".startswith(f"{around.rstrip('/')}/"):
             found[name.rpartition("/")[2]] = text
     return found
-
-
-def full_name(element: Element, name: str, scope: Scope) -> str:
-    """Return the full name of a parameter that is not private."""
-    return located(element, lambda: resolve(name, scope.namespace))
 
 
 def _read(element: Element, name: str, scope: Scope) -> str:

@@ -7,46 +7,47 @@ https://wiki.ros.org/roslaunch/XML
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
 
 from lcmtools.errors import InvalidFile
 from lcmtools.formats.strict_xml import DEEPEST, Element
 from lcmtools.launch.arguments import check_given, check_passed, declare, given_inside, names_in
+from lcmtools.launch.executables import Executable
 from lcmtools.launch.file import File, read_file
-from lcmtools.launch.nodes import NodeProgram, find_node, node_name, plan_node
-from lcmtools.launch.packages import path_from
-from lcmtools.launch.parameters import full_name, own_parameters, param, rosparam
+from lcmtools.launch.nodes import find_node, node_name, plan_node
+from lcmtools.launch.packages import LABS, path_from
+from lcmtools.launch.parameters import own_parameters, param, rosparam
 from lcmtools.launch.plan import NodePlan, Plan
 from lcmtools.launch.scope import Scope, located
 from lcmtools.launch.tags import known_children, notes_on
+from lcmtools.names import resolve
+from lcmtools.packages.workspace import workspace
 
 _MOST_ELEMENTS = 100_000
 """Tags of all files together, repeated ones counted: a file may include one several times."""
 
 
-@dataclass(frozen=True, slots=True)
-class Given:
-    """The user's part: arguments, the namespace that everything is pushed into, variables."""
-
-    arguments: Mapping[str, str] = field(default_factory=dict)
-    namespace: str = "/"
-    environment: Mapping[str, str] = field(default_factory=dict)
-
-
-def make_plan(files: Sequence[File], given: Given) -> Plan:
-    """Return the plan of files.
+def make_plan(
+    files: Sequence[File],
+    arguments: Mapping[str, str],
+    namespace: str,
+    environment: Mapping[str, str],
+) -> Plan:
+    """Return the plan of files, with their arguments and the namespace of everything.
 
     Raises:
         InvalidFile: Something in them is wrong.
         UsageError: An argument was given that no file takes.
     """
-    check_given([file.root for file in files], given.arguments)
+    check_given([file.root for file in files], arguments)
     reading = _Reading()
     names: dict[str, str] = {}
     try:
         for file in files:
             taken = names_in(file.root)
-            own = {name: text for name, text in given.arguments.items() if name in taken}
-            scope = Scope(file.folder, given.namespace, given.environment, names, passed=own)
+            own = {name: text for name, text in arguments.items() if name in taken}
+            scope = Scope(file.folder, namespace, environment, names, passed=own)
             reading.read(file, scope)
         return reading.plan()
     except RecursionError:
@@ -58,7 +59,7 @@ def make_plan(files: Sequence[File], given: Given) -> Plan:
 class _Reading:
     """The content of the files so far."""
 
-    nodes: list[tuple[Element, Scope, NodeProgram]] = field(default_factory=list)
+    nodes: list[tuple[Element, Scope, Executable]] = field(default_factory=list)
     parameters: dict[str, str] = field(default_factory=dict)
     files: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -67,6 +68,10 @@ class _Reading:
 
     def read(self, file: File, scope: Scope) -> None:
         root = file.root
+        if file.folder.is_relative_to(LABS) and not any(map(_is_own, self.files)):
+            package = file.folder.relative_to(LABS).parts[0]
+            note = f"this is lcmtools' own {Path(file.path).name}, of its package {package}"
+            self.notes.append("; ".join([note, *map(str, workspace(Path.cwd()).problems)]))
         self.files.append(file.path)
         if "deprecated" in root.attributes:
             self.notes.append(f"{root.place}: deprecated: {root.attributes['deprecated']}")
@@ -119,6 +124,8 @@ class _Reading:
 
     def _node(self, element: Element, scope: Scope) -> None:
         program = find_node(element, scope)
+        if program.note and not scope.folder.is_relative_to(LABS):
+            self.notes.append(f"{element.place}: {program.note}")
         name = node_name(element, scope, program)
         # what is not private already has the node's name before it: parameters, as in roslaunch
         behind = self._children(element, replace(scope, namespace=name))
@@ -144,7 +151,8 @@ class _Reading:
         private = {name[1:].lstrip("/"): text for name, text in found if name.startswith("~")}
         for name, text in found:
             if not name.startswith("~"):
-                self.parameters[full_name(element, name, scope)] = text
+                full = located(element, partial(resolve, name, scope.namespace))
+                self.parameters[full] = text
         return replace(scope, parameters={**scope.parameters, **private})
 
     def _include(self, element: Element, scope: Scope) -> None:
@@ -168,3 +176,7 @@ class _Reading:
         self.depth += 1
         self.read(file, inside)
         self.depth -= 1
+
+
+def _is_own(file: str) -> bool:
+    return Path(file).is_relative_to(LABS)

@@ -14,6 +14,7 @@ from lcmtools.errors import UsageError
 from lcmtools.formats.strict_xml import Element
 from lcmtools.launch.packages import find_package
 from lcmtools.launch.substitution import Known, substitute
+from lcmtools.launch.tags import unknown_attributes
 from lcmtools.names import check_legal, resolve
 
 _TRUTH = {"true": True, "1": True, "false": False, "0": False}
@@ -71,7 +72,9 @@ class Scope:
         text = self.text(element, name)
         if not text:
             what = "is empty in" if name in element.attributes else "is missing in"
-            raise element.error(f"'{name}' {what} {element.tag}")
+            unknown = ", ".join(map(repr, unknown_attributes(element)))
+            hint = f"there is no attribute {unknown}" if unknown else ""
+            raise element.error(f"'{name}' {what} {element.tag}", hint)
         return text
 
     def flag(self, element: Element, name: str, *, default: bool = False) -> bool:
@@ -135,4 +138,6 @@ def located(element: Element, work: Callable[[], T]) -> T:
     try:
         return work()
     except UsageError as error:
-        raise element.error(error.what, error.hint) from None
+        is_shell = any("${" in text for text in element.attributes.values())
+        hint = "an argument is written $(arg NAME)" if is_shell else error.hint
+        raise element.error(error.what, hint) from None

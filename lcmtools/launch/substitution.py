@@ -127,6 +127,8 @@ def _replaced(inside: str, known: Known) -> str:
     functions = _functions(known)
     if command not in functions:
         hint = did_you_mean(command, _COMMANDS) or f"there are {', '.join(_COMMANDS)}"
+        if command in known.arguments:
+            hint = f"write $(arg {command})"
         raise UsageError(f"there is no '$({command} ...)'", hint)
     return functions[command](_one(command, rest))
 

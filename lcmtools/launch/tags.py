@@ -45,13 +45,17 @@ _CHILDREN: Mapping[str, set[str]] = {
 """The tags that may stand in each; in all others none may."""
 
 
+def unknown_attributes(element: Element) -> list[str]:
+    """Return the attributes of an element that have no meaning there."""
+    known = _ATTRIBUTES[element.tag] | _EVERYWHERE
+    return [name for name in element.attributes if name not in known]
+
+
 def notes_on(element: Element) -> Iterator[str]:
     """Return the parts of an element that have no meaning there, each with its place."""
-    known = _ATTRIBUTES[element.tag] | _EVERYWHERE
-    for name in element.attributes:
-        if name not in known:
-            hint = did_you_mean(name, known) or "it is left out"
-            yield f"{element.place}: {element.tag} has no attribute '{name}'; {hint}"
+    for name in unknown_attributes(element):
+        hint = did_you_mean(name, _ATTRIBUTES[element.tag] | _EVERYWHERE) or "it is left out"
+        yield f"{element.place}: {element.tag} has no attribute '{name}'; {hint}"
     tags = _CHILDREN.get(element.tag, set())
     for child in element.children:
         if child.tag not in tags:

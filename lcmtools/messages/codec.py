@@ -31,10 +31,8 @@ def encode(message: Message) -> bytes:
 
     Length fields are set from the arrays, here and in nested messages; nothing else of the message
     changes. Arrays may be lists, tuples, numpy arrays and, for bytes, anything bytes-like.
-
-    Raises:
-        ValueMismatch: A value is of the wrong type, out of range, or an array has the wrong size;
-            it names the field ("pose.covariance: expected 36 numbers, got 35").
+    ValueMismatch names a field with a value of the wrong type, range or size
+    ("pose.covariance: expected 36 numbers, got 35").
     """
     cls = type(message)
     try:
@@ -89,11 +87,7 @@ def _payload(message: Message, cls: type[Message]) -> bytes:
 
 
 def _conformed(message: object, cls: type[Message]) -> Message:
-    """A copy of a message in which all is plain: lists, bytes, Python's own scalars.
-
-    Raises:
-        Misfit: A value does not fit; it knows its path.
-    """
+    """A copy of a message in which all is plain: lists, bytes, Python's own scalars."""
     if not is_generated(cls):
         raise Misfit(f"expected a message, got {given(message)}")
     if not has_wire_type(message, cls):

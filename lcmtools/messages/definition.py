@@ -3,7 +3,7 @@
 Belongs here: the text of a type's fields, constants and defaults. Must not know messages.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from lcmtools.messages.fields import Field, visible_fields
 from lcmtools.messages.plain import Plain, to_plain
@@ -39,10 +39,19 @@ def prototype(cls: type[Message]) -> str:
     return "\n".join(_prototype_rows(to_plain(cls()), "")) or "{}"
 
 
+def prototype_line(cls: type[Message]) -> str:
+    """Return the same in one line: "{linear: {x: 0.0}, frame_id: ''}"."""
+    return _inline(to_plain(cls()))
+
+
 def declaration(field: Field) -> str:
     """A field as a line of a definition: "float64[36] covariance", "string[] name"."""
-    sizes = (str(size) if isinstance(size, int) else "" for size in field.dimensions)
-    return f"{field.type}{''.join(f'[{size}]' for size in sizes)} {field.name}"
+    return f"{array_type(field.type, field.dimensions)} {field.name}"
+
+
+def array_type(element: str, dimensions: Iterable[int | str]) -> str:
+    """A type with its array sizes: "float64[36]", "float32[]"."""
+    return element + "".join(f"[{n}]" if isinstance(n, int) else "[]" for n in dimensions)
 
 
 def _lines(cls: type[Message], indent: str, outer: tuple[type[Message], ...]) -> Iterator[str]:
@@ -56,18 +65,19 @@ def _lines(cls: type[Message], indent: str, outer: tuple[type[Message], ...]) ->
 
 
 def _constants(cls: type[Message]) -> Iterator[str]:
-    values = {name: value for name, value in vars(cls).items() if isinstance(value, (int, float))}
+    values = {name: value for name, value in vars(cls).items() if not name.startswith("_")}
     integers = [value for value in values.values() if isinstance(value, int)]
     for name, value in values.items():
-        kind = _integer_type(integers) if isinstance(value, int) else "float64"
-        yield f"{kind} {name}={value}"
+        if isinstance(value, str):
+            yield f"string {name}={value}"
+        elif isinstance(value, (int, float)):
+            kind = _integer_type(integers) if isinstance(value, int) else "float64"
+            yield f"{kind} {name}={value}"
 
 
 def _integer_type(values: list[int]) -> str:
-    fitting = (
-        name for name, (low, high) in INTEGERS.items() if low <= min(values) and max(values) <= high
-    )
-    return next(fitting, "int64")
+    low, high = min(values), max(values)
+    return next(name for name, (least, most) in INTEGERS.items() if least <= low and high <= most)
 
 
 def _prototype_rows(fields: Mapping[str, Plain], indent: str) -> Iterator[str]:

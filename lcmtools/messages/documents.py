@@ -7,12 +7,12 @@ escapes (two of four digits each for one character).
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
 from lcmtools.errors import ValueMismatch
-from lcmtools.formats.strict_yaml import read_documents
+from lcmtools.formats.strict_yaml import read_values
 from lcmtools.formats.yaml_problem import BadYaml, OpenBracket
 from lcmtools.messages.fill import Value
 
@@ -40,12 +40,15 @@ class _OpenDocument(ValueMismatch):
 class Documents:
     """Takes a text line by line and returns each document that is complete and not empty.
 
-    Attributes:
-        count: Documents that have begun; the number of the one that an error is in.
+    Args:
+        keeps_empty: Return empty ones between lines of ``---`` too, as echo prints messages without
+            fields; such a one has a line, if only a blank one.
     """
 
-    def __init__(self) -> None:
-        self.count = 0
+    def __init__(self, *, keeps_empty: bool = False) -> None:
+        self.count = 0  # documents that have begun; the number of the one that an error is in
+        self._keeps_empty = keeps_empty
+        self._has_line = False  # before the next line of ---
         self._number = 0  # of the latest line, from 1
         self._lines: list[str] = []
         self._first = 1
@@ -55,8 +58,7 @@ class Documents:
     def take(self, line: str) -> Iterator[Document]:
         """Take the next line, without its end; return the documents that it completes.
 
-        Raises:
-            ValueMismatch: Such a document is bad, or too long.
+        ValueMismatch is raised for one that is bad, or too long.
         """
         self._number += 1
         if self._number == 1:
@@ -64,8 +66,14 @@ class Documents:
         if _BREAK.match(line):
             if self._has_content:
                 yield from self.end()
+            elif self._keeps_empty and self._has_line:
+                self.count += 1
+                yield Document({}, self._number)
+            self._has_line = False
             if line.startswith("."):
                 return
+        else:
+            self._has_line = True
         self._add(line)
         yield from self._closed_brackets()
 
@@ -73,7 +81,8 @@ class Documents:
         """Return the last document, which the text's end completes; ValueMismatch for a bad one."""
         if self._lines:
             yield from self._parsed()
-            self._lines, self._length, self._has_content = [], 0, False
+            self._lines, self._length = [], 0
+            self._has_content = self._has_line = False
 
     def _add(self, line: str) -> None:
         is_content = not _NOTHING.fullmatch(_BREAK.sub("", line))
@@ -104,19 +113,30 @@ class Documents:
 def parse(text: str, first_line: int = 1) -> Iterator[Document]:
     """Return the documents of a complete text of JSON or YAML; empty ones are left out.
 
-    Raises:
-        ValueMismatch: The YAML is bad; the documents before it have been returned by then.
+    ValueMismatch is raised for one that is bad, after those before it.
     """
     found, value = _read_json(text)
     if found:
         yield Document(value, first_line)
         return
     try:
-        for node in read_documents(text):
-            if node is not None:
-                yield Document(node.plain(), first_line + node.line - 1)
+        for value, line in read_values(text):
+            yield Document(value, first_line + line - 1)
     except BadYaml as bad:
         raise _mismatch(bad, first_line) from None
+
+
+def parse_values(texts: Sequence[str]) -> Value:
+    """A command's arguments, each parsed on its own, for ``fill``; ValueMismatch for bad YAML."""
+    values = [_only_value(text) for text in texts]
+    return values[0] if len(values) == 1 else values or {}
+
+
+def _only_value(text: str) -> Value:
+    documents = list(parse(text))
+    if len(documents) > 1:
+        raise ValueMismatch(f"{len(documents)} YAML documents where one value is expected")
+    return documents[0].value if documents else None
 
 
 def _mismatch(bad: BadYaml, first_line: int) -> ValueMismatch:

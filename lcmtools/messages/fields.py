@@ -37,20 +37,20 @@ MessageClass: TypeAlias = type[Message]  # within Field, ``type`` is a field
 class Field:
     """One field of a message.
 
-    Attributes:
-        name: Its name.
-        type: A primitive as ROS calls it ("float64"), or a message type ("geometry_msgs/Vector3").
-        message_class: The class of a message type, None for a primitive.
-        dimensions: Array sizes from the outermost in: a number, or the name of the length field
-            that holds it. Empty for a single value.
-        is_length: It is the length field of an array, which users neither see nor set.
+    Array sizes (``dimensions``) are from the outermost in: a number, or the name of the length
+    field that holds it.
     """
 
     name: str
-    type: str
-    message_class: MessageClass | None
-    dimensions: tuple[int | str, ...]
-    is_length: bool
+    type: str  # a primitive as ROS calls it ("float64"), or a message type
+    message_class: MessageClass | None  # None for a primitive
+    dimensions: tuple[int | str, ...]  # none for a single value
+    is_length: bool  # of an array, which users neither see nor set
+
+    @property
+    def depth(self) -> int:
+        """The number of lists around each element; 0 for a single value."""
+        return len(self.dimensions)
 
     @property
     def is_bytes(self) -> bool:
@@ -70,6 +70,12 @@ def fields(cls: type[Message]) -> tuple[Field, ...]:
 def visible_fields(cls: type[Message]) -> tuple[Field, ...]:
     """The fields that users see and set: all but the length fields."""
     return tuple(field for field in fields(cls) if not field.is_length)
+
+
+def fields_hint(cls: type[Message]) -> str:
+    """The fields of a class for an error: "fields: x, y", or that it has none."""
+    names = ", ".join(field.name for field in visible_fields(cls))
+    return f"fields: {names}" if names else "it has no fields"
 
 
 @cache
@@ -98,12 +104,6 @@ def _field(name: str, lcm_type: str, sizes: list[int | str] | None, is_length: b
     dimensions = tuple(sizes or ())
     if lcm_type in PRIMITIVES:
         return Field(name, PRIMITIVES[lcm_type], None, dimensions, is_length)
-    cls = _nested_class(lcm_type)
+    module, _, short = lcm_type.rpartition(".")  # ``Name`` alone is outside of any package
+    cls: type[Message] = getattr(importlib.import_module(module or short), short)
     return Field(name, type_name(cls), cls, dimensions, is_length)
-
-
-def _nested_class(path: str) -> type[Message]:
-    """The class that a table calls ``module.Name`` (or ``Name``, outside of any package)."""
-    module, _, name = path.rpartition(".")
-    cls: type[Message] = getattr(importlib.import_module(module or name), name)
-    return cls

@@ -1,25 +1,34 @@
 """Messages filled from plain values: mappings by field name, lists in order, text and numbers.
 
-Belongs here: the names of a message's fields, and the errors for those that do not match.
-Must not know YAML's syntax (see ``yaml_input``) nor the wire format.
+Belongs here: the names of a message's fields, and the errors for those that do not match; the words
+``now`` (for a time) and ``auto`` (for a header, whose stamp it sets), and whole numbers of
+nanoseconds for a time, as rostopic and ros2 take them. Must not know YAML's syntax (see
+``message_template``), the wire format or a clock.
 """
 
 import re
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import TypeAlias
+from typing import TypeAlias, cast
 
-from lcmtools.messages.fields import Field, field_name, fields, visible_fields
+from lcmtools.clock import split_stamp
+from lcmtools.messages.fields import Field, field_name, fields, fields_hint, is_time, visible_fields
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.scalars import STRAY_BYTES, Misfit, from_python, from_text, given
 from lcmtools.messages.shape import Element, each, shaped
+from lcmtools.names import closest
 
 Value: TypeAlias = "bool | int | float | str | bytes | Sequence[Value] | Mapping[str, Value] | None"
 """Values to fill a message from. Text is read by the field's type."""
 
+_WORDS = ("now", "auto")
+_NANOSECONDS = re.compile(r"[-+]?[0-9]{1,19}")
 
-def fill(message: Message, value: Value) -> None:
+
+def fill(message: Message, value: Value) -> tuple[Message, ...]:
     """Set the fields of a message from plain values; those that are not named stay as they are.
+
+    Returns the times in it that are to be the moment of sending.
 
     A mapping sets fields by name, a list sets all fields in order, None sets none; a single value
     sets the only field of a message that has one. Text is read by the field's type ("0x1F"
@@ -28,37 +37,53 @@ def fill(message: Message, value: Value) -> None:
     Raises:
         ValueMismatch: Something does not fit; it names the field. The message is half filled then.
     """
+    times: list[Message] = []
     try:
-        _fill(message, value)
+        _fill(message, value, times)
     except Misfit as misfit:
         raise misfit.mismatch(type_name(message)) from None
+    return tuple(times)
 
 
-def _fill(message: Message, value: Value) -> None:
+def _fill(message: Message, value: Value, times: list[Message]) -> None:
     if value is None:
         return
     if isinstance(value, Mapping):
-        _fill_by_name(message, value)
+        _fill_by_name(message, value, times)
     elif isinstance(value, Sequence) and not isinstance(value, (str, bytes)):
-        _fill_in_order(message, value)
+        _fill_in_order(message, value, times)
+    elif not _set_time(message, value, times):
+        _fill_only_field(message, value, times)
+
+
+def _set_time(message: Message, value: Value, times: list[Message]) -> bool:
+    """Set a time or a header by a word or by nanoseconds; return False for other values."""
+    name, is_moment = type_name(message), is_time(type(message))
+    if value in _WORDS and is_moment and not name.endswith("/Duration"):
+        times.append(message)
+    elif value in _WORDS and name == "std_msgs/Header":
+        times.append(message.stamp)  # type: ignore[attr-defined] # a header has one
+    elif is_moment and _NANOSECONDS.fullmatch(str(value)):
+        _fill_in_order(message, split_stamp(int(cast("str", value))), times)
     else:
-        _fill_only_field(message, value)
+        return False
+    return True
 
 
-def _fill_by_name(message: Message, values: Mapping[str, Value]) -> None:
+def _fill_by_name(message: Message, values: Mapping[str, Value], times: list[Message]) -> None:
     cls, seen = type(message), set()
     for key, value in values.items():
         field = _field_named(cls, key, value)
         if field in seen:
             raise Misfit(f"'{field.name}' is given twice, once as '{key}'")
         seen.add(field)
-        _fill_field(message, field, value)
+        _fill_field(message, field, value, times)
 
 
-def _fill_in_order(message: Message, values: Sequence[Value]) -> None:
+def _fill_in_order(message: Message, values: Sequence[Value], times: list[Message]) -> None:
     targets = visible_fields(type(message))
     if len(targets) == 1 and _is_array_value(targets[0], values):
-        _fill_field(message, targets[0], values)
+        _fill_field(message, targets[0], values, times)
         return
     if len(values) != len(targets):
         names = ", ".join(field.name for field in targets)
@@ -66,7 +91,7 @@ def _fill_in_order(message: Message, values: Sequence[Value]) -> None:
         wanted = f"{len(targets)} value{plural} ({names})" if targets else "no fields"
         raise Misfit(f"expected {wanted}, got {len(values)}")
     for field, value in zip(targets, values, strict=True):
-        _fill_field(message, field, value)
+        _fill_field(message, field, value, times)
 
 
 def _is_array_value(field: Field, values: Sequence[Value]) -> bool:
@@ -79,7 +104,7 @@ def _is_array_value(field: Field, values: Sequence[Value]) -> bool:
     return bool(field.dimensions) and (elements_are_lists or not only_a_list)
 
 
-def _fill_only_field(message: Message, value: Value) -> None:
+def _fill_only_field(message: Message, value: Value, times: list[Message]) -> None:
     cls = type(message)
     hint = _colon_hint(cls, value)
     targets = visible_fields(cls)
@@ -87,16 +112,16 @@ def _fill_only_field(message: Message, value: Value) -> None:
         names = ", ".join(field.name for field in targets)
         wanted = f"fields ({names})" if targets else "no fields"
         raise Misfit(f"expected {wanted}, got {given(value)}", hint)
-    _fill_field(message, targets[0], value)
+    _fill_field(message, targets[0], value, times)
 
 
-def _fill_field(message: Message, field: Field, value: Value) -> None:
+def _fill_field(message: Message, field: Field, value: Value, times: list[Message]) -> None:
     try:
         if field.dimensions:
             ready = _bytes_of_text(value, len(field.dimensions)) if field.is_bytes else value
-            setattr(message, field.name, shaped(ready, field, _element(field)))
+            setattr(message, field.name, shaped(ready, field, _element(field, times)))
         elif field.message_class:
-            _fill(getattr(message, field.name), value)
+            _fill(getattr(message, field.name), value, times)
         else:
             setattr(message, field.name, _scalar(value, field.type))
     except Misfit as misfit:
@@ -104,14 +129,14 @@ def _fill_field(message: Message, field: Field, value: Value) -> None:
         raise
 
 
-def _element(field: Field) -> Element:
+def _element(field: Field, times: list[Message]) -> Element:
     if field.message_class:
-        return partial(_new, field.message_class)
+        return partial(_new, field.message_class, times)
     return partial(_scalar, type_name=field.type)
 
 
-def _new(cls: type[Message], value: Value) -> Message:
-    _fill(message := cls(), value)
+def _new(cls: type[Message], times: list[Message], value: Value) -> Message:
+    _fill(message := cls(), value, times)
     return message
 
 
@@ -145,16 +170,25 @@ def _field_named(cls: type[Message], key: str, value: Value) -> Field:
 
 
 def _unknown_field(cls: type[Message], key: str, value: Value) -> Misfit:
-    import difflib
-
-    names = [field.name for field in visible_fields(cls)]
-    known = f"fields: {', '.join(names)}" if names else "it has no fields"
-    what = f"{type_name(cls)} has no field '{key}' ({known})"
+    what = f"{type_name(cls)} has no field '{key}' ({fields_hint(cls)})"
     hint = _colon_hint(cls, key, value)
-    if hint:
-        return Misfit(what, hint)
-    close = difflib.get_close_matches(key, names, n=1)
-    return Misfit(what, f"did you mean '{close[0]}'?" if close else "").inside(f".{key}")
+    return Misfit(what, hint) if hint else Misfit(what, _field_hint(cls, key)).inside(f".{key}")
+
+
+def _field_hint(cls: type[Message], key: str) -> str:
+    """A hint at the field that is meant: one like it, or one within a message."""
+    known = {field.name: field.message_class for field in visible_fields(cls)}
+    outer, point, inner = key.partition(".")
+    if point and known.get(outer):
+        return f"write {{{outer}: {{{inner}: ...}}}}"
+    if key.isdigit() and known:
+        return "numbers have a decimal point, no comma: 0.5"
+    if near := closest(key, known):
+        return f"did you mean '{near[0]}'?"
+    for name, nested in known.items():
+        if nested and any(field.name == key for field in visible_fields(nested)):
+            return f"write {{{name}: {{{key}: ...}}}}"
+    return ""
 
 
 def _colon_hint(cls: type[Message], text: Value, value: Value = None) -> str:

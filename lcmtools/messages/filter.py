@@ -5,17 +5,17 @@ its fields may also be named alone. Must not know where the messages come from.
 """
 
 import ast
+import contextlib
 from typing import cast
 
 from lcmtools.errors import ValueMismatch
-from lcmtools.formats.expression import Expression, ExpressionFault, Language, operands
+from lcmtools.formats.expression import Expression, ExpressionFault, Language, NoValue, operands
 from lcmtools.formats.operations import CONSTANTS, comparable
 from lcmtools.messages.fields import field_name, visible_fields
 from lcmtools.messages.path import Slice, Target, element_target, field_target, root_target
 from lcmtools.messages.registry import Message
 
-LONGEST = 500
-"""Characters of an expression."""
+LONGEST = 500  # characters of an expression
 _LANGUAGE = Language(
     name="filter",
     example="write for example m.data > 0 and m.name == 'x' (==, and, or, not)",
@@ -45,24 +45,21 @@ class Filter:
         return self._expression.text
 
     def check(self, cls: type[Message]) -> None:
-        """Find names that messages of a type do not have, before there is a message.
-
-        Raises:
-            ValueMismatch: There is such a name; with the fields of the type.
-        """
+        """Raise ValueMismatch, with a type's fields, for a name that its messages do not have."""
         if cls not in self._checked:
             self._check_names(self._expression.root, root_target(cls))
             self._checked.add(cls)
 
     def matches(self, message: Message) -> bool:
-        """Return whether a message meets the condition.
+        """Return whether a message meets the condition; not one in which it has no value.
 
-        Raises:
-            ValueMismatch: It has no such field, or a value does not fit its operation.
+        Raise ValueMismatch if it has no such field, or a value does not fit its operation.
         """
         self.check(type(message))
         try:
             return bool(self._expression.value(_Fields(message)))
+        except NoValue:  # an index behind the end of an array, a division by zero
+            return False
         except ExpressionFault as fault:
             raise ValueMismatch(f"filter: {fault}") from None
 
@@ -72,8 +69,8 @@ class Filter:
         if isinstance(node, ast.Name):
             if node.id == "m":
                 return root
-            is_constant = node.id in CONSTANTS and node.id not in _names(root.message_class)
-            return None if is_constant else field_target(root, node.id, "")
+            cls = cast("type[Message]", root.message_class)
+            return None if _is_constant(node.id, cls) else field_target(root, node.id, "")
         if isinstance(node, ast.Attribute):
             owner = self._check_names(node.value, root)
             if owner is None:
@@ -90,7 +87,9 @@ class Filter:
         self._check_names(node.slice, root)
         if owner is None or (owner.type == "string" and not owner.dimensions):
             return None
-        step: int | Slice = (None, None, None) if isinstance(node.slice, ast.Slice) else 0
+        step: int | Slice = (None, None, None)
+        if not isinstance(node.slice, ast.Slice):
+            step = _constant(node.slice)
         found = element_target(owner, step, self._expression.place(node.value))
         # a slice's elements have no name of their own here: nothing can be done with all of them
         return Target(found.type, found.message_class, found.dimensions)
@@ -105,13 +104,21 @@ class _Fields:
     def named(self, name: str) -> object:
         if name == "m":
             return self._message
-        is_constant = name in CONSTANTS and name not in _names(type(self._message))
-        return CONSTANTS[name] if is_constant else self.attribute(self._message, name)
+        if _is_constant(name, type(self._message)):
+            return CONSTANTS[name]
+        return self.attribute(self._message, name)
 
     def attribute(self, owner: object, name: str) -> object:
         cls = type(cast("Message", owner))
         return comparable(getattr(owner, field_name(cls, name)))
 
 
-def _names(cls: type[Message] | None) -> set[str]:
-    return {field.name for field in visible_fields(cls)} if cls else set()
+def _is_constant(name: str, cls: type[Message]) -> bool:
+    return name in CONSTANTS and all(field.name != name for field in visible_fields(cls))
+
+
+def _constant(index: ast.expr) -> int:
+    """An index that is written as a number; 0 for one that a message decides on."""
+    with contextlib.suppress(ValueError, TypeError):
+        return int(ast.literal_eval(index))
+    return 0

@@ -28,14 +28,13 @@ from dataclasses import dataclass, field
 from functools import cache
 from itertools import groupby
 from math import prod
-from typing import cast
+from typing import TypeAlias, cast
 
 from lcmtools.messages.fields import Field, fields, visible_fields
 from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.messages.rows import (
     BOOLEANS,
     FORMATS,
-    STRING_BYTES,
     Array,
     Cursor,
     Row,
@@ -47,20 +46,17 @@ from lcmtools.messages.rows import (
 )
 from lcmtools.messages.shape import as_sequence
 
+Write: TypeAlias = Callable[[object, list[bytes]], None]
+Read: TypeAlias = Callable[[Cursor], Message]
+
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """The encoder and the decoder of one type.
+    """The encoder, which sets length fields, and the decoder of one type."""
 
-    Attributes:
-        fingerprint: The first 8 bytes of a payload.
-        write: Sets the length fields of a message and appends its bytes, without a fingerprint.
-        read: Makes a new message from the bytes at a cursor.
-    """
-
-    fingerprint: bytes
-    write: Callable[[object, list[bytes]], None]
-    read: Callable[[Cursor], Message]
+    fingerprint: bytes  # the first 8 bytes of a payload, which the functions leave out
+    write: Write
+    read: Read
 
 
 @cache
@@ -69,12 +65,7 @@ def layout(cls: type[Message]) -> Layout:
     source = _Source(type_name(cls))
     source.add_message("m0 =", cls, "")
     source.add_fields()
-    write, read = source.functions()
-    return Layout(
-        fingerprint(cls).to_bytes(8, "big"),
-        cast("Callable[[object, list[bytes]], None]", write),
-        cast("Callable[[Cursor], Message]", read),
-    )
+    return Layout(fingerprint(cls).to_bytes(8, "big"), *source.functions())
 
 
 def is_generated(cls: type) -> bool:
@@ -167,7 +158,7 @@ class _Source:
 
     def add_fields(self) -> None:
         """Add the statements for all leaves, numbers in runs."""
-        for is_number, run in groupby(self.leaves, key=lambda leaf: _is_number(leaf[2])):
+        for is_number, run in groupby(self.leaves, lambda leaf: _is_number(leaf[2])):
             if is_number:
                 self._add_numbers(list(run))
                 continue
@@ -179,22 +170,20 @@ class _Source:
                     self.write.append(f"write_string({target}, parts)")
                     self.read.append(f"{target} = read_string(cursor, {where!r})")
 
-    def functions(self) -> tuple[object, object]:
+    def functions(self) -> tuple[Write, Read]:
         write = ["def write(m0, parts):", *self.write, "return"]
         read = ["def read(cursor):", *self.read, "return m0"]
         text = "\n ".join(write) + "\n" + "\n ".join(read)
         exec(text, self.space)  # noqa: S102 - made of the names that lcm-gen's own code has
-        return self.space["write"], self.space["read"]
+        return cast("Write", self.space["write"]), cast("Read", self.space["read"])
 
     def _add_numbers(self, run: list[tuple[str, str, Field]]) -> None:
         codes = "".join(FORMATS[part.type] for _, _, part in run)
         packer = struct.Struct(f">{codes}")
         name = self._name("s", packer)
         targets = [f"{variable}.{part.name}" for variable, _, part in run]
-        values = [
-            f"booleans[{target}]" if code == "?" else target
-            for target, code in zip(targets, codes, strict=True)
-        ]
+        pairs = zip(targets, codes, strict=True)
+        values = [f"booleans[{target}]" if code == "?" else target for target, code in pairs]
         self.write.append(f"parts.append({name}.pack({', '.join(values)}))")
         where = f"{self.type_name}.{run[0][1]}"
         start = f"cursor.take({packer.size}, {where!r})"
@@ -202,9 +191,7 @@ class _Source:
 
     def _add_array(self, variable: str, target: str, part: Field, where: str) -> None:
         row = _row(part, where)
-        sizes = [
-            str(size) if isinstance(size, int) else f"{variable}.{size}" for size in part.dimensions
-        ]
+        sizes = [f"{variable}.{s}" if isinstance(s, str) else str(s) for s in part.dimensions]
         if len(sizes) == 1:
             size, array = sizes[0], self._name("r", row)
         else:
@@ -244,11 +231,7 @@ def _smallest_field(part: Field) -> int:
     count = prod(size if isinstance(size, int) else 0 for size in part.dimensions)
     if not count:  # before the element: a type may hold an array of itself
         return 0
-    if part.message_class:
-        return count * _smallest(part.message_class)
-    if part.type == "string":
-        return count * STRING_BYTES
-    return count * struct.calcsize(f">{FORMATS[part.type]}")
+    return count * _row(part, "").smallest
 
 
 def _is_number(part: Field) -> bool:

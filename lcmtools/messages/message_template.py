@@ -1,41 +1,32 @@
-"""Messages as users write them, in which a time may be the moment of sending.
+"""Messages from the YAML that users type: arguments, as ``rostopic pub`` takes them, and texts.
 
-Belongs here: the words ``now`` (for a time) and ``auto`` (for a header, whose stamp it sets), and
-whole numbers of nanoseconds for a time, as rostopic and ros2 take them. Must not know YAML's syntax
-nor read a clock: the moment comes in as an argument.
+Belongs here: the forms of YAML that are accepted, and the errors for others. Must not know the
+source of the text, nor read a clock: the moment of sending comes in as an argument. Every scalar
+stays text until a field's type decides (see ``fill``), so that ``1e-3`` is a number and ``on`` a
+word wherever one is wanted.
 """
 
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
-from typing import Generic, TypeAlias, TypeVar, cast
+from typing import Generic, TypeVar
 
 from lcmtools.clock import split_stamp
+from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import encode
-from lcmtools.messages.fields import Field, is_time, visible_fields
+from lcmtools.messages.documents import Document, Documents, parse_values
+from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.fill import Value, fill
-from lcmtools.messages.registry import Message, type_name
+from lcmtools.messages.registry import Message
 
 M = TypeVar("M", bound=Message)
-Place: TypeAlias = "tuple[str | int, ...]"
-"""The place of a time in a message: field names and array indices from the outside in."""
-
-_WORDS = ("now", "auto")
-_NANOSECONDS = re.compile(r"[-+]?[0-9]{1,19}")
 
 
 @dataclass(slots=True)
 class MessageTemplate(Generic[M]):
-    """A message that is ready to be sent, once or often.
-
-    Attributes:
-        message: The message.
-        times: Its times that are set whenever it is sent.
-    """
+    """A message that is ready to be sent, once or often."""
 
     message: M
-    times: tuple[Message, ...] = ()
+    times: tuple[Message, ...] = ()  # those in it that are set whenever it is sent
     _payload: bytes | None = None
 
     def at(self, now: int) -> M:
@@ -46,11 +37,7 @@ class MessageTemplate(Generic[M]):
         return self.message
 
     def payload(self, now: int) -> bytes:
-        """The same, encoded; what does not change is encoded once.
-
-        Raises:
-            ValueMismatch: A value does not fit, as a time outside its range.
-        """
+        """The same, encoded; ValueMismatch for what does not fit, as a time out of range."""
         if self.times:
             return encode(self.at(now))
         if self._payload is None:
@@ -59,94 +46,82 @@ class MessageTemplate(Generic[M]):
 
 
 def draft(cls: type[M], value: Value) -> MessageTemplate[M]:
-    """The message that a value of YAML or JSON means; see ``fill``.
+    """The message that a value means; ValueMismatch for a field that does not fit: see ``fill``."""
+    message = cls()
+    return MessageTemplate(message, fill(message, value))
+
+
+def draft_from_values(cls: type[M], texts: Sequence[str]) -> MessageTemplate[M]:
+    """The message that a user's arguments mean; fields that they do not name are default.
+
+    Args:
+        cls: The message's class.
+        texts: Each one YAML: nothing; one mapping of fields; one list of all fields in order; all
+            fields in order, a text each; or one value for the only field of a message.
 
     Raises:
-        ValueMismatch: Something does not fit; it names the field.
+        ValueMismatch: The YAML is bad, or a value does not fit the field that it names.
     """
-    places: list[Place] = []
-    message = cls()
-    fill(message, _spelled_out(cls, value, (), places))
-    return MessageTemplate(message, tuple(_part(message, place) for place in places))
+    value = parse_values(texts)
+    try:
+        return draft(cls, value)
+    except ValueMismatch as mismatch:
+        hint = mismatch.hint or _arguments_hint(cls, texts, value)
+        raise ValueMismatch(mismatch.what, hint) from None
 
 
-def _spelled_out(cls: type[Message], value: Value, place: Place, places: list[Place]) -> Value:
-    """The value with its words for times replaced and their places noted; ``fill`` checks it."""
-    if not _holds_time(cls):
-        return value
-    if isinstance(value, Mapping):
-        named = {field.name: field for field in visible_fields(cls)}
-        return {
-            name: _field(named[name], part, place, places) if name in named else part
-            for name, part in value.items()
-        }
-    if isinstance(value, (str, int)):
-        return _word(cls, value, place, places)
-    if isinstance(value, (list, tuple)):
-        return _in_order(cls, value, place, places)
-    return value
+def drafts_from_lines(
+    cls: type[M], lines: Iterable[str | None]
+) -> Iterator[MessageTemplate[M] | None]:
+    """The messages in a text of YAML documents between lines of ``---``, or of JSON.
+
+    Args:
+        cls: The messages' class.
+        lines: The text's lines as they come; None where none has come for a while, which is
+            yielded too.
+
+    Raises:
+        ValueMismatch: As ``draft_from_values``, with the number of the document and of the line.
+            The messages before it have come out by then.
+    """
+    documents = Documents(keeps_empty=not visible_fields(cls))
+    for line in lines:
+        if line is None:
+            yield None
+        else:
+            yield from _drafts(cls, documents, documents.take(line))
+    yield from _drafts(cls, documents, documents.end())
 
 
-def _word(cls: type[Message], value: str | int, place: Place, places: list[Place]) -> Value:
-    if is_time(cls):
-        if value in _WORDS and not type_name(cls).endswith("/Duration"):
-            places.append(place)
-            return None
-        if _NANOSECONDS.fullmatch(str(value)):
-            return list(split_stamp(int(value)))
-    elif type_name(cls) == "std_msgs/Header":
-        if value in _WORDS:
-            places.append((*place, "stamp"))
-            return None
-    elif len(only := visible_fields(cls)) == 1:
-        part = _field(only[0], value, place, places)
-        return value if part is value else [part]
-    return value
+def _drafts(
+    cls: type[M], documents: Documents, found: Iterator[Document]
+) -> Iterator[MessageTemplate[M]]:
+    where = ""
+    try:
+        for document in found:
+            where = f", line {document.line}"
+            yield draft(cls, document.value)
+            where = ""
+    except ValueMismatch as mismatch:
+        what = f"document {documents.count}{where}: {mismatch.what}"
+        raise ValueMismatch(what, mismatch.hint) from None
 
 
-def _in_order(
-    cls: type[Message], values: Sequence[Value], place: Place, places: list[Place]
-) -> Value:
-    """A list of all fields, or the array that is the only one."""
+def _arguments_hint(cls: type[Message], texts: Sequence[str], value: Value) -> str:
+    """A hint at words and fields that the shell has split."""
+    if len(texts) < 2 or not isinstance(value, list):  # noqa: PLR2004 - what can be taken apart
+        return ""
+    names = {field.name for field in visible_fields(cls)}
+    if all(_names_a_field(part, names) for part in value):
+        return "write all fields into one argument: '{name: value, name: value}'"
     fields = visible_fields(cls)
-    if len(fields) == 1 and fields[0].dimensions:
-        return _field(fields[0], values, place, places)
-    if len(fields) != len(values):
-        return values
-    return [_field(*pair, place, places) for pair in zip(fields, values, strict=True)]
+    if len(fields) == 1 and fields[0].type == "string":
+        return f"put the text in quotes: '{' '.join(texts)}'"
+    return ""
 
 
-def _field(field: Field, value: Value, place: Place, places: list[Place]) -> Value:
-    if field.message_class is None:
-        return value
-    here = (*place, field.name)
-    return _elements(field.message_class, value, here, places, len(field.dimensions))
-
-
-def _elements(
-    cls: type[Message], value: Value, place: Place, places: list[Place], dimensions: int
-) -> Value:
-    if not dimensions:
-        return _spelled_out(cls, value, place, places)
-    if not isinstance(value, (list, tuple)) or not _holds_time(cls):
-        return value
-    return [
-        _elements(cls, element, (*place, index), places, dimensions - 1)
-        for index, element in enumerate(value)
-    ]
-
-
-@cache
-def _holds_time(cls: type[Message]) -> bool:
-    """True if messages of this type have a time in them."""
-    return is_time(cls) or any(
-        field.message_class is not None and _holds_time(field.message_class)
-        for field in visible_fields(cls)
-    )
-
-
-def _part(message: Message, place: Place) -> Message:
-    part: object = message
-    for step in place:
-        part = getattr(part, step) if isinstance(step, str) else cast("list[object]", part)[step]
-    return cast("Message", part)
+def _names_a_field(part: Value, names: set[str]) -> bool:
+    """Return True for an argument "x: 1", and for its misspelling "x:1"."""
+    if isinstance(part, dict):
+        return bool(part) and names.issuperset(part)
+    return isinstance(part, str) and part.partition(":")[0] in names

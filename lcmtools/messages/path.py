@@ -14,7 +14,7 @@ from functools import cache
 from typing import TypeAlias, cast
 
 from lcmtools.errors import UsageError, ValueMismatch
-from lcmtools.messages.fields import Field, MessageClass, field_name, visible_fields
+from lcmtools.messages.fields import Field, MessageClass, field_name, fields_hint, visible_fields
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.shape import as_sequence
 from lcmtools.names import did_you_mean
@@ -25,7 +25,7 @@ Slice: TypeAlias = tuple[int | None, int | None, int | None]
 Step: TypeAlias = str | int | Slice
 """A field's name, an index into an array, or a slice of it."""
 
-_NAME = re.compile(r"[^./\[\]]+")
+_STEP = re.compile(r"[./]([^./\[\]]+)|\[([^\]]*)\]")
 _WHOLE = re.compile(r"[+-]?\d{1,18}", re.ASCII)
 _MOST_PARTS = 3  # of a slice
 _DEEPEST = 4  # levels of messages that a field is looked for in
@@ -49,21 +49,13 @@ class Path:
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """The target of a path in messages of one type.
-
-    Attributes:
-        type: A primitive ("float64") or a message type ("geometry_msgs/Point").
-        message_class: The class of a message type, None for a primitive.
-        dimensions: Array sizes that are left, outermost first; see ``fields.Field``.
-        mapped: Lists around it that come from a name after a slice.
-        sliced: The outermost dimension is a slice, whose elements a name may follow.
-    """
+    """The target of a path in messages of one type; see ``fields.Field``."""
 
     type: str
     message_class: MessageClass | None = None
-    dimensions: tuple[int | str, ...] = ()
-    mapped: int = 0
-    sliced: bool = False
+    dimensions: tuple[int | str, ...] = ()  # those that are left
+    mapped: int = 0  # lists around it that come from a name after a slice
+    sliced: bool = False  # the outermost dimension is a slice, whose elements a name may follow
 
     @property
     def depth(self) -> int:
@@ -82,26 +74,20 @@ class Selection:
 def parse_path(text: str) -> Path:
     """The path that a text means; a separator before it, or a slash at its end, means nothing.
 
-    Raises:
-        UsageError: It is no path; it names the text and the mistake.
+    UsageError names the text and the mistake in it.
     """
     rest = text.removesuffix("/")
     if rest[:1] not in ("", ".", "/", "["):
         rest = f".{rest}"
     steps: list[Step] = []
     while rest:
-        if rest[0] == "[":
-            inside, bracket, after = rest[1:].partition("]")
-            if not bracket:
-                raise UsageError(f"field path '{text}': '{rest}' has no closing ']'", _EXAMPLES)
-            steps.append(_parse_index(inside, text))
-            rest = after
-        else:
-            name = _NAME.match(rest, 1) if rest[0] in "./" else None
-            if not name:
-                raise UsageError(f"field path '{text}': expected a field's name at '{rest}'")
-            steps.append(name[0])
-            rest = rest[name.end() :]
+        step = _STEP.match(rest)
+        if not step and rest[0] == "[":
+            raise UsageError(f"field path '{text}': '{rest}' has no closing ']'", _EXAMPLES)
+        if not step:
+            raise UsageError(f"field path '{text}': expected a field's name at '{rest}'")
+        steps.append(step[1] or _parse_index(step[2], text))
+        rest = rest[step.end() :]
     return Path(tuple(steps))
 
 
@@ -109,26 +95,18 @@ def parse_path(text: str) -> Path:
 def target(cls: type[Message], path: Path) -> Target:
     """The target of a path in all messages of a type, known without a message.
 
-    Raises:
-        ValueMismatch: The type has no such field, or the path goes on where nothing is; it names
-            the path and the fields there are.
+    ValueMismatch names the path, and the fields that there are instead.
     """
     found = root_target(cls)
     for done, step in enumerate(path.steps):
         where = str(Path(path.steps[:done]))
-        if isinstance(step, str):
-            found = field_target(found, step, where)
-        else:
-            found = element_target(found, step, where)
+        follow = field_target if isinstance(step, str) else element_target
+        found = follow(found, step, where)  # type: ignore[arg-type] # the one for this step
     return found
 
 
 def select(message: Message, path: Path) -> Selection:
-    """The value that a path leads to in a message.
-
-    Raises:
-        ValueMismatch: As ``target``; or an index is outside of the message's array.
-    """
+    """The value at a path; ValueMismatch as of ``target``, or for an index that the array lacks."""
     found = target(type(message), path)  # first: it checks the names
     return Selection(_walk(message, path.steps, path), found)
 
@@ -147,11 +125,7 @@ def root_target(cls: type[Message]) -> Target:
 
 
 def field_target(owner: Target, name: str, where: str) -> Target:
-    """The target of a field; ``where`` names the owner's place in errors.
-
-    Raises:
-        ValueMismatch: There is no such field.
-    """
+    """The target of a field; ``where`` names the owner's place in the ValueMismatch for none."""
     if owner.dimensions and not owner.sliced:
         says = f"{where} is an array of {owner.type}" if where else "it is an array"
         raise ValueMismatch(f"{says}, which has no field '{name}'", "put an index before it: [0]")
@@ -165,11 +139,10 @@ def field_target(owner: Target, name: str, where: str) -> Target:
 def element_target(owner: Target, step: int | Slice, where: str) -> Target:
     """The target of an element or a slice of an array.
 
-    Raises:
-        ValueMismatch: It is no array, or one of fixed size without such an element.
+    ValueMismatch is raised for what is no array, or is one of fixed size without such an element.
     """
     if not owner.dimensions:
-        known = _fields_of(owner)
+        known = f" ({fields_hint(owner.message_class)})" if owner.message_class else ""
         raise ValueMismatch(f"{where or 'the message'} is no array but a {owner.type}{known}")
     if not isinstance(step, int):
         return replace(owner, sliced=True)
@@ -216,8 +189,7 @@ def _field(cls: type[Message], name: str, where: str) -> Field:
     if own_name in known:
         return known[own_name]
     path = f"{where}.{name}" if where else name
-    fields = f"fields: {', '.join(known)}" if known else "it has no fields"
-    what = f"{path}: {type_name(cls)} has no field '{name}' ({fields})"
+    what = f"{path}: {type_name(cls)} has no field '{name}' ({fields_hint(cls)})"
     deeper = _deeper(cls, name)
     inside = f"did you mean {f'{where}.' if where else ''}{deeper}?" if deeper else ""
     raise ValueMismatch(what, did_you_mean(name, known) or inside)
@@ -239,29 +211,23 @@ def _deeper(cls: type[Message], name: str) -> str:
     return ""
 
 
-def _fields_of(owner: Target) -> str:
-    if owner.message_class is None:
-        return ""
-    return f" (fields: {', '.join(field.name for field in visible_fields(owner.message_class))})"
-
-
 def _parse_index(inside: str, text: str) -> int | Slice:
     parts = [part.strip() for part in inside.split(":")]
+    wrong = next((part for part in parts if part and not _WHOLE.fullmatch(part)), None)
     if parts == [""]:
-        raise UsageError(f"field path '{text}': the index in '[]' is missing", _EXAMPLES)
-    if len(parts) > _MOST_PARTS:
-        what = f"field path '{text}': '[{inside}]' has more than start, stop and step"
-        raise UsageError(what, _EXAMPLES)
-    for part in parts:
-        if part and not _WHOLE.fullmatch(part):
-            raise UsageError(f"field path '{text}': '{part}' is not a whole number", _EXAMPLES)
-    numbers = [int(part) if part else None for part in parts]
-    if len(numbers) == 1:
+        problem = "the index in '[]' is missing"
+    elif len(parts) > _MOST_PARTS:
+        problem = f"'[{inside}]' has more than start, stop and step"
+    elif wrong:
+        problem = f"'{wrong}' is not a whole number"
+    elif parts[2:] and parts[2] and int(parts[2]) == 0:
+        problem = f"the step in '[{inside}]' is 0"
+    elif len(parts) == 1:
         return int(parts[0])
-    start, stop, step = (*numbers, None)[:_MOST_PARTS]
-    if step == 0:
-        raise UsageError(f"field path '{text}': the step in '[{inside}]' is 0", _EXAMPLES)
-    return start, stop, step
+    else:
+        start, stop, step = (*(int(part) if part else None for part in parts), None)[:_MOST_PARTS]
+        return start, stop, step
+    raise UsageError(f"field path '{text}': {problem}", _EXAMPLES)
 
 
 def _written(step: Step) -> str:

@@ -8,11 +8,12 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeAlias, cast
 
-from lcmtools.clock import join_stamp
+from lcmtools.clock import NANOSECONDS, join_stamp
 from lcmtools.messages.fields import TIME_FIELDS, Field, is_time, visible_fields
-from lcmtools.messages.path import Selection, Target
+from lcmtools.messages.path import Target
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.shape import as_bytes, as_sequence
 
@@ -22,8 +23,7 @@ Plain: TypeAlias = "bool | int | float | str | list[Plain] | dict[str, Plain]"
 Cell: TypeAlias = "int | float | str"
 """A value in a column of a table."""
 
-_PLAIN = frozenset((bool, int, float, str))
-_NANOSECONDS = 1_000_000_000
+PLAIN_TYPES = frozenset((bool, int, float, str))
 _TIME_TYPES = {"std_msgs/Time", "builtin_interfaces/Time"}  # a Duration is relative already
 
 # Legal in JSON, but in YAML forbidden or a line's end; and JSON should be YAML here. Half
@@ -42,22 +42,15 @@ MORE = More("...")
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """Options for the values that are shown.
+    """Options for the values that are shown."""
 
-    Attributes:
-        hides_arrays: All arrays are only named: ``<array type: float64, length: 5>``.
-        hides_strings: All strings: ``<string length: 5>``.
-        longest: Longer arrays and strings are cut after so many elements; None for none.
-        origin: Points in time are shown as the length of time since then, nanoseconds since 1970;
-            None for as they are.
-        is_table: For a table: hidden values are left out, and cut ones have no dots.
-    """
-
-    hides_arrays: bool = False
-    hides_strings: bool = False
-    longest: int | None = None
-    origin: int | None = None
-    is_table: bool = False
+    hides_arrays: bool = False  # arrays are only named: <array type: float64, length: 5>
+    hides_strings: bool = False  # strings too: <string length: 5>
+    longest: int | None = None  # elements and characters after which arrays and strings are cut
+    most_elements: int | None = None  # of an array where ``longest`` is None; then ``ellipsis``
+    ellipsis: str = MORE  # "{}" in it is the number of elements left out
+    origin: int | None = None  # [ns since 1970] points in time are shown as the time since then
+    is_table: bool = False  # hidden values are left out, and cut ones have no dots
 
     def __bool__(self) -> bool:
         """Return True if a value is shown otherwise."""
@@ -83,7 +76,7 @@ def to_plain(message: Message, view: View = NOTHING) -> dict[str, Plain]:
     """
     cls = type(message)
     plain = {
-        field.name: _plain(getattr(message, field.name), field, len(field.dimensions), view)
+        field.name: plain_value(getattr(message, field.name), field, view)
         for field in visible_fields(cls)
         if not view.omits(field)
     }
@@ -91,14 +84,9 @@ def to_plain(message: Message, view: View = NOTHING) -> dict[str, Plain]:
     return _since(plain, cast("int", view.origin)) if is_moved else plain
 
 
-def plain_value(value: object, field: Field) -> Plain:
-    """Return the value of one field, as in ``to_plain``."""
-    return _plain(value, field, len(field.dimensions), NOTHING)
-
-
-def plain_selection(selection: Selection, view: View) -> Plain:
-    """Return a selected value as a plain one, as a view has it."""
-    return _plain(selection.value, selection.target, selection.target.depth, view)
+def plain_value(value: object, what: Field | Target, view: View = NOTHING) -> Plain:
+    """Return the value of a field or of the target of a path, as in ``to_plain``."""
+    return _plain(value, what, what.depth, view)
 
 
 def plain_scalar(value: object) -> Plain:
@@ -107,19 +95,22 @@ def plain_scalar(value: object) -> Plain:
 
 
 def to_json(message: Message) -> str:
-    """Return a message as one line of JSON, which is also YAML that ``fill`` takes back.
-
-    Infinities and NaN are the strings "inf", "-inf" and "nan".
-    """
+    """Return a message as one line of JSON; see ``plain_json``."""
     return plain_json(to_plain(message))
 
 
 def plain_json(plain: Plain) -> str:
-    """Return a plain value as one line of JSON, as in ``to_json``."""
+    """Return a plain value as one line of JSON, which is also YAML that ``fill`` takes back.
+
+    Infinities and NaN are the strings "inf", "-inf" and "nan".
+    """
+    import json
+
+    write = partial(json.dumps, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
     try:
-        text = _json(plain)
+        text = write(plain)
     except ValueError:
-        text = _json(_finite(plain))
+        text = write(finite(plain))
     return _NOT_IN_YAML.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
@@ -158,13 +149,16 @@ def _plain_array(value: object, what: Field | Target, depth: int, view: View) ->
         elements = as_sequence(value)
     if view.hides_arrays:
         return f"<array type: {what.type}, length: {len(elements)}>"
-    shown = elements[: view.longest]
+    shown = elements[: view.most_elements if view.longest is None else view.longest]
     is_simple = depth == 1 and not what.message_class and not (view and what.type == "string")
-    if is_simple and _PLAIN.issuperset(map(type, shown)):  # seldom there are numpy's numbers
+    if is_simple and PLAIN_TYPES.issuperset(map(type, shown)):  # seldom there are numpy's numbers
         plain = cast("list[Plain]", list(shown))
     else:
         plain = [_plain(element, what, depth - 1, view) for element in shown]
-    return plain if len(shown) == len(elements) or view.is_table else [*plain, MORE]
+    if len(shown) == len(elements) or view.is_table:
+        return plain
+    more = view.ellipsis if view.longest is None else MORE
+    return [*plain, More(more.format(len(elements) - len(shown)))]
 
 
 def _zeros(what: Field | Target) -> bytes:
@@ -183,20 +177,14 @@ def _plain_string(text: str, view: View) -> str:
 
 def _since(time: dict[str, Plain], origin: int) -> dict[str, Plain]:
     """A point in time as the length of time since another, whose nanoseconds are never negative."""
-    seconds, nanoseconds = cast("dict[str, int]", time).values()
-    passed = divmod(seconds * _NANOSECONDS + nanoseconds - origin, _NANOSECONDS)
-    return dict(zip(time, passed, strict=True))
+    since = join_stamp(*cast("dict[str, int]", time).values()) - origin
+    return dict(zip(time, divmod(since, NANOSECONDS), strict=True))
 
 
-def _json(plain: Plain) -> str:
-    import json
-
-    return json.dumps(plain, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
-
-
-def _finite(plain: Plain) -> Plain:
+def finite(plain: object) -> object:
+    """Return a plain value with infinities and NaN as text: JSON has none."""
     if isinstance(plain, dict):
-        return {name: _finite(value) for name, value in plain.items()}
-    if isinstance(plain, list):
-        return [_finite(value) for value in plain]
+        return {name: finite(value) for name, value in plain.items()}
+    if isinstance(plain, (list, tuple)):
+        return [finite(value) for value in plain]
     return plain if not isinstance(plain, float) or math.isfinite(plain) else str(plain)

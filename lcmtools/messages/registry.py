@@ -7,6 +7,7 @@ here reads the environment, the working directory or the command line.
 """
 
 import importlib
+import re
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from typing import ClassVar, Protocol, cast
@@ -91,37 +92,29 @@ class Registry:
         return cast("type[Message]", _load(source.prefix, found))
 
     def service_class(self, name: str) -> type[ServiceType]:
-        """The pair of a service; the name is written as for ``message_class``.
-
-        Raises:
-            UnknownType: There is no such service, or several packages have it.
-        """
+        """The pair of a service, named as a message is; UnknownType for none, or several."""
         found = self.service_name(name)
         source = next(one for some in self._tiers() for one in some if found in one.services)
         return cast("type[ServiceType]", _load(source.prefix, found))
 
     def service_name(self, name: str) -> str:
-        """The full name of a service pair ("std_srvs/Trigger"), of any way to write it.
-
-        Raises:
-            UnknownType: There is no such service, or several packages have it.
-        """
+        """The full name of a service ("std_srvs/Trigger"); UnknownType for none, or several."""
         for sources in self._tiers():
             if found := _find_service(name, sources):
                 return found
+        for problem in self.problems():
+            if problem.concerns(full_name(name)):
+                raise problem.error()
         hint = near_miss(name, self.service_names()) or "see: lcmtools srv list"
+        if found := find(name, self.type_names(), "type"):
+            hint = f"{found} is a message: lcmtools msg show {found}"
         raise UnknownType(f"unknown service type '{name}'", hint)
 
     def candidates(self, fingerprint: int) -> list[str]:
         """Names of the types with this fingerprint (equal fields), the likeliest first."""
         for sources in self._tiers():
-            names = {
-                name
-                for source in sources
-                for name, number in source.fingerprints.items()
-                if number == fingerprint
-            }
-            if names:
+            pairs = (pair for source in sources for pair in source.fingerprints.items())
+            if names := {name for name, number in pairs if number == fingerprint}:
                 return sorted(names, key=preference)
         return []
 
@@ -164,9 +157,8 @@ class Registry:
 
     def _warn_once(self, source: TypeSource, name: str) -> None:
         notes = [source.notes[name]] if name in source.notes else []
-        file = source.files.get(name)
+        file = None if name.startswith(STUDENTS) else source.files.get(name)
         number = source.fingerprints[name]
-        file = None if name.startswith(STUDENTS) else file
         if file and any(one.fingerprints.get(name, number) != number for one in self._fixed):
             notes.append(f"{name} is not as lcmtools has it; used is {file}")
         for note in notes:
@@ -179,7 +171,13 @@ class Registry:
         service = _find_service(name, sources)
         if service:
             return f"{service} is a service; its messages are {service}_Request and _Response"
-        near = near_miss(name, (one for source in sources for one in source.fingerprints))
+        known = [one for source in sources for one in source.fingerprints]
+        if any(one.startswith(f"{name.strip('/')}/") for one in known):
+            return f"it is a package: lcmtools msg package {name.strip('/')} lists its types"
+        bare = re.sub(r"^(?:msg|srv)/|\.(?:lcm|msg|srv)$", "", name)
+        if bare != name or re.search(r"[{:\s]", name):
+            return f"write a type as {bare if bare != name else 'geometry_msgs/Twist'}"
+        near = near_miss(name, known)
         package = full_name(name).rpartition("/")[0]
         for problem in self.problems():  # the one that is missed may be in there
             if f" {package}/" not in near:
@@ -205,8 +203,7 @@ def _problem(name: str, sources: Sequence[TypeSource]) -> Problem | None:
 def _load(prefix: str, name: str) -> object:
     package, _, short = name.rpartition("/")
     module = importlib.import_module(f"{prefix}.{package}" if package else prefix)
-    value: object = getattr(module, short)
-    return value
+    return cast("object", getattr(module, short))
 
 
 _current: tuple[Supply | None, Registry] | None = None

@@ -8,6 +8,7 @@ plain; reading raises Malformed.
 
 import struct
 from collections.abc import Sequence, Sized
+from dataclasses import dataclass
 from math import prod
 from typing import Protocol
 
@@ -22,11 +23,10 @@ BOOLEANS: dict[object, bool] = {False: False, True: True}
 STRING_BYTES = 4
 """The size of an empty string: its length, which counts its NUL."""
 
+# Elements without bytes (empty messages, empty rows) that one payload may claim to hold: without a
+# limit, 4 bytes could claim two thousand million of them.
 _MOST_WEIGHTLESS = 65_536
-"""Elements without bytes (empty messages, empty rows) that one payload may claim to hold. Without
-a limit, 4 bytes could claim two thousand million of them."""
-_DEEPEST = 100
-"""Levels of arrays of messages in a payload. Only a type that holds itself could have as many."""
+_DEEPEST = 100  # levels of arrays of messages; only a type that holds itself could have as many
 _LENGTH = struct.Struct(">I")
 
 
@@ -34,20 +34,15 @@ class Malformed(ValueError):  # noqa: N818 - named for what happened, as in erro
     """A payload that cannot be what its fingerprint says."""
 
 
+@dataclass(slots=True)
 class Cursor:
-    """A payload and the offset of its unread rest.
+    """A payload and the offset of its unread rest."""
 
-    ``stray`` is the error handler for bytes in strings that are not UTF-8.
-    """
-
-    __slots__ = ("data", "depth", "offset", "stray", "weightless")
-
-    def __init__(self, data: bytes, offset: int, stray: str = "replace") -> None:
-        self.data = data
-        self.stray = stray
-        self.offset = offset
-        self.depth = 0
-        self.weightless = _MOST_WEIGHTLESS
+    data: bytes
+    offset: int
+    stray: str = "replace"  # the error handler for bytes in strings that are not UTF-8
+    depth: int = 0
+    weightless: int = _MOST_WEIGHTLESS
 
     def take(self, size: int, where: str) -> int:
         """Go on by ``size`` bytes and return where they start."""
@@ -99,8 +94,6 @@ def primitive_row(type_name: str, where: str, *, is_bytes: bool) -> Row:
 
 
 class _Numbers:
-    """Numbers or booleans."""
-
     def __init__(self, code: str, where: str) -> None:
         self._code = code
         self._where = where
@@ -211,9 +204,8 @@ def read_string(cursor: Cursor, where: str) -> str:
 def length(old: int, *arrays: tuple[object, int]) -> int:
     """Return the value of a length field: the length of the first array that depends on it.
 
-    Args:
-        old: Its value, which stays where no array has the size (an inner size without any row).
-        arrays: The arrays that share it, each with the dimension that it gives, 0 the outermost.
+    The arrays that share it come with the dimension that it gives, 0 the outermost. The ``old``
+    value stays where no array has the size (an inner size without any row).
     """
     for values, depth in arrays:
         for _ in range(depth):

@@ -5,13 +5,17 @@ not fit, which gathers its path on the way up so that values that do fit cost no
 fields, messages or YAML's syntax.
 """
 
+import contextlib
 import math
 import operator
 import re
 import struct
-from typing import SupportsFloat
+from typing import TYPE_CHECKING, SupportsFloat
 
 from lcmtools.errors import ValueMismatch
+
+if TYPE_CHECKING:
+    from decimal import Decimal
 
 Scalar = bool | int | float | str
 
@@ -30,19 +34,12 @@ _NOT_FINITE = re.compile(r"[-+]?(?:\.?(?:inf|nan)|infinity)", re.IGNORECASE)
 _BOOLEANS = dict.fromkeys(("true", "yes", "on", "1"), True) | dict.fromkeys(
     ("false", "no", "off", "0"), False
 )
-_LONGEST_NUMBER = 400
-"""Characters. No longer text is a number that anyone means; Python refuses far longer ones."""
-_LONGEST_SHOWN = 40
-"""Characters of a value that an error line repeats."""
+_LONGEST_NUMBER = 400  # characters; Python refuses far longer ones, which nobody means
+_LONGEST_SHOWN = 40  # characters of a value that an error line repeats
 
 
 class Misfit(ValueError):  # noqa: N818 - named for what happened, as in errors.py
-    """A value that does not fit its field; it never leaves this room, users see ValueMismatch.
-
-    Args:
-        what: The expected and the given value.
-        hint: The correction, or "".
-    """
+    """A value that does not fit its field; it never leaves this room, users see ValueMismatch."""
 
     def __init__(self, what: str, hint: str = "") -> None:
         super().__init__(what)
@@ -80,12 +77,9 @@ def given(value: object) -> str:
 
 
 def from_text(text: str, type_name: str) -> Scalar:
-    """Return the value of ``text`` in a field of a primitive type.
+    """Return the value of ``text`` in a field of a primitive type; raise Misfit if it has none.
 
     The field decides, not the text: "on" is text in a string and true in a bool.
-
-    Raises:
-        Misfit: It has none.
     """
     if type_name == "string":
         return _check_text(text)
@@ -97,11 +91,7 @@ def from_text(text: str, type_name: str) -> Scalar:
 
 
 def from_python(value: object, type_name: str) -> Scalar:
-    """Return a value as Python's own of a primitive type; numpy's scalars are accepted.
-
-    Raises:
-        Misfit: It is of another type or out of range.
-    """
+    """Return a value (or numpy's) as Python's own of a primitive type; raise Misfit for others."""
     item = getattr(value, "item", None)  # numpy's scalars
     plain = item() if callable(item) and getattr(value, "shape", None) == () else value
     if type_name == "string":
@@ -110,11 +100,8 @@ def from_python(value: object, type_name: str) -> Scalar:
         if isinstance(plain, int) and plain in (0, 1):  # bool is an int
             return bool(plain)
         raise Misfit(f"expected true or false, got {given(plain)}")
-    return (
-        _check_integer(plain, type_name)
-        if type_name in INTEGERS
-        else _check_float(plain, type_name)
-    )
+    check = _check_integer if type_name in INTEGERS else _check_float
+    return check(plain, type_name)
 
 
 def _read_integer(text: str, type_name: str) -> int:
@@ -136,12 +123,9 @@ def _whole_number(text: str, type_name: str) -> int:
         number = Decimal(text)
     except InvalidOperation:  # an exponent that even Decimal cannot hold
         raise Misfit(f"expected an integer, got {given(text)}") from None
-    low, high = INTEGERS[type_name]
-    if not low <= number <= high:  # before int(): 1e999999 would fill the memory
-        raise Misfit(_does_not_fit(text, type_name))
-    if number != int(number):
+    if number != (whole := _in_range(number, type_name, text)):
         raise Misfit(f"expected an integer, got {given(text)}")
-    return int(number)
+    return whole
 
 
 def _read_float(text: str, type_name: str) -> float:
@@ -186,29 +170,19 @@ def _check_integer(value: object, type_name: str) -> int:
 
 
 def _check_float(value: object, type_name: str) -> float:
-    if not isinstance(value, (int, float)):
-        value = _to_float(value)
-    if isinstance(value, float) and not math.isfinite(value):
-        return value
-    return _finite(value, type_name, given(value))
-
-
-def _to_float(value: object) -> float:
-    if not isinstance(value, SupportsFloat):  # text is not, although float() takes it
+    number = value if isinstance(value, (int, float)) else None
+    if number is None and isinstance(value, SupportsFloat):  # no text, although float() takes it
+        with contextlib.suppress(TypeError, ValueError):
+            number = float(value)
+    if number is None:
         raise Misfit(f"expected a number, got {given(value)}")
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        raise Misfit(f"expected a number, got {given(value)}") from None
+    if isinstance(number, float) and not math.isfinite(number):
+        return number
+    return _finite(number, type_name, given(number))
 
 
-def _in_range(number: int, type_name: str, shown: object) -> int:
+def _in_range(number: "int | Decimal", type_name: str, shown: object) -> int:
     low, high = INTEGERS[type_name]
-    if not low <= number <= high:
-        raise Misfit(_does_not_fit(shown, type_name))
-    return number
-
-
-def _does_not_fit(shown: object, type_name: str) -> str:
-    low, high = INTEGERS[type_name]
-    return f"{shown} does not fit {type_name} ({low}..{high})"
+    if not low <= number <= high:  # before int(): 1e999999 would fill the memory
+        raise Misfit(f"{shown} does not fit {type_name} ({low}..{high})")
+    return int(number)

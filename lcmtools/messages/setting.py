@@ -8,6 +8,7 @@ text is.
 import math
 import re
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import TypeAlias
 
 from lcmtools.errors import ValueMismatch
@@ -21,8 +22,7 @@ ParameterValue: TypeAlias = "Scalar | Sequence[Scalar] | None"
 
 ANY = "any"
 """The kind that takes every setting."""
-LIST = "list"
-"""The kind of lists whose elements may be of several kinds."""
+LIST = "list"  # whose elements may be of several kinds
 
 _FIELD_TYPES = {"bool": "bool", "int": "int64", "float": "float64", "string": "string"}
 _KINDS: dict[type, str] = {bool: "bool", int: "int", float: "float", str: "string"}
@@ -35,8 +35,7 @@ _WORDS = re.compile(r"[A-Za-z/_]([\w ./+@%-]*[\w./+@%-])?", re.ASCII)
 def kind_of(value: ParameterValue) -> str:
     """bool, int, float or string, with [] for a list of one of them; list; any for None.
 
-    Raises:
-        ValueMismatch: It is no setting.
+    ValueMismatch is raised for all other values.
     """
     if value is None:
         return ANY
@@ -50,15 +49,10 @@ def kind_of(value: ParameterValue) -> str:
 
 
 def read_setting(text: str, kind: str, path: str) -> ParameterValue:
-    """The value of a text, of a kind.
+    """The value of a text, of a kind (see ``kind_of``); else ValueMismatch.
 
-    Args:
-        text: YAML; where the kind is a string it is the string itself, unless it is quoted.
-        kind: As of ``kind_of``.
-        path: Its name in errors, for example "parameter kp".
-
-    Raises:
-        ValueMismatch: It has none.
+    The text is YAML; where the kind is a string it is the string itself, unless it is quoted.
+    ``path`` is its name in errors, for example "parameter kp".
     """
     own = _unquoted(text)
     if kind == "string" or (kind == ANY and own is not None):
@@ -71,11 +65,7 @@ def read_setting(text: str, kind: str, path: str) -> ParameterValue:
 
 
 def check_setting(value: object, kind: str, path: str) -> ParameterValue:
-    """The plain Python value of a kind that ``value`` is; whole numbers are floats too.
-
-    Raises:
-        ValueMismatch: It is none.
-    """
+    """The plain value of a kind that ``value`` is, else ValueMismatch; whole numbers are floats."""
     return _converted(value, kind, path, _scalar_of_python)
 
 
@@ -166,14 +156,13 @@ def _unquoted(text: str) -> str | None:
     """The content of a text that is one quoted scalar of YAML; else None."""
     if len(text) < 2 or text[0] not in _QUOTES or text[-1] != text[0]:  # noqa: PLR2004 - two quotes
         return None
-    try:
+    with suppress(ValueMismatch):
         value = _parsed(text)
-    except ValueMismatch:
-        return None
-    return value if isinstance(value, str) else None
+        return value if isinstance(value, str) else None
+    return None
 
 
 def _parsed(text: str) -> Value:
-    from lcmtools.messages.yaml_input import parse_values  # nodes start without it
+    from lcmtools.messages.documents import parse_values  # nodes start without it
 
     return parse_values([text])

@@ -5,7 +5,7 @@ nor where the values come from (a message's attributes or a user's text).
 """
 
 import contextlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 
 from lcmtools.messages.fields import Field, fields, visible_fields
 from lcmtools.messages.registry import Message
@@ -18,8 +18,7 @@ Element = Callable[[object], object]
 def as_sequence(value: object) -> Sequence[object]:
     """The elements of a list, a tuple or anything with ``tolist`` (numpy, array, memoryview).
 
-    Raises:
-        TypeError: It is nothing of the kind: text, a mapping, a single number, ...
+    TypeError is raised for all else: text, a mapping, a single number, ...
     """
     if type(value) in (list, tuple):
         return value  # type: ignore[return-value] # checked above, faster than isinstance
@@ -33,9 +32,7 @@ def as_sequence(value: object) -> Sequence[object]:
 def as_bytes(value: object) -> bytes:
     """The bytes of a bytes-like object of 8-bit elements, or of a sequence of numbers 0..255.
 
-    Raises:
-        TypeError: It is nothing of the kind.
-        ValueError: A number is not a byte.
+    TypeError is raised for other objects, ValueError for other numbers.
     """
     if isinstance(value, (bytes, bytearray)):
         return bytes(value)
@@ -49,11 +46,8 @@ def as_bytes(value: object) -> bytes:
 def shaped(value: object, field: Field, element: Element, depth: int = 0) -> object:
     """An array's value as lists, innermost bytes for uint8, with each element converted.
 
-    Sizes that are numbers are checked; sizes in length fields are for ``check_lengths``. An empty
-    array of bytes means zeros, because lcm-gen's classes start with it.
-
-    Raises:
-        Misfit: A size differs or an element does not fit.
+    Sizes that are numbers are checked, else Misfit; those in length fields are for
+    ``check_lengths``. An empty array of bytes means zeros: lcm-gen's classes start with it.
     """
     size, is_last = field.dimensions[depth], depth == len(field.dimensions) - 1
     if is_last and field.is_bytes:
@@ -68,8 +62,7 @@ def shaped(value: object, field: Field, element: Element, depth: int = 0) -> obj
 def check_lengths(message: Message) -> None:
     """Check the sizes that length fields hold, in a message whose arrays are lists or bytes.
 
-    Raises:
-        Misfit: Rows or arrays that share a length field differ in length, or it cannot hold it.
+    Misfit: rows or arrays that share a length field differ in length, or it cannot hold it.
     """
     cls = type(message)
     found: dict[str, tuple[int, str]] = {}
@@ -125,20 +118,17 @@ def _plural(field: Field) -> str:
     return {"bool": "booleans", "string": "strings"}.get(field.type, "numbers")
 
 
-def _counts(value: object, depth: int) -> Iterator[int]:
+def _counts(value: object, depth: int) -> list[int]:
     """The lengths of all rows at a depth: of the array itself at 0."""
     if depth == 0:
-        yield len(value)  # type: ignore[arg-type] # lists or bytes
-        return
-    for row in as_sequence(value):
-        yield from _counts(row, depth - 1)
+        return [len(value)]  # type: ignore[arg-type] # lists or bytes
+    return [count for row in as_sequence(value) for count in _counts(row, depth - 1)]
 
 
 def _disagreement(name: str, count: int, owner: str, first: int) -> Misfit:
+    what = f"has {count} elements where {owner} has {first}; they must be equal"
     if name == owner:
         what = f"its rows differ in length: {first} and {count}"
-    else:
-        what = f"has {count} elements where {owner} has {first}; they must be equal"
     return Misfit(what).inside(f".{name}")
 
 

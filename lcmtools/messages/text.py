@@ -1,4 +1,4 @@
-"""Messages as the text that ``rostopic echo`` prints, which ``message_from_values`` takes back.
+"""Messages as the text that ``rostopic echo`` prints, which ``draft_from_values`` takes back.
 
 Belongs here: the layout of messages and plain values as text. Must not know its destination.
 
@@ -25,17 +25,12 @@ from operator import attrgetter
 from typing import cast
 
 from lcmtools.messages.fields import TIME_FIELDS, Field, is_time, visible_fields
-from lcmtools.messages.plain import More, Plain, plain_scalar, plain_value
+from lcmtools.messages.plain import PLAIN_TYPES, More, Plain, plain_scalar, plain_value
 from lcmtools.messages.registry import Message
 from lcmtools.messages.scalars import STRAY_BYTES
 from lcmtools.messages.shape import as_sequence
 
-_ESCAPES = {
-    character: f"\\{letter}"
-    for character, letter in zip(
-        '\0\a\b\t\n\v\f\r\x1b"\\\x85\xa0\u2028\u2029', '0abtnvfre"\\N_LP', strict=True
-    )
-}
+_ESCAPES = dict(zip('\0\a\b\t\n\v\f\r\x1b"\\\x85\xa0\u2028\u2029', '0abtnvfre"\\N_LP', strict=True))
 _ESCAPED = re.compile(r"[^ !#-\[\]-~]")
 
 # Text that needs no quotes for any YAML parser: words that are not YAML's own, no numbers.
@@ -43,14 +38,13 @@ _WORD = re.compile(r"[A-Za-z_/][\w./-]*", re.ASCII)
 _STRAY = re.compile("[\udc80-\udcff]")
 _NSEC_WIDTH = 9
 _NUMBERS = frozenset((bool, int, float))
-_PLAIN = frozenset((bool, int, float, str))
 RESERVED_WORDS = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
 """Words that YAML parsers do not take for text."""
 
 
 def format_message(message: Message) -> str:
     """A message as ``rostopic echo`` shows it, without an end of line; "" if it has no fields."""
-    return _message_text(message, "")
+    return _form(type(message), "").fill(message)
 
 
 def quoted(text: str) -> str:
@@ -81,11 +75,7 @@ class Writer:
 
     def block(self, plain: Plain) -> str:
         """A plain value as ``rostopic echo`` shows the message or field it was."""
-        if isinstance(plain, dict):
-            return "\n".join(self._lines(plain, ""))
-        if isinstance(plain, list) and _is_block(plain):
-            return "\n".join(self._items(plain, ""))
-        return self.flow(plain)
+        return "\n".join(self._lines(plain, "")) if _is_block(plain) else self.flow(plain)
 
     def flow(self, plain: Plain) -> str:
         """A plain value in one line, in YAML's flow style."""
@@ -100,35 +90,23 @@ class Writer:
             return str(plain) if isinstance(plain, More) else quoted(plain)
         return repr(plain) if self.width is None else _fixed(plain, self.width)
 
-    def _lines(self, fields: dict[str, Plain], indent: str) -> Iterator[str]:
+    def _lines(self, whole: Plain, indent: str) -> Iterator[str]:
+        """The fields of a message or the elements of an array, each below the other."""
+        is_list = isinstance(whole, list)
+        fields: dict[int, Plain] | dict[str, Plain] = cast("dict[str, Plain]", whole)
+        if isinstance(whole, list):
+            fields = dict(enumerate(whole))
         is_time = tuple(fields) in TIME_FIELDS
         for name, value in fields.items():
-            head = f"{indent}{name}: "
-            if isinstance(value, dict):
+            head = f"{indent}- " if is_list else f"{indent}{name}: "
+            if _is_block(value):
                 yield head
                 yield from self._lines(value, f"{indent}  ")
-            elif isinstance(value, list) and _is_block(value):
-                yield head
-                yield from self._items(value, f"{indent}  ")
             elif isinstance(value, str) and not isinstance(value, More):
-                yield f"{head}{_quoted_at_end(value)}"
+                yield head + (_word_or_quoted(value) if is_list else _quoted_at_end(value))
             else:
                 is_padded = is_time and name != "sec" and self.width is None
                 yield f"{head}{self.flow(value):>{_NSEC_WIDTH if is_padded else 0}}"
-
-    def _items(self, values: list[Plain], indent: str) -> Iterator[str]:
-        """An array of strings, messages or arrays of them, an item each."""
-        for value in values:
-            if isinstance(value, dict):
-                yield f"{indent}- "
-                yield from self._lines(value, f"{indent}  ")
-            elif isinstance(value, list) and _is_block(value):
-                yield f"{indent}- "
-                yield from self._items(value, f"{indent}  ")
-            elif isinstance(value, str) and not isinstance(value, More):
-                yield f"{indent}- {_word_or_quoted(value)}"
-            else:
-                yield f"{indent}- {self.flow(value)}"
 
 
 FREE = Writer()
@@ -139,10 +117,6 @@ def _word_or_quoted(text: str) -> str:
     """A string in a list: without quotes where no YAML parser needs them."""
     is_word = _WORD.fullmatch(text) and text.lower() not in RESERVED_WORDS
     return text if is_word else _quoted_at_end(text)
-
-
-def _message_text(message: Message, indent: str) -> str:
-    return _form(type(message), indent).fill(message)
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +135,7 @@ class _Form:
         values = list(self.values(message))
         for place, text in self.texts:
             values[place] = text(values[place])
-        if not _PLAIN.issuperset(map(type, values)):  # numpy's numbers have a repr of their own
+        if not PLAIN_TYPES.issuperset(map(type, values)):  # numpy's numbers have their own
             values = list(map(plain_scalar, values))
         return self.template % tuple(values)
 
@@ -223,19 +197,18 @@ def _block(field: Field, value: object, head: str, indent: str, depth: int = 1) 
             yield from _block(field, element, f"{indent}- ", f"{indent}  ", depth + 1)
         elif field.message_class:
             yield f"{indent}- "
-            if text := _message_text(cast("Message", element), f"{indent}  "):
+            if text := _form(field.message_class, f"{indent}  ").fill(cast("Message", element)):
                 yield text
         else:
             yield f"{indent}- {_word_or_quoted(cast('str', element))}"
 
 
-def _is_block(values: list[Plain]) -> bool:
-    """Return True if an array has an element that does not fit in a line of numbers."""
-    return not _are_numbers(values) and any(
-        isinstance(value, dict)
-        or (isinstance(value, str) and not isinstance(value, More))
-        or (isinstance(value, list) and _is_block(value))
-        for value in values
+def _is_block(value: Plain) -> bool:
+    """Return True for a message, and for an array with an element that is not in a line."""
+    if not isinstance(value, list):
+        return isinstance(value, dict)
+    return not _are_numbers(value) and any(
+        (isinstance(part, str) and not isinstance(part, More)) or _is_block(part) for part in value
     )
 
 
@@ -263,7 +236,7 @@ def _escape(match: re.Match[str]) -> str:
     character = match[0]
     code = ord(character)
     if character in _ESCAPES:
-        return _ESCAPES[character]
+        return f"\\{_ESCAPES[character]}"
     if code <= 0xFF:  # noqa: PLR2004 - the reach of two hexadecimal digits
         return f"\\x{code:02X}"
     return f"\\u{code:04X}" if code <= 0xFFFF else f"\\U{code:08X}"  # noqa: PLR2004 - of four

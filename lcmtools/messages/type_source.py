@@ -13,21 +13,13 @@ from lcmtools.errors import InvalidFile
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """A problem that makes a file, or one type in it, unusable.
+    """A problem that makes a file, or one type in it, unusable."""
 
-    Attributes:
-        file: Its full path.
-        line: The line in it, from 1; 0 where it is unknown.
-        what: The problem.
-        hint: The remedy, or "".
-        type: The type concerned; "" for the whole file.
-    """
-
-    file: str
-    line: int
+    file: str  # its full path
+    line: int  # from 1; 0 where it is unknown
     what: str
-    hint: str = ""
-    type: str = ""
+    hint: str = ""  # the remedy
+    type: str = ""  # the type concerned; "" for the whole file
 
     def error(self) -> InvalidFile:
         """Return the problem as an error to raise."""
@@ -47,23 +39,14 @@ class Problem:
 
 @dataclass(frozen=True, slots=True)
 class TypeSource:
-    """A place that generated classes are imported from.
+    """A place that generated classes are imported from; its tables are by types' full names."""
 
-    Attributes:
-        prefix: The module above the packages, as given to lcm-gen ("lcmtools.types").
-        fingerprints: Every type's name ("geometry_msgs/Twist") and fingerprint.
-        services: Names of the service pairs ("std_srvs/Trigger").
-        files: The .lcm file of each type, where that is known.
-        problems: The types and files that cannot be used.
-        notes: Types that another file has too, by their name, with a sentence that says so.
-    """
-
-    prefix: str
+    prefix: str  # the module above the packages, as given to lcm-gen ("lcmtools.types")
     fingerprints: Mapping[str, int]
-    services: Sequence[str] = ()
-    files: Mapping[str, str] = field(default_factory=dict)
-    problems: Sequence[Problem] = ()
-    notes: Mapping[str, str] = field(default_factory=dict)
+    services: Sequence[str] = ()  # service pairs ("std_srvs/Trigger")
+    files: Mapping[str, str] = field(default_factory=dict)  # .lcm files, where they are known
+    problems: Sequence[Problem] = ()  # types and files that cannot be used
+    notes: Mapping[str, str] = field(default_factory=dict)  # a sentence: another file has it too
 
 
 def shown(path: str | Path) -> str:

@@ -73,7 +73,8 @@ class Announcer:
 
     def answer(self, target: str, nonce: int) -> None:
         """Announce the node of this name at once, repeating ``nonce``."""
-        self._announce(nonce, target)
+        with self._sending:
+            self._send_all(nonce, target)
 
     def close(self) -> None:
         """Announce nothing any more."""
@@ -107,7 +108,8 @@ class Announcer:
                 self._due, self._answer_due = began + PERIOD, math.inf
                 nonce, self._nonce = self._nonce, 0
             work_began = time.thread_time()  # a busy computer makes no node a large one
-            self._announce(nonce)
+            with self._sending:
+                self._send_all(nonce)
             worked = time.thread_time() - work_began
             self._rested = min(time.monotonic() + _REST * worked, began + PERIOD)
 
@@ -115,11 +117,8 @@ class Announcer:
         """Return the time until the next announcement [s]."""
         return min(self._answer_due, max(self._due, self._rested)) - time.monotonic()
 
-    def _announce(self, nonce: int, target: str = "") -> None:
-        with self._sending:  # so that no node is described before its goodbye and sent after it
-            self._send_all(nonce, target)
-
     def _send_all(self, nonce: int = 0, target: str = "") -> None:
+        # with the lock held, so that no node is described before its goodbye and sent after it
         if not target:
             self._is_behind = False  # before describing: a change from now on sets it again
         for node in self._describe():

@@ -1,17 +1,18 @@
 """The callbacks that the spinning thread runs: of subscriptions, services and timers.
 
-Exceptions of user code end here, in the node's log. A node's name and announcements are not known
-here.
+Exceptions of user code end here, in ``CallbackErrors``. A node's name and announcements are not
+known here.
 """
 
 import time
-import traceback
 from collections.abc import Callable
 
 from lcmtools.clock import Clock, ManualClock, SystemClock
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.messages.registry import Message
+from lcmtools.node.callback_errors import CallbackErrors
 from lcmtools.node.logger import Logger
+from lcmtools.node.parameters import PARAMETERS_SUFFIX
 from lcmtools.node.service import Service
 from lcmtools.node.stopwatch import Stopwatch
 from lcmtools.node.subscription import Subscription
@@ -22,11 +23,12 @@ class Callbacks:
     """The callbacks of one node.
 
     Args:
-        logger: The node's log, for their faults.
+        logger: The node's log, for messages that cannot be read.
+        errors: Takes their exceptions.
         go_on: Returns whether the program should go on.
     """
 
-    def __init__(self, logger: Logger, go_on: Callable[[], bool]) -> None:
+    def __init__(self, logger: Logger, errors: CallbackErrors, go_on: Callable[[], bool]) -> None:
         self.subscriptions: list[Subscription] = []
         self.services: list[Service[Message, Message]] = []
         self.timers: list[Timer] = []
@@ -34,6 +36,7 @@ class Callbacks:
         """The node's clock; timers follow it where it is simulated time."""
         self._timed = Stopwatch()
         self._logger = logger
+        self._errors = errors
         self._go_on = go_on
         self._cleared = False
         self._has_waiting = False
@@ -66,12 +69,15 @@ class Callbacks:
         stopwatches += [one.stopwatch for one in tuple(self.services)]
         return self._timed.busy() + sum(stopwatch.busy() for stopwatch in stopwatches)
 
-    def time_to_timer(self) -> float | None:
-        """Return the time until the next timer [s]; None if only a message can bring work."""
+    def time_to_timer(self, *others: Timer) -> float | None:
+        """Return the time until the next timer [s], one of ``others`` too.
+
+        None if only a message can bring work.
+        """
         if isinstance(self.clock, ManualClock):
             return None
         now = self.time()
-        waits = [wait for t in self.timers if (wait := t.remaining(now)) is not None]
+        waits = [wait for t in (*self.timers, *others) if (wait := t.remaining(now)) is not None]
         return min(waits, default=None)
 
     def _run_waiting(self) -> int:
@@ -102,7 +108,7 @@ class Callbacks:
             if subscription.is_warning_due(time.monotonic()):
                 self._logger.warning(f"{subscription.topic}: message ignored: {error}")
             return
-        self._guard(f"callback of {subscription.topic}", lambda: subscription.callback(message))
+        self._guard(subscription.topic, subscription.callback, message)
 
     def _run_services(self) -> int:
         ran = 0
@@ -112,7 +118,9 @@ class Callbacks:
                 with service.stopwatch:
                     failure = service.answer(request)
                 if failure is not None:
-                    self._log_failure(f"service {service.name}", failure)
+                    is_hidden = service.name.endswith(PARAMETERS_SUFFIX)
+                    name = "parameters" if is_hidden else f"service {service.name}"
+                    self._errors.add(name, failure, service.callback)
         return ran
 
     def _run_timers(self) -> int:
@@ -122,7 +130,7 @@ class Callbacks:
             if self._is_running() and timer.is_due(now):
                 timer.advance(now)
                 with self._timed:
-                    self._guard("timer", timer.callback)
+                    self._guard(str(timer), timer.callback)
                 ran += 1
         return ran
 
@@ -130,15 +138,11 @@ class Callbacks:
         """True if callbacks may be called; one of them may have ended the node or the program."""
         return self._go_on() and not self._cleared
 
-    def _guard(self, what: str, call: Callable[[], object]) -> None:
-        """Call user code; log its exceptions and go on."""
+    def _guard(self, name: str, function: Callable[..., object], *arguments: object) -> None:
+        """Call user code; log and count its exceptions, and go on."""
         try:
-            call()
+            function(*arguments)
         except Exception as error:  # noqa: BLE001 - a node outlives its callbacks' faults
             if isinstance(error, LcmtoolsError) and not self._go_on():
                 return  # no fault: the program ends, and its calls with it
-            self._log_failure(what, error)
-
-    def _log_failure(self, what: str, error: BaseException) -> None:
-        trace = "".join(traceback.format_exception(error)).rstrip()
-        self._logger.error(f"{what} raised {type(error).__name__}: {error}\n{trace}")
+            self._errors.add(name, error, function)

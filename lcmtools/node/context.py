@@ -52,6 +52,8 @@ class Context:
         self.declared_parameters: set[str] = set()
         self.notices: list[str] = []
         """Warnings about the command line for the next node to log."""
+        self.note = ""
+        """A sentence on the program for the first node that spins to log."""
         self.on_shutdown_request: Callable[[], None] = self.stop
         """The action on another program's request to shut down."""
         self.host = socket.gethostname()
@@ -59,6 +61,8 @@ class Context:
         self._recorded: dict[str, frozenset[tuple[str, Role]]] = {}
         self.plain_listeners = PlainListeners(url, self._pids_here) if url else None
         self._participants: list[nodes.Node] = []
+        self.spinning: dict[nodes.Node, int] = {}
+        """The nodes whose callbacks ``spin`` runs now, with the thread that does."""
         self._stopping = False
         self._closed = False
         self._is_shutdown_requested = False
@@ -84,13 +88,12 @@ class Context:
     def add(self, participant: "nodes.Node") -> None:
         """Add a node: announce it, and record that it runs."""
         self._participants.append(participant)
-        node = participant.describe()
+        node = self._describe_recorded(participant)
         if self._records and not node.tool and (other := self._records.namesake(node)):
             self.notices.append(
                 f"pid {other.pid} is a node of this name too: end one of them, "
                 f"or start this one with __name:={base_name_of(node.name)}2"
             )
-        self._record(node)
         self.announcer.announce_soon()
 
     def remove(self, participant: "nodes.Node") -> None:
@@ -133,17 +136,16 @@ class Context:
                 return
 
     def _describe(self) -> list[Node]:
-        nodes = [participant.describe() for participant in tuple(self._participants)]
-        for node in nodes:
-            self._record(node)
-        return nodes
+        return [self._describe_recorded(participant) for participant in tuple(self._participants)]
 
-    def _record(self, node: Node) -> None:
-        """Write a node's record, again when it has other topics."""
+    def _describe_recorded(self, participant: "nodes.Node") -> Node:
+        """Return a node's description; write its record, again when it has other topics."""
+        node = participant.describe()
         topics = frozenset((endpoint.topic, endpoint.role) for endpoint in node.endpoints)
         if self._records and self._recorded.get(node.id) != topics:
             self._recorded[node.id] = topics
             self._records.write(node)
+        return node
 
     def _receive_shutdown(self, payload: bytes, _time: int) -> None:
         """End this program if the request is for one of its nodes; on the receiving thread.

@@ -1,12 +1,11 @@
 """A node's log: to standard error in ROS's manner, and to ``/rosout``."""
 
 import inspect
+import math
 import os
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
-from enum import IntEnum
 from pathlib import Path
 from typing import TextIO
 
@@ -14,66 +13,14 @@ from lcmtools.clock import Clock, split_stamp
 from lcmtools.color import RED, YELLOW, paint, stream_wants_color
 from lcmtools.types.rosgraph_msgs import Log
 
-
-class Severity(IntEnum):
-    """The severity of an entry; the constants of rosgraph_msgs/Log."""
-
-    DEBUG = 1
-    INFO = 2
-    WARN = 4
-    ERROR = 8
-    FATAL = 16
-
-
-@dataclass(frozen=True, slots=True)
-class LogEntry:
-    """One entry of a log."""
-
-    severity: Severity
-    time: int  # nanoseconds on the node's clock
-    node: str  # its full name
-    text: str  # a line, or lines
-    file: str = ""  # source file, function and line that logged it
-    function: str = ""
-    line: int = 0
-
-    def __str__(self) -> str:
-        """Return it in ROS's format."""
-        sec, nsec = split_stamp(self.time)
-        return f"[{self.severity.name}] [{sec}.{nsec:09d}] [{self.node}]: {self.text}"
-
-
-_COLORS = {Severity.WARN: YELLOW, Severity.ERROR: RED, Severity.FATAL: RED}
-
-
-def _print(entry: LogEntry, stream: TextIO | None) -> None:
-    """Print an entry, on a terminal in color; without room on a disk, a robot's controller goes on.
-
-    Raises:
-        BrokenPipeError: The reader of the log has ended.
-    """
-    if stream is None:  # standard error was closed before the program began
-        return
-    color = _COLORS.get(entry.severity)
-    is_colored = color and stream_wants_color(stream, os.environ)
-    try:
-        # one write: lines of several threads do not mix
-        stream.write(f"{paint(str(entry), color) if color and is_colored else entry}\n")
-        stream.flush()
-    except BrokenPipeError:
-        raise
-    except OSError:  # a full disk, most likely
-        return
-
-
-def log_message(entry: LogEntry) -> Log:
-    """Return the message of an entry for ``/rosout``."""
-    message = Log()
-    message.header.stamp.sec, message.header.stamp.nsec = split_stamp(entry.time)
-    message.level, message.name = entry.severity, entry.node
-    message.msg = entry.text.encode("utf-8", "replace").decode()  # file names may be no UTF-8
-    message.file, message.function, message.line = entry.file, entry.function, entry.line
-    return message
+_LABELS = {
+    Log.DEBUG: "DEBUG",
+    Log.INFO: "INFO",
+    Log.WARN: "WARN",
+    Log.ERROR: "ERROR",
+    Log.FATAL: "FATAL",
+}
+_COLORS = {Log.WARN: YELLOW, Log.ERROR: RED, Log.FATAL: RED}
 
 
 class Logger:
@@ -90,11 +37,11 @@ class Logger:
         self,
         node: str,
         clock: Clock,
-        forward: Callable[[LogEntry], None],
+        forward: Callable[[Log], None],
         stream: TextIO | None = None,
     ) -> None:
-        self.threshold = Severity.INFO
-        """Entries below this severity are forwarded and not printed."""
+        self.threshold = Log.INFO
+        """Entries below this level are forwarded and not printed."""
         self._node = node
         self.clock = clock
         """Stamps the entries."""
@@ -104,7 +51,7 @@ class Logger:
 
     def debug(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
         """Log an aid to debugging; for the options see ``info``."""
-        self._log(Severity.DEBUG, text, once=once, throttle=throttle)
+        self._log(Log.DEBUG, text, math.inf if once else throttle)
 
     def info(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
         """Log a normal event.
@@ -114,45 +61,81 @@ class Logger:
             once: Only the first time that this place in the code is reached.
             throttle: At most once in so many seconds from this place in the code.
         """
-        self._log(Severity.INFO, text, once=once, throttle=throttle)
+        self._log(Log.INFO, text, math.inf if once else throttle)
 
     def warning(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
         """Log a possible fault."""
-        self._log(Severity.WARN, text, once=once, throttle=throttle)
+        self._log(Log.WARN, text, math.inf if once else throttle)
 
     warn = warning
 
+    def repeat(self, text: str) -> None:
+        """Publish a warning that still holds on ``/rosout`` again, without printing it."""
+        self._log(Log.WARN, text, prints=False)
+
     def error(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
         """Log a fault."""
-        self._log(Severity.ERROR, text, once=once, throttle=throttle)
+        self._log(Log.ERROR, text, math.inf if once else throttle)
+
+    def error_again(self, text: str) -> None:
+        """Log more of a fault that has been logged: it is printed, and ``/rosout`` has it once."""
+        self._log(Log.ERROR, text, forwards=False)
 
     def fatal(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
         """Log a fault that the node cannot survive."""
-        self._log(Severity.FATAL, text, once=once, throttle=throttle)
+        self._log(Log.FATAL, text, math.inf if once else throttle)
 
-    def _log(self, severity: Severity, text: str, *, once: bool, throttle: float) -> None:
+    def _log(
+        self,
+        level: int,
+        text: str,
+        throttle: float = 0.0,
+        *,
+        prints: bool = True,
+        forwards: bool = True,
+    ) -> None:
         frame = inspect.currentframe()
         caller = frame.f_back.f_back if frame and frame.f_back else None
         place = (caller.f_code.co_filename, caller.f_lineno) if caller else ("", 0)
-        if (once or throttle > 0) and not self._is_time(place, once=once, throttle=throttle):
+        if throttle > 0 and not self._is_time(place, throttle):
             return
-        entry = LogEntry(
-            severity,
-            self.clock.now(),
-            self._node,
-            str(text),  # of any object; a log raises nothing
-            Path(place[0]).name,
-            caller.f_code.co_name if caller else "",
-            place[1],
-        )
-        if severity >= self.threshold:
-            _print(entry, self._stream or sys.stderr)
-        self._forward(entry)
+        text = str(text)  # of any object; a log raises nothing
+        entry = Log()
+        entry.header.stamp.sec, entry.header.stamp.nsec = split_stamp(self.clock.now())
+        entry.level, entry.name = level, self._node
+        entry.msg = text.encode("utf-8", "replace").decode()  # file names may be no UTF-8
+        entry.file, entry.line = Path(place[0]).name, place[1]
+        entry.function = caller.f_code.co_name if caller else ""
+        stream = self._stream or sys.stderr
+        if prints and level >= self.threshold and stream:  # None: closed before the program began
+            _print(entry, text, stream)
+        if forwards:
+            self._forward(entry)
 
-    def _is_time(self, place: tuple[str, int], *, once: bool, throttle: float) -> bool:
+    def _is_time(self, place: tuple[str, int], throttle: float) -> bool:
         now = time.monotonic()
         last = self._last_printed.get(place)
-        if last is not None and (once or now - last < throttle):
+        if last is not None and now - last < throttle:
             return False
         self._last_printed[place] = now
         return True
+
+
+def _print(entry: Log, text: str, stream: TextIO) -> None:
+    """Print an entry as ROS does; without room on a disk, a robot's controller goes on.
+
+    Raises:
+        BrokenPipeError: The reader of the log has ended.
+    """
+    stamp = entry.header.stamp
+    line = f"[{_LABELS[entry.level]}] [{stamp.sec}.{stamp.nsec:09d}] [{entry.name}]: {text}"
+    color = _COLORS.get(entry.level)
+    if color and stream_wants_color(stream, os.environ):
+        line = paint(line, color)
+    try:
+        stream.write(f"{line}\n")  # one write: lines of several threads do not mix
+        stream.flush()
+    except BrokenPipeError:
+        raise
+    except OSError:  # a full disk, most likely
+        return

@@ -7,20 +7,23 @@ import time
 import uuid
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from lcmtools import names
+from lcmtools.bus.base import Handler
 from lcmtools.clock import Clock, ManualClock, SystemClock, join_stamp
-from lcmtools.errors import BusError, InvalidName
+from lcmtools.errors import BusError, InvalidName, UsageError
 from lcmtools.graph import model
 from lcmtools.messages.registry import Message
-from lcmtools.node.base import NodeBase
+from lcmtools.node import checks
+from lcmtools.node.callback_errors import CallbackErrors
 from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.context import Context
-from lcmtools.node.logger import LogEntry, Logger, log_message
+from lcmtools.node.logger import Logger
 from lcmtools.node.parameters import Parametric, service_name
 from lcmtools.node.process import current_context
 from lcmtools.node.publisher import Publisher
+from lcmtools.node.rate import Rate
 from lcmtools.node.service import (
     Client,
     RequestT,
@@ -42,17 +45,21 @@ MessageT = TypeVar("MessageT", bound=Message)
 _LOST_MESSAGE_PERIOD = 5.0  # [s] between two complaints about a bus that takes no messages
 
 
-class Node(NodeBase, Parametric):
+class Node(Parametric):
     """A named participant of the bus.
 
     Names are resolved by the ROS rules: "/a" is global, "a" is in the node's namespace, "~a"
     below the node itself; then the remaps of the command line apply.
 
     Args:
-        name: The node's own name; ``__name:=`` on the command line wins.
+        name: The node's own name; ``__name:=`` on the command line wins, for a process's first.
         namespace: Its namespace; ``__ns:=`` on the command line wins.
         tool: It is a command that looks at the bus, not a part of the system.
         context: The context shared with other nodes; that of ``lcmtools.init`` when None.
+
+    Attributes:
+        name: Its full name.
+        namespace: Its namespace.
 
     Raises:
         InvalidName: The name or the namespace breaks the naming rules.
@@ -71,11 +78,19 @@ class Node(NodeBase, Parametric):
         context: Context | None = None,
     ) -> None:
         self.__context = context = context or current_context()
-        NodeBase.__init__(self, name, namespace, context)
-        given = context.arguments.parameters
-        Parametric.__init__(self, self.name, given, context.declared_parameters)
+        self.__is_destroyed = False
+        checks.check_text("Node", "name", name)
+        arguments = context.arguments
+        own_name = arguments.name if arguments.name and context.is_first() else name
+        names.check_base_name(own_name)
+        namespace = arguments.namespace or namespace or context.default_namespace
+        self.namespace = names.resolve_namespace(namespace)
+        self.name = names.check_length(names.resolve(f"{self.namespace}/{own_name}"))
+        self.__names = names.Resolver(self.namespace, self.name, tuple(arguments.remaps))
+        super().__init__(self.name, arguments.parameters, context.declared_parameters)
         self.__publishers: list[Publisher[Message]] = []
         self.__clients: list[Client[Message, Message]] = []
+        self.__received: list[tuple[str, Handler]] = []  # channels, with what takes their messages
         self.__identity = model.Node(
             name=self.name,
             id=uuid.uuid4().hex,
@@ -86,7 +101,8 @@ class Node(NodeBase, Parametric):
             tool=tool,
         )
         self.__logger = Logger(self.name, SystemClock(), self.__forward_log)
-        self.__callbacks = Callbacks(self.__logger, context.ok)
+        self.__errors = CallbackErrors(self.__logger, context.announcer.announce_soon)
+        self.__callbacks = Callbacks(self.__logger, self.__errors, context.ok)
         self.__rosout = None if tool else self.create_publisher(Log, "/rosout", 100)
         if self.__rosout:
             self.__rosout.on_failure = lambda _: None  # the line has been printed all the same
@@ -105,6 +121,37 @@ class Node(NodeBase, Parametric):
         """Say goodbye."""
         self.destroy_node()
 
+    if not TYPE_CHECKING:  # a type checker would take it for all attributes there are
+
+        def __getattr__(self, name: str) -> object:
+            """Explain a missing attribute: a forgotten ``super().__init__``, a name of ROS's."""
+            if hasattr(type(self), name):  # a property of the user's that lacks another one
+                return object.__getattribute__(self, name)
+            raise checks.missing_attribute(self, name)
+
+    @property
+    def context(self) -> Context:
+        """The context that this node shares with the others of its process."""
+        return self.__context
+
+    @property
+    def is_destroyed(self) -> bool:
+        """True once ``destroy_node`` was called."""
+        return self.__is_destroyed
+
+    @property
+    def callbacks(self) -> Callbacks:
+        """The callbacks that the spin functions run."""
+        return self.__callbacks
+
+    def resolve_name(self, name: str) -> str:
+        """Return the topic or service that a name means for this node, remapped.
+
+        Raises:
+            InvalidName: The name breaks the naming rules.
+        """
+        return self.__names.resolve(name)
+
     def create_publisher(
         self, message_type: type[MessageT], topic: str, depth: int = 10, *, literal: bool = False
     ) -> Publisher[MessageT]:
@@ -118,13 +165,15 @@ class Node(NodeBase, Parametric):
 
         Raises:
             InvalidName: The topic's name breaks the naming rules.
+            UsageError: An argument is of another kind.
         """
+        self.__check_alive("create_publisher")
+        checks.check_endpoint("create_publisher", [message_type], topic, depth)
         resolved = names.check_channel(topic) if literal else self.resolve_name(topic)
-        context = self.__context
-        publisher = Publisher(context.bus, message_type, resolved, depth, context.follower.graph)
+        publisher = Publisher(self.__context.bus, message_type, resolved, depth, self.graph)
         publisher.on_failure = None if self.__identity.tool else self.__log_lost_message
         self.__publishers.append(publisher)  # type: ignore[arg-type] # kept to be announced only
-        context.announcer.announce_soon()
+        self.__context.announcer.announce_soon()
         return publisher
 
     def create_subscription(
@@ -151,13 +200,17 @@ class Node(NodeBase, Parametric):
 
         Raises:
             InvalidName: The topic's name breaks the naming rules.
+            UsageError: An argument is of another kind, the callback of another arity for example.
             BusError: The bus does not take the subscription.
         """
+        self.__check_alive("create_subscription")
         types = message_type if isinstance(message_type, tuple) else (message_type,)
+        checks.check_endpoint("create_subscription", types, topic, depth)
+        checks.check_callback("create_subscription", callback, "message")
         resolved = names.check_channel(topic) if literal else self.resolve_name(topic)
         subscription = Subscription(types, resolved, callback, depth, group)  # type: ignore[arg-type]
         subscription.on_ready = self.__wake
-        self.__context.bus.subscribe(resolved, subscription.receive)
+        self.__receive(resolved, subscription.receive)
         self.__callbacks.subscriptions.append(subscription)
         self.__wake()  # messages may have come before
         self.__context.announcer.announce_soon()
@@ -167,11 +220,26 @@ class Node(NodeBase, Parametric):
         """Call a function every ``seconds`` on the node's clock.
 
         Raises:
-            UsageError: The period is not positive.
+            UsageError: The period is not positive, or the function takes arguments.
         """
+        self.__check_period("create_timer", seconds)
+        checks.check_callback("create_timer", callback)
         timer = Timer(seconds, callback, self.__callbacks.time)
         self.__callbacks.timers.append(timer)
         return timer
+
+    def create_rate(self, frequency: float) -> Rate:
+        """Return a rate for a loop of one's own: its ``sleep`` runs callbacks meanwhile.
+
+        Args:
+            frequency: Turns of the loop in a second of the node's clock [Hz].
+
+        Raises:
+            UsageError: The frequency is not positive and finite.
+        """
+        period = checks.period_of(frequency)
+        self.__check_period("create_rate", period)
+        return Rate(self, Timer(period, lambda: None, self.__callbacks.time))
 
     def create_service(
         self,
@@ -183,12 +251,13 @@ class Node(NodeBase, Parametric):
 
         Raises:
             InvalidName: The service's name breaks the naming rules.
+            UsageError: An argument is of another kind, the callback of another arity for example.
         """
-        resolved = self.resolve_name(name)
-        names.check_length(request_channel(resolved), name)
+        resolved = self.__resolve_service("create_service", service_type, name)
+        checks.check_callback("create_service", callback, "request", "response")
         service = Service(self.__context.bus, service_type, resolved, callback)
         service.on_ready = self.__wake
-        self.__context.bus.subscribe(request_channel(resolved), service.receive)
+        self.__receive(request_channel(resolved), service.receive)
         self.__callbacks.services.append(service)  # type: ignore[arg-type] # their message types differ
         self.__wake()  # messages may have come before
         self.__context.announcer.announce_soon()
@@ -201,19 +270,25 @@ class Node(NodeBase, Parametric):
 
         Raises:
             InvalidName: The service's name breaks the naming rules.
+            UsageError: An argument is of another kind.
         """
-        resolved = self.resolve_name(name)
-        names.check_length(request_channel(resolved), name)
+        resolved = self.__resolve_service("create_client", service_type, name)
         client = Client(self.__context.bus, service_type, resolved)
         client.is_interrupted = lambda: not self.__context.ok()
         client.before_call = self.__context.announcer.announce_changes
-        self.__context.bus.subscribe(reply_channel(resolved), client.receive)
+        self.__receive(reply_channel(resolved), client.receive)
         self.__clients.append(client)  # type: ignore[arg-type] # their message types differ
         self.__context.announcer.announce_soon()
         return client
 
     def warn_of_unknown_parameters(self) -> None:
-        """Log the command line's parameters that no node here has declared: likely misspelt."""
+        """Log the command line's parameters that no node here has declared: likely misspelt.
+
+        It is called with the first spin, and logs the context's note too.
+        """
+        if self.__context.note:
+            self.__logger.info(self.__context.note)
+            self.__context.note = ""
         declared = self.__context.declared_parameters
         for name in self.__context.arguments.parameters.keys() - declared:
             special = "did you mean __ns:= or __name:=?" if name in ("ns", "name") else ""
@@ -232,6 +307,7 @@ class Node(NodeBase, Parametric):
         """Announce a publisher no more. Does nothing the second time."""
         if publisher in self.__publishers:
             self.__publishers.remove(publisher)  # type: ignore[arg-type] # see create_publisher
+            publisher.is_destroyed = True
             self.__context.announcer.announce_soon()
 
     def destroy_subscription(self, subscription: Subscription) -> None:
@@ -239,6 +315,7 @@ class Node(NodeBase, Parametric):
         subscription.close()
         if subscription in self.__callbacks.subscriptions:
             self.__callbacks.subscriptions.remove(subscription)
+            self.__received.remove((subscription.topic, subscription.receive))
             self.__context.bus.unsubscribe(subscription.topic, subscription.receive)
             self.__context.announcer.announce_soon()
 
@@ -250,33 +327,78 @@ class Node(NodeBase, Parametric):
 
     def destroy_node(self) -> None:
         """Say goodbye and receive nothing any more. Does nothing the second time."""
+        self.__errors.report()
+        self.__is_destroyed = True
+        if not self.__context.is_closed():  # else, the log says that the bus is closed
+            for publisher in self.__publishers:
+                publisher.is_destroyed = publisher is not self.__rosout
+            for client in self.__clients:
+                client.is_destroyed = True
         self.__context.remove(self)
-        bus = self.__context.bus
-        for subscription in self.__callbacks.subscriptions:
-            bus.unsubscribe(subscription.topic, subscription.receive)
-        for service in self.__callbacks.services:
-            bus.unsubscribe(request_channel(service.name), service.receive)
-        for client in self.__clients:
-            bus.unsubscribe(reply_channel(client.name), client.receive)
+        while self.__received:
+            self.__context.bus.unsubscribe(*self.__received.pop())
         self.__clients.clear()
         self.__callbacks.clear()
 
     def describe(self) -> model.Node:
         """Return the announced description of this node."""
+        callbacks = self.__callbacks
         endpoints = (
             *(publisher.endpoint() for publisher in tuple(self.__publishers)),
-            *(subscription.endpoint() for subscription in tuple(self.__callbacks.subscriptions)),
-            *(service.endpoint() for service in tuple(self.__callbacks.services)),
+            *(subscription.endpoint() for subscription in tuple(callbacks.subscriptions)),
+            *(service.endpoint() for service in tuple(callbacks.services)),
             *(client.endpoint() for client in tuple(self.__clients)),
         )
-        ports = tuple(self.__context.bus.ports)
-        busy = self.__callbacks.busy()
-        return replace(self.__identity, ports=ports, endpoints=endpoints, busy=busy)
+        return replace(
+            self.__identity,
+            ports=tuple(self.__context.bus.ports),
+            endpoints=endpoints,
+            busy=callbacks.busy(),
+            errors=self.__errors.newest(),
+        )
 
-    @property
-    def callbacks(self) -> Callbacks:
-        """The callbacks that the spin functions run."""
-        return self.__callbacks
+    def graph(self) -> model.Graph:
+        """Return the announced nodes of the bus; the first call subscribes to announcements."""
+        return self.__context.follower.graph()
+
+    def subscribed_topics(self) -> frozenset[str]:
+        """Return the topics with announced subscriptions, so that others need not be computed."""
+        alive = (node for node in self.graph().nodes if not node.stale)
+        return frozenset(
+            endpoint.topic for node in alive for endpoint in node.having(model.Role.SUBSCRIBER)
+        )
+
+    def has_plain_listeners(self, *, at_once: bool = False) -> bool:
+        """Return whether programs that are no nodes can be listening, to any topic.
+
+        On a bus that leaves this computer there can always be one.
+
+        Args:
+            at_once: Look now, and count every possible one, instead of waiting a second or two
+                to be sure.
+        """
+        listeners = self.__context.plain_listeners
+        return bool(listeners and listeners.possible(at_once=at_once))
+
+    def __receive(self, channel: str, handler: Handler) -> None:
+        self.__context.bus.subscribe(channel, handler)
+        self.__received.append((channel, handler))
+
+    def __check_alive(self, call: str) -> None:
+        if self.__is_destroyed:
+            raise UsageError(f"{call}: the node {self.name} was destroyed")
+
+    def __check_period(self, call: str, seconds: object) -> None:
+        self.__check_alive(call)
+        if warning := checks.check_period(call, seconds):
+            self.__logger.warning(warning)
+
+    def __resolve_service(self, call: str, service_type: object, name: str) -> str:
+        self.__check_alive(call)
+        checks.check_service_type(call, service_type, name)
+        resolved = self.resolve_name(name)
+        names.check_length(request_channel(resolved), name)
+        return resolved
 
     def __wake(self) -> None:
         """Let the spinning thread run callbacks; called on the receiving thread."""
@@ -286,9 +408,9 @@ class Node(NodeBase, Parametric):
     def __log_lost_message(self, error: BusError) -> None:
         self.__logger.error(f"{error}", throttle=_LOST_MESSAGE_PERIOD)
 
-    def __forward_log(self, entry: LogEntry) -> None:
+    def __forward_log(self, entry: Log) -> None:
         if self.__rosout is not None:
-            self.__rosout.publish(log_message(entry))
+            self.__rosout.publish(entry)
 
     def __serve_parameters(self) -> None:
         """Let the bus reach the parameters, unless the node's name leaves no room for it."""

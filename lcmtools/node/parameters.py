@@ -4,7 +4,7 @@ The bus reaches them by a hidden service of the node, ``<node>/_parameters``. A 
 are not known here.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar, cast
 
@@ -17,7 +17,11 @@ from lcmtools.messages.setting import (
     write_setting,
 )
 from lcmtools.names import did_you_mean
+from lcmtools.node.checks import check_callback, check_text, described
 from lcmtools.types import lcmtools_msgs as msgs
+
+PARAMETERS_SUFFIX = "/_parameters"
+"""Ends the name of the hidden service of a node's parameters."""
 
 ValueT = TypeVar("ValueT", bound=ParameterValue)
 
@@ -41,10 +45,7 @@ class ParameterDescriptor:
 
     Attributes:
         kind: Its type, fixed by its default: see lcmtools.messages.setting.kind_of.
-        description: Its meaning, with the unit.
-        minimum: Smallest number that it may be; None for any.
-        maximum: Largest number that it may be; None for any.
-        read_only: It cannot change while the node runs.
+        description, minimum, maximum, read_only: As for ``Node.declare_parameter``.
     """
 
     kind: str
@@ -80,14 +81,17 @@ class _Declared:
         message, descriptor = msgs.Parameter(), self.descriptor
         message.name, message.type = name, descriptor.kind
         message.value, message.description = write_setting(self.value), descriptor.description
-        message.minimum, message.maximum = _limit(descriptor.minimum), _limit(descriptor.maximum)
+        limits = (descriptor.minimum, descriptor.maximum)
+        message.minimum, message.maximum = (
+            "" if limit is None else write_setting(limit) for limit in limits
+        )
         message.read_only = descriptor.read_only
         return message
 
 
 def service_name(node: str) -> str:
     """Return the name of the hidden service of a node's parameters."""
-    return f"{node}/_parameters"
+    return f"{node}{PARAMETERS_SUFFIX}"
 
 
 class Parametric:
@@ -136,6 +140,7 @@ class Parametric:
         """
         if name in self.__declared:
             raise UsageError(f"{self.__name} declares its parameter '{name}' twice")
+        check_text("declare_parameter", "name", name)
         if not name:
             raise UsageError(f"{self.__name} declares a parameter without a name")
         descriptor = ParameterDescriptor(kind_of(default), description, minimum, maximum, read_only)
@@ -170,7 +175,12 @@ class Parametric:
     def set_parameters(
         self, parameters: Sequence[Parameter[ParameterValue]]
     ) -> list[SetParametersResult]:
-        """Change parameters one by one; return the result of each."""
+        """Change parameters one by one; return the result of each.
+
+        Raises:
+            UsageError: It is no list of Parameter.
+        """
+        _check_parameters(parameters)
         return [self.set_parameters_atomically([parameter]) for parameter in parameters]
 
     def set_parameters_atomically(
@@ -179,7 +189,11 @@ class Parametric:
         """Change all of these parameters, or none of them.
 
         An exception of a callback goes on to the caller; an LcmtoolsError of it is a refusal.
+
+        Raises:
+            UsageError: It is no list of Parameter.
         """
+        _check_parameters(parameters)
         try:
             checked = [self.__checked(parameter) for parameter in parameters]
             for callback in reversed(self.__on_set):
@@ -197,7 +211,11 @@ class Parametric:
 
         It gets the parameters as they are to be, and refuses them by returning
         SetParametersResult(False, reason) or by raising an LcmtoolsError.
+
+        Raises:
+            UsageError: It cannot be called with one argument.
         """
+        check_callback("add_on_set_parameters_callback", callback, "parameters")
         self.__on_set.append(callback)
 
     def remove_on_set_parameters_callback(self, callback: ParametersCallback) -> None:
@@ -213,25 +231,20 @@ class Parametric:
     ) -> msgs.Parameters_Response:
         """Serve the bus: make the requested changes, all or none, and return all parameters."""
         errors: list[str] = []
-        requested = [parameter for c in request.changes for parameter in self.__read(c, errors)]
+        requested: list[Parameter[ParameterValue]] = []
+        for change in request.changes:
+            try:
+                kind = self.__find(change.name).descriptor.kind
+                value = read_setting(change.value, kind, f"parameter {change.name}")
+                requested.append(Parameter(change.name, value))
+            except UsageError as error:  # noqa: PERF203 - each change has its own
+                errors.append(str(error))
         if requested and not errors:
             result = self.set_parameters_atomically(requested)
             errors = [] if result.successful else [result.reason]
         response.errors = errors
         response.parameters = [one.message(name) for name, one in sorted(self.__declared.items())]
         return response
-
-    def __read(
-        self, change: msgs.Parameter, errors: list[str]
-    ) -> Iterator[Parameter[ParameterValue]]:
-        """Yield the parameter that a change means, or add the reason why there is none."""
-        try:
-            kind = self.__find(change.name).descriptor.kind
-            value = read_setting(change.value, kind, f"parameter {change.name}")
-        except UsageError as error:
-            errors.append(str(error))
-        else:
-            yield Parameter(change.name, value)
 
     def __checked(self, parameter: Parameter[ParameterValue]) -> Parameter[ParameterValue]:
         """Return a parameter with its value in the declared type, within its range."""
@@ -255,6 +268,16 @@ class Parametric:
         return self.__declared[name]
 
 
+def _check_parameters(parameters: object) -> None:
+    """Refuse anything but a sequence of parameters, with what to write."""
+    rows = list(parameters) if isinstance(parameters, (list, tuple)) else [None]
+    if not all(isinstance(row, Parameter) for row in rows):
+        raise UsageError(
+            f"parameters are set by a list of Parameter, got {described(parameters)}",
+            "write set_parameters([lcmtools.Parameter('name', value)])",
+        )
+
+
 def _check_range(name: str, value: ParameterValue, descriptor: ParameterDescriptor) -> None:
     """Refuse a value, or an element of it, out of range; NaN is in none."""
     low, high = descriptor.minimum, descriptor.maximum
@@ -265,7 +288,3 @@ def _check_range(name: str, value: ParameterValue, descriptor: ParameterDescript
             raise UsageError(f"parameter {name}: {number} is less than {low}")
         if high is not None and not number <= high:
             raise UsageError(f"parameter {name}: {number} is more than {high}")
-
-
-def _limit(limit: float | None) -> str:
-    return "" if limit is None else write_setting(limit)

@@ -13,11 +13,11 @@ from types import FrameType
 from typing import TYPE_CHECKING
 
 from lcmtools.arguments import NodeArguments, looks_special, misspelt, split_arguments
-from lcmtools.bus.base import Bus
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl, choose_url
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.messages.type_source import has_supply
+from lcmtools.node import checks
 from lcmtools.node.context import Context
 from lcmtools.packages import provide_user_types
 from lcmtools.settings import read_user_file
@@ -37,6 +37,7 @@ class _Process:
 
     def __init__(self) -> None:
         self.context: Context | None = None
+        self.note = ""
         self.handlers: dict[int, Callable[[int, FrameType | None], object] | int | None] = {}
 
 
@@ -62,14 +63,17 @@ def init(
         UsageError: The arguments, or the user's settings file, are wrong.
         BusError: The bus cannot be reached, with what to type.
     """
+    checks.check_words(args)
     if _process.context is not None:
         raise LcmtoolsError("lcmtools.init() was called twice", "call lcmtools.shutdown() between")
     words = sys.argv[1:] if args is None else args
     arguments, rest = split_arguments(words)
+    typed_url = arguments.lcm_url or (None if arguments.domain else url)
     bus_url, source = choose_url(
-        arguments.lcm_url or url, arguments.domain, os.environ, read_user_file(os.environ)
+        typed_url, arguments.domain, os.environ, read_user_file(os.environ)
     )
     _process.context = open_context(bus_url, arguments)
+    _process.context.note, _process.note = _process.note, ""
     if not has_supply():
         provide_user_types()
     if arguments.domain and source != "--domain":
@@ -88,14 +92,27 @@ def init(
     return rest
 
 
+def set_note(text: str) -> None:
+    """Let the first node that spins log a sentence on the program that runs."""
+    _process.note = text
+
+
 def open_context(url: BusUrl, arguments: NodeArguments) -> Context:
     """Connect to a bus, beside the process's own connection; the caller closes it.
 
     Raises:
+        UsageError: It is a log.
         BusError: The bus cannot be reached, with what to type.
     """
+    from lcmtools.bus.lcm_bus import LcmBus
+
+    if url.provider == "file" and url.options.get("mode", "r") == "r":
+        raise UsageError(
+            f"{url} is a log to be read, and nodes need a bus",
+            "read it with lcmtools echo --lcm-url, or give the node another bus",
+        )
     records = NodeRecords(url, os.environ)
-    context = Context(_open_bus(url), arguments, os.environ, records, url)
+    context = Context(LcmBus(url), arguments, os.environ, records, url)
     context.on_shutdown_request = partial(_end_as_by_signal, context)
     return context
 
@@ -149,17 +166,6 @@ def _give_back_signals() -> None:
     _process.handlers = {}
 
 
-def _open_bus(url: BusUrl) -> Bus:
-    from lcmtools.bus.lcm_bus import LcmBus
-
-    if url.provider == "file" and url.options.get("mode", "r") == "r":
-        raise UsageError(
-            f"{url} is a log to be read, and nodes need a bus",
-            "read it with lcmtools echo --lcm-url, or give the node another bus",
-        )
-    return LcmBus(url)
-
-
 def _interrupted(number: int, _frame: FrameType | None) -> None:
     """Make everything return, as a signal demands; interrupt what does not within half a second."""
     context = _process.context
@@ -197,14 +203,47 @@ def _interrupt_again(context: Context) -> None:
 
 
 def spin(*nodes: "Node") -> None:
-    """Run the nodes' callbacks until Ctrl-C, SIGTERM or ``shutdown``."""
-    context = nodes[0].context if nodes else current_context()
-    for node in nodes[:1]:
-        node.warn_of_unknown_parameters()
-    with contextlib.suppress(KeyboardInterrupt):
-        while context.ok():
-            _run_once(context, nodes, None)
+    """Run the nodes' callbacks until Ctrl-C, SIGTERM or ``shutdown``.
+
+    Raises:
+        UsageError: There is no node, a node was destroyed, or runs in another ``spin``.
+    """
+    if not nodes:
+        raise UsageError("lcmtools.spin() has no node to run", "write lcmtools.spin(node)")
+    for node in nodes:
+        _check_node("spin", node)
+    context = nodes[0].context
+    for node in nodes if context.ok() else ():
+        if node.is_destroyed:
+            raise UsageError(f"lcmtools.spin: the node {node.name} was destroyed before")
+        if node in context.spinning:
+            raise UsageError(
+                f"lcmtools.spin({node.name}) runs already", "call it once, and not in a callback"
+            )
+    nodes[0].warn_of_unknown_parameters()
+    context.spinning.update(dict.fromkeys(nodes, threading.get_ident()))
+    try:
+        with contextlib.suppress(KeyboardInterrupt):
+            while context.ok():
+                run_once(context, nodes, None)
+    finally:
+        for node in nodes:
+            context.spinning.pop(node, None)
     context.is_ending = not context.ok()
+
+
+def _check_node(call: str, node: object) -> None:
+    """Make sure that this is a node."""
+    from lcmtools.node.node import Node
+
+    if isinstance(node, Node):
+        return
+    hint = f"write lcmtools.{call}(node)"
+    if isinstance(node, type) and issubclass(node, Node):
+        hint = f"write lcmtools.{call}({node.__name__}())"
+    elif isinstance(node, (list, tuple, set)):
+        hint = f"write lcmtools.{call}(node, other_node)"
+    raise UsageError(f"lcmtools.{call} needs a node, got {checks.described(node)}", hint)
 
 
 def spin_once(node: "Node", timeout: float | None = 0.0) -> None:
@@ -212,13 +251,15 @@ def spin_once(node: "Node", timeout: float | None = 0.0) -> None:
 
     Returns as soon as callbacks have run, or when the time is over or the program should end.
     """
+    _check_node("spin_once", node)
     if timeout == 0 and node.context.ok():  # a simulator does this in each of its steps
         node.callbacks.run_ready()
     else:
-        _run_once(node.context, (node,), timeout)
+        run_once(node.context, (node,), timeout)
 
 
-def _run_once(context: Context, nodes: "tuple[Node, ...]", timeout: float | None) -> None:
+def run_once(context: Context, nodes: "tuple[Node, ...]", timeout: float | None) -> None:
+    """Run callbacks as ``spin_once`` does, of several nodes of a context."""
     deadline = None if timeout is None else time.monotonic() + timeout
     while context.ok():
         if sum(node.callbacks.run_ready() for node in nodes):

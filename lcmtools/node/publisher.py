@@ -5,10 +5,11 @@ from collections.abc import Callable
 from typing import Generic, TypeVar
 
 from lcmtools.bus.base import Bus
-from lcmtools.errors import BusError, ValueMismatch
+from lcmtools.errors import BusError, UsageError, ValueMismatch
 from lcmtools.graph.model import Endpoint, Graph, Role
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message, fingerprint, type_name
+from lcmtools.node.checks import misfit
 
 MessageT = TypeVar("MessageT", bound=Message)
 
@@ -33,6 +34,7 @@ class Publisher(Generic[MessageT]):
         self.topic = topic
         self.message_type = message_type
         self.depth = depth
+        self.is_destroyed = False
         self._bus = bus
         self.on_failure: Callable[[BusError], None] | None = None
         """Called when a message cannot be sent; None to have ``publish`` raise instead."""
@@ -51,12 +53,18 @@ class Publisher(Generic[MessageT]):
 
         Raises:
             ValueMismatch: The message is of another type, or a field's value does not fit.
+            UsageError: The publisher was destroyed.
         """
         if not isinstance(message, self.message_type):
-            raise ValueMismatch(
-                f"{self.topic}: expected {self._type_name}, got {type(message).__name__}"
-            )
-        self.publish_payload(encode(message))
+            raise misfit(self.topic, self._type_name, self.message_type, message)
+        if self.is_destroyed:
+            raise UsageError(f"the publisher of {self.topic} was destroyed and sends nothing")
+        try:
+            payload = encode(message)
+        except ValueMismatch as error:
+            what = error.what.removeprefix(f"{self._type_name}: ")
+            raise ValueMismatch(f"{self.topic}: {self._type_name}: {what}", error.hint) from None
+        self.publish_payload(payload)
 
     def publish_payload(self, payload: bytes) -> None:
         """Send a message that is encoded already."""
@@ -83,7 +91,8 @@ class Publisher(Generic[MessageT]):
         return frozenset(
             node.id
             for node, endpoint in self._graph().topic(self.topic).subscribers
-            if self._matches(endpoint) and not node.stale
+            if not node.stale
+            and (not endpoint.fingerprints or self._fingerprint in endpoint.fingerprints)
         )
 
     def endpoint(self) -> Endpoint:
@@ -98,6 +107,3 @@ class Publisher(Generic[MessageT]):
             bytes=self._bytes,
             last_time=self._last_time,
         )
-
-    def _matches(self, endpoint: Endpoint) -> bool:
-        return not endpoint.fingerprints or self._fingerprint in endpoint.fingerprints

@@ -7,16 +7,24 @@ time is over; the server answers a number once, and repeats that answer where a 
 import threading
 import time
 import uuid
+from collections import OrderedDict
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
 from lcmtools.bus.base import Bus
-from lcmtools.errors import BusError, DecodeError, LcmtoolsError, ServiceError, ServiceTimeout
+from lcmtools.errors import (
+    BusError,
+    DecodeError,
+    LcmtoolsError,
+    ServiceError,
+    ServiceTimeout,
+    UsageError,
+)
 from lcmtools.graph.model import Endpoint, Role
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Message, fingerprint, type_name
-from lcmtools.node.replies import Key, Replies
+from lcmtools.node.checks import misfit
 from lcmtools.node.stopwatch import Stopwatch
 from lcmtools.types.lcmtools_msgs import ServiceReply, ServiceRequest
 from lcmtools.types.service import Service as Pair
@@ -26,7 +34,14 @@ RETRY_PERIOD = 0.25
 """A request is sent again after so many seconds without an answer."""
 _MAX_WAITING_REQUESTS = 100
 _ENVELOPE_BYTES = 1000  # more than a reply has besides its payload
-_BYTES_A_SECOND = 20e6  # so fast at least a large request travels: until then none is repeated
+_BYTES_A_SECOND = 20e6
+"""So fast at least large messages travel: until then none is sent again."""
+_MOST_REQUESTS = 10_000
+"""Requests that are known to be answered; a repeated one of before would be executed again."""
+_MOST_BYTES = 64 << 20
+"""Of replies that can be repeated; where they are more, the oldest are forgotten."""
+Key = tuple[str, int]
+"""A client and the number of its request."""
 
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
@@ -44,6 +59,49 @@ def request_channel(service: str) -> str:
 def reply_channel(service: str) -> str:
     """Return the hidden channel of a service's replies."""
     return f"{service}/_reply"
+
+
+@dataclass(slots=True)
+class _Reply:
+    payload: bytes | None  # None once forgotten
+    arrives: float  # time from which a repeated request means that it was lost [s]
+
+
+class Replies:
+    """The latest replies of one service."""
+
+    def __init__(self) -> None:
+        self._replies: OrderedDict[Key, _Reply] = OrderedDict()
+        self._with_payload: OrderedDict[Key, int] = OrderedDict()
+        self._bytes = 0
+
+    def __contains__(self, key: Key) -> bool:
+        """Return whether a request has been answered."""
+        return key in self._replies
+
+    def add(self, key: Key, payload: bytes) -> None:
+        """Remember a reply."""
+        self._replies[key] = _Reply(payload, 0.0)
+        self._with_payload[key] = len(payload)
+        self._bytes += len(payload)
+        while self._bytes > _MOST_BYTES and len(self._with_payload) > 1:
+            self._forget_payload()
+        while len(self._replies) > _MOST_REQUESTS:
+            oldest, _ = self._replies.popitem(last=False)
+            self._bytes -= self._with_payload.pop(oldest, 0)
+
+    def to_send(self, key: Key, now: float) -> bytes | None:
+        """Return the reply to send at ``now`` [s]; None while it is under way, or if forgotten."""
+        reply = self._replies[key]
+        if reply.payload is None or now < reply.arrives:
+            return None
+        reply.arrives = now + len(reply.payload) / _BYTES_A_SECOND
+        return reply.payload
+
+    def _forget_payload(self) -> None:
+        key, size = self._with_payload.popitem(last=False)
+        self._replies[key].payload = None
+        self._bytes -= size
 
 
 class Service(Generic[RequestT, ResponseT]):
@@ -103,12 +161,11 @@ class Service(Generic[RequestT, ResponseT]):
         with self._lock:
             self._unanswered.discard(key)
         reply = self._replies.to_send(key, time.monotonic())
-        if reply is None:
-            return failure
         try:
-            self._bus.publish(reply_channel(self.name), reply)
+            if reply is not None:
+                self._bus.publish(reply_channel(self.name), reply)
         except BusError as error:  # lost, as any message may be; the client repeats its request
-            return failure or error
+            failure = failure or error
         return failure
 
     def endpoint(self) -> Endpoint:
@@ -129,20 +186,23 @@ class Service(Generic[RequestT, ResponseT]):
         try:
             arguments = decode(self.service_type.Request, request.payload)
             response = self.callback(arguments, self.service_type.Response())
-            self._check_type(response)
-            reply.payload = encode(response)
-            _check_size(reply.payload)
+            reply.payload = self._encode(response)
         except LcmtoolsError as error:
             reply.status, reply.error, reply.payload = ServiceReply.FAILED, _utf8(str(error)), b""
         except Exception as error:  # noqa: BLE001 - a node outlives its callbacks' faults
             reply.status, reply.error, failure = ServiceReply.FAILED, _utf8(repr(error)), error
         return encode(reply), failure
 
-    def _check_type(self, response: object) -> None:
+    def _encode(self, response: object) -> bytes:
         expected = self.service_type.Response
         if not isinstance(response, expected):
-            got = type(response).__name__
-            raise TypeError(f"the callback returned {got}, not {type_name(expected)}")
+            got = "None" if response is None else type(response).__name__
+            hint = "; end it with: return response" if response is None else ""
+            raise TypeError(f"the callback returned {got}, not {type_name(expected)}{hint}")
+        payload = encode(response)
+        if len(payload) > MESSAGE_MAX - _ENVELOPE_BYTES:
+            raise LcmtoolsError(f"the response has {len(payload)} bytes, more than LCM carries")
+        return payload
 
 
 class Client(Generic[RequestT, ResponseT]):
@@ -156,14 +216,14 @@ class Client(Generic[RequestT, ResponseT]):
     def __init__(self, bus: Bus, service_type: ServiceType[RequestT, ResponseT], name: str) -> None:
         self.name = name
         self.service_type = service_type
+        self.is_destroyed = False
         self.is_interrupted: Callable[[], bool] = lambda: False
         self.before_call: Callable[[], None] = lambda: None
         self._bus = bus
         self._id = uuid.uuid4().hex
         self._sequence = 0
         self._changed = threading.Condition()
-        self._replies: dict[int, ServiceReply] = {}
-        self._expected: set[int] = set()
+        self._replies: dict[int, ServiceReply | None] = {}  # by number; None while awaited
 
     def call(self, request: RequestT, timeout: float = 3.0) -> ResponseT:
         """Send a request and wait for the response. May be used inside a callback.
@@ -175,19 +235,17 @@ class Client(Generic[RequestT, ResponseT]):
         Raises:
             ServiceTimeout: No answer came in time.
             ServiceError: The server reports a failure.
-            ValueMismatch: A field's value does not fit.
+            ValueMismatch: The request is of another type, or a field's value does not fit.
+            UsageError: The node was destroyed.
         """
-        envelope = self._envelope(request)
+        if self.is_destroyed:
+            raise UsageError(f"the client of {self.name} was destroyed with its node")
+        kind = self.service_type.Request
+        if not isinstance(request, kind):
+            raise misfit(self.name, f"{self.service_type.__name__}.Request", kind, request)
+        payload = encode(request)
         self.before_call()
-        deadline = time.monotonic() + timeout
-        with self._changed:
-            self._expected.add(envelope.sequence)
-        try:
-            reply = self._exchange(encode(envelope), envelope.sequence, deadline)
-        finally:
-            with self._changed:
-                self._expected.discard(envelope.sequence)
-                self._replies.pop(envelope.sequence, None)
+        reply = self._exchange(payload, time.monotonic() + timeout)
         if reply is None and self.is_interrupted():
             raise ServiceError(f"{self.name} has not answered when the program had to end")
         if reply is None:
@@ -206,43 +264,37 @@ class Client(Generic[RequestT, ResponseT]):
         except DecodeError:
             return
         with self._changed:
-            if reply.client == self._id and reply.sequence in self._expected:
-                self._replies.setdefault(reply.sequence, reply)
+            if reply.client == self._id and self._replies.get(reply.sequence, reply) is None:
+                self._replies[reply.sequence] = reply
                 self._changed.notify_all()
 
     def endpoint(self) -> Endpoint:
         """Return the announced description."""
         return _endpoint(self.name, Role.CLIENT, self.service_type, self._sequence)
 
-    def _envelope(self, request: RequestT) -> ServiceRequest:
-        envelope = ServiceRequest()
-        envelope.client = self._id
+    def _exchange(self, request: bytes, deadline: float) -> ServiceReply | None:
         with self._changed:
-            self._sequence += 1
-            envelope.sequence = self._sequence
-        envelope.payload = encode(request)
-        return envelope
-
-    def _exchange(self, payload: bytes, sequence: int, deadline: float) -> ServiceReply | None:
+            self._sequence = sequence = self._sequence + 1
+            self._replies[sequence] = None
+        envelope = ServiceRequest()
+        envelope.client, envelope.sequence, envelope.payload = self._id, sequence, request
+        payload = encode(envelope)
         patience = RETRY_PERIOD + len(payload) / _BYTES_A_SECOND
-        while (left := deadline - time.monotonic()) > 0 and not self.is_interrupted():
-            self._bus.publish(request_channel(self.name), payload)
+        try:
+            while (left := deadline - time.monotonic()) > 0 and not self.is_interrupted():
+                self._bus.publish(request_channel(self.name), payload)
+                with self._changed:
+                    wait = min(left, patience)
+                    if self._changed.wait_for(lambda: self._replies[sequence], timeout=wait):
+                        break
+        finally:
             with self._changed:
-                self._changed.wait_for(
-                    lambda: sequence in self._replies, timeout=min(left, patience)
-                )
-                if sequence in self._replies:
-                    return self._replies[sequence]
-        return None
+                reply = self._replies.pop(sequence)
+        return reply
 
 
 def _key(request: ServiceRequest) -> Key:
     return request.client, request.sequence
-
-
-def _check_size(payload: bytes) -> None:
-    if len(payload) > MESSAGE_MAX - _ENVELOPE_BYTES:
-        raise LcmtoolsError(f"the response has {len(payload)} bytes, more than LCM carries")
 
 
 def _utf8(text: str) -> str:

@@ -1,10 +1,8 @@
 """Timers."""
 
-import math
 from collections.abc import Callable
 
 from lcmtools.clock import NANOSECONDS
-from lcmtools.errors import UsageError
 
 
 class Timer:
@@ -14,24 +12,24 @@ class Timer:
     and periods that were missed altogether are skipped.
 
     Args:
-        seconds: The period [s].
+        seconds: The period [s], positive and finite.
         callback: The function.
         clock: Returns the present [ns]; times passed to the methods are of the same clock.
 
-    Raises:
-        UsageError: The period is not positive and finite.
     """
 
     def __init__(
         self, seconds: float, callback: Callable[[], object], clock: Callable[[], int]
     ) -> None:
-        if not 0 < seconds < math.inf:
-            raise UsageError(f"a timer's period must be positive and finite, got {seconds} s")
         self.callback = callback
         self.period = max(1, round(seconds * NANOSECONDS))
         self._clock = clock
         self._next = clock() + self.period
         self._cancelled = False
+
+    def __str__(self) -> str:
+        """Return its name in the list of a node's errors."""
+        return f"timer {self.period / NANOSECONDS:g} s"
 
     def cancel(self) -> None:
         """Call no more."""

@@ -19,25 +19,18 @@ _SILENT_PERIODS = 3  # without a message are silence, where they are longer than
 
 @dataclass(frozen=True, slots=True)
 class Flow:
-    """The traffic of one channel.
+    """The traffic of one channel."""
 
-    Attributes:
-        messages: The number of messages, in all.
-        bytes: Bytes of their payloads, in all.
-        last_time: Arrival of the last one [ns since 1970].
-        rate: Recent message rate: 1 / the mean interval [Hz]; 0 for a silent channel, None before
-            two messages.
-        jitter: The longest recent interval less the shortest, as lcm-spy has it [s]; None before
-            two intervals, and for a silent channel.
-        bandwidth: Recent bytes per second; as the rate.
-    """
-
-    messages: int = 0
-    bytes: int = 0
-    last_time: int = 0
+    messages: int = 0  # the number of messages, in all
+    bytes: int = 0  # bytes of their payloads, in all
+    last_time: int = 0  # arrival of the last one [ns since 1970]
+    # Recent message rate: 1 / the mean interval [Hz]; 0 for a silent channel, None before two
+    # messages.
     rate: float | None = None
+    # The longest recent interval less the shortest, as lcm-spy has it [s]; None before two
+    # intervals, and for a silent channel.
     jitter: float | None = None
-    bandwidth: float | None = None
+    bandwidth: float | None = None  # recent bytes per second; as the rate
 
 
 @dataclass(slots=True)

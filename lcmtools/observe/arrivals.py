@@ -42,15 +42,11 @@ class Batch(NamedTuple):
 
 
 class ArrivalClock:
-    """The clock of arrivals: the computer's, or simulated time as ``/clock`` gives it.
-
-    Attributes:
-        now: The simulated time [ns]; None before the first message on ``/clock``.
-    """
+    """The clock of arrivals: the computer's, or simulated time as ``/clock`` gives it."""
 
     def __init__(self, *, is_simulated: bool) -> None:
         self.is_simulated = is_simulated
-        self.now: int | None = None
+        self.now: int | None = None  # simulated time [ns]; None before the first on ``/clock``
 
     def learn(self, packet: Packet) -> bool:
         """Take the time from a message on ``/clock``; True if simulated time goes back."""
@@ -77,7 +73,7 @@ def is_simulated(graph: Graph) -> bool:
 
 
 class ArrivalStream:
-    """The packets of some topics, as they come.
+    """The packets of some topics, as they come; ``graph`` is that of the last look.
 
     Args:
         monitor: The bus or the log.
@@ -86,9 +82,6 @@ class ArrivalStream:
         wall_time: Use the computer's clock even if a simulator publishes /clock.
         strict_time: Leave out packets that arrive before the simulated time is known.
         keep: True for packets that count; None for all.
-
-    Attributes:
-        graph: The graph of the bus at the last look.
 
     Raises:
         UsageError: The text behind a topic is no field path.
@@ -104,11 +97,8 @@ class ArrivalStream:
         strict_time: bool = False,
         keep: Callable[[Packet], bool] | None = None,
     ) -> None:
-        self._monitor = monitor
-        self._selections = selections
-        self._names = names
-        self._wall_time, self._strict_time = wall_time, strict_time
-        self._keep = keep
+        self._monitor, self._selections, self._names = monitor, selections, names
+        self._wall_time, self._strict_time, self._keep = wall_time, strict_time, keep
         self._routes: dict[str, list[tuple[str, Path]]] = {}
         self._known: set[str] = set()
         self._is_fixed = all(isinstance(one, OneTopic) and one.is_fixed for one in selections)

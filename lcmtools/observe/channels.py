@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import compress
 
 from lcmtools.bus.url import BusUrl
@@ -19,39 +20,28 @@ _GONE = 10_000_000_000  # [ns] behind a channel's latest message: a sender that 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One channel of a bus.
+    """One channel of a bus."""
 
-    Attributes:
-        channel: Its name.
-        types: Its type as nodes announce it, else all types with its fingerprints, the likeliest
-            first; empty for unknown.
-        is_announced: True if nodes have announced ``types``.
-        fingerprints: Those that were seen.
-        messages: The number of messages.
-        bytes: Bytes of their payloads.
-        rate: Recent message rate [Hz]; as ``jitter`` [s] and ``bandwidth`` [byte/s] see ``Flow``.
-        lost: Messages of the channel's senders that did not arrive, whatever their channel; None if
-            unknown.
-        loss: Their share of all that these senders have sent, 0 to 1; None if unknown.
-        senders: The publishers: nodes, else processes, else addresses.
-        listeners: The nodes that subscribe; for other programs that is unknown.
-        age: Time since the last message [s]; None before the first.
-    """
-
-    channel: str
+    channel: str  # its name
+    # Its type as nodes announce it, else all types with its fingerprints, the likeliest
+    # first; empty for unknown.
     types: tuple[str, ...] = ()
-    is_announced: bool = False
-    fingerprints: tuple[int, ...] = ()
-    messages: int = 0
-    bytes: int = 0
+    is_announced: bool = False  # True if nodes have announced ``types``
+    fingerprints: tuple[int, ...] = ()  # those that were seen
+    messages: int = 0  # the number of messages
+    bytes: int = 0  # bytes of their payloads
+    # Recent message rate [Hz]; as ``jitter`` [s] and ``bandwidth`` [byte/s] see ``Flow``.
     rate: float | None = None
     jitter: float | None = None
     bandwidth: float | None = None
+    # Messages of the channel's senders that did not arrive, whatever their channel; None if
+    # unknown.
     lost: int | None = None
+    # Their share of all that these senders have sent, 0 to 1; None if unknown.
     loss: float | None = None
-    senders: tuple[str, ...] = ()
-    listeners: tuple[str, ...] = ()
-    age: float | None = None
+    senders: tuple[str, ...] = ()  # the publishers: nodes, else processes, else addresses
+    listeners: tuple[str, ...] = ()  # the nodes that subscribe; for other programs that is unknown
+    age: float | None = None  # time since the last message [s]; None before the first
 
     @property
     def is_silent(self) -> bool:
@@ -61,17 +51,11 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class ChannelSelection:
-    """The channels that have a row.
+    """The channels that have a row."""
 
-    Attributes:
-        topics: Names, namespaces and patterns; none for all.
-        hidden: True for hidden names too.
-        namespace: The namespace of relative names and patterns.
-    """
-
-    topics: tuple[str, ...] = ()
-    hidden: bool = False
-    namespace: str = "/"
+    topics: tuple[str, ...] = ()  # names, namespaces and patterns; none for all
+    hidden: bool = False  # True for hidden names too
+    namespace: str = "/"  # the namespace of relative names and patterns
 
     def has(self, name: str) -> bool:
         """Return whether a channel is selected."""
@@ -83,10 +67,8 @@ class Rows:
     """Makes the rows of a bus."""
 
     def __init__(self, selection: ChannelSelection, names: SenderNames) -> None:
-        self._selection = selection
-        self._names = names
-        self._is_selected: dict[str, bool] = {}
-        self._candidates: dict[int, list[str]] = {}
+        self._selection, self._names = selection, names
+        self._has, self._candidates = cache(selection.has), cache(candidates)
 
     def make(self, graph: Graph, activity: Activity, lost: Losses, now: int) -> tuple[Row, ...]:
         """Return the rows, sorted by channel, at a time in nanoseconds since 1970."""
@@ -97,11 +79,6 @@ class Rows:
     def published(self, graph: Graph) -> list[str]:
         """Return the channels with a row that nodes publish on: some do only for a subscriber."""
         return sorted(t.name for t in graph.topics() if t.publishers and self._has(t.name))
-
-    def _has(self, name: str) -> bool:
-        if name not in self._is_selected:
-            self._is_selected[name] = self._selection.has(name)
-        return self._is_selected[name]
 
     def _row(self, topic: Topic, activity: Activity, lost: Losses, now: int) -> Row:
         flow = activity.flow(topic.name, now) or Flow()
@@ -126,14 +103,9 @@ class Rows:
 
     def _types(self, channel: str, fingerprints: Sequence[int]) -> tuple[str, ...]:
         """The types that messages may have; that of a channel "name#package.Type" first."""
-        names = dict.fromkeys(name for number in fingerprints for name in self._named(number))
+        names = dict.fromkeys(name for number in fingerprints for name in self._candidates(number))
         said = channel.rpartition("#")[2].replace(".", "/") if "#" in channel else ""
         return tuple(sorted(names, key=lambda name: name != said))
-
-    def _named(self, fingerprint: int) -> list[str]:
-        if fingerprint not in self._candidates:
-            self._candidates[fingerprint] = candidates(fingerprint)
-        return self._candidates[fingerprint]
 
     def _senders(self, topic: Topic) -> tuple[str, ...]:
         latest = max((seen.last_time for seen in topic.traffic), default=0)
@@ -150,11 +122,7 @@ class Rows:
 def survey(
     monitor: BusMonitor, selection: ChannelSelection, wait: float
 ) -> tuple[Graph, tuple[Row, ...]]:
-    """Return the graph and the rows of a bus after ``wait`` seconds; of a log, of all of it.
-
-    Raises:
-        BusError: A log cannot be read.
-    """
+    """Return the graph and the rows of a bus after ``wait`` seconds; of a log, of all of it."""
     rows = Rows(selection, SenderNames())
     monitor.listen_to(rows.published(monitor.discover()))
     activity = Activity()

@@ -39,9 +39,7 @@ class Decoder:
         *,
         keep_stray: bool = False,
     ) -> None:
-        self._announced = announced
-        self._named = named
-        self._keep_stray = keep_stray
+        self._announced, self._named, self._keep_stray = announced, named, keep_stray
         self._classes: dict[tuple[str, int], type[Message]] = {}
 
     def message_class(self, packet: Packet) -> type[Message]:
@@ -56,10 +54,9 @@ class Decoder:
         if number is None:
             raise DecodeError("too short for an LCM message")
         key = packet.channel, number
-        found = self._classes.get(key)
-        if found is None:
-            found = self._classes[key] = self._settle(packet.channel, number)
-        return found
+        if key not in self._classes:
+            self._classes[key] = self._settle(*key)
+        return self._classes[key]
 
     def decode(self, packet: Packet) -> Message:
         """Return the message in a packet; raises as ``message_class``."""

@@ -1,11 +1,12 @@
-"""Words for topics, types, nodes and senders, shared by the commands that show them."""
+"""Words for topics, types, nodes, senders and computers, shared by the commands that show them."""
 
+import socket
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from lcmtools.bus.processes import Process, is_local
-from lcmtools.graph.model import Node, Topic, Traffic
+from lcmtools.graph.model import Ends, Graph, Node, Topic, Traffic
 from lcmtools.messages.registry import candidates
-from lcmtools.observe.computers import address_of
 from lcmtools.observe.senders import SocketTable
 
 UNKNOWN = "unknown type"
@@ -64,6 +65,21 @@ def listed_node(node: Node) -> str:
     return f"{node.name} (stale: {node.stale})" if node.stale else node.name
 
 
+def callback_errors(node: Node) -> list[str]:
+    """Return what the node's callbacks have raised, the newest first."""
+    return [
+        f"{error.callback} raised {error.exception}"
+        f" {'once' if error.count == 1 else f'{error.count} times'}, {error.place}: {error.message}"
+        for error in reversed(node.errors)
+    ]
+
+
+def all_callback_errors(graph: Graph) -> list[str]:
+    """Return what the callbacks of all living nodes have raised, each with the node's name."""
+    living = (node for node in graph.nodes if not node.stale)
+    return [f"{node.name}: {text}" for node in living for text in callback_errors(node)]
+
+
 def program_text(traffic: Traffic) -> str:
     """Return the program behind a sender that is no node, as far as the system tells."""
     sender = traffic.sender
@@ -81,3 +97,68 @@ def candidates_text(processes: Sequence[Process]) -> str:
     """Return ": maybe …" with the processes that a program may be; "" for none."""
     names = [f"{process.command} (pid {process.pid})" for process in processes]
     return f": maybe {' or '.join(names)}" if names else ""
+
+
+class Computers:
+    """The names of the computers that ``nodes``, all that are known, run on.
+
+    As the nodes announce them; where that is not known, or two have the same name, the address is
+    shown.
+    """
+
+    def __init__(self, nodes: Iterable[Node]) -> None:
+        self._own = socket.gethostname()
+        self._names: dict[str, str] = {}  # of other computers, by address
+        for node in nodes:
+            if address := address_of(node):
+                self._names.setdefault(address, node.host)
+        names = [self._own, *self._names.values()]
+        self._twice = {self._own, *(name for name in names if names.count(name) > 1)}
+
+    def of(self, node: Node) -> str:
+        """Return the name of the computer that a node is on."""
+        address = address_of(node)
+        return f"{node.host} ({address})" if address and node.host in self._twice else node.host
+
+    def of_traffic(self, traffic: Traffic) -> str:
+        """Return the name of the computer that a sender is on."""
+        if traffic.sender is None:
+            return "unknown"
+        address = traffic.sender.address
+        if is_local(address):
+            return self._own
+        name = self._names.get(address, address)
+        return f"{name} ({address})" if name in self._twice else name
+
+
+def address_of(node: Node) -> str:
+    """Return the address of a node's computer; "" for this computer, or if unknown."""
+    return "" if node.sender is None or is_local(node.sender.address) else node.sender.address
+
+
+def by_computer(topics: Iterable[Topic]) -> dict[str, list[Topic]]:
+    """Return the part of each topic that is on each computer, by the computer's name, sorted."""
+    topics = list(topics)
+    nodes = {topic: [node for node, _ in topic.publishers + topic.subscribers] for topic in topics}
+    computers = Computers(node for found in nodes.values() for node in found)
+    parts: dict[str, list[Topic]] = {}
+    for topic in topics:
+        names = [*map(computers.of, nodes[topic]), *map(computers.of_traffic, topic.foreign)]
+        for name in dict.fromkeys(names):
+            parts.setdefault(name, []).append(_part(topic, name, computers))
+    return dict(sorted(parts.items()))
+
+
+def _part(topic: Topic, name: str, computers: Computers) -> Topic:
+    def there(ends: Ends) -> Ends:
+        return tuple(end for end in ends if computers.of(end[0]) == name)
+
+    foreign = tuple(seen for seen in topic.foreign if computers.of_traffic(seen) == name)
+    publishers = there(topic.publishers)
+    return replace(
+        topic,
+        publishers=publishers,
+        subscribers=there(topic.subscribers),
+        traffic=topic.traffic if publishers else foreign,
+        foreign=foreign,
+    )

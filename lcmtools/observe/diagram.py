@@ -4,7 +4,7 @@ Decides the members and edges. Must not know which of them are drawn, nor how.
 """
 
 import socket
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -20,7 +20,6 @@ _FLOWS = {
     Role.CLIENT: Flow.CALLS,
 }
 _Name = tuple[str, bool]  # of a channel, and True for a service
-_Traffic = dict[str, list[Traffic]]  # by channel
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,10 +105,10 @@ def _of_program(id_: str, program: Program) -> Iterator[_Use]:
         yield _Use(id_, name, Flow.PUBLISHES, messages, _rate(seen))
 
 
-def _by_channel(traffic: Iterable[Traffic]) -> _Traffic:
-    found: _Traffic = {}
+def _by_channel(traffic: Iterable[Traffic]) -> dict[str, list[Traffic]]:
+    found: dict[str, list[Traffic]] = defaultdict(list)
     for seen in traffic:
-        found.setdefault(seen.channel, []).append(seen)
+        found[seen.channel].append(seen)
     return found
 
 
@@ -119,7 +118,6 @@ def _rate(seen: Iterable[Traffic]) -> float | None:
 
 
 def _channels(graph: Graph, uses: Sequence[_Use], rates: Mapping[str, float]) -> list[Channel]:
-    types, seen = _announced_types(graph), _by_channel(graph.traffic)
     sent: Counter[str] = Counter()
     for use in uses:
         if use.flow is Flow.PUBLISHES:
@@ -128,26 +126,16 @@ def _channels(graph: Graph, uses: Sequence[_Use], rates: Mapping[str, float]) ->
     services = sorted({use.name for use in uses if use.channel[1]})
     found = []
     for number, name in enumerate(topics, 1):
-        traffic = seen.get(name, [])
-        known = types.get((name, False)) or seen_types(
-            number for one in traffic for number in one.fingerprints
-        )
-        messages = max(sent[name], sum(one.messages for one in traffic))
+        topic = graph.topic(name)
+        known = topic.types or seen_types(topic.fingerprints)
+        messages = max(sent[name], sum(one.messages for one in topic.traffic))
         found.append(Channel(f"t{number}", name, known, messages=messages, rate=rates.get(name)))
+    types: dict[str, dict[str, None]] = defaultdict(dict)  # of services, as a set in order
+    for role in (Role.SERVICE, Role.CLIENT):
+        for end in (end for node in graph.nodes for end in node.having(role) if end.type):
+            types[end.topic][end.type] = None
     for number, name in enumerate(services, 1):
-        found.append(Channel(f"s{number}", name, types.get((name, True), ()), is_service=True))
-    return found
-
-
-def _announced_types(graph: Graph) -> dict[_Name, tuple[str, ...]]:
-    """The types of channels, those of publishers and servers first."""
-    found: dict[_Name, tuple[str, ...]] = {}
-    for role in (Role.PUBLISHER, Role.SUBSCRIBER, Role.SERVICE, Role.CLIENT):
-        for node in graph.nodes:
-            for end in node.endpoints:
-                key = end.topic, role in (Role.SERVICE, Role.CLIENT)
-                if end.role is role and end.type and end.type not in found.get(key, ()):
-                    found[key] = (*found.get(key, ()), end.type)
+        found.append(Channel(f"s{number}", name, tuple(types[name]), is_service=True))
     return found
 
 

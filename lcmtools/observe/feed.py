@@ -10,6 +10,7 @@ from lcmtools.bus.tap import Tap
 from lcmtools.errors import BusError, LcmtoolsError
 from lcmtools.observe.activity import Activity
 from lcmtools.observe.channels import ChannelSelection, Row, Rows, plain_listeners
+from lcmtools.observe.describe import all_callback_errors
 from lcmtools.observe.losses import Losses, losses
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.senders import SenderNames
@@ -26,19 +27,14 @@ _AGAIN = 0.5  # [s] before a network that fails is tried again
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """A bus at one time.
+    """A bus at one time."""
 
-    Attributes:
-        rows: Its channels, sorted by name.
-        plain_listeners: The programs that listen and are not nodes; their channels are unknown.
-        trouble: The reason why no message arrives; "" if all is well.
-        is_over: True if no more messages will arrive.
-    """
-
-    rows: tuple[Row, ...] = ()
+    rows: tuple[Row, ...] = ()  # its channels, sorted by name
+    # The programs that listen and are not nodes; their channels are unknown.
     plain_listeners: tuple[str, ...] = ()
-    trouble: str = ""
-    is_over: bool = False
+    callback_errors: tuple[str, ...] = ()  # what nodes' callbacks have raised, a sentence each
+    trouble: str = ""  # the reason why no message arrives; "" if all is well
+    is_over: bool = False  # True if no more messages will arrive
 
     @property
     def rate(self) -> float:
@@ -171,4 +167,4 @@ class Feed:
         if now >= self._next_look:
             self._next_look = now + _SELDOM
             self._listeners = tuple(plain_listeners(graph, self._monitor.url))
-        return Snapshot(rows, self._listeners)
+        return Snapshot(rows, self._listeners, tuple(all_callback_errors(graph)))

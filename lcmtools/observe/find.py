@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Topic
+from lcmtools.graph.model import Ends, Graph, Node, Role, Topic
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.registry import ServiceType, service_class
 from lcmtools.names import (
@@ -48,16 +48,15 @@ def near_topic(graph: Graph, name: str, names: Resolver = GLOBAL) -> str:
 
 
 def find_node(graph: Graph, name: str) -> Node:
-    """Return the node that a name means: its full name, or the last part where that is unique.
-
-    Or its pid, alone or as HOST:PID. Where a node was killed and started again, the one that is
-    alive. Raises as ``find_nodes``.
-    """
+    """Return the first of the nodes that a name means; see ``find_nodes``."""
     return find_nodes(graph, name)[0]
 
 
 def find_nodes(graph: Graph, name: str) -> list[Node]:
     """Return the nodes that a name means: several where they have the same name, or the same pid.
+
+    It is a full name, the last part of one where that is unique, or a pid, alone or as HOST:PID.
+    Where a node was killed and started again, the one that is alive is meant.
 
     Raises:
         UsageError: The name is empty.
@@ -81,7 +80,7 @@ class OfferedService:
     """A service that nodes announce; more than one server is a fault."""
 
     name: str
-    servers: tuple[tuple[Node, Endpoint], ...]
+    servers: Ends
     clients: tuple[Node, ...] = ()
 
     @property

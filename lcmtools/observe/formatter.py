@@ -12,7 +12,7 @@ from lcmtools.errors import DecodeError, UnknownType, UsageError, ValueMismatch
 from lcmtools.messages.fields import MessageClass, stamp
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.path import Path, Selection, select, target
-from lcmtools.messages.plain import NOTHING, Cell, Plain, View, cells, plain_json, plain_selection
+from lcmtools.messages.plain import NOTHING, Cell, Plain, View, cells, plain_json, plain_value
 from lcmtools.messages.registry import Message, message_class
 from lcmtools.messages.text import FREE, Writer, format_message
 from lcmtools.observe.arrivals import SelectedPacket
@@ -20,7 +20,6 @@ from lcmtools.observe.decoding import Decoder, UnknownFingerprint, remedy_of_unk
 from lcmtools.wire.packet import Packet
 
 _SHOWN_BYTES = 64
-
 
 Form = Literal["text", "json", "csv", "flow", "raw", "raw json"]
 
@@ -83,10 +82,8 @@ class MessageFormatter:
         is_one_of_many: Callable[[], bool],
         notify: Callable[[str], None],
     ) -> None:
-        self._decoder = decoder
-        self._options = options
-        self._is_one_of_many = is_one_of_many
-        self._notify = notify
+        self._decoder, self._options = decoder, options
+        self._is_one_of_many, self._notify = is_one_of_many, notify
         self._table = CsvTable(self._tell)
         self._notified: set[str] = set()
         self._has_shown = False
@@ -189,9 +186,8 @@ class MessageFormatter:
 
 
 def _plain(found: dict[str, Selection], view: View) -> Plain:
-    if len(found) == 1:
-        return plain_selection(next(iter(found.values())), view)
-    return {path: plain_selection(selection, view) for path, selection in found.items()}
+    plain = {path: plain_value(one.value, one.target, view) for path, one in found.items()}
+    return plain if len(plain) > 1 else next(iter(plain.values()))
 
 
 def _one_line(channel: str) -> str:
@@ -247,8 +243,8 @@ class CsvTable:
 
 def _line(cells: "list[str] | list[Cell]") -> str:
     text = io.StringIO()
-    csv.writer(text, lineterminator="").writerow(cells)
-    return text.getvalue()
+    csv.writer(text).writerow(cells)  # its own line end, or it would not quote a line break
+    return text.getvalue().removesuffix("\r\n")
 
 
 def _announced_class(types: tuple[str, ...]) -> type[Message] | None:

@@ -17,41 +17,27 @@ FoundT = TypeVar("FoundT")
 
 @dataclass(frozen=True, slots=True)
 class Statistics:
-    """Rates or delays, as rostopic hz and delay sum them up.
+    """Rates or delays, as rostopic hz and delay sum them up."""
 
-    Attributes:
-        mean: Arrivals per second: 1 / the mean interval [Hz]; or the mean delay [s].
-        shortest: The shortest interval or delay [s]; a delay is negative where a clock is ahead.
-        longest: The longest one [s].
-        deviation: Their population standard deviation [s].
-        window: The number of arrivals.
-    """
-
-    mean: float
+    mean: float  # arrivals per second: 1 / the mean interval [Hz]; or the mean delay [s]
+    # The shortest interval or delay [s]; a delay is negative where a clock is ahead.
     shortest: float
-    longest: float
-    deviation: float
-    window: int
+    longest: float  # the longest one [s]
+    deviation: float  # their population standard deviation [s]
+    window: int  # the number of arrivals
 
 
 @dataclass(frozen=True, slots=True)
 class Bandwidth:
-    """The bandwidth, as rostopic bw sums it up.
+    """The bandwidth, as rostopic bw sums it up."""
 
-    Attributes:
-        average: The window's bytes over the time since its first arrival [byte/s]; it falls when
-            nothing comes any more.
-        mean: The mean size [byte].
-        smallest: The smallest size [byte].
-        largest: The largest size [byte].
-        window: The number of arrivals.
-    """
-
+    # The window's bytes over the time since its first arrival [byte/s]; it falls when nothing
+    # comes any more.
     average: float
-    mean: float
-    smallest: int
-    largest: int
-    window: int
+    mean: float  # the mean size [byte]
+    smallest: int  # the smallest size [byte]
+    largest: int  # the largest size [byte]
+    window: int  # the number of arrivals
 
 
 class Window(ABC, Generic[ItemT, FoundT]):

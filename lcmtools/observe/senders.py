@@ -40,15 +40,10 @@ _INTERPRETERS = ("python", "pypy", "java", "ruby", "perl", "lua", "node", "bash"
 
 @dataclass(frozen=True, slots=True)
 class SocketTable:
-    """The UDP sockets of this computer at one time, and the processes behind them.
+    """The UDP sockets of this computer at one time, and the processes behind them."""
 
-    Attributes:
-        rows: The sockets by inode.
-        holders: The processes that this user may look into, by inode.
-    """
-
-    rows: Mapping[int, UdpSocket]
-    holders: Mapping[int, Process]
+    rows: Mapping[int, UdpSocket]  # the sockets by inode
+    holders: Mapping[int, Process]  # the processes that this user may look into, by inode
 
     @classmethod
     def read(cls, ports: Collection[int] | None = None) -> "SocketTable":
@@ -85,9 +80,7 @@ class SenderNames:
         now: Callable[[], float] = time.monotonic,
         called: Callable[[Process], str] = process_name,
     ) -> None:
-        self._read = read
-        self._now = now
-        self._called = called
+        self._read, self._now, self._called = read, now, called
         self._nodes: dict[Sender, Node] = {}
         self._processes: dict[Sender, Process] = {}
         self._next_look: dict[Sender, float] = {}
@@ -143,26 +136,17 @@ def program_name(command: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """A program that is no node.
+    """A program that is no node."""
 
-    Attributes:
-        process: Its process; None where the system does not show it.
-        user: The user of its process; "" if unknown.
-        address: Its computer's address as messages come from it; "" for a local listener.
-        ports: The UDP ports that it was seen to send from.
-        traffic: The messages that it was seen to publish.
-        listens: True if it receives from the bus; None if unknown.
-        sockets: Those that it receives from the bus with, as far as that shows.
-        candidates: The processes that it may be, where its own does not show.
-    """
-
-    process: Process | None
-    user: str
-    address: str
-    ports: tuple[int, ...]
-    traffic: tuple[Traffic, ...]
-    listens: bool | None
+    process: Process | None  # its process; None where the system does not show it
+    user: str  # the user of its process; "" if unknown
+    address: str  # its computer's address as messages come from it; "" for a local listener
+    ports: tuple[int, ...]  # the UDP ports that it was seen to send from
+    traffic: tuple[Traffic, ...]  # the messages that it was seen to publish
+    listens: bool | None  # True if it receives from the bus; None if unknown
+    # Those that it receives from the bus with, as far as that shows.
     sockets: tuple[UdpSocket, ...] = ()
+    # The processes that it may be, where its own does not show.
     candidates: tuple[Process, ...] = ()
 
     @property

@@ -29,31 +29,19 @@ _HEAD_BYTES = 256
 
 @dataclass(frozen=True, slots=True)
 class ChannelState:
-    """The messages of a channel at one time.
+    """The messages of a channel at one time."""
 
-    Attributes:
-        lines: The latest message; empty before the first, and if it cannot be decoded.
-        type: Its type; "" if it was not decoded.
-        others: Other types with its fingerprint.
-        fingerprint: Its fingerprint; None for none.
-        problem: The reason why it cannot be decoded; "" if it was.
-        head: The beginning of its payload.
-        size: Bytes of the payload.
-        messages: The number of messages so far.
-        decoded: The number of decoded ones.
-        time: Arrival of the latest [ns since 1970].
-    """
-
+    # The latest message; empty before the first, and if it cannot be decoded.
     lines: tuple[FieldLine, ...] = ()
-    type: str = ""
-    others: tuple[str, ...] = ()
-    fingerprint: int | None = None
-    problem: str = ""
-    head: bytes = b""
-    size: int = 0
-    messages: int = 0
-    decoded: int = 0
-    time: int = 0
+    type: str = ""  # its type; "" if it was not decoded
+    others: tuple[str, ...] = ()  # other types with its fingerprint
+    fingerprint: int | None = None  # its fingerprint; None for none
+    problem: str = ""  # the reason why it cannot be decoded; "" if it was
+    head: bytes = b""  # the beginning of its payload
+    size: int = 0  # bytes of the payload
+    messages: int = 0  # the number of messages so far
+    decoded: int = 0  # the number of decoded ones
+    time: int = 0  # arrival of the latest [ns since 1970]
 
 
 class Study:

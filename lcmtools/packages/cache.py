@@ -24,7 +24,7 @@ from lcmtools.packages.type_files import LcmFile
 INDEX = "index.json"
 """The table of the types in a folder, which ``build`` writes."""
 
-_FORM = "2"  # of the index; another number invalidates the cache
+_FORM = "3"  # of the index; another number invalidates the cache
 _PREFIX = "lcmtools_types_"
 _KEPT_DAYS = 30.0
 _ONE_AT_A_TIME = Lock()
@@ -59,7 +59,8 @@ def digest(files: Sequence[LcmFile]) -> str:
     total = hashlib.sha256(known.encode())
     for file in files:
         content = hashlib.sha256(file.content).digest()
-        total.update(hashlib.sha256(os.fsencode(file.path)).digest() + content)
+        path = os.fsencode(f"{file.package}:{file.path}" if file.package else file.path)
+        total.update(hashlib.sha256(path).digest() + content)
     return total.hexdigest()[:20]
 
 

@@ -76,11 +76,9 @@ def check(new: NewPackage, known: Collection[str]) -> None:
         UsageError: A dependency is not known.
     """
     _check_module(new.name, "package")
-    _check_module(new.node, "node")
+    check_node_name(new.node)
     if new.name in sys.stdlib_module_names or new.name in _TAKEN:
         raise InvalidName(f"'{new.name}' is the name of another Python package", "use another one")
-    if new.node in ("msg", "__init__"):
-        raise InvalidName(f"a node cannot be called '{new.node}'", "use another name")
     if new.message and not _MESSAGE.fullmatch(new.message):
         raise InvalidName(
             f"'{new.message}' is not a message's name",
@@ -116,6 +114,19 @@ def create(new: NewPackage, folder: Path, *, replace: bool = False) -> list[Path
     except OSError as error:
         raise LcmtoolsError(f"cannot write {folder}: {error.strerror}") from error
     return sorted(texts)
+
+
+def check_node_name(name: str) -> None:
+    """Raise InvalidName for a name that a node's file cannot have."""
+    _check_module(name, "node")
+    if name == "msg":  # the folder of the package's messages
+        raise InvalidName(f"a node cannot be called '{name}'", "use another name")
+
+
+def node_text(package: str, node: str, dependencies: Sequence[str]) -> str:
+    """Return the text of a node's file."""
+    words = _words(NewPackage(package, node, dependencies=dependencies))
+    return Template(_template("node.py")).substitute(words)
 
 
 def _check_module(name: str, kind: str) -> None:

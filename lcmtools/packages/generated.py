@@ -7,7 +7,7 @@ fingerprints.
 import ast
 import re
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
@@ -15,6 +15,7 @@ from typing import cast
 from lcmtools.messages.type_source import Problem
 from lcmtools.names import closest
 from lcmtools.packages.lcm_gen import run_lcm_gen
+from lcmtools.packages.ros_files import SUFFIXES, to_lcm
 from lcmtools.packages.type_files import LcmFile
 
 Tables = tuple[list[str], list[str], list[list[int | str] | None]]
@@ -23,19 +24,15 @@ Tables = tuple[list[str], list[str], list[list[int | str] | None]]
 _TABLES = ("__slots__", "__typenames__", "__dimensions__")
 _LCM_NAMES = {
     "bool": "boolean",
-    "char": "byte",
-    "float32": "float",
-    "float32_t": "float",
-    "float64": "double",
-    "float64_t": "double",
-    "int": "int32_t",
     "str": "string",
+    "int": "int32_t",
     "uint": "int32_t",
+    **dict.fromkeys(("char", "uint8", "uint8_t"), "byte"),
+    **dict.fromkeys(("float32", "float32_t"), "float"),
+    **dict.fromkeys(("float64", "float64_t"), "double"),
     **{f"int{bits}": f"int{bits}_t" for bits in (8, 16, 32, 64)},
     **{f"uint{bits}": f"int{bits}_t" for bits in (16, 32, 64)},
     **{f"uint{bits}_t": f"int{bits}_t" for bits in (16, 32, 64)},
-    "uint8": "byte",
-    "uint8_t": "byte",
 }
 """Type names of C, Python and ROS, and LCM's names for them."""
 
@@ -68,10 +65,17 @@ def generate(source: LcmFile, prefix: str, folder: Path) -> tuple[list[Generated
     """Write the Python modules of one .lcm file into an empty folder with lcm-gen.
 
     It gets the file without its comments: it would copy them into Python's, and quotation marks in
-    one would end that, so that the rest would be run.
+    one would end that, so that the rest would be run. Of a .msg or .srv file it gets a translation.
     """
     file = source.path
-    text = _without_comments(source.content)
+    texts: Mapping[str, Mapping[str, str]] = {}
+    if source.package:
+        translated = to_lcm(file, source.content, source.package)
+        if translated.problems:
+            return [], translated.problems
+        text, texts = translated.text.encode(), translated.texts
+    else:
+        text = _without_comments(source.content)
     if strange := _STRANGE.search(text):
         line = text[: strange.start()].count(b"\n") + 1
         character = text[strange.start() : strange.start() + 4].decode("utf-8", "replace")[:1]
@@ -94,6 +98,8 @@ def generate(source: LcmFile, prefix: str, folder: Path) -> tuple[list[Generated
             problems.append(one)
         else:
             found.append(one)
+            with module.open("a") as end:
+                end.writelines(f"{short}.{n} = {v!r}\n" for n, v in texts.get(one.name, {}).items())
     return found, problems
 
 
@@ -113,6 +119,8 @@ def unknown_type(one: Generated, missing: str, known: set[str]) -> Problem:
     hint = f"did you mean {near}?" if near else "name the folder of its .lcm file too"
     same = missing.rpartition("/")[0] == one.name.rpartition("/")[0]
     written = short if same else missing.replace("/", ".")
+    if one.file.suffix in SUFFIXES:
+        written, hint = written.replace(".", "/"), hint.replace(".", "/")
     return Problem(str(one.file), line, f"{one.name}: unknown type '{written}'", hint, one.name)
 
 
@@ -172,7 +180,8 @@ def _not_python(file: Path, name: str, error: Exception) -> Problem:
 
 def _line_of(file: Path, *words: str) -> int:
     """The first line that has one of the words, 0 for none."""
-    lines = [line.partition("//")[0] for line in file.read_text("utf-8", "replace").splitlines()]
+    comment = "#" if file.suffix in SUFFIXES else "//"
+    lines = [line.partition(comment)[0] for line in file.read_text("utf-8", "replace").splitlines()]
     for word in words:
         alone = rf"(?<![\w.]){re.escape(word)}(?![\w.])"
         for pattern in (rf"{alone}\s+\w+\s*[\[;]", alone):  # the type of a field, or any

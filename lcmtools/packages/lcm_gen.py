@@ -13,6 +13,7 @@ from pathlib import Path
 
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.messages.type_source import Problem
+from lcmtools.packages.ros_files import SUFFIXES, package_of, to_lcm
 
 _OPTIONS = {
     "c": ("--c", "--c-cpath", "{}", "--c-hpath", "{}"),
@@ -70,7 +71,7 @@ def run_lcm_gen(file: Path, options: Sequence[str]) -> Problem | None:
 
 
 def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Path]:
-    """Write the code of some .lcm files into a folder; return the written files, sorted.
+    """Write the code of files of types into a folder; return the written files, sorted.
 
     Other files in the folder stay; files of the same names are overwritten.
 
@@ -90,10 +91,13 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
             shutil.copyfile(source, target)
 
     with tempfile.TemporaryDirectory(prefix="lcmtools-generate-") as name:
-        scratch = Path(name)
+        scratch, translated = Path(name, "made"), Path(name, "file.lcm")
+        scratch.mkdir()
         options = [word.format(scratch) for word in _OPTIONS[language]]
         for file in files:
-            problem = run_lcm_gen(file, options)
+            if is_ros := file.suffix in SUFFIXES:
+                translated.write_text(to_lcm(file, file.read_bytes(), package_of(file)).text)
+            problem = run_lcm_gen(translated if is_ros else file, options)
             if problem:
                 raise problem.error()
         made = sorted(path.relative_to(scratch) for path in scratch.rglob("*") if path.is_file())

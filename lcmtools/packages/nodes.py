@@ -1,28 +1,42 @@
 """Nodes that can be run by name: of installed packages, and of the workspace without installing.
 
-Belongs here: finding nodes and importing one. A node is an entry point "lcmtools.nodes": of a
+Belongs here: listing nodes and importing one. A node is an entry point "lcmtools.nodes": of a
 distribution, or as a workspace package's pyproject.toml writes it. Must not know the command line.
 """
 
 import importlib
 import re
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.machinery import PathFinder
 from importlib.metadata import EntryPoint, entry_points
+from importlib.util import find_spec
 from pathlib import Path
-from types import TracebackType
+from types import ModuleType, TracebackType
 from typing import Protocol, cast
 
-from lcmtools.errors import InvalidFile, LcmtoolsError, MissingExtra, UsageError
-from lcmtools.names import did_you_mean
+from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.packages.type_files import GROUPS
-from lcmtools.packages.workspace import Package, Workspace, read_project, table, workspace
+from lcmtools.packages.workspace import Package, read_project, table, workspace
 
 GROUP = "lcmtools.nodes"
 """The entry points that are nodes; any installed package can add its own."""
 OWN = "lcmtools"
 """The package of lcmtools' own nodes."""
+ANSWERS = (
+    "evaluate_controller",
+    "kinect_viewer",
+    "moving_robot",
+    "path_follower",
+    "pioneer_manual_controller",
+    "reading_laser",
+    "simple_controller",
+)
+"""Those of lcmtools' own nodes that do what a lab has a student write."""
+
+TABLE = f'[project.entry-points."{GROUP}"]'
+"""The table of a pyproject.toml that declares a package's nodes."""
 
 _TARGET = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_][\w.]*", re.ASCII)
 
@@ -55,6 +69,24 @@ class Runnable:
         """The Python package or module that its code is in."""
         return re.split(r"[.:]", self.target)[0]
 
+    def summary(self) -> str:
+        """Return the first line of its module's docstring, found without an import, or ""."""
+        import ast
+
+        top, *rest = self.target.partition(":")[0].split(".")
+        try:
+            spec = PathFinder.find_spec(top, [str(self.folder)]) if self.folder else find_spec(top)
+            if spec is None or spec.origin is None:
+                return ""
+            place = Path(spec.origin).parent.joinpath(*rest)
+            files = (
+                (place.with_suffix(".py"), place / "__init__.py") if rest else [Path(spec.origin)]
+            )
+            text = next((file.read_bytes() for file in files if file.is_file()), b"")
+            return (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0].strip()
+        except (ImportError, OSError, SyntaxError, ValueError):  # running it will tell
+            return ""
+
     def load(self) -> Program:
         """Import its main function; other workspace packages can be imported from then on too.
 
@@ -63,11 +95,10 @@ class Runnable:
             MissingExtra: It needs a package that is not installed.
             Exception: Its own code fails when it is imported.
         """
+        if self.folder is not None and not _TARGET.fullmatch(self.target):
+            raise self._lost(f"'{self.target}' is no function", f"write  {entry(self)}  in")
         if self.folder is not None:
-            sys.path.insert(0, str(self.folder))
-            for package in workspace(self.folder, Path.cwd()).packages:
-                if str(package.import_folder()) not in sys.path:
-                    sys.path.append(str(package.import_folder()))
+            _make_importable(self.folder)
         module, _, path = self.target.partition(":")
         try:
             value: object = importlib.import_module(module)
@@ -104,9 +135,22 @@ class Runnable:
                 f"type: pip install {error.name}",
             ) from error
 
-    def _lost(self, what: str) -> LcmtoolsError:
-        hint = f'see [project.entry-points."{GROUP}"] in its pyproject.toml'
+    def _lost(self, what: str, hint: str = "see") -> LcmtoolsError:
+        hint = f"{hint} {TABLE} of its pyproject.toml"
         return LcmtoolsError(f"the node '{self.name}' of {self.package}: {what}", hint)
+
+
+def _provide_messages(package: Package) -> None:
+    """Let ``from air_lab0.msg import Stat`` work where a package has no such module itself."""
+    from lcmtools.packages.user_types import package_messages
+
+    for part in ("msg", "srv"):
+        place = package.import_folder() / package.name / part
+        if not ((place / "__init__.py").is_file() or place.with_suffix(".py").is_file()):
+            module = ModuleType(f"{package.name}.{part}")
+            find = package_messages(module.__name__, str(package.folder / part))
+            vars(module)["__getattr__"] = find
+            sys.modules.setdefault(module.__name__, module)
 
 
 def runnables(*starts: Path) -> list[Runnable]:
@@ -115,7 +159,7 @@ def runnables(*starts: Path) -> list[Runnable]:
     space = workspace(*starts)
     names = {package.name for package in space.packages}
     for package in space.packages:
-        for node in workspace_nodes(package, space):
+        for node in workspace_nodes(package):
             found[node.package, node.name] = node
     for entry in entry_points(group=GROUP):
         node = Runnable(_package_of(entry), entry.name, entry.value)
@@ -130,53 +174,24 @@ def installed_packages() -> list[str]:
     return sorted({_package_of(entry) for entry in found})
 
 
-def workspace_nodes(package: Package, space: Workspace) -> list[Runnable]:
-    """The nodes that a package's pyproject.toml names; a wrong one becomes a problem."""
+def workspace_nodes(package: Package) -> list[Runnable]:
+    """The nodes that a package's pyproject.toml names; a wrong one says so when it is loaded."""
     named = table(read_project(package.folder), "project", "entry-points", GROUP)
-    nodes = []
-    for name, target in named.items():
-        if isinstance(target, str) and _TARGET.fullmatch(target):
-            nodes.append(Runnable(package.name, name, target, package.import_folder()))
-        else:
-            hint = f'write  {name} = "{package.name}.{name}:main"'
-            path = package.folder / "pyproject.toml"
-            space.problems.append(InvalidFile(f"{path}: the node '{name}' is no function", hint))
-    return nodes
+    folder = package.import_folder()
+    return [Runnable(package.name, name, str(target), folder) for name, target in named.items()]
 
 
-def find_node(words: Sequence[str], known: Sequence[Runnable]) -> tuple[Runnable, list[str]]:
-    """The node that ``PACKAGE NODE ...`` or ``NODE ...`` means, and the words after it.
-
-    Raises:
-        UsageError: There is no such node, or several packages have it.
-    """
-    first, rest = words[0], list(words[1:])
-    of_package = {node.name: node for node in known if node.package == first}
-    named = [node for node in known if node.name == first]
-    if of_package and rest and rest[0] in of_package:
-        return of_package[rest[0]], rest[1:]
-    if of_package and not named:
-        wrong = rest[0] if rest else ""
-        hint = did_you_mean(wrong, of_package) or f"it has {', '.join(of_package)}"
-        raise UsageError(f"the package {first} has no node '{wrong}'", hint)
-    own = [node for node in named if node.package == OWN]
-    if len(named) > 1 and not own:
-        hint = " or ".join(f"{node.package} {node.name}" for node in named)
-        raise UsageError(f"several packages have a node '{first}'", f"write {hint}")
-    if named:
-        return (own or named)[0], rest
-    raise _unknown(first, rest, known)
+def entry(node: Runnable) -> str:
+    """The line of a pyproject.toml that declares a node of a package."""
+    return f'{node.name} = "{node.package}.{node.name}:main"'
 
 
-def _unknown(first: str, rest: Sequence[str], known: Iterable[Runnable]) -> UsageError:
-    names = {node.name for node in known}
-    packages = {node.package for node in known}
-    hint = did_you_mean(first, names | packages) or "lcmtools run --list shows them"
-    if rest and rest[0] in names:
-        homes = [node.package for node in known if node.name == rest[0]]
-        near = did_you_mean(first, packages) or f"{' and '.join(homes)} has such a node"
-        return UsageError(f"there is no package '{first}'", near)
-    return UsageError(f"there is no node '{first}'", hint)
+def _make_importable(folder: Path) -> None:
+    sys.path.insert(0, str(folder))
+    for package in workspace(folder, Path.cwd()).packages:
+        if str(package.import_folder()) not in sys.path:
+            sys.path.append(str(package.import_folder()))
+        _provide_messages(package)
 
 
 def _package_of(entry: EntryPoint) -> str:

@@ -1,4 +1,4 @@
-"""Users' .lcm files: on LCMTOOLS_TYPE_PATH, in the workspace, in installed packages.
+"""Users' .lcm, .msg and .srv files: on LCMTOOLS_TYPE_PATH, in the workspace, in installed packages.
 
 Belongs here: finding and reading them. Must not know their content.
 """
@@ -11,6 +11,8 @@ from itertools import islice
 from pathlib import Path
 
 from lcmtools.messages.type_source import Problem
+from lcmtools.packages import ros_files
+from lcmtools.packages.ros_files import package_of
 from lcmtools.packages.workspace import LONGEST_FILE
 
 VARIABLE = "LCMTOOLS_TYPE_PATH"
@@ -18,6 +20,7 @@ VARIABLE = "LCMTOOLS_TYPE_PATH"
 GROUPS = ("lcmtools.nodes", "lcmtools.messages")
 """The entry points that say that an installed package may have .lcm files."""
 
+_SUFFIXES = (".lcm", *ros_files.SUFFIXES)
 _MOST_FOLDERS = 2000  # somebody may name the home folder
 _OTHER_FOLDERS = {"build", "dist", "node_modules", "site-packages", "venv"}
 
@@ -28,6 +31,7 @@ class LcmFile:
 
     path: Path
     content: bytes
+    package: str = ""  # of a .msg or .srv file, which does not name it
 
 
 def variable_folders(environment: Mapping[str, str]) -> list[Path]:
@@ -44,11 +48,20 @@ def installed_folders() -> list[Path]:
     for group in GROUPS:
         modules.update(dict.fromkeys(one.module.split(".")[0] for one in entry_points(group=group)))
     return [
-        Path(place)
+        place
         for module in sorted(modules)
         if module not in ("lcmtools", "lcmtools_sim")
-        for place in _places(module)
+        for place in module_folders(module)
     ]
+
+
+def module_folders(module: str) -> list[Path]:
+    """The folders of an installed Python package, which is not imported."""
+    try:
+        spec = find_spec(module)
+    except (ImportError, ValueError):
+        return []
+    return list(map(Path, (spec and spec.submodule_search_locations) or ()))
 
 
 def shipped_folder() -> Path:
@@ -59,7 +72,7 @@ def shipped_folder() -> Path:
 
 
 def read_folders(folders: Sequence[Path]) -> tuple[list[LcmFile], list[Problem]]:
-    """All .lcm files below some folders, each once, sorted within a folder; and the problems."""
+    """The files of types below folders, each once, sorted within a folder; and the problems."""
     files: dict[Path, LcmFile] = {}
     problems: list[Problem] = []
     for folder in dict.fromkeys(folders):
@@ -76,10 +89,10 @@ def read_folders(folders: Sequence[Path]) -> tuple[list[LcmFile], list[Problem]]
 
 
 def _paths(folder: Path) -> Iterator[Path]:
-    """The .lcm files below a folder; of one that is very large, those that are found in time."""
+    """The files of types below a folder; of a very large one, those that are found in time."""
     for place, folders, names in islice(os.walk(folder), _MOST_FOLDERS):
         folders[:] = sorted(one for one in folders if one[0] != "." and one not in _OTHER_FOLDERS)
-        yield from (Path(place, name) for name in sorted(names) if name.endswith(".lcm"))
+        yield from (Path(place, name) for name in sorted(names) if name.endswith(_SUFFIXES))
 
 
 def _read(path: Path) -> LcmFile | Problem:
@@ -87,15 +100,9 @@ def _read(path: Path) -> LcmFile | Problem:
         if not path.is_file():
             return Problem(str(path), 0, "this is no file")
         if path.stat().st_size > LONGEST_FILE:
-            return Problem(str(path), 0, f"a .lcm file has less than {LONGEST_FILE} bytes")
-        return LcmFile(path, path.read_bytes())
+            what = f"a {path.suffix} file has less than {LONGEST_FILE} bytes"
+            return Problem(str(path), 0, what)
+        package = package_of(path) if path.suffix in ros_files.SUFFIXES else ""
+        return LcmFile(path, path.read_bytes(), package)
     except OSError as error:
         return Problem(str(path), 0, f"cannot be read: {error.strerror}")
-
-
-def _places(module: str) -> Sequence[str]:
-    try:
-        spec = find_spec(module)
-    except (ImportError, ValueError):
-        return ()
-    return (spec and spec.submodule_search_locations) or ()

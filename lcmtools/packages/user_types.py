@@ -16,9 +16,12 @@ from lcmtools.messages import type_source
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import (
     Message,
+    ServiceType,
     default_registry,
     message_class,
     packages,
+    service_class,
+    service_names,
     type_name,
     type_names,
 )
@@ -80,7 +83,7 @@ class UserTypes:
         return self._current(self._far, _FAR_AGAIN, self.far_folders)
 
     def compiled(self, folders: Sequence[Path]) -> TypeSource:
-        """The types of some folders, and of the others that theirs may be made of."""
+        """The types of some folders, and of others that theirs may be made of, compiled now."""
         return self._read([*folders, *self.far_folders()]) or TypeSource("", {})
 
     def near_folders(self) -> list[Path]:
@@ -121,11 +124,6 @@ def user_types() -> UserTypes:
     return cast("UserTypes", type_source.supply())
 
 
-def compile_folders(folders: Sequence[Path]) -> TypeSource:
-    """The types of the .lcm files in some folders, compiled now, and the problems of the others."""
-    return user_types().compiled(folders)
-
-
 def sources_of(words: Sequence[str]) -> list[Path]:
     """The .lcm files of types and of all types of their fields, sorted.
 
@@ -146,8 +144,10 @@ def sources_of(words: Sequence[str]) -> list[Path]:
     return sorted({Path(own.get(name) or shipped / f"{name}.lcm") for name in names})
 
 
-def package_messages(module: str, file: str) -> Callable[[str], type[Message]]:
+def package_messages(module: str, file: str) -> Callable[[str], type[Message | ServiceType]]:
     """Return the ``__getattr__`` of air_lab0/msg, for ``from air_lab0.msg import Stat``.
+
+    In air_lab0/srv it is for services: ``from air_lab0.srv import Drive``, ``Drive.Request``.
 
     Args:
         module: The module's ``__name__``: "air_lab0.msg".
@@ -155,12 +155,13 @@ def package_messages(module: str, file: str) -> Callable[[str], type[Message]]:
     """
     package = module.rpartition(".")[0] or module
 
-    def find(name: str) -> type[Message]:
+    def find(name: str) -> type[Message | ServiceType]:
         if name.startswith("_"):
             raise AttributeError(f"module '{module}' has no attribute '{name}'")
         user_types().add_start(Path(file).resolve().parent)
+        named = f"{package}/{name}"
         try:
-            return message_class(f"{package}/{name}")
+            return service_class(named) if named in service_names() else message_class(named)
         except UnknownType as error:
             raise AttributeError(str(error)) from None
 

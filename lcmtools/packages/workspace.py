@@ -55,7 +55,7 @@ def workspace(*starts: Path) -> Workspace:
     problems: list[InvalidFile] = []
     for folder in package_folders(*starts):
         try:
-            name = _name(folder)
+            name = package_name(folder)
         except InvalidFile as error:  # noqa: PERF203 - each package for itself
             problems.append(error)
         else:
@@ -71,23 +71,28 @@ def package_folders(*starts: Path) -> list[Path]:
     return list(found)
 
 
+def load_toml(text: str) -> dict[str, object]:
+    """The value of a text in TOML; ValueError if it is none."""
+    if sys.version_info >= (3, 11):
+        import tomllib
+    else:
+        import tomli as tomllib
+
+    return tomllib.loads(text)
+
+
 def read_project(folder: Path) -> dict[str, object]:
     """A package's pyproject.toml.
 
     Raises:
         InvalidFile: It cannot be read or is no TOML, with the line.
     """
-    if sys.version_info >= (3, 11):
-        import tomllib
-    else:
-        import tomli as tomllib
-
     path = folder / "pyproject.toml"
     try:
-        return tomllib.loads(path.read_text("utf-8"))
+        return load_toml(path.read_text("utf-8"))
     except (OSError, UnicodeDecodeError) as error:
         raise InvalidFile(f"cannot read {path}: {error}") from error
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:
         place = re.search(r"\(at line (\d+), column \d+\)", str(error))
         line = f":{place[1]}" if place else ""
         reason = re.sub(r"\s*\(at .*\)", "", str(error))
@@ -101,7 +106,8 @@ def table(value: object, *keys: str) -> dict[str, object]:
     return value if isinstance(value, dict) else {}
 
 
-def _name(folder: Path) -> str:
+def package_name(folder: Path) -> str:
+    """The import name of the package in a folder; InvalidFile where there is none."""
     name = table(read_project(folder), "project").get("name")
     path = folder / "pyproject.toml"
     if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z][\w.-]*", name, re.ASCII):

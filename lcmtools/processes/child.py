@@ -1,13 +1,15 @@
 """A child process: its start, its output, its keyboard, and the signals that end it.
 
 Belongs here: one process and its group. Deciding when to do what is the caller's business. No code
-of this process runs between fork and exec, where it could deadlock once there are threads: a small
-program, exec_child.py, prepares the new process and becomes the command.
+of this process runs between fork and exec, where it could deadlock once there are threads.
 """
 
 import contextlib
+import errno
 import os
 import pty
+import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -16,14 +18,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
-from lcmtools.processes.groups import is_gone, send
-from lcmtools.processes.lines import Lines
-from lcmtools.processes.process_guard import ProcessGuard
+from lcmtools.processes.process_guard import ProcessGuard, Stream
+from lcmtools.processes.reaper import send
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-_EXEC = str(Path(__file__).with_name("exec_child.py"))
+LONGEST = 65_536
+"""Bytes; a longer line comes in pieces, so that one that never ends takes no memory."""
+_WITH_TERMINAL = ("sh", "-c", 'exec "$@" <>"$0"')
+"""Opening a terminal makes it the session's controlling terminal; then comes the command."""
 _PIECE = 65_536
 _MOST_PIECES = 100
 """A pipe holds less."""
@@ -192,55 +196,90 @@ class ChildProcess:
         self.next_step = _NEVER
         for stream in self.streams:
             self._close(stream)
-        if self._keyboard is not None:
-            os.close(self._keyboard)
-            self._keyboard = None
+        self._close_keyboard()
         self._guard.forget(self.pid)
 
     def _close(self, stream: int) -> None:
         self._lines.pop(stream)[0].close()
 
     def _started(self, start: Start) -> "subprocess.Popen[bytes]":
+        stdin: Stream = None if start.takes_input or start.takes_terminal else subprocess.DEVNULL
+        stdout: Stream = None if start.takes_terminal else subprocess.PIPE
+        command = start.command
         with contextlib.ExitStack() as opened:
-            terminal: int | None = None
-            if start.has_keyboard:
-                keyboard, terminal = pty.openpty()
-                opened.callback(os.close, terminal)
-                not_started = opened.enter_context(contextlib.ExitStack())
-                not_started.callback(os.close, keyboard)
-            stdout: int | IO[bytes] | None = None if start.takes_terminal else subprocess.PIPE
             if start.output is not None:
                 stdout = opened.enter_context(start.output.open("wb"))
-            status, report = os.pipe()
-            read = opened.enter_context(open(status, "rb"))  # noqa: PTH123 - a descriptor
-            options = (report, self._guard.stream, os.getpid(), start.most_bytes)
-            try:
-                popen = subprocess.Popen(  # noqa: S603 - the user's own
-                    [
-                        *(sys.executable, "-I", "-S", _EXEC, *map(str, options)),
-                        str(int(start.has_keyboard)),
-                        f"={text}" if (text := start.environment.get("LC_CTYPE")) else "",
-                        *start.command,
-                    ],
-                    env=dict(start.environment),
-                    cwd=start.directory or None,
-                    stdin=terminal if terminal is not None else _input(start),
-                    stdout=stdout,
-                    stderr=subprocess.STDOUT if start.output else stdout,
-                    start_new_session=True,
-                    pass_fds=(report, self._guard.stream),
-                )
-            finally:
-                os.close(report)
-            if failure := read.read():
-                popen.communicate()  # it has ended: this closes its pipes
-                self._guard.forget(popen.pid)
-                raise OSError(int(failure), os.strerror(int(failure)))
+            stderr = subprocess.STDOUT if start.output else stdout
             if start.has_keyboard:
-                not_started.pop_all()
-                self._keyboard = keyboard
-            return popen
+                _check_executable(command[0], start.environment)
+                self._keyboard, stdin = pty.openpty()
+                opened.callback(os.close, stdin)
+                command = (*_WITH_TERMINAL, os.ttyname(stdin), *command)
+            try:
+                popen = self._guard.start(
+                    command, start.environment, start.directory, (stdin, stdout, stderr)
+                )
+            except OSError:
+                self._close_keyboard()
+                raise
+        if start.most_bytes and sys.platform == "linux":
+            limits = (start.most_bytes, start.most_bytes)
+            resource.prlimit(popen.pid, resource.RLIMIT_FSIZE, limits)
+        return popen
+
+    def _close_keyboard(self) -> None:
+        if self._keyboard is not None:
+            os.close(self._keyboard)
+            self._keyboard = None
 
 
-def _input(start: Start) -> int | None:
-    return None if start.takes_input or start.takes_terminal else subprocess.DEVNULL
+def _check_executable(word: str, environment: Mapping[str, str]) -> None:
+    """Raise the error that a shell, which opens the terminal, would only print."""
+    if shutil.which(word, path=environment.get("PATH")) is None:
+        number = errno.EACCES if Path(word).is_file() else errno.ENOENT
+        raise OSError(number, os.strerror(number))
+
+
+class Lines:
+    """Takes the output of a process piece by piece; returns the lines."""
+
+    def __init__(self) -> None:
+        self._rest = b""
+
+    def take(self, piece: bytes) -> list[str]:
+        """Return the lines that are complete now, without their ends."""
+        *whole, self._rest = (self._rest + piece).split(b"\n")
+        if len(self._rest) > LONGEST:
+            whole.append(self._rest)
+            self._rest = b""
+        return [_text(line) for line in whole]
+
+    def end(self) -> list[str]:
+        """Return the rest: a line without an end."""
+        rest, self._rest = self._rest, b""
+        return [_text(rest)] if rest else []
+
+
+def _text(line: bytes) -> str:
+    return line.removesuffix(b"\r").decode(errors="backslashreplace")
+
+
+def is_gone(group: int) -> bool:
+    """Return True if nothing of a group of processes runs any more.
+
+    A process that has ended may stay in the group for ever, if the system's first process, which
+    inherits it, never waits for it, as in many containers. Without /proc that is not known.
+    """
+    if not send(group, 0):
+        return True
+    processes = list(Path("/proc").glob("[0-9]*/stat"))
+    return bool(processes) and not any(_runs_in(path, group) for path in processes)
+
+
+def _runs_in(path: Path, group: int) -> bool:
+    """Return True if a process, by its stat file, is in a group and runs."""
+    with contextlib.suppress(OSError, IndexError):  # it has just ended
+        # after the name, which may have blanks: state, parent, group (proc_pid_stat(5))
+        state, _, of_group = path.read_text(errors="replace").rpartition(")")[2].split()[:3]
+        return of_group == str(group) and state not in "ZX"
+    return False

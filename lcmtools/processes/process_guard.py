@@ -4,22 +4,24 @@ import contextlib
 import os
 import subprocess
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from threading import Lock
+from typing import IO, TypeAlias
 
-_REAPER = str(Path(__file__).with_name("reaper.py"))
+from lcmtools.processes import reaper
+
+Stream: TypeAlias = "int | IO[bytes] | None"
 
 
 class ProcessGuard:
-    """Runs the reaper, which knows the groups of the child processes.
-
-    Attributes:
-        stream: The descriptor into which a new process writes its group ("+123", a line).
-    """
+    """Starts child processes, and runs the reaper, which knows their groups."""
 
     def __init__(self) -> None:
+        self._lock = Lock()
         # -I -S: it needs nothing that is installed, and no other module may take its imports' place
         self._reaper = subprocess.Popen(  # noqa: S603 - our own program
-            [sys.executable, "-I", "-S", _REAPER],
+            [sys.executable, "-I", "-S", str(Path(reaper.__file__)), str(os.getpid())],
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
@@ -28,7 +30,6 @@ class ProcessGuard:
         )
         assert self._reaper.stdin is not None
         self._pipe = self._reaper.stdin
-        self.stream = self._pipe.fileno()
 
     def __enter__(self) -> "ProcessGuard":
         """Return it; the reaper runs."""
@@ -40,7 +41,42 @@ class ProcessGuard:
             self._pipe.close()
         self._reaper.wait()
 
+    def start(
+        self,
+        command: Sequence[str],
+        environment: Mapping[str, str],
+        directory: str,
+        streams: tuple[Stream, Stream, Stream],
+    ) -> "subprocess.Popen[bytes]":
+        """Start a process in a session and group of its own, with its three standard streams.
+
+        Raises:
+            OSError: The system does not start it.
+        """
+        stdin, stdout, stderr = streams
+        group = 0
+        with self._lock:
+            self._tell("+")  # this process may be killed between the start and its report
+            try:
+                popen = subprocess.Popen(  # noqa: S603 - the user's own
+                    command,
+                    env={**environment, reaper.MARK: str(os.getpid())},
+                    cwd=directory or None,
+                    stdin=stdin,
+                    stdout=stdout,
+                    stderr=stderr,
+                    start_new_session=True,
+                )
+                group = popen.pid
+                return popen
+            finally:
+                self._tell(f"{group}\n")
+
     def forget(self, group: int) -> None:
         """Tell the reaper that a group of processes is gone."""
+        with self._lock:
+            self._tell(f"-{group}\n")
+
+    def _tell(self, text: str) -> None:
         with contextlib.suppress(OSError, ValueError):  # the reaper has been killed, or has ended
-            os.write(self._pipe.fileno(), f"-{group}\n".encode())
+            os.write(self._pipe.fileno(), text.encode())

@@ -1,8 +1,8 @@
 """The reaper: a program of its own that ends child processes when their parent was killed.
 
 It reads the groups of processes from a pipe ("+123", "-123", a line each). The pipe ends with the
-parent, however that ends; the groups that are left then get SIGINT where the kernel has not sent
-it, SIGTERM after a moment, and SIGKILL. It imports nothing of lcmtools, so that it starts quickly.
+parent, however that ends; the groups that are left then get SIGINT, SIGTERM after a moment, and
+SIGKILL. It imports nothing of lcmtools, so that it starts quickly.
 """
 
 import contextlib
@@ -10,13 +10,27 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Iterator
 
+MARK = "LCMTOOLS_GUARD"
+"""The variable of child processes that has their parent's number."""
 _GRACE = 0.5
 """Seconds from one signal to the next: enough for a controller to stop its robot."""
 
 
-def serve(stream: int) -> set[int]:
-    """Read until the parent is gone; return the groups that are left."""
+def send(group: int, number: int) -> bool:
+    """Send a signal to a group of processes; return True if there is one."""
+    if group <= 0:  # 0 would be this process's own
+        return False
+    try:
+        os.killpg(group, number)
+    except (ProcessLookupError, PermissionError):  # another user's, or on macOS one that has ended
+        return False
+    return True
+
+
+def serve(stream: int) -> tuple[set[int], bool]:
+    """Read until the parent is gone; return the groups that are left, and if one was starting."""
     groups: set[int] = set()
     rest = b""
     while piece := os.read(stream, 4096):
@@ -24,39 +38,38 @@ def serve(stream: int) -> set[int]:
         for line in lines:
             number = int(line[1:])
             (groups.add if line[:1] == b"+" else groups.discard)(number)
-    return groups
+    return groups, bool(rest)
 
 
-def end(groups: set[int], *, is_asked: bool) -> None:
+def children(parent: str) -> Iterator[int]:
+    """Return the processes with the mark of a parent, which may not have reported its last one."""
+    mark = f"{MARK}={parent}".encode()
+    for name in filter(str.isdigit, os.listdir("/proc") if sys.platform == "linux" else ()):  # noqa: PTH208 - quick
+        with contextlib.suppress(OSError), open(f"/proc/{name}/environ", "rb") as file:  # noqa: PTH123 - quick
+            if mark in file.read().split(b"\0"):
+                yield int(name)
+
+
+def end(groups: set[int]) -> None:
     """End groups of processes, including those that ignore signals."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
-        groups = {group for group in groups if _send(group, 0)}
-        if not (is_asked and number == signal.SIGINT):
-            groups = {group for group in groups if _send(group, number)}
+        groups = {group for group in groups if send(group, number)}
         deadline = time.monotonic() + _GRACE
         while groups and number != signal.SIGKILL and time.monotonic() < deadline:
             time.sleep(0.02)
-            groups = {group for group in groups if _send(group, 0)}
+            groups = {group for group in groups if send(group, 0)}
 
 
-def _send(group: int, number: int) -> bool:
-    """Send a signal; return True if the group exists."""
-    with contextlib.suppress(ProcessLookupError):
-        try:
-            os.killpg(group, number)
-        except PermissionError:  # some of them belong to another user
-            return False
-        return True
-    return False
-
-
-def main() -> None:
+def main(parent: str) -> None:
     """Serve standard input."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
-    # where there is prctl, the kernel has sent SIGINT to the processes themselves
-    end(serve(sys.stdin.fileno()), is_asked=sys.platform == "linux")
+    groups, is_starting = serve(sys.stdin.fileno())
+    if is_starting:
+        time.sleep(_GRACE)  # until it has its own variables
+        groups.update(children(parent))
+    end(groups)
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1])

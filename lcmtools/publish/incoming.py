@@ -18,9 +18,12 @@ from typing import TypeAlias
 from lcmtools.errors import InvalidFile, UsageError, ValueMismatch
 from lcmtools.messages.documents import LONGEST
 from lcmtools.messages.fields import visible_fields
-from lcmtools.messages.message_template import MessageTemplate
+from lcmtools.messages.message_template import (
+    MessageTemplate,
+    draft_from_values,
+    drafts_from_lines,
+)
 from lcmtools.messages.registry import Message
-from lcmtools.messages.yaml_input import draft_from_values, drafts_from_lines
 
 Template: TypeAlias = MessageTemplate[Message]
 Notify: TypeAlias = Callable[[str], None]
@@ -99,21 +102,21 @@ class _Reader:
             raise self._unreadable(error, "it is closed" if is_closed else "") from error
 
     def incoming(self) -> Incoming:
+        templates = self.templates(may_be_empty=False)
         if not stat.S_ISREG(os.fstat(self._file.fileno()).st_mode):
-            return Incoming(self._stream())
-        found = [template for template in self.templates() if template is not None]
-        if not found:
-            raise self._empty()
+            return Incoming(templates)
+        found = [template for template in templates if template is not None]
         is_one = len(found) == 1 and not self._is_stdin
         return Incoming(iter(found), is_file=True, is_one=is_one)
 
-    def templates(self) -> Iterator[Template | None]:
+    def templates(self, *, may_be_empty: bool = True) -> Iterator[Template | None]:
         """The messages; ``notify`` is called when the first takes long."""
         deadline = time.monotonic() + _PATIENCE
+        is_empty = True
         try:
             for template in drafts_from_lines(self._kind, self._lines()):
                 if template is not None:
-                    deadline = math.inf
+                    deadline, is_empty = math.inf, False
                 elif time.monotonic() >= deadline:
                     self._notify(f"waiting for {self._noun}s on {self._source}")
                     deadline = math.inf
@@ -122,14 +125,9 @@ class _Reader:
             raise ValueMismatch(f"{self._source}: {mismatch.what}", mismatch.hint) from None
         finally:
             self._file.close()
-
-    def _stream(self) -> Iterator[Template | None]:
-        is_empty = True
-        for template in self.templates():
-            is_empty = is_empty and template is None
-            yield template
-        if is_empty:
-            raise self._empty()
+        if is_empty and not may_be_empty:
+            hint = "write YAML documents, separated by ---"
+            raise UsageError(f"{self._source} has no {self._noun} in it", hint)
 
     def _lines(self) -> Iterator[str | None]:
         """The lines as they come; None where there is none for a moment."""
@@ -158,11 +156,6 @@ class _Reader:
             return line.decode()
         except UnicodeDecodeError as error:
             raise self._unreadable(error) from None
-
-    def _empty(self) -> UsageError:
-        return UsageError(
-            f"{self._source} has no {self._noun} in it", "write YAML documents, separated by ---"
-        )
 
     def _unreadable(self, error: Exception, reason: str = "") -> InvalidFile:
         reason = reason or getattr(error, "strerror", None) or "it is not UTF-8 text"

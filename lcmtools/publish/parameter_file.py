@@ -98,7 +98,7 @@ def make_changes(client: ParameterClient, node: str, changes: Mapping[str, Chang
         ServiceError: It did not answer.
     """
     try:
-        client.set(node, {name: change.text for name, change in changes.items()})
+        client.request(node, {name: change.text for name, change in changes.items()})
     except RefusedParameters as error:
         whole_file = next(iter(changes.values())).place.rpartition(":")[0]
         refused = (

@@ -5,29 +5,23 @@ A parameter is named as in rosparam, ``/husky0/driver/gain``, or as in ros2, by 
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from typing import TypeAlias
 
 from lcmtools.bus.url import BusUrl
-from lcmtools.errors import (
-    LcmtoolsError,
-    ServiceError,
-    ServiceTimeout,
-    UsageError,
-    ValueMismatch,
-)
+from lcmtools.errors import LcmtoolsError, ServiceError, ServiceTimeout, UsageError, ValueMismatch
 from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.messages.setting import ParameterValue, read_setting
 from lcmtools.names import MAX_CHANNEL_BYTES, did_you_mean
 from lcmtools.node import node as nodes
 from lcmtools.node.parameters import service_name
-from lcmtools.node.service import Client, request_channel
+from lcmtools.node.service import request_channel
 from lcmtools.observe.find import find_node
 from lcmtools.publish.own_node import own_node
 from lcmtools.types import lcmtools_msgs as msgs
 
-ServiceClient: TypeAlias = Client[msgs.Parameters_Request, msgs.Parameters_Response]
+_AT_ONCE = 16  # nodes that are read at the same time
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,8 +68,6 @@ Parameters: TypeAlias = Mapping[str, RemoteParameter]
 Answers: TypeAlias = Mapping[str, Parameters]
 """The parameters of each node that answered, by its name."""
 
-_AT_ONCE = 16  # nodes that are read at the same time
-
 
 @dataclass(frozen=True, slots=True)
 class ParameterClient:
@@ -89,53 +81,47 @@ class ParameterClient:
         if not nodes:
             return {}, []
         with own_node("param", self.url) as own, ThreadPoolExecutor(_AT_ONCE) as pool:
-            clients = [parameter_client(own, node.name) for node in nodes]
+            asked = {
+                node.name: pool.submit(request_parameters, own, node.name, self.timeout)
+                for node in nodes
+            }
             try:
-                found = list(pool.map(self._get, clients))
+                wait(asked.values())
             except BaseException:
                 own.context.stop()  # or Ctrl-C would wait for nodes that do not answer
                 raise
-        answers = dict(zip((node.name for node in nodes), found, strict=True))
-        errors = [answer for answer in found if isinstance(answer, ServiceError)]
-        return {n: a for n, a in answers.items() if not isinstance(a, ServiceError)}, errors
+        answers: dict[str, Parameters] = {}
+        errors: list[ServiceError] = []
+        for name, answer in asked.items():
+            try:
+                answers[name] = answer.result()
+            except ServiceError as error:  # noqa: PERF203 - each node for itself
+                errors.append(error)
+        return answers, errors
 
-    def get(self, node: str) -> Parameters:
-        """Return the parameters of one node; raise ServiceError if it does not answer."""
+    def request(self, node: str, texts: Mapping[str, str] | None = None) -> Parameters:
+        """Change parameters of one node, or only read all; see ``request_parameters``."""
         with own_node("param", self.url) as own:
-            return request_parameters(parameter_client(own, node), self.timeout)
-
-    def set(self, node: str, texts: Mapping[str, str]) -> Parameters:
-        """Change parameters of one node, all or none; return all that it has.
-
-        Raises:
-            RefusedParameters: The node refuses, with the reason.
-            ServiceError: It did not answer.
-        """
-        with own_node("param", self.url) as own:
-            return request_parameters(parameter_client(own, node), self.timeout, texts)
-
-    def _get(self, client: ServiceClient) -> Parameters | ServiceError:
-        try:
-            return request_parameters(client, self.timeout)
-        except ServiceError as error:
-            return error
-
-
-def parameter_client(own: nodes.Node, target: str) -> ServiceClient:
-    """Return a client, of the node ``own``, of the target node's parameters."""
-    return own.create_client(msgs.Parameters, service_name(target))
+            return request_parameters(own, node, self.timeout, texts)
 
 
 def request_parameters(
-    client: ServiceClient, timeout: float, texts: Mapping[str, str] | None = None
+    own: nodes.Node, node: str, timeout: float, texts: Mapping[str, str] | None = None
 ) -> Parameters:
     """Change parameters, all or none, if texts are given (YAML, by name); return all, sorted.
 
+    Args:
+        own: The node that asks.
+        node: The full name of the node that is asked.
+        timeout: Longest wait for the answer [s].
+        texts: The new values.
+
     Raises:
         RefusedParameters: The node has changed nothing.
-        ServiceTimeout: It has not answered within ``timeout`` seconds.
+        ServiceTimeout: It has not answered in time.
+        ServiceError: It has failed.
     """
-    node = client.name.removesuffix(service_name(""))
+    client = own.create_client(msgs.Parameters, service_name(node))
     request = msgs.Parameters_Request()
     for name, text in (texts or {}).items():
         change = msgs.Parameter()
@@ -185,7 +171,12 @@ def require_parameters(node: Node) -> Node:
     if node.stale:
         raise LcmtoolsError(f"{node.name} {node.stale}", "lcmtools node list shows the nodes")
     if not has_parameters(node):
-        raise LcmtoolsError(f"{node.name} has no parameters to query", _why_not(node))
+        spare = MAX_CHANNEL_BYTES - len(request_channel(service_name("")))
+        reason = "it offers no service for that"
+        if len(node.name) > spare:
+            length = len(node.name)
+            reason = f"its name has {length} characters, and with more than {spare} it has none"
+        raise LcmtoolsError(f"{node.name} has no parameters to query", reason)
     return node
 
 
@@ -244,13 +235,6 @@ def find_target(graph: Graph, words: Sequence[str]) -> Target:
     if inside:
         return Target(tuple(inside), is_namespace=True)
     raise _unknown(word, [node.name for node in known])
-
-
-def _why_not(node: Node) -> str:
-    spare = MAX_CHANNEL_BYTES - len(request_channel(service_name("")))
-    if len(node.name) > spare:
-        return f"its name has {len(node.name)} characters, and with more than {spare} it has none"
-    return "it offers no service for that"
 
 
 def _splits(word: str) -> Iterator[tuple[str, str]]:

@@ -96,9 +96,12 @@ def fragments(seqno: int, channel: str, payload: bytes) -> Iterator[bytes]:
         offset += len(part)
 
 
-def fits_datagram(channel: str, payload: bytes) -> bool:
-    """Return whether a message goes out as a short message."""
-    return len(_channel_bytes(channel)) + len(payload) <= SHORT_MESSAGE_MAX
+def datagrams(seqno: int, channel: str, payload: bytes) -> Iterator[bytes]:
+    """Yield the datagrams of a message as liblcm sends it: one if it fits, else fragments."""
+    if len(_channel_bytes(channel)) + len(payload) <= SHORT_MESSAGE_MAX:
+        yield short_message(seqno, channel, payload)
+    else:
+        yield from fragments(seqno, channel, payload)
 
 
 def _channel_bytes(channel: str) -> bytes:
@@ -109,12 +112,11 @@ def _channel_bytes(channel: str) -> bytes:
 def _parse_short(datagram: bytes) -> ShortMessage | Malformed:
     if len(datagram) < _SHORT_HEADER.size:
         return Malformed("short message: shorter than its header")
-    seqno = int.from_bytes(datagram[4:8], "big")
     end = datagram.find(b"\0", 8, 8 + CHANNEL_MAX + 1)
     if end < 0:
         return Malformed("short message: channel name not ended within 63 bytes")
     channel = datagram[8:end].decode("utf-8", "surrogateescape")
-    return ShortMessage(seqno, channel, datagram[end + 1 :])
+    return ShortMessage(int.from_bytes(datagram[4:8], "big"), channel, datagram[end + 1 :])
 
 
 def _parse_fragment(datagram: bytes) -> Fragment | Malformed:

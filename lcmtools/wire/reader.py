@@ -66,11 +66,10 @@ class Reader:
             return None
         if isinstance(message, ShortMessage):
             packet = Packet(message.channel, message.payload, time, sender, message.seqno)
+        elif (joined := self._join(message, sender, time)) is not None:
+            packet = joined
         else:
-            found = self._join(message, sender, time)
-            if found is None:
-                return None
-            packet = found
+            return None
         self._sequence(sender).add(message.seqno)
         if ttl is not None and sender in self.sequences:
             self.ttls[sender] = ttl

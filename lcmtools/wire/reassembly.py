@@ -19,27 +19,20 @@ _PART_COST = 256  # bytes that keeping a part takes beside its own, so that empt
 class _Incomplete:
     message_size: int
     count: int
-    channel: str | None = None
     parts: dict[int, Fragment] = field(default_factory=dict)
     kept_bytes: int = 0
 
-    def add(self, fragment: Fragment) -> None:
-        if fragment.number in self.parts:
-            return
-        self.parts[fragment.number] = fragment
-        self.kept_bytes += len(fragment.part) + _PART_COST
-        if fragment.channel is not None:
-            self.channel = fragment.channel
-
-    def payload(self) -> bytes | None:
-        """Return the whole payload; None if the parts do not join without gap or overlap."""
-        position = 0
+    def whole(self, seqno: int) -> ShortMessage | None:
+        """Return the message; None if the parts do not join without gap or overlap."""
         ordered = [self.parts[number] for number in range(self.count)]
+        channel, position = ordered[0].channel, 0
         for fragment in ordered:
             if fragment.offset != position:
                 return None
             position += len(fragment.part)
-        return b"".join(f.part for f in ordered) if position == self.message_size else None
+        if channel is None or position != self.message_size:
+            return None
+        return ShortMessage(seqno, channel, b"".join(fragment.part for fragment in ordered))
 
 
 class Reassembler:
@@ -53,47 +46,30 @@ class Reassembler:
     def __init__(self, max_bytes: int = 64 << 20, max_messages: int = 1000) -> None:
         self.max_bytes = max_bytes
         self.max_messages = max_messages
-        self.discarded = 0
-        """Messages given up: inconsistent, or pushed out by newer ones."""
         self._incomplete: OrderedDict[_Key, _Incomplete] = OrderedDict()
         self._bytes = 0
 
     def add(self, sender: Hashable, fragment: Fragment) -> ShortMessage | None:
         """Take one fragment; return the message when it is complete."""
         key = (sender, fragment.seqno)
+        size, count = fragment.message_size, fragment.count
         message = self._incomplete.get(key)
-        if message is None or not _belongs(message, fragment):
+        if message is None or (message.message_size, message.count) != (size, count):
             self._forget(key)  # the sender's counter wrapped, or the sender is another one
-            message = _Incomplete(fragment.message_size, fragment.count)
-            self._incomplete[key] = message
-        before = message.kept_bytes
-        message.add(fragment)
-        self._bytes += message.kept_bytes - before
+            message = self._incomplete[key] = _Incomplete(size, count)
+        if fragment.number not in message.parts:
+            message.parts[fragment.number] = fragment
+            message.kept_bytes += len(fragment.part) + _PART_COST
+            self._bytes += len(fragment.part) + _PART_COST
         self._incomplete.move_to_end(key)
-        if len(message.parts) == message.count:
-            return self._complete(key, message)
-        self._bound()
-        return None
-
-    def _complete(self, key: _Key, message: _Incomplete) -> ShortMessage | None:
-        del self._incomplete[key]
-        self._bytes -= message.kept_bytes
-        payload = message.payload()
-        if payload is None or message.channel is None:
-            self.discarded += 1
-            return None
-        return ShortMessage(key[1], message.channel, payload)
-
-    def _bound(self) -> None:
+        if len(message.parts) == count:
+            self._forget(key)
+            return message.whole(fragment.seqno)
         while self._bytes > self.max_bytes or len(self._incomplete) > self.max_messages:
             self._forget(next(iter(self._incomplete)))
+        return None
 
     def _forget(self, key: _Key) -> None:
         message = self._incomplete.pop(key, None)
         if message is not None:
             self._bytes -= message.kept_bytes
-            self.discarded += 1
-
-
-def _belongs(message: _Incomplete, fragment: Fragment) -> bool:
-    return message.message_size == fragment.message_size and message.count == fragment.count

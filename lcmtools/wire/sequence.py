@@ -34,6 +34,11 @@ class Sequence:
         return self.restarts > _MOST_RESTARTS
 
     @property
+    def sent(self) -> int:
+        """The number of messages that the sender has sent, by the newest number; 0 before that."""
+        return self._newest + 1
+
+    @property
     def lost(self) -> int:
         """The number of messages between the first and the newest that did not come."""
         return self._lost - (self._newest in self._missing)  # of that one more parts may come

@@ -3,7 +3,8 @@
 The simulator's command: ``lcmtools run sim``, ``lcmtools-sim``, ``python -m lcmtools_sim``.
 
 This is the edge: arguments, environment, printing and exit codes. Requests for information (--help,
---list-worlds, --print-world, --check) need no bus, and pybullet only to find overlaps at the start.
+--version, --list-worlds, --print-world, --check) need no bus, and --check an engine only to find
+overlaps at the start.
 """
 
 import signal
@@ -12,8 +13,10 @@ import threading
 from collections.abc import Sequence
 from dataclasses import replace
 
+from lcmtools import __version__
 from lcmtools.arguments import split_arguments
 from lcmtools.errors import LcmtoolsError, MissingExtra
+from lcmtools_sim.engines import chosen_engine, engine_version
 from lcmtools_sim.options import Options, parse_options
 from lcmtools_sim.scene import Scene, contents, fleet, selected, with_robot
 from lcmtools_sim.world_file import read_scene
@@ -38,14 +41,19 @@ def main(args: Sequence[str] | None = None) -> int:
 
 def _inform(options: Options) -> bool:
     """Answer a request for information; return whether it was one."""
-    if options.list_worlds:
+    if options.version:
+        engine = engine_version(chosen_engine(options.engine))
+        text = f"lcmtools {__version__}, {engine}"
+    elif options.list_worlds:
         width = max(map(len, world_names()))
         text = "\n".join(f"{name:<{width}}  {describe(name)}" for name in world_names())
     elif options.print_world is not None:
         text = find_world(options.print_world)[0].rstrip()
     elif options.check is not None:
-        scene = _read(options.check)
-        _check_starts(scene)
+        scene = read_scene(*find_world(options.check))
+        for note in scene.notes:
+            _warn(note)
+        _check_starts(scene, options.engine)
         text = f"{options.check}: ok, {contents(scene)}"
     else:
         return False
@@ -57,23 +65,15 @@ def _warn(text: str) -> None:
     print(f"lcmtools run sim: {text}", file=sys.stderr)  # noqa: T201 - the command's edge
 
 
-def _read(world: str) -> Scene:
-    """A world by name or file; warns of ignored content."""
-    scene = read_scene(*find_world(world))
-    for note in scene.notes:
-        _warn(note)
-    return scene
-
-
-def _check_starts(scene: Scene) -> None:
-    """Refuse robots that start inside something, warn of such objects; if pybullet is there."""
+def _check_starts(scene: Scene, engine: str) -> None:
+    """Refuse robots that start inside something, warn of such objects; if there is an engine."""
     from lcmtools_sim.simulation import check_starts, misplaced_objects
 
     try:
-        notes = misplaced_objects(scene)
-        check_starts(scene)
+        notes = misplaced_objects(scene, engine)
+        check_starts(scene, engine)
     except MissingExtra:
-        notes = ["whether something starts inside something else is not checked without pybullet"]
+        notes = ["whether something starts inside something else is not checked without an engine"]
     for note in notes:
         _warn(note)
 
@@ -97,7 +97,7 @@ def overridden(scene: Scene, options: Options) -> tuple[Scene, Options]:
 
 def _simulate(options: Options, arguments: Sequence[str]) -> None:
     """Run the given world, with the command line's changes."""
-    scene, options = overridden(_read(options.world), options)
+    scene, options = overridden(read_scene(*find_world(options.world)), options)
     if threading.current_thread() is threading.main_thread():
         # Until the bus takes over, SIGTERM ends it as quietly as Ctrl-C.
         signal.signal(signal.SIGTERM, signal.default_int_handler)

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass, field
 
 from lcmtools import Node, spin_once
 from lcmtools.errors import ValueMismatch
@@ -10,6 +11,7 @@ from lcmtools.node.publisher import Publisher
 from lcmtools.node.subscription import Subscription
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
+from lcmtools_sim.command import out_of_range
 from lcmtools_sim.mounted import Sample, Subscribers
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.simulation import CLOCK_TOPIC, Simulation
@@ -26,13 +28,26 @@ _UPDATE_PERIOD = 0.1
 """[s] The longest delay of the first picture for a new subscriber, and of an idle clock."""
 
 
+_REPEAT_PERIOD = 0.5
+"""[s] Between the repetitions of a warning: ``wtf`` listens for about a second."""
+
+
+@dataclass(slots=True)
+class _Fault:
+    """A fault of a topic's commands: the senders that were warned of, and when to say it next."""
+
+    next_time: float = 0.0
+    senders: set[str] = field(default_factory=set)
+
+
 class Bridge:
     """Passes commands from the bus to the robots, and samples from the simulation to the bus."""
 
     def __init__(self, node: Node, simulation: Simulation) -> None:
         self._node = node
         self._simulation = simulation
-        self._warnings: dict[str, set[str]] = {}
+        self._faults: dict[tuple[str, str], _Fault] = {}
+        """By topic, and the text of a command that is ignored, or "" for one beyond the limits."""
         self._publishers: dict[str, Publisher[Message]] = {}
         self._subscriptions: dict[Robot, list[Subscription]] = {}
         self._subscribed: tuple[frozenset[str], bool] = frozenset(), True
@@ -47,7 +62,10 @@ class Bridge:
         if now >= self._next_update:
             self._next_update = now + _UPDATE_PERIOD
             self.find_subscribers(at_once=False)
-            self._publish_idle_clock()
+            # The clock of a simulation without subscribers appears on the bus all the same, by the
+            # wall clock: at a hundred times real time it would cost as much as the physics.
+            if not self._simulation.publishes_clock:
+                self.publish_clock()
 
     def find_subscribers(self, *, at_once: bool = True) -> None:
         """Select the topics with subscribers; ``at_once`` looks for programs that are no nodes."""
@@ -61,6 +79,13 @@ class Bridge:
         """Publish a step's messages."""
         for sample in samples:
             self._publishers[sample.topic].publish_payload(sample.payload)
+        if samples and samples[0].topic == CLOCK_TOPIC:
+            self._published_time = self._simulation.time
+
+    def publish_clock(self) -> None:
+        """Publish the clock, if its last message shows another time."""
+        if CLOCK_TOPIC in self._publishers and self._simulation.time != self._published_time:
+            self.publish([self._simulation.tick()])
 
     def warn(self, text: str) -> None:
         """Log a warning of the simulator."""
@@ -81,17 +106,6 @@ class Bridge:
             if robot not in self._subscriptions:
                 self._subscriptions[robot] = self._subscribe(robot)
         self._simulation.select(self._subscribers)
-
-    def _publish_idle_clock(self) -> None:
-        """Publish the clock even without a subscriber, so that it appears on the bus.
-
-        By the wall clock: at a hundred times real time it would cost as much as the physics.
-        """
-        time = self._simulation.time
-        if CLOCK_TOPIC in self._publishers and not self._simulation.publishes_clock:
-            if time != self._published_time:
-                self.publish([self._simulation.tick()])
-            self._published_time = time
 
     def _subscribers(self, topic: str) -> Subscribers:
         announced, may_have_others = self._subscribed
@@ -117,15 +131,36 @@ class Bridge:
             try:
                 robot.command(message)
             except ValueMismatch as error:
-                self._warn_once(topic, f"{topic}: command ignored: {error}")
-            else:
-                self._warnings.pop(topic, None)
+                self._warn_of(topic, str(error), f"command ignored: {error}")
+                return
+            for key in [key for key in self._faults if key[0] == topic and key[1]]:
+                del self._faults[key]
+            if reason := out_of_range(message, robot.model):
+                self._warn_of(topic, "", f"command reduced: {reason}")
 
         return command
 
-    def _warn_once(self, topic: str, text: str) -> None:
-        """Warn of a bad command, once until a good one: a publisher repeats its fault."""
-        given = self._warnings.setdefault(topic, set())
-        if text not in given:
-            given.add(text)
-            self.warn(text)
+    def _warn_of(self, topic: str, fault: str, text: str) -> None:
+        """Warn of a fault of commands once for each sender, an ignored one again after a good one.
+
+        While it lasts it is repeated on /rosout, for those who look later.
+        """
+        now = time.monotonic()
+        found = self._faults.setdefault((topic, fault), _Fault())
+        if now < found.next_time:
+            return
+        found.next_time = now + _REPEAT_PERIOD
+        sender = self._sender(topic)
+        line, log = f"{topic}: {text}{sender}", self._node.get_logger()
+        # A node's first command can come before its announcement: its name is no other sender.
+        is_known = sender in found.senders or found.senders == {""}
+        log.repeat(line) if is_known else log.warning(line)
+        found.senders.add(sender)
+
+    def _sender(self, topic: str) -> str:
+        """The nodes that publish a topic, in words; "" if it is a program that is no node."""
+        names = [
+            f"a command, process {node.pid}" if node.tool else node.name
+            for node, _ in self._node.graph().topic(topic).publishers
+        ]
+        return f" (from {' or '.join(names)})" if names else ""

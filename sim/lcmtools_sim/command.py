@@ -13,6 +13,8 @@ from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.drive import SideSpeeds, body_velocity, side_speeds
 from lcmtools_sim.robots.model import RobotModel
 
+_ROUNDING = 1 + 1e-6  # a controller that limits its own commands may compute in float32
+
 
 def interpret(message: JointState | Twist, model: RobotModel) -> SideSpeeds:
     """The side speeds [m/s] of a command, within the robot's limits.
@@ -31,16 +33,45 @@ def interpret(message: JointState | Twist, model: RobotModel) -> SideSpeeds:
     raise ValueMismatch(f"a {type(message).__name__} is no command", "send a JointState or a Twist")
 
 
+def out_of_range(message: JointState | Twist, model: RobotModel) -> str:
+    """The first value of a command beyond the robot's limits, to which it is reduced; "" for none.
+
+    ``interpret`` accepts the message.
+    """
+    drive = model.drive
+    if isinstance(message, JointState) and message.effort:
+        values = [(f"effort[{i}]", value, 1.0, "") for i, value in enumerate(message.effort)]
+    else:
+        names, (forward, turn_rate) = ("linear.x", "angular.z"), (0.0, 0.0)
+        if isinstance(message, Twist):
+            forward, turn_rate = message.linear.x, message.angular.z
+        else:
+            names = "the speed of the wheels", "the turn rate of the wheels"
+            forward, turn_rate = body_velocity(_wheel_speeds(message, model), drive.track)
+        values = [
+            (names[0], forward, drive.max_speed, " m/s"),
+            (names[1], turn_rate, drive.max_turn_rate, " rad/s"),
+        ]
+    for name, value, limit, unit in values:
+        if abs(value) > limit * _ROUNDING:
+            return f"{name} is {value:.4g}{unit}, the limit {limit:g}{unit}"
+    return ""
+
+
 def _from_joint_state(state: JointState, model: RobotModel) -> SideSpeeds:
     if state.effort:
         left, right = _by_side("effort", state.effort, state.name, model)
         full = model.drive.full_speed
         return SideSpeeds(max(-1.0, min(1.0, left)) * full, max(-1.0, min(1.0, right)) * full)
     if state.velocity:
-        left, right = _by_side("velocity", state.velocity, state.name, model)
-        speeds = SideSpeeds(left * model.drive.wheel_radius, right * model.drive.wheel_radius)
+        speeds = _wheel_speeds(state, model)
         return side_speeds(*body_velocity(speeds, model.drive.track), model.drive)
     raise ValueMismatch("neither effort nor velocity is given", "for example effort: [1, 1]")
+
+
+def _wheel_speeds(state: JointState, model: RobotModel) -> SideSpeeds:
+    left, right = _by_side("velocity", state.velocity, state.name, model)
+    return SideSpeeds(left * model.drive.wheel_radius, right * model.drive.wheel_radius)
 
 
 def _by_side(

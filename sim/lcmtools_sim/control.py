@@ -12,7 +12,7 @@ from lcmtools import Node
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.names import did_you_mean, resolve_namespace
 from lcmtools.types import geometry_msgs, sim_msgs, std_srvs
-from lcmtools_sim.geometry import Frame, Pose, Quaternion, to_euler
+from lcmtools_sim.geometry import Frame, Pose, to_euler
 from lcmtools_sim.loop import Loop
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.robots import MODELS
@@ -103,7 +103,9 @@ class Control:
         state = robot.state(self._simulation.time)
         response.time, response.model = state.time, robot.model.name
         place, turn, twist = response.pose.position, response.pose.orientation, response.twist
-        place.x, place.y, place.z = state.position
+        height = robot.model.body.base_height  # of base_link above base_footprint
+        frame = Frame(state.position, state.rotation)
+        place.x, place.y, place.z = frame.point((0.0, 0.0, -height))
         turn.x, turn.y, turn.z, turn.w = state.rotation
         twist.linear.x, twist.linear.y, twist.linear.z = state.velocity
         twist.angular.x, twist.angular.y, twist.angular.z = state.angular_velocity
@@ -138,8 +140,7 @@ class Control:
         if request.robot:
             state = self._robot(request.robot).state(simulation.time)
             frame = Frame(state.position, state.rotation)
-        color = simulation.scene.ground.color
-        response.image.data = snapshot(simulation.parts(), color, width, height, frame)
+        response.image.data = snapshot(simulation.solids(), width, height, frame)
         response.image.format = "png"
         response.message = f"a picture of {width} x {height} pixels"
 
@@ -181,12 +182,7 @@ def _read_pose(message: geometry_msgs.Pose) -> Pose:
     rotation = turn.x, turn.y, turn.z, turn.w
     if not all(abs(value) <= _FARTHEST for value in (place.x, place.y, place.z, *rotation)):
         raise UsageError(f"the pose is not finite, or farther than {_FARTHEST:g} m")
-    return Pose(place.x, place.y, place.z, *to_euler(_normalized(rotation)))
-
-
-def _normalized(rotation: Quaternion) -> Quaternion:
-    length = math.hypot(*rotation)
-    if not length:
+    if not (length := math.hypot(*rotation)):
         raise UsageError("the orientation is all zeros", "w: 1 for none")
-    x, y, z, w = rotation
-    return x / length, y / length, z / length, w / length
+    x, y, z, w = (value / length for value in rotation)
+    return Pose(place.x, place.y, place.z, *to_euler((x, y, z, w)))

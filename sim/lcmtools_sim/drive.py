@@ -12,6 +12,8 @@ from typing import NamedTuple
 from lcmtools_sim.geometry import Vector
 from lcmtools_sim.robots.model import Drive
 
+Random = Callable[[int], Iterable[float]]
+
 _STANDSTILL = 1e-6  # [m/s]; a motor this near to its target has reached it
 
 
@@ -76,30 +78,8 @@ def dead_reckoning(pose: Vector, distance: float, half_turn: float, steps: int =
     return x + distance * cos(heading), y + distance * sin(heading), heading + steps * half_turn
 
 
-class Encoders:
-    """The wheels' encoders: each side's speed, with noise that grows like a random walk.
-
-    Args:
-        noise: Standard deviation of a side's distance after 1 m [m].
-        random: Draws that many numbers of the standard normal distribution.
-        dt: Seconds of a step.
-    """
-
-    def __init__(self, noise: float, random: Callable[[int], Iterable[float]], dt: float) -> None:
-        self._gain = noise / sqrt(dt)
-        self._random = random
-
-    def read(self, speeds: SideSpeeds) -> SideSpeeds:
-        """Each side's measured speed over one step [m/s]."""
-        left, right = self._random(2)
-        return SideSpeeds(
-            speeds.left + self._gain * sqrt(abs(speeds.left)) * left,
-            speeds.right + self._gain * sqrt(abs(speeds.right)) * right,
-        )
-
-
 class Drivetrain:
-    """Both sides' motors and wheels, and their encoders.
+    """Both sides' motors and wheels, and their encoders, whose noise grows like a random walk.
 
     While the speeds stay the same only steps are counted: angles and pose are computed when they
     are read, which changes nothing.
@@ -107,7 +87,8 @@ class Drivetrain:
     Args:
         drive: The motors.
         dt: Seconds of a step.
-        encoders: None for exact ones.
+        noise: Standard deviation of a side's distance by its encoder after 1 m [m].
+        random: Draws that many numbers of the standard normal distribution; needed for noise.
 
     Attributes:
         speeds: Ground speeds of the wheels [m/s].
@@ -115,12 +96,15 @@ class Drivetrain:
             in half a step: the quaternion's z and w.
     """
 
-    def __init__(self, drive: Drive, dt: float, encoders: Encoders | None = None) -> None:
+    def __init__(
+        self, drive: Drive, dt: float, noise: float = 0.0, random: Random = lambda _: ()
+    ) -> None:
         self._drive = drive
         self._dt = dt
         self._angle_by_speed = dt / drive.wheel_radius  # [rad s/m] in a step
         self._half_turn_by_speed = dt / drive.track / 2  # [rad s/m]
-        self._encoders = encoders
+        self._noise = noise / sqrt(dt)
+        self._random = random
         self._angles = 0.0, 0.0
         self._pose = 0.0, 0.0, 0.0
         self._steps = 0
@@ -130,7 +114,7 @@ class Drivetrain:
         """Let the motors follow ``targets`` for one step [m/s]."""
         if self.speeds != targets:
             self._change(follow(self.speeds, targets, self._drive, self._dt))
-        elif self._encoders and targets != STOPPED:
+        elif self._noise and targets != STOPPED:
             self._change(targets)  # the encoders read another speed in each step
         self._steps += 1
 
@@ -157,7 +141,9 @@ class Drivetrain:
         left, right = speeds
         quarter_turn = (right - left) * self._half_turn_by_speed / 2
         self.mid_turn = sin(quarter_turn), cos(quarter_turn)
-        if self._encoders:
-            left, right = self._encoders.read(speeds)
+        if self._noise:
+            error, other_error = self._random(2)
+            left += self._noise * sqrt(abs(left)) * error
+            right += self._noise * sqrt(abs(right)) * other_error
         self._distance = (left + right) / 2 * self._dt
         self._half_turn = (right - left) * self._half_turn_by_speed

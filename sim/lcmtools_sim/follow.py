@@ -9,25 +9,11 @@ from collections.abc import Callable
 
 from lcmtools import Node, spin_once
 from lcmtools.clock import NANOSECONDS
-from lcmtools.messages.registry import Message
 from lcmtools.types.rosgraph_msgs import Clock
-from lcmtools_sim.mounted import Sample
 from lcmtools_sim.schedule import Pacer
 from lcmtools_sim.simulation import CLOCK_TOPIC, Simulation
 
 _LONGEST_WAIT = 0.1  # [s]; the longest delay of a request to end
-
-
-class FollowingSimulation(Simulation):
-    """A simulation that leaves the clock to another process."""
-
-    def topics(self) -> dict[str, type[Message]]:
-        """Every topic of its samples, with the type."""
-        return {topic: kind for topic, kind in super().topics().items() if topic != CLOCK_TOPIC}
-
-    def step(self) -> list[Sample]:
-        """Simulate one dt and return the samples that are due, without the clock."""
-        return [sample for sample in super().step() if sample.topic != CLOCK_TOPIC]
 
 
 class LeaderClock(Pacer):

@@ -94,9 +94,14 @@ class MountedSensor:
 
 def mount_sensors(robot: Robot, scene: Scene) -> list[MountedSensor]:
     """All sensors of a robot, in the order of its model."""
-    color = scene.ground.color
     context = SensorContext(
-        robot.namespace, robot.body, robot.world, color, scene.gravity, scene.seed
+        robot.namespace,
+        robot.body,
+        robot.world,
+        scene.ground.color,
+        scene.lines,
+        scene.gravity,
+        scene.seed,
     )
     mounts = [(SENSORS[mount.kind], mount) for mount in robot.model.sensors]
     return [

@@ -8,6 +8,7 @@ from typing import NoReturn
 
 from lcmtools.errors import UsageError
 from lcmtools.names import did_you_mean
+from lcmtools_sim.engines import ENGINES
 from lcmtools_sim.geometry import Pose
 from lcmtools_sim.robots import MODELS
 from lcmtools_sim.robots.model import RobotModel
@@ -43,7 +44,9 @@ class Options:
     added: tuple[tuple[RobotModel, Pose], ...]
     only: tuple[str, ...]
     follow: bool
+    engine: str
     gui: bool
+    version: bool
     paused: bool
     duration: float | None
     list_worlds: bool
@@ -101,8 +104,15 @@ def _parser() -> argparse.ArgumentParser:
     add("--only", type=_names, default=(), metavar="NAMES", help="simulate only these robots: a,b")
     add("--follow", action="store_true", help="follow the /clock of another process")
     add("--duration", type=duration, metavar="S", help="end after S simulated seconds")
+    add(
+        "--engine",
+        choices=ENGINES,
+        default="",
+        help="of physics (default: $LCMTOOLS_ENGINE, else bullet where pybullet is installed)",
+    )
     add("--gui", action="store_true", help="show it in a window")
     add("--paused", action="store_true", help="wait for lcmtools sim resume, or step N")
+    add("--version", action="store_true", help="print the versions of lcmtools and the engine")
     add("--list-worlds", action="store_true", help="list the worlds and exit")
     add("--print-world", metavar="NAME", help="print its file, to start one of your own")
     add("--check", metavar="FILE", help="check a world file, and end")

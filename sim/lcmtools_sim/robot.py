@@ -7,17 +7,8 @@ from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.command import interpret
-from lcmtools_sim.drive import STOPPED, Drivetrain, Encoders, body_velocity
-from lcmtools_sim.geometry import (
-    Pose,
-    Vector,
-    add,
-    axes,
-    components,
-    cross,
-    scaled,
-    subtract,
-)
+from lcmtools_sim.drive import STOPPED, Drivetrain, body_velocity
+from lcmtools_sim.geometry import Pose, Vector, add, axes, components, cross, scaled, subtract
 from lcmtools_sim.robots.model import Drive
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.sensors.motion import OdometrySettings
@@ -129,14 +120,16 @@ class Robot:
         of_lever = add(
             cross(angular_acceleration, base_link), cross(motion.angular_velocity, swing)
         )
+        velocity = components(add(motion.velocity, swing), frame)
+        angular_velocity = components(motion.angular_velocity, frame)
         (left, right), (left_target, right_target) = train.speeds, self._targets
         return RobotState(
             time=time,
             stamp=split_stamp(time),
             position=add(motion.position, base_link),
             rotation=motion.rotation,
-            velocity=components(add(motion.velocity, swing), frame),
-            angular_velocity=components(motion.angular_velocity, frame),
+            velocity=self._in_mid_step(velocity, angular_velocity[2]),
+            angular_velocity=angular_velocity,
             acceleration=components(add(change, of_lever), frame),
             angular_acceleration=components(angular_acceleration, frame),
             wheel_angles=Sides(*train.angles()),
@@ -145,6 +138,16 @@ class Robot:
             odometry_pose=train.odometry_pose(),
             odometry_speed=body_velocity(train.speeds, drive.track),
         )
+
+    def _in_mid_step(self, velocity: Vector, turn_rate: float) -> Vector:
+        """A velocity in the body's axes in the middle of its last step, given in those at its end.
+
+        The body moved along a chord, in the direction of its heading in the middle.
+        """
+        angle = turn_rate * self._dt / 2
+        s, c = math.sin(angle), math.cos(angle)
+        forward, left, up = velocity
+        return forward * c - left * s, forward * s + left * c, up
 
     def _pulled(self) -> tuple[Vector, Vector]:
         """Velocity and angular velocity in the world after the tyres' pull.
@@ -191,8 +194,7 @@ def _drivetrain(placement: RobotPlacement, scene: Scene) -> Drivetrain:
     settings = [mount.settings for mount in placement.model.sensors]
     noise = max((s.travel_noise for s in settings if isinstance(s, OdometrySettings)), default=0.0)
     random = random_numbers(scene.seed, f"{placement.namespace}/encoders").standard_normal
-    encoders = Encoders(noise, random, scene.dt) if noise else None
-    return Drivetrain(placement.model.drive, scene.dt, encoders)
+    return Drivetrain(placement.model.drive, scene.dt, noise, random)
 
 
 def _effort(target: float, drive: Drive) -> float:

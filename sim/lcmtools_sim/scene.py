@@ -12,7 +12,7 @@ from lcmtools.errors import UsageError
 from lcmtools.names import did_you_mean
 from lcmtools_sim.geometry import ORIGIN, Pose, Vector
 from lcmtools_sim.robots.model import RobotModel
-from lcmtools_sim.shapes import Color, Cuboid, Part
+from lcmtools_sim.shapes import Color, Cuboid, Line, Part
 
 _SPACING = 3.0  # [m] between the robots of a fleet
 FRICTION = 0.6
@@ -81,6 +81,14 @@ class RobotPlacement:
 
 
 @dataclass(frozen=True, slots=True)
+class MarkedPath:
+    """A path that is marked on the ground, and its global topic (nav_msgs/Path)."""
+
+    topic: str
+    line: Line
+
+
+@dataclass(frozen=True, slots=True)
 class Scene:
     """The content of a world file.
 
@@ -93,6 +101,7 @@ class Scene:
         ground: The plane z = 0.
         objects: Boxes, pieces of walls, tables and so on.
         robots: In the order of the file.
+        paths: In the order of the file.
         notes: Content of its files that the simulator ignores, one line each.
     """
 
@@ -104,7 +113,13 @@ class Scene:
     ground: Ground = Ground()
     objects: tuple[SceneObject, ...] = ()
     robots: tuple[RobotPlacement, ...] = ()
+    paths: tuple[MarkedPath, ...] = ()
     notes: tuple[str, ...] = field(default=(), compare=False)
+
+    @property
+    def lines(self) -> tuple[Line, ...]:
+        """The lines on the ground."""
+        return tuple(path.line for path in self.paths)
 
 
 def fleet(scene: Scene, size: int) -> Scene:
@@ -117,19 +132,15 @@ def fleet(scene: Scene, size: int) -> Scene:
     """
     if not scene.robots:
         raise UsageError(f"the world {scene.name} has no robot to make {size} of")
-    first = scene.robots[0]
+    first, pose = scene.robots[0], scene.robots[0].pose
     stem = first.namespace.rstrip("0123456789").rstrip("/") or f"/{first.model.name}"
     side = max(1, math.isqrt(size - 1) + 1)
     robots = tuple(
-        replace(first, namespace=f"{stem}{number}", pose=_beside(first.pose, number, side))
+        replace(first, namespace=f"{stem}{number}", pose=replace(pose, x=x, y=y))
         for number in range(size)
+        for x, y in [(pose.x + number // side * _SPACING, pose.y + number % side * _SPACING)]
     )
     return replace(scene, robots=robots)
-
-
-def _beside(pose: Pose, number: int, side: int) -> Pose:
-    row, column = divmod(number, side)
-    return replace(pose, x=pose.x + row * _SPACING, y=pose.y + column * _SPACING)
 
 
 def with_robot(scene: Scene, model: RobotModel, pose: Pose) -> Scene:

@@ -6,7 +6,6 @@ Steps are numbered from 1 and are the only time here; the wall clock comes in as
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 Item = TypeVar("Item")
@@ -29,63 +28,41 @@ class Timetable(Generic[Item]):
 
     def __init__(self, dt: float) -> None:
         self._dt = dt
-        self._groups: dict[float, _Group[Item]] = {}
-        self._added = 0
+        self._items: list[tuple[float, Item]] = []
+        self._counts: dict[float, int] = {}
+        """The times that items of each rate have been due."""
         self._next: float = math.inf
         """The next step at which any item is due: most steps need not look further."""
 
     def add(self, rate: float, item: Item, *, after: int = 0) -> None:
         """Let ``item`` be due ``rate`` times a second, at most once a step, after a step."""
-        if rate not in self._groups:
-            count = math.floor(after * self._dt * rate) + 1
-            while self._step(count, rate) <= after:
-                count += 1
-            self._groups[rate] = _Group(count, self._step(count, rate))
-        self._groups[rate].items[self._added] = item
-        self._added += 1
+        self._items.append((rate, item))
+        self._counts.setdefault(rate, self._count(after, rate))
         self._find_next()
 
     def remove(self, items: Sequence[Item]) -> None:
         """Remove these items."""
-        for rate, group in tuple(self._groups.items()):
-            group.items = {n: item for n, item in group.items.items() if item not in items}
-            if not group.items:
-                del self._groups[rate]
+        self._items = [(rate, item) for rate, item in self._items if item not in items]
+        self._counts = {rate: self._counts[rate] for rate, _ in self._items}
         self._find_next()
 
     def due(self, step: int) -> list[Item]:
         """The items due at ``step``, in the order of adding; steps come in their order."""
         if step < self._next:
             return []
-        found = [self._take(rate, step) for rate, g in self._groups.items() if g.step <= step]
+        counts = {rate: self._count(step, rate) for rate in self._counts}
+        due = {rate for rate, count in counts.items() if count > self._counts[rate]}
+        self._counts = counts
         self._find_next()
-        if len(found) < 2:  # noqa: PLR2004 - else they must be sorted
-            return list(found[0].values()) if found else []
-        together = {number: item for items in found for number, item in items.items()}
-        return [together[number] for number in sorted(together)]
+        return [item for rate, item in self._items if rate in due]
 
-    def _take(self, rate: float, step: int) -> dict[int, Item]:
-        """The items of a rate that is due at ``step``; sets the rate's next step."""
-        group = self._groups[rate]
-        group.count += 1
-        group.step = max(step + 1, self._step(group.count, rate))
-        return group.items
+    def _count(self, step: int, rate: float) -> int:
+        """The times that are due up to a step; one that rounding puts just after it is."""
+        return math.floor(step * rate * self._dt * (1 + 1e-12))
 
     def _find_next(self) -> None:
-        self._next = min((group.step for group in self._groups.values()), default=math.inf)
-
-    def _step(self, count: int, rate: float) -> int:
-        # The factor keeps a value that rounding puts just above a whole step from the next one.
-        return math.ceil(count / (rate * self._dt) * (1 - 1e-12))
-
-
-@dataclass(slots=True)
-class _Group(Generic[Item]):
-    """All items of one rate, by the number of their adding; the next time's number and step."""
-
-    count: int
-    step: int
-    items: dict[int, Item] = field(default_factory=dict)
+        steps = ((n + 1) / (rate * self._dt) * (1 - 1e-12) for rate, n in self._counts.items())
+        self._next = min(map(math.ceil, steps), default=math.inf)
 
 
 class Pacer:

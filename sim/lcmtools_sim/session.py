@@ -6,14 +6,15 @@ from collections.abc import Sequence
 import lcmtools
 from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.control import Control
-from lcmtools_sim.follow import FollowingSimulation, LeaderClock
+from lcmtools_sim.engines import chosen_engine, engine_version
+from lcmtools_sim.engines.native import check_display
+from lcmtools_sim.follow import LeaderClock
 from lcmtools_sim.loop import Loop
-from lcmtools_sim.native import check_display
 from lcmtools_sim.options import Options
+from lcmtools_sim.paths import PathPublisher
 from lcmtools_sim.scene import Scene, contents
 from lcmtools_sim.schedule import Pacer
 from lcmtools_sim.simulation import Simulation, misplaced_objects
-from lcmtools_sim.world import check_installed
 
 
 def simulate(scene: Scene, options: Options, arguments: Sequence[str]) -> None:
@@ -25,19 +26,19 @@ def simulate(scene: Scene, options: Options, arguments: Sequence[str]) -> None:
         MissingExtra: A package of the extra is not installed.
         LcmtoolsError: There is no bus, or no display for the window.
     """
-    check_installed()
+    engine = chosen_engine(options.engine)
     if options.gui:
         check_display(os.environ)
     lcmtools.init(arguments)  # before the engine: from here on Ctrl-C ends it quietly
     try:
-        kind = FollowingSimulation if options.follow else Simulation
-        with kind(scene, window=options.gui) as simulation:
-            _run(simulation, options)
+        leads = not options.follow
+        with Simulation(scene, engine=engine, window=options.gui, leads=leads) as simulation:
+            _run(simulation, options, engine_version(engine))
     finally:
         lcmtools.shutdown()
 
 
-def _run(simulation: Simulation, options: Options) -> None:
+def _run(simulation: Simulation, options: Options, engine: str) -> None:
     scene = simulation.scene
     with lcmtools.Node(scene.node) as node:
         bridge = Bridge(node, simulation)
@@ -49,11 +50,13 @@ def _run(simulation: Simulation, options: Options) -> None:
         loop = Loop(simulation, bridge, pacer, go_on=lcmtools.ok, last_step=last_step)
         loop.paused = options.paused
         Control(node, simulation, loop, bridge.refresh)
+        for path in () if options.follow else scene.paths:
+            PathPublisher(node, path)
         log = node.get_logger()
-        for line in misplaced_objects(scene):
+        for line in (*scene.notes, *misplaced_objects(scene, options.engine)):
             log.warning(line)
         paused = "; paused: lcmtools sim resume starts it" if options.paused else ""
-        log.info(f"simulating {scene.name}: {contents(scene)}{paused}")
+        log.info(f"simulating {scene.name} with {engine}: {contents(scene)}{paused}")
         if options.follow:
             log.info("waiting for the /clock of the process that leads")
             pacer.wait(lcmtools.ok, bridge.receive)

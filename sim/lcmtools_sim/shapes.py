@@ -23,6 +23,11 @@ class Cuboid:
 
     size: Vector
 
+    @property
+    def least_radius(self) -> float:
+        """Half of its least dimension [m]."""
+        return min(self.size) / 2
+
 
 @dataclass(frozen=True, slots=True)
 class Cylinder:
@@ -31,12 +36,22 @@ class Cylinder:
     radius: float
     length: float
 
+    @property
+    def least_radius(self) -> float:
+        """Half of its least dimension [m]."""
+        return min(self.radius, self.length / 2)
+
 
 @dataclass(frozen=True, slots=True)
 class Sphere:
     """A sphere about its centre [m]."""
 
     radius: float
+
+    @property
+    def least_radius(self) -> float:
+        """Half of its least dimension [m]."""
+        return self.radius
 
 
 Shape: TypeAlias = Cuboid | Cylinder | Sphere
@@ -66,6 +81,15 @@ class Part:
             return sum(abs(c) * side / 2 for c, side in zip(columns, shape.size, strict=True))
         along = abs(columns[2])
         return shape.radius * math.sqrt(max(0.0, 1 - along * along)) + shape.length / 2 * along
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line on the ground: (x, y) of its points [m], its width [m] and its colour."""
+
+    points: tuple[tuple[float, float], ...]
+    width: float
+    color: Color
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from lcmtools_sim.robot import START_OVERLAP, Robot
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.schedule import Timetable
 from lcmtools_sim.sensors.sensor import RobotState
-from lcmtools_sim.shapes import Part
+from lcmtools_sim.vision.solids import Solids, solids_of
 from lcmtools_sim.world import World
 
 CLOCK_TOPIC = "/clock"
@@ -30,20 +30,25 @@ _CLOCK = PayloadTemplate(Clock(), "clock")
 class Simulation(AbstractContextManager["Simulation"]):
     """A running scene. A context manager: it owns the engine's world.
 
+    One that does not lead leaves the clock to another process.
+
     Attributes:
         scene: As given.
         robots: In the order of the scene, then as they were added.
         steps: Their number so far.
+        publishes_clock: True if its steps return the clock; else ``tick`` returns it on request.
 
     Raises:
-        MissingExtra: pybullet is not installed.
+        MissingExtra: There is no engine (see engines.chosen_engine).
         InvalidFile: A robot starts inside another body.
     """
 
-    def __init__(self, scene: Scene, *, window: bool = False) -> None:
+    def __init__(
+        self, scene: Scene, *, engine: str = "", window: bool = False, leads: bool = True
+    ) -> None:
         self.scene = scene
-        self._publishes_clock = True
-        self._world = World(scene, window=window)
+        self._leads = self.publishes_clock = leads
+        self._world = World(scene, engine=engine, window=window)
         try:
             self._begin()
         except InvalidFile:
@@ -59,11 +64,6 @@ class Simulation(AbstractContextManager["Simulation"]):
         """Simulated nanoseconds since the start."""
         return round(self.steps * self.scene.dt * NANOSECONDS)
 
-    @property
-    def publishes_clock(self) -> bool:
-        """True if its steps return the clock; else ``tick`` returns it on request."""
-        return self._publishes_clock
-
     def tick(self) -> Sample:
         """The present clock message."""
         return Sample(CLOCK_TOPIC, Clock, _CLOCK.fill(split_stamp(self.time)))
@@ -72,13 +72,14 @@ class Simulation(AbstractContextManager["Simulation"]):
         """Return False once the window is closed."""
         return self._world.is_open()
 
-    def parts(self) -> list[Part]:
-        """All shapes, in the world."""
-        return [*self._world.fixed_parts(), *self._world.moving_parts()]
+    def solids(self) -> Solids:
+        """All shapes and the ground, in the world."""
+        parts = [*self._world.fixed_parts(), *self._world.moving_parts()]
+        return solids_of(parts, self.scene.ground.color, self.scene.lines)
 
     def topics(self) -> dict[str, type[Message]]:
         """Every topic of its samples, with the type."""
-        found: dict[str, type[Message]] = {CLOCK_TOPIC: Clock}
+        found: dict[str, type[Message]] = {CLOCK_TOPIC: Clock} if self._leads else {}
         for robot in self.robots:
             for sensor in self._sensors[robot.namespace]:
                 found.update(sensor.topics())
@@ -89,8 +90,7 @@ class Simulation(AbstractContextManager["Simulation"]):
 
         Before the first call everything is measured, and so are the sensors of robots added later.
         """
-        is_leader = CLOCK_TOPIC in self.topics()
-        self._publishes_clock = is_leader and subscribers(CLOCK_TOPIC) is not Subscribers.NONE
+        self.publishes_clock = self._leads and subscribers(CLOCK_TOPIC) is not Subscribers.NONE
         for sensors in self._sensors.values():
             for sensor in sensors:
                 sensor.select(subscribers)
@@ -152,10 +152,10 @@ class Simulation(AbstractContextManager["Simulation"]):
             self.add(placement)
 
     def _is_selected(self, item: MountedSensor | None) -> bool:
-        return self._publishes_clock if item is _TICK else not item.is_idle
+        return self.publishes_clock if item is _TICK else not item.is_idle
 
     def _samples(self, due: Iterable[MountedSensor | None]) -> list[Sample]:
-        samples = [self.tick()] if self._publishes_clock else []
+        samples = [self.tick()] if self.publishes_clock else []
         time = self.time
         states: dict[str, RobotState] = {}
         for sensor in due:
@@ -168,17 +168,17 @@ class Simulation(AbstractContextManager["Simulation"]):
         return samples
 
 
-def check_starts(scene: Scene) -> None:
+def check_starts(scene: Scene, engine: str = "") -> None:
     """Return if every robot can start, tried in a simulation that ends at once; raise as that."""
-    with Simulation(scene):
+    with Simulation(scene, engine=engine):
         pass
 
 
-def misplaced_objects(scene: Scene) -> list[str]:
+def misplaced_objects(scene: Scene, engine: str = "") -> list[str]:
     """Warnings of movable objects that start inside another body, one line each."""
     if not any(thing.mass for thing in scene.objects):
         return []
-    with World(scene) as world:
+    with World(scene, engine=engine) as world:
         found = world.overlaps()
     return [
         f"{thing.where or scene.name}: {thing.name} starts {depth:.2f} m inside {other}, and is"

@@ -5,12 +5,11 @@ import math
 import numpy as np
 
 from lcmtools_sim.geometry import Frame, Quaternion, Vector, add, from_euler, rotate, yaw_of
-from lcmtools_sim.shapes import Color, Part
 from lcmtools_sim.vision.camera import Camera, corners_of, optical
 from lcmtools_sim.vision.color import color_image
 from lcmtools_sim.vision.messages import png_file
 from lcmtools_sim.vision.render import render
-from lcmtools_sim.vision.solids import Floats, solids_of
+from lcmtools_sim.vision.solids import Floats, Solids
 
 _FIELD_OF_VIEW = math.radians(60)
 _DOWN: Quaternion = (1.0, 0.0, 0.0, 0.0)
@@ -22,21 +21,19 @@ _BEHIND: Vector = (-3.0, 0.0, 1.8)
 _TILT = math.radians(22)
 
 
-def snapshot(
-    parts: list[Part], ground: Color, width: int, height: int, robot: Frame | None = None
-) -> bytes:
+def snapshot(solids: Solids, width: int, height: int, robot: Frame | None = None) -> bytes:
     """A PNG file of the whole world from above, x to the right, y up; or from behind a robot.
 
-    ``parts`` are all shapes and ``robot`` is the robot's base_link, in the world.
+    ``solids`` are all shapes and ``robot`` is the robot's base_link, in the world.
     """
     camera = Camera(width, height, _FIELD_OF_VIEW)
     if robot is None:
-        eye, view = _above(corners_of(solids_of(parts)).reshape(-1, 3), camera), _DOWN
+        eye, view = _above(corners_of(solids).reshape(-1, 3), camera), _DOWN
     else:
         heading = yaw_of(robot.rotation)
         eye = add(robot.position, rotate(_BEHIND, from_euler(0.0, 0.0, heading)))
         view = optical(from_euler(0.0, _TILT, heading))
-    return png_file(color_image(render(solids_of(parts, ground), camera, eye, view)))
+    return png_file(color_image(render(solids, camera, eye, view)))
 
 
 def _above(corners: Floats, camera: Camera) -> Vector:

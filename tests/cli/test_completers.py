@@ -9,6 +9,7 @@ from lcmtools.cli.completion.tree import Argument, Option, Tree
 
 NOT_KNOWN = {
     "msg find-field name",
+    "pkg add-node name",
     "pkg create name",
     "pkg create node",
     "pub name",

@@ -1,10 +1,11 @@
 """Every command block of the README, docs/ and labs/ does what it shows.
 
-A block that begins with ```console has commands behind "$ " ("> " continues one) and, below each,
-what it prints: every line shown must come, in this order; … stands for anything within a line, and
-alone for any lines. A command that goes on is ended with Ctrl-C once what is shown has come; one
-that ends with & runs until the block is over. An exit code other than 0 is as it should be where
-output is shown. Comments before a block say more:
+A block that begins with ```sh has commands as they are typed, a line each, to be pasted. One that
+begins with ```console has commands behind "$ " and, below each, what it prints: every line shown
+must come, in this order; … stands for anything within a line, and alone for any lines. A command
+that goes on is ended with Ctrl-C once what is shown has come; one that ends with & runs until the
+block is over. An exit code other than 0 is as it should be where output is shown. Comments before a
+block say more:
 
     <!-- with: run sim --world husky; run talker -->   what runs beside it, without "lcmtools"
     <!-- not run: it needs a second computer -->       why not
@@ -38,7 +39,7 @@ DOCUMENTS = [
 _FENCE = re.compile(r"((?:^[ ]*<!--.*?-->\n+)*)^```(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _NOTE = re.compile(r"<!-- (with|not run|file): (.*?) -->")
 _INLINE = re.compile(r"`lcmtools ([a-z][a-z-]*)(?: ([a-z][a-z-]*))?")
-LANGUAGES = {"console", "python", "yaml", "xml", "text", "c", "cpp"}
+LANGUAGES = {"sh", "console", "python", "yaml", "xml", "text", "c", "cpp"}
 GOING_ON = 2.5  # [s] after which a command that still runs and shows nothing is meant to go on
 ENDING = 0.3  # [s] in which a command that has shown all comes to its end
 LONGEST = 120.0
@@ -65,10 +66,10 @@ class Block:
         """What is typed in it."""
         found: list[Command] = []
         for line in self.text.splitlines():
-            if line.startswith("$ "):
+            if self.language == "sh":
+                found += [Command(line)] if line.strip() else []
+            elif line.startswith("$ "):
                 found.append(Command(line[2:]))
-            elif line.startswith("> ") and not found[-1].shown:
-                found[-1].text += f"\n{line[2:]}"
             elif line.strip():
                 found[-1].shown.append(line)
         return found
@@ -237,7 +238,7 @@ def test_every_block_does_what_it_shows(
             where = f"{document.relative_to(ROOT)}:{block.line}"
             if "file" in block.notes:
                 (tmp_path / block.notes["file"]).write_text(block.text)
-            if block.language == "console" and "not run" not in block.notes:
+            if block.language in ("sh", "console") and "not run" not in block.notes:
                 wrong += [f"{where}\n{problem}" for problem in play(block, beside)]
     assert wrong == [], "\n\n".join(wrong)
 
@@ -293,6 +294,16 @@ def test_every_block_says_what_it_is(document: Path) -> None:
         if block.language not in LANGUAGES and "not run" not in block.notes
     ]
     assert unknown == []
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_every_block_can_be_pasted(document: Path) -> None:
+    for block in blocks(document):
+        where = f"{document.relative_to(ROOT)}:{block.line}"
+        assert not re.search("^> ", block.text, re.MULTILINE), f"{where}: a prompt in a command"
+        if block.language == "console":
+            shown = [command for command in block.commands() if command.shown]
+            assert shown, f"{where}: shows no output: make it sh, without prompts"
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))

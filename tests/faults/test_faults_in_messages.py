@@ -63,6 +63,17 @@ def test_two_plain_programs_steer_the_same_actuator(world: Any) -> None:
     world.is_silent()
 
 
+@pytest.mark.parametrize("options", [("-r", "0.2"), ("--latch",)], ids=" ".join)
+def test_a_command_that_was_left_over_steers_too(world: Any, options: tuple[str, ...]) -> None:
+    world.hears("/cmd_vel")
+    program = world.sends("bus.publish('/cmd_vel', Twist().encode())")
+    left = world.tool("pub", *options, "/cmd_vel", "geometry_msgs/Twist", "{}")
+    world.until(lambda: left.pid in world.pids())
+    world.finds("competing-publishers", program.pid, left.pid, "/cmd_vel", "end one of them")
+    world.end(left)
+    world.is_silent()
+
+
 def test_a_sender_whose_messages_get_lost(world: Any) -> None:
     sender = world.script(SKIPS, "10", ready="sends")
     world.finds("loss", sender.pid, "before they left it")
@@ -144,6 +155,28 @@ def test_a_c_program_with_another_fingerprint(world: Any) -> None:
     world.end(sender)
     world.node("talker")
     world.is_silent()
+
+
+def test_of_java_programs_that_share_a_port_the_candidates_are_named(world: Any) -> None:
+    world.node("listener")
+    ears = world.java("Listens", "/other")
+    sender = world.java("Sends", "/chatter", "2e7c07d7cdf7e027", "56", "20")
+    world.finds("type-mismatch", f"(pid {ears.pid})", f"(pid {sender.pid})", " or ")
+
+
+def test_payloads_that_are_no_lcm_messages(world: Any) -> None:
+    world.hears("JSON")
+    sender = world.sends("bus.publish('JSON', b'{\"speed\": %d}' % number)")
+    found = world.finds("unknown-type", sender.pid, "no LCM messages", "JSON")
+    assert found.severity == "note"
+
+
+def test_a_type_of_which_nothing_is_known_here(world: Any) -> None:
+    world.hears("STATE")
+    fingerprint = world.fingerprint("package own; struct State { int16_t wheels[4]; }")
+    sender = world.c("sends", "STATE", fingerprint, "16", "20")
+    found = world.finds("unknown-type", sender.pid, f"0x{fingerprint}", "LCMTOOLS_TYPE_PATH")
+    assert found.severity == "note"
 
 
 def test_an_old_definition_of_a_message(world: Any) -> None:

@@ -5,11 +5,14 @@ import signal
 from pathlib import Path
 from typing import Any
 
+from lcmtools.messages.registry import fingerprint
+from lcmtools.types.std_msgs import Empty
+
 UNFED = "unconnected-subscriptions"
 STEER = ("pub", "-r", "10", "/husky0/desired_velocity", "geometry_msgs/Twist", "{}")
 
-LARGE = ("00", "1500000", "5")
-BURSTS = "[bus.publish('A', bytes(1000)) for _ in range(150)]"
+LARGE = (f"{fingerprint(Empty):016x}", "1500000", "5")
+BURSTS = "m = String(); m.data = 1000 * 'x'; [bus.publish('A', m.encode()) for _ in range(150)]"
 HANGS = """
 import socket, struct, time
 ear = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -68,7 +71,7 @@ def test_a_simulator_that_was_killed_is_the_only_finding(world: Any) -> None:
 
 def test_a_stopped_listener(world: Any) -> None:
     listener = world.lcm("lcm-sink")
-    world.sends("bus.publish('A', bytes(5000))", 0.005)
+    world.sends("m = String(); m.data = 5000 * 'x'; bus.publish('A', m.encode())", 0.005)
     listener.send_signal(signal.SIGSTOP)
     found = world.finds("stuck-listeners", f"(pid {listener.pid}): it is stopped")
     assert found.commands == [f"kill -CONT {listener.pid}", f"kill {listener.pid}"]
@@ -77,11 +80,64 @@ def test_a_stopped_listener(world: Any) -> None:
 
 
 def test_a_listener_that_hangs(world: Any) -> None:
-    world.sends("bus.publish('A', bytes(5000))", 0.005)
+    world.sends("m = String(); m.data = 5000 * 'x'; bus.publish('A', m.encode())", 0.005)
     listener = world.script(HANGS, ready="listens")
     world.finds("stuck-listeners", listener.pid, "bytes wait", f"py-spy dump --pid {listener.pid}")
     world.end(listener)
     world.hears("A")
+    world.is_silent()
+
+
+EARS = """
+import sys, lcmtools
+from lcmtools.types.std_msgs import String
+lcmtools.init()
+node = lcmtools.Node("ear")
+node.create_subscription(String, "/chatter", lambda _: None, 10)
+lcmtools.spin(node)
+"""
+
+
+def test_an_absolute_name_in_a_namespace(world: Any) -> None:
+    world.node("talker", "__ns:=/husky0")
+    ear = world.script(EARS, "__ns:=/husky0")
+    world.until(lambda: ear.pid in world.pids())
+    world.finds("unconnected-subscriptions", "/husky0/ear use 'chatter' in place of '/chatter'")
+
+
+def test_a_command_in_a_namespace_that_is_mistyped(world: Any) -> None:
+    world.node("listener", "__ns:=/husky0")
+    pub = world.tool("pub", "-r", "5", "/husky/chatter", "std_msgs/String", "data: hi")
+    world.until(lambda: pub.pid in world.pids())
+    world.finds("unconnected-subscriptions", "let it publish on '/husky0/chatter'")
+
+
+RAISES = """
+import lcmtools
+from lcmtools.types.std_msgs import String
+lcmtools.init()
+node = lcmtools.Node("reader")
+def read(message):
+    node.get_logger().warning("the text is short")
+    message.text
+node.create_subscription(String, "/chatter", read, 10)
+lcmtools.spin(node)
+"""
+
+
+def test_a_callback_that_raises(world: Any) -> None:
+    world.node("talker")
+    reader = world.script(RAISES)
+    world.until(lambda: any(node.errors for node in world.graph().nodes))
+    found = world.look("--rule", "callback-errors")
+    (error,) = found
+    assert error.severity == "error"
+    assert "/reader raised AttributeError" in error.items[0]
+    assert "program_1.py:8: " in error.items[0], error.items
+    (warning,) = world.look("--rule", "logged", wait="2s")
+    assert "/reader: warning: the text is short" in warning.items[0]
+    world.end(reader)
+    world.node("listener")
     world.is_silent()
 
 
@@ -114,7 +170,7 @@ def test_a_program_with_nearly_all_files_open(world: Any) -> None:
     program = world.script(f"{hears.rpartition('time')[0]}{command}time.sleep(1000)\n")
     program.wait_for("listens")
     world.until(lambda: len(list(Path(f"/proc/{program.pid}/fd").iterdir())) > 960)
-    found = world.finds("open-files", f"pid {program.pid} has 9", "restart them")
+    found = world.finds("open-files", f"pid {program.pid} has 9", "close what is not needed")
     world.end(program)
     world.script(hears, ready="listens")
     world.is_silent()

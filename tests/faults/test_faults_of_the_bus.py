@@ -32,6 +32,36 @@ while True:  # the first fragment of a datagram, and no other
     print("sends", flush=True)
     time.sleep(0.1)
 """
+FORGED = """
+import socket, struct, sys, time
+raw = socket.socket(socket.AF_PACKET, socket.SOCK_RAW)
+raw.bind((sys.argv[1], 0))
+payload = struct.pack(">HHHH", 40000, 7667, 20, 0) + b"LC02" + bytes(8)
+home, group = socket.inet_aton("10.99.0.1"), socket.inet_aton("239.255.76.67")
+head = struct.pack(">BBHHHBBH4s4s", 0x45, 0, 40, 1, 0, 1, 17, 0, home, group)
+total = sum(struct.unpack(">10H", head))
+total = (total >> 16) + (total & 0xFFFF)
+head = head[:10] + struct.pack(">H", ~(total + (total >> 16)) & 0xFFFF) + head[12:]
+ethernet = bytes.fromhex("01005e7f4c43") + bytes.fromhex("020000000001") + b"\\x08\\x00"
+while True:  # from a computer to which no route leads
+    raw.send(ethernet + head + payload)
+    print("sends", flush=True)
+    time.sleep(0.05)
+"""
+MAKES_A_BUS = """
+import socket, sys, threading, time
+if "7700" in sys.argv[1]:
+    server = socket.create_server(("127.0.0.1", 7700))
+    def serve():
+        client, _ = server.accept()
+        client.recv(8), client.sendall(bytes.fromhex("287617fa00000100")), time.sleep(1000)
+    threading.Thread(target=serve, daemon=True).start()
+import lcm
+print("runs", flush=True)
+bus = lcm.LCM()
+bus.subscribe("A", print)
+time.sleep(1000)
+"""
 
 
 def test_a_bus_without_a_route(world: Any, ip: Callable[..., None]) -> None:
@@ -88,13 +118,14 @@ def test_another_user_on_the_same_bus(world: Any) -> None:
         pytest.skip("other users need root and setpriv")
     other = pwd.getpwnam("nobody")
     command = (setpriv, "--reuid", str(other.pw_uid), "--clear-groups", world.program("lcm-sink"))
-    world.node("talker")
-    world.node("listener")
+    nodes = [world.node(name) for name in ("talker", "listener")]
     world.start(*command)
     world.until(lambda: world.is_heard_by(other.pw_uid))
     found = world.finds("other-users", other.pw_name)
     variable = found.variables
     assert variable == {"LCMTOOLS_DOMAIN": "1"}
+    for node in nodes:
+        world.end(node)
     world.node("talker", **variable)
     world.node("listener", **variable)
     world.is_silent(**variable)
@@ -128,8 +159,50 @@ def test_listeners_that_joined_elsewhere(
     ip("route", "replace", "224.0.0.0/4", "dev", "lo")
     world.node("talker")
     world.node("listener")
-    world.finds("interfaces", "leads to lo", f"on {second_interface}", "start the listeners again")
+    wrong = f"(pid {sink.pid}): on {second_interface}"
+    world.finds("interfaces", "leads to lo", wrong, "start the listeners again")
     world.again(sink)
+    world.is_silent()
+
+
+def test_an_interface_without_a_link(
+    world: Any, second_interface: str, ip: Callable[..., None]
+) -> None:
+    ip("route", "replace", "224.0.0.0/4", "dev", second_interface)
+    variable = {"LCM_DEFAULT_URL": f"{BUS}1"}
+    world.node("talker", **variable)
+    world.node("listener", **variable)
+    world.is_silent(**variable)
+    ip("link", "set", "peer0", "down")
+    world.finds("link", second_interface, "plug its cable in", **variable)
+
+
+def test_datagrams_that_the_strict_filter_drops(
+    world: Any, second_interface: str, ip: Callable[..., None]
+) -> None:
+    if os.getuid() != 0:
+        pytest.skip("raw sockets need root")
+    ip("route", "replace", "224.0.0.0/4", "dev", second_interface)
+    variable = {"LCM_DEFAULT_URL": f"{BUS}1"}
+    world.node("talker", **variable)
+    world.node("listener", **variable)
+    for name in ("all", second_interface):
+        world.type(f"sysctl -w net.ipv4.conf.{name}.rp_filter=1")
+    world.script(FORGED, "peer0", ready="sends")
+    found = world.finds("rp-filter", "rp_filter dropped", **variable)
+    assert found.severity == "warning"
+
+
+@pytest.mark.parametrize(
+    "url", ["tcpq://127.0.0.1:7700", "udpm://239.255.76.67:7670", "memq://", "udpm://239.255.76.67"]
+)
+def test_a_program_on_another_bus_beside_a_busy_one(world: Any, url: str) -> None:
+    world.node("talker")
+    world.node("listener")
+    program = world.script(MAKES_A_BUS, url, ready="runs", LCM_DEFAULT_URL=url)
+    found = world.finds("other-buses", f"pid {program.pid} on", f"LCM_DEFAULT_URL={url}")
+    assert (found.severity, found.variables) == ("note", {"LCM_DEFAULT_URL": f"{BUS}0"})
+    world.end(program)
     world.is_silent()
 
 

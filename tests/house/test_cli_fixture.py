@@ -16,7 +16,7 @@ Run = Callable[..., Any]
 
 
 def test_a_command_gives_its_exit_code_and_both_streams(cli: Run, bus_url: str) -> None:
-    assert cli("msg", "show", "std_msgs/String").ok() == "string data\n"
+    assert cli("msg", "proto", "std_msgs/String").ok() == "data: ''\n"
     failed = cli("info", "/nothing", "--lcm-url", bus_url)
     assert (failed.code, failed.out) == (1, "")
     assert failed.err == ("lcmtools info: unknown topic /nothing; lcmtools list shows the topics\n")

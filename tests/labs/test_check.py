@@ -147,7 +147,8 @@ def test_a_controller_that_is_too_slow_is_measured_and_advised(
     row = rows["drive at 0.5 m/s"]
     assert not row["ok"]
     assert str(row["measured"]).startswith("0.400 m/s, never settled")
-    assert str(row["hint"]).startswith("too slow")
+    assert row["follows"] == "drive at 0.1 m/s"
+    assert str(rows["drive at 0.1 m/s"]["hint"]).startswith("too slow")
     assert rows["stop from 1 m/s"]["ok"]
     assert str(rows["turn at 0.3 rad/s"]["hint"]).startswith("it does not move")
 

@@ -9,6 +9,7 @@ import pytest
 from lcmtools.errors import InvalidFile
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
+from lcmtools_sim.engines import chosen_engine
 from lcmtools_sim.geometry import Pose, axes
 from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots import MODELS
@@ -165,7 +166,7 @@ def test_the_labs_yard_is_closed(simulate: Simulate, effort: Effort) -> None:
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_robots_apart_do_not_influence_each_other_to_the_bit(
+def test_robots_apart_do_not_influence_each_other(
     simulate: Simulate, effort: Effort, twist: Steer, model: str
 ) -> None:
     robots = tuple(
@@ -181,7 +182,10 @@ def test_robots_apart_do_not_influence_each_other_to_the_bit(
 
     together, single = states(all_of_them, 5.0), states(alone, 5.0)
 
-    assert together == single
+    if chosen_engine() == "bullet":
+        assert together == single
+    for one, other in zip(together, single, strict=True):  # MuJoCo solves for all of them at once
+        assert math.dist(one.position, other.position) < 1e-6
     assert all_of_them.robots[1].state(all_of_them.time).velocity[0] == pytest.approx(-0.85, 0.02)
 
 

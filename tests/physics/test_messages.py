@@ -197,7 +197,7 @@ def test_ground_truth_is_in_the_world_and_its_twist_in_the_robot(
     assert (position.x, position.y, position.z) == pytest.approx((1, 4.8, 0.13228), abs=0.01)
     assert message.pose.pose.orientation.z == pytest.approx(math.sqrt(0.5), abs=1e-3)
     assert message.twist.twist.linear.x == pytest.approx(1.0, rel=0.02)
-    assert message.twist.twist.linear.y == pytest.approx(0.0, abs=0.001)
+    assert message.twist.twist.linear.y == pytest.approx(0.0, abs=1e-6)
 
 
 def test_wheel_velocities_are_left_then_right(simulate: Simulate, effort: Effort) -> None:

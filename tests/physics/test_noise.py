@@ -83,6 +83,25 @@ def test_one_seed_gives_the_same_bytes_and_another_gives_others(
 
 
 @pytest.mark.parametrize("kind", NOISY)
+def test_a_subscriber_that_joins_late_gets_the_same_measurements(
+    simulate: Simulate, twist: Steer, kind: str
+) -> None:
+    def payloads(*, late: bool) -> list[bytes]:
+        simulation = simulate(scene=scene(NOISY[kind], seed=7))
+        simulation.robots[0].command(twist(0.3, 1.0))
+        for start, subscribers in ((True, Subscribers.NONE), (False, Subscribers.KNOWN)):
+            simulation.select(lambda _, now=subscribers: now if late else Subscribers.KNOWN)
+            steps = [simulation.step() for _ in range(100)]
+            assert any(s.topic.startswith("/h0/s") for step in steps for s in step) or start
+        return [s.payload for step in steps for s in step if s.topic.startswith("/h0/s")]
+
+    joined, all_the_time = payloads(late=True), payloads(late=False)
+
+    assert len(joined) > 3
+    assert joined == all_the_time
+
+
+@pytest.mark.parametrize("kind", NOISY)
 def test_without_noise_the_seed_does_not_matter(
     messages: Callable[..., list[Message]], kind: str
 ) -> None:

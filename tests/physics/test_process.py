@@ -1,6 +1,7 @@
 """The simulator as a process on a bus: it is steered, watched and ended from outside."""
 
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -14,7 +15,9 @@ import pytest
 
 import lcmtools
 from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.types.sensor_msgs import JointState
+from lcmtools.types.sim_msgs import Step
 from lcmtools.types.std_msgs import String
 
 Start = Callable[..., subprocess.Popen[str]]
@@ -80,7 +83,9 @@ def test_it_ends_on_a_signal_within_a_second_quietly_and_with_0(
     assert watch.until_end() < 1.0
     out, error = process.communicate(timeout=40)
     assert (process.returncode, out, error) == (0, "", "")
-    assert line.endswith("[/morse]: simulating husky: husky /husky0; 11 objects\n")
+    assert re.search(
+        r"\[/morse\]: simulating husky with (pybullet|mujoco) [\d.]+: husky /husky0; 11 obj", line
+    )
 
 
 def test_it_ends_after_its_duration_and_not_before(start: Start) -> None:
@@ -126,6 +131,54 @@ def test_it_obeys_commands_warns_of_bad_ones_and_goes_on(start: Start, node: lcm
     assert "/husky0/wheel_velocity_cmd: message ignored: expected" in second
 
 
+def test_what_it_warns_of_is_on_rosout_too_with_the_sender_as_long_as_it_lasts(
+    start: Start, node: lcmtools.Node
+) -> None:
+    process = start("--rate", "4")
+    wait_for_start(process)
+    logs: list[str] = []
+    node.create_subscription(
+        Log, "/rosout", lambda log: log.level == Log.WARN and logs.append(log.msg)
+    )
+    publisher = node.create_publisher(JointState, "/husky0/wheel_cmd")
+    command = JointState()
+    command.name, command.effort = ["l", "r"], [1, 1]
+
+    def publish_until_heard(count: int) -> bool:
+        publisher.publish(command)
+        return len(logs) >= count
+
+    spin_until(node, lambda: publish_until_heard(3))
+    command.name, command.effort = ["left", "right"], [5, 1]
+    spin_until(node, lambda: publish_until_heard(6))
+    process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=40)
+
+    ignored = [log for log in logs if "command ignored: unknown wheel 'l'; known names:" in log]
+    reduced = [log for log in logs if "command reduced: effort[0] is 5, the limit 1" in log]
+    for lines in (ignored, reduced):
+        assert lines[-1].startswith("/husky0/wheel_cmd: ")
+        assert lines[-1].endswith(" (from /test)")
+    assert (error.count("command ignored"), error.count("command reduced")) == (1, 1)
+
+
+def test_after_requested_steps_the_clock_shows_the_time_that_is_answered(
+    start: Start, node: lcmtools.Node
+) -> None:
+    wait_for_start(start("--paused"))
+    times: list[int] = []
+    node.create_subscription(
+        Clock, "/clock", lambda c: times.append(c.clock.sec * 10**9 + c.clock.nsec)
+    )
+    client = node.create_client(Step, "/morse/step")
+    for steps in (1, 3, 7, 240, 2):
+        request = Step.Request()
+        request.steps = steps
+        answered = client.call(request, 20.0).time
+        spin_until(node, lambda: times and times[-1] >= answered)  # noqa: B023 - called here
+        assert times[-1] == answered
+
+
 def test_a_bad_world_and_a_bad_option_are_one_line_and_exit_code_2(
     start: Start, tmp_path: Path
 ) -> None:
@@ -151,17 +204,18 @@ def test_without_a_display_the_window_is_refused_with_1(start: Start) -> None:
     assert "--gui needs a display" in error
 
 
-def test_without_pybullet_it_says_what_to_type_and_ends_with_3(
+def test_where_the_engine_cannot_be_imported_it_says_what_to_type_and_ends_with_3(
     start: Start, tmp_path: Path
 ) -> None:
     # A module that cannot be imported, before the real one on the path.
     (tmp_path / "pybullet.py").write_text("raise ImportError('not here')")
-    environment = {"PYTHONPATH": os.pathsep.join([str(tmp_path), *filter(None, sys.path)])}
+    path = os.pathsep.join([str(tmp_path), *filter(None, sys.path)])
+    environment = {"PYTHONPATH": path, "LCMTOOLS_ENGINE": "bullet"}
 
     process = start(environment=environment)
     out, error = process.communicate(timeout=40)
 
     assert (process.returncode, out, error.count("\n")) == (3, "", 1)
     assert error.startswith(
-        "lcmtools run sim: the simulator needs pybullet, numpy and pillow; type: pip"
+        "lcmtools run sim: the engine bullet cannot be imported: not here; type: pip install"
     )

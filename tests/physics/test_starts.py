@@ -57,10 +57,11 @@ def test_movable_objects_that_start_inside_something_are_warned_of_and_others_no
     ]
 
 
-def test_without_pybullet_the_rest_is_checked_and_that_is_said(
+def test_without_an_engine_the_rest_is_checked_and_that_is_said(
     yard: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(sys.modules, "pybullet", None)
+    for package in ("pybullet", "mujoco"):
+        monkeypatch.setitem(sys.modules, package, None)
     yard.write_text(ROBOTS)
 
     assert main(["--check", str(yard)]) == 0
@@ -68,7 +69,7 @@ def test_without_pybullet_the_rest_is_checked_and_that_is_said(
     captured = capsys.readouterr()
     assert captured.out == f"{yard}: ok, husky /a, husky /b; 0 objects\n"
     assert captured.err.count("\n") == 1
-    assert "is not checked without pybullet" in captured.err
+    assert "is not checked without an engine" in captured.err
 
 
 @pytest.mark.parametrize("option", ["--check", "--print-world"])

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 import pytest
 
 from lcmtools.types.geometry_msgs import Twist
+from lcmtools_sim.engines.engine import RigidBody
 from lcmtools_sim.geometry import Pose, Vector, add, axes, components, rotate, scaled, to_euler
 from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots.husky import HUSKY
@@ -127,8 +128,9 @@ def test_a_crate_holds_on_a_slope_below_the_angle_of_friction_and_slides_above(
 
     end = world.motion(body(world, 1))
     pulled = G * (math.sin(angle) - friction * math.cos(angle))
+    slack = 2 * G * math.cos(angle) * friction * 0.004  # of friction
     if pulled > 0:
-        assert math.hypot(*end.velocity) == pytest.approx(2 * pulled, rel=0.04)
+        assert math.hypot(*end.velocity) == pytest.approx(2 * pulled, abs=slack)
     else:
         assert math.dist(start, end.position) < 0.001
 
@@ -223,15 +225,18 @@ def test_the_centre_of_mass_of_a_table_is_where_its_parts_have_it() -> None:
     assert table.pose.yaw == pytest.approx(math.pi / 2)
 
 
-def test_a_thing_of_several_parts_resists_as_they_do(put: Put) -> None:
+def test_a_thing_of_several_parts_resists_as_they_do(
+    put: Put, monkeypatch: pytest.MonkeyPatch
+) -> None:
     parts = tuple(Part(Sphere(0.1), (0.0, y, 0.0)) for y in (-0.5, 0.5))
-    world = put(SceneObject("dumbbell", parts, Pose(0, 0, 5), 10.0))
+    world, made = put(), list[RigidBody]()
+    monkeypatch.setattr(world._engine, "add", made.append)
 
-    told = world._bullet.getDynamicsInfo(body(world), -1, physicsClientId=world._client)
+    world.add(SceneObject("dumbbell", parts, Pose(0, 0, 5), 10.0))
 
     ball = 10 * 0.4 * 0.01
-    assert told[0] == pytest.approx(10.0)
-    assert told[2] == pytest.approx((ball + 2.5, ball, ball + 2.5))
+    assert made[0].mass == pytest.approx(10.0)
+    assert made[0].inertia == pytest.approx((ball + 2.5, ball, ball + 2.5))
 
 
 @pytest.mark.parametrize("mass", [0.1, 5, 20])

@@ -28,7 +28,8 @@ ROBOTS = tuple(
 
 def run(*, window: bool) -> list[list[RobotState]]:
     """Four robots that push and turn; one goes and another one comes meanwhile."""
-    with Simulation(Scene("all", objects=THINGS, robots=ROBOTS), window=window) as simulation:
+    scene = Scene("all", objects=THINGS, robots=ROBOTS)
+    with Simulation(scene, engine="bullet", window=window) as simulation:
         simulation.select(lambda _: Subscribers.NONE)
         for number, robot in enumerate(simulation.robots):
             command = Twist()
@@ -56,12 +57,13 @@ def test_a_robot_that_goes_takes_its_meshes_along_and_a_reset_leaves_none_twice(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(pybullet, "GUI", pybullet.DIRECT)
-    with Simulation(Scene("pair", robots=(ROBOTS[0], ROBOTS[3])), window=True) as simulation:
-        client = simulation._world._client
-        both = pybullet.getNumBodies(physicsClientId=client)
+    scene = Scene("pair", robots=(ROBOTS[0], ROBOTS[3]))
+    with Simulation(scene, engine="bullet", window=True) as simulation:
+        count = simulation._world._engine._bullet.getNumBodies
+        both = count()
         simulation.remove(simulation.robots[0])
-        one = pybullet.getNumBodies(physicsClientId=client)
+        one = count()
         simulation.reset()
 
         assert both - one == one - 1 == 1 + len(HUSKY.body.meshes)  # the ground is the other one
-        assert pybullet.getNumBodies(physicsClientId=client) == both
+        assert count() == both

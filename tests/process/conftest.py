@@ -1,9 +1,12 @@
 """What the tests with real buses share: a server for tcpq."""
 
 import itertools
+import os
+import pty
 import re
 import socket
 import struct
+import subprocess
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -156,3 +159,30 @@ class Receiver:
 def receiver(module_start_node: Callable[..., Any]) -> Receiver:
     """A node on the module's bus that keeps what it receives."""
     return Receiver(module_start_node)
+
+
+@pytest.fixture
+def on_terminal(lcmtools_path: str) -> Callable[..., str]:
+    """``on_terminal("list", TERM="xterm")``: what a command writes where all is a terminal."""
+
+    def run(*arguments: str, **environment: str) -> str:
+        ours, theirs = pty.openpty()
+        process = subprocess.Popen(
+            [lcmtools_path, *arguments],
+            env={**os.environ, "TERM": "xterm-256color", **environment},
+            stdin=theirs,
+            stdout=theirs,
+            stderr=theirs,
+        )
+        os.close(theirs)
+        text = b""
+        try:
+            while part := os.read(ours, 4096):
+                text += part
+        except OSError:  # Linux says so that the other side has closed
+            pass
+        os.close(ours)
+        process.wait(40)
+        return text.decode()
+
+    return run

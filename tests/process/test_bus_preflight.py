@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
+from lcmtools.bus.kernel import receive_buffer_bytes
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.multicast import (
     check_loopback,
     check_multicast,
-    receive_buffer_bytes,
     receiving_socket,
     sending_socket,
 )

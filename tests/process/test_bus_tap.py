@@ -14,7 +14,8 @@ import pytest
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.processes import (
     Senders,
-    senders_of_port,
+    owners,
+    senders_from,
     silent_senders,
     udp_sockets,
 )
@@ -33,6 +34,11 @@ _GROUP = (_URL.host, _URL.port)
 def tap(bus_url: str) -> Iterator[Tap]:
     with Tap(parse_url(bus_url), whole=True) as tap:
         yield tap
+
+
+def _senders_of_port(port: int) -> Senders:
+    rows = [row for row in udp_sockets() if row.port == port]
+    return senders_from(port, rows, owners(row.inode for row in rows))
 
 
 def _receive(tap: Tap, count: int, timeout: float = 40.0) -> list[Packet]:
@@ -78,7 +84,7 @@ def test_two_connections_of_one_process_are_two_senders(tap: Tap, bus_url: str) 
     assert len(senders) == 2
     for sender in senders:
         assert sender is not None
-        process = senders_of_port(sender.port).only
+        process = _senders_of_port(sender.port).only
         assert process is not None
         assert process.pid == os.getpid()
 
@@ -90,7 +96,7 @@ def test_the_port_of_another_program_leads_to_it(
     packet = _receive(tap, 1)[0]
     assert packet.channel == "SRC"
     assert packet.sender is not None
-    process = senders_of_port(packet.sender.port).only
+    process = _senders_of_port(packet.sender.port).only
     assert process is not None
     assert process.pid == source.pid
     assert "lcm-source -m SRC" in process.command
@@ -103,7 +109,7 @@ def test_the_ports_that_a_bus_announces_are_the_ones_it_sends_from(tap: Tap, bus
     packets = {packet.channel: packet.sender for packet in _receive(tap, 2)}
     assert [packets["LARGE"].port] == bus.ports
     assert packets["SMALL"].port not in bus.ports
-    process = senders_of_port(bus.ports[0]).only
+    process = _senders_of_port(bus.ports[0]).only
     assert process is not None
     assert process.pid == os.getpid()
     bus.close()
@@ -246,7 +252,7 @@ def test_a_program_that_may_publish_is_known_before_it_does(
 
     def pids(heard: set[int], known: set[int]) -> set[int]:
         ports = silent_senders(url.host, url.port, heard, known)
-        return {process.pid for port in ports if (process := senders_of_port(port).only)}
+        return {process.pid for port in ports if (process := _senders_of_port(port).only)}
 
     with Tap(url) as tap:
         tap.send("A", b"")  # now this process has a sending socket too
@@ -274,7 +280,7 @@ def test_a_program_that_listens_on_another_bus_is_not_waited_for(
 
 
 def _owner(port: int) -> int | None:
-    process = senders_of_port(port).only
+    process = _senders_of_port(port).only
     return process.pid if process else None
 
 
@@ -298,11 +304,11 @@ def test_on_the_port_that_all_listen_to_only_who_can_send_from_it_is_meant(
 ) -> None:
     port = parse_url(bus_url).port
     start_python(_LISTENER, bus_url).wait_for("ready")
-    assert senders_of_port(port) == Senders(())
+    assert _senders_of_port(port) == Senders(())
     java = start_python(_LIKE_JAVA, str(port))
     java.wait_for("ready")
     with Tap(parse_url(bus_url)):
-        process = senders_of_port(port).only
+        process = _senders_of_port(port).only
     assert process is not None
     assert process.pid == java.pid
 
@@ -314,7 +320,7 @@ def test_of_several_that_send_from_one_port_none_is_guessed(
     started = [start_python(_LIKE_JAVA, str(port)) for _ in range(2)]
     for java in started:
         java.wait_for("ready")
-    senders = senders_of_port(port)
+    senders = _senders_of_port(port)
     assert senders.only is None
     assert [p.pid for p in senders.candidates] == sorted(java.pid for java in started)
 

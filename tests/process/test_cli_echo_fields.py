@@ -125,7 +125,6 @@ def test_timeout_is_for_messages_that_meet_the_filter(lcmtools: Run) -> None:
             "m.nope: std_msgs/String has no field 'nope' (fields: data)",
         ),
         (["NUMBER", "--filter", "nope"], "nope: std_msgs/Int32 has no field 'nope' (fields: data)"),
-        (["NUMBER", "--filter", "data / 0"], "filter: 'data / 0': division by zero"),
         (["/chatter", "--csv", "--json"], "--json and --csv exclude each other; leave out --csv"),
         (
             ["/chatter/data", "--raw"],

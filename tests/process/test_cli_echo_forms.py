@@ -76,6 +76,31 @@ def test_truncate_length_cuts_arrays_and_strings(lcmtools: Run) -> None:
     assert row[0] == "%time,field0,field1"
 
 
+@pytest.mark.usefixtures("long_scan")
+def test_long_arrays_are_shortened_on_a_terminal_only(
+    on_terminal: Callable[..., str], lcmtools: Run
+) -> None:
+    words = ("echo", "/long_scan/ranges", "-1", "--timeout", "20s")
+    shown = on_terminal(*words).splitlines()[0]
+    assert shown.startswith("[0.0, ")
+    assert shown.endswith(", ... 101 more, which --full-length shows]")
+    assert shown.count("0.0") == 200
+    for whole in (
+        on_terminal(*words, "-f"),
+        on_terminal(*words, "--json"),
+        lcmtools(*words).stdout,
+    ):
+        assert whole.count("0.0") == 301
+        assert "more" not in whole
+
+
+@pytest.fixture(scope="module")
+def long_scan(module_start: Callable[..., Any]) -> None:
+    scan = f"{{ranges: {[0.0] * 301}}}"
+    program = (sys.executable, "-m", "lcmtools", "pub", "-r", "20", "/long_scan")
+    module_start(*program, "sensor_msgs/LaserScan", scan).wait_for("publishing")
+
+
 def test_nothing_is_cut_without_it(lcmtools: Run) -> None:
     for option in ([], ["--full-length"], ["-f"]):
         assert "..." not in output(lcmtools("echo", "JOINTS", "-1", *option))

@@ -203,7 +203,7 @@ def test_sigint_ends_what_a_shell_script_has_started_in_the_background(
         "node ping talker",
         "node info talker",
         "msg list",
-        "msg show Odometry",
+        "msg show --json Odometry",
         "wtf --wait 0.1",
         "--help",
     ],

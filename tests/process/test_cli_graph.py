@@ -93,8 +93,9 @@ def test_text_shows_who_feeds_whom(lcmtools: Run, on_bus: dict[str, Any]) -> Non
         result.stdout,
         re.MULTILINE,
     )
-    assert (
-        result.stderr == "left out: 1 topic with one side only (--leaf-topics), /rosout (--all)\n"
+    assert result.stderr == (
+        "not drawn: 1 unused topic, without a publisher or without a subscriber (add"
+        " --leaf-topics); /rosout, which nearly all nodes use (add --all)\n"
     )
 
 
@@ -146,7 +147,7 @@ def test_a_looking_command_is_shown_by_tools(
     echo.wait_for("data:")
     try:
         assert "_lcmtools_echo" not in lcmtools("graph").stdout
-        assert "1 observing command (--tools)" in lcmtools("graph").stderr
+        assert "1 command that observes the bus (add --tools)" in lcmtools("graph").stderr
         assert f"/_lcmtools_echo_{echo.pid} (observes)" in lcmtools("graph", "--tools").stdout
     finally:
         echo.end()

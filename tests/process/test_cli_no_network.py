@@ -89,7 +89,13 @@ def test_wtf_finds_the_missing_route_in_under_a_second(timed: Timed) -> None:
 
 
 def test_what_needs_no_bus_works(lcmtools: Run) -> None:
-    for command in ("--help", "msg list", "msg show Twist", "run --list", "run talker --help"):
+    for command in (
+        "--help",
+        "msg list",
+        "msg show Twist --json",
+        "run --list",
+        "run talker --help",
+    ):
         result = lcmtools(*command.split())
         assert (result.returncode, result.stderr) == (0, "")
 

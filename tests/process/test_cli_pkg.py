@@ -121,6 +121,58 @@ def test_build_says_what_was_made_and_what_is_wrong(space: Path, lcmtools: Run) 
     assert (record["types"], record["problems"][0]["line"]) == ([], 5)
 
 
+ROS_NODE = """
+import lcmtools
+from air_lab0.msg import ControllerEvaluationStat
+from air_lab0.srv import Reset
+
+
+def main(args=None):
+    lcmtools.init(args)
+    node = lcmtools.Node("evaluate")
+    stat = node.create_publisher(ControllerEvaluationStat, "stat")
+    node.create_service(Reset, "reset", lambda request, response: response)
+    message = ControllerEvaluationStat()
+    message.samples = 3
+    node.create_timer(0.05, lambda: stat.publish(message))
+    lcmtools.spin(node)
+"""
+
+
+def test_ros_message_files_of_a_package_are_used_as_they_are(
+    space: Path, start: Callable[..., Any], lcmtools: Run, lcmtools_path: str, bus_url: str
+) -> None:
+    root = space / "air_lab0"
+    for name, text in (
+        (
+            "msg/ControllerEvaluationStat.msg",
+            "Header header\nuint32 samples # all\nfloat64 error\n",
+        ),
+        ("srv/Reset.srv", "float64 x\n---\nbool ok\n"),
+    ):
+        (root / name).parent.mkdir(exist_ok=True)
+        (root / name).write_text(text)
+    (root / "air_lab0" / "simple_controller.py").write_text(ROS_NODE)
+    built = lcmtools("pkg", "build")
+    assert "air_lab0/ControllerEvaluationStat  air_lab0/msg/Controller" in built.stdout
+    assert built.stderr == "ready: air_lab0\n"
+    shown = lcmtools("msg", "show", "-r", "air_lab0/ControllerEvaluationStat")
+    assert shown.stdout == "Header header\nuint32 samples # all\nfloat64 error\n"
+    said = "types are spelt as in ROS; this is air_lab0/msg/ControllerEvaluationStat.msg\n"
+    assert shown.stderr == said
+    assert lcmtools("srv", "show", "-r", "air_lab0/Reset").stdout == "float64 x\n---\nbool ok\n"
+    at = ("--lcm-url", bus_url)
+    here = ["sh", "-c", f'cd {space} && exec "$0" "$@"', lcmtools_path]
+    echo = start(*here, "echo", "/stat", *at)
+    pub = start(*here, "pub", "-r", "20", "/stat", "ControllerEvaluationStat", "error: 7", *at)
+    echo.wait_for("error: 7")
+    pub.end()
+    start(*here, "run", "air_lab0", "simple_controller", *at)
+    echo.wait_for("samples: 3")
+    called = lcmtools("service", "call", "/reset", "{x: 1}", *at)
+    assert (called.returncode, "ok: False" in called.stdout) == (0, True), called.stderr
+
+
 def test_nothing_is_overwritten(space: Path, lcmtools: Run) -> None:
     node = space / "air_lab0" / "air_lab0" / "simple_controller.py"
     node.write_text("mine\n")
@@ -168,14 +220,70 @@ def test_a_broken_package_beside_does_not_matter_until_it_is_meant(
     assert f"{space}/other/pyproject.toml:2: this is not TOML" in wrong.stderr
 
 
-@pytest.mark.usefixtures("space")
-def test_ones_own_node_with_a_name_of_lcmtools_is_pointed_out(lcmtools: Run) -> None:
-    done = lcmtools("run", "simple_controller", "--help")
-    assert done.returncode == 0
-    assert done.stderr == (
-        "lcmtools run: this is lcmtools' own simple_controller; air_lab0 has one too:"
-        " lcmtools run air_lab0 simple_controller\n"
-    )
+def test_ones_own_node_runs_in_place_of_lcmtools_own_of_the_same_name(
+    space: Path, lcmtools: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = "def main(args=None):\n    print('mine')\n"
+    (space / "air_lab0" / "air_lab0" / "simple_controller.py").write_text(said)
+    for folder in (space, space / "air_lab0", space / "air_lab0" / "launch"):
+        monkeypatch.chdir(folder)
+        done = lcmtools("run", "simple_controller")
+        assert (done.returncode, done.stdout, done.stderr) == (0, "mine\n", "")
+
+
+def test_lcmtools_own_answer_says_so_when_it_runs(
+    start: Callable[..., Any], lcmtools_path: str, bus_url: str, lcmtools: Run
+) -> None:
+    assert lcmtools("run", "simple_controller", "--help").stderr == ""
+    started = start(lcmtools_path, "run", "simple_controller", LCM_DEFAULT_URL=bus_url)
+    started.wait_for("this is lcmtools' own simple_controller, the lab's model answer")
+
+
+@pytest.mark.parametrize(
+    ("entry", "said"),
+    [
+        ('"air_lab0.simple_controler:main"', "there is no module air_lab0.simple_controler; see"),
+        ('"air_lab0.simple_controller:run"', "has no function 'run'; see [project.entry-points"),
+        ('"air_lab0/simple_controller.py"', "is no function; write simple_controller = "),
+    ],
+)
+def test_a_broken_entry_point_is_said_and_lcmtools_own_not_taken(
+    space: Path, lcmtools: Run, entry: str, said: str
+) -> None:
+    project = space / "air_lab0" / "pyproject.toml"
+    right = '"air_lab0.simple_controller:main"'
+    project.write_text(project.read_text().replace(right, entry))
+    done = lcmtools("run", "simple_controller")
+    assert (done.returncode, done.stderr.count("\n")) == (1, 1)
+    assert said in done.stderr
+
+
+def test_a_second_node_is_added_and_runs(space: Path, lcmtools: Run) -> None:
+    done = lcmtools("pkg", "add-node", "evaluator", "--skeleton", "evaluate_controller")
+    assert (done.returncode, done.stderr) == (0, "next: lcmtools run air_lab0 evaluator\n")
+    assert done.stdout.splitlines() == [
+        "air_lab0/air_lab0/evaluator.py",
+        "air_lab0/pyproject.toml",
+    ]
+    text = (space / "air_lab0" / "air_lab0" / "evaluator.py").read_text()
+    assert "lcmtools run air_lab0 evaluator __ns:=/husky0" in text
+    assert 'super().__init__("evaluator")' in text
+    assert "evaluate_controller" not in text
+    assert [line.split()[0] for line in lcmtools("run", "air_lab0").stdout.splitlines()] == [
+        "evaluator",
+        "simple_controller",
+    ]
+
+
+@pytest.mark.parametrize("head", ["def main(args):", "def main():"])
+def test_a_main_function_gets_its_words_with_and_without_a_parameter(
+    space: Path, lcmtools: Run, head: str
+) -> None:
+    words = "args" if "args" in head else "sys.argv[1:]"
+    text = f"import sys\n{head}\n    print({words})\n"
+    (space / "air_lab0" / "air_lab0" / "simple_controller.py").write_text(text)
+    done = lcmtools("run", "air_lab0", "simple_controller", "__ns:=/a", "x")
+    assert (done.stdout, done.stderr) == ("['__ns:=/a', 'x']\n", "")
 
 
 @pytest.mark.parametrize(

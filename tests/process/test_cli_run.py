@@ -89,9 +89,9 @@ def test_node_is_on_the_chosen_bus(
 def test_a_domain_that_has_no_effect_is_told(
     start: Callable[..., Any], bus_url: str, lcmtools_path: str
 ) -> None:
-    talker = start(lcmtools_path, "run", "talker", "--domain", "3", LCM_DEFAULT_URL=bus_url)
+    talker = start(lcmtools_path, "run", "talker", "--domain", "3", "--lcm-url", bus_url)
     talker.wait_for("[WARN]")
-    assert talker.lines[0].endswith("--domain 3 has no effect: LCM_DEFAULT_URL wins")
+    assert talker.lines[0].endswith("--domain 3 has no effect: --lcm-url wins")
 
 
 def test_exit_code_is_the_nodes(lcmtools_process: Run, tmp_path: Path) -> None:
@@ -112,10 +112,12 @@ def test_simulator_without_pybullet_says_what_to_type_with_exit_code_3(
     (tmp_path / "pybullet.py").write_text(
         "raise ModuleNotFoundError(\"No module named 'pybullet'\", name='pybullet')\n"
     )
-    result = lcmtools_process("run", "sim", PYTHONPATH=str(tmp_path))
+    result = lcmtools_process("run", "sim", PYTHONPATH=str(tmp_path), LCMTOOLS_ENGINE="bullet")
     assert (result.returncode, result.stdout) == (3, "")
     assert result.stderr.count("\n") == 1
-    assert result.stderr.startswith("lcmtools run sim: the simulator needs pybullet")
+    assert result.stderr.startswith(
+        "lcmtools run sim: the engine bullet cannot be imported: No module"
+    )
     assert "pip install" in result.stderr
 
 

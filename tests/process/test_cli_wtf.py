@@ -119,6 +119,7 @@ CONTROLLER = (
     " * /simple_controller:\n"
     "   * /odometry\n"
     "   * /desired_velocity\n"
+    "   -> start what publishes /odometry and /desired_velocity; what is there: lcmtools list -v\n"
     "\n"
     "Found 1 note(s).\n"
     "Notes are seldom at fault\n"
@@ -166,7 +167,7 @@ def test_an_empty_bus_is_a_warning_under_both_names(judge: Callable[..., Any]) -
         "WARNING There are no nodes on udpm://239.255.76.67:7667?ttl=0, and nothing came in 0.2 s",
         "   -> start something, for example: lcmtools run talker",
         (
-            "   -> if it runs already, it is on another bus: compare LCM_DEFAULT_URL and"
+            "   -> if it runs already, it may be on another bus: compare LCM_DEFAULT_URL and"
             " LCMTOOLS_DOMAIN in both shells"
         ),
     ]
@@ -177,7 +178,8 @@ def test_json_has_each_finding_in_words_and_as_data(judge: Callable[..., Any]) -
     stopped = Listener("sink (pid 7)", 7, 0, state="T")
     result = judge(replace(EMPTY, graph=NODES, listeners=(stopped,)), "--json")
     assert result.code == 1
-    assert json.loads(result.out) == [
+    finding, unchecked = json.loads(result.out)
+    assert finding == (
         {
             "rule": "stuck-listeners",
             "severity": "warning",
@@ -196,7 +198,10 @@ def test_json_has_each_finding_in_words_and_as_data(judge: Callable[..., Any]) -
                 }
             ],
         }
-    ]
+    )
+    assert unchecked.keys() == finding.keys()
+    assert (unchecked["rule"], unchecked["severity"]) == ("small-buffer", "unchecked")
+    assert unchecked["text"].startswith("this system does not report the size")
 
 
 NEARLY_LCM = """
@@ -256,7 +261,7 @@ def test_evidence_that_is_none_costs_one_line(cli: Callable[..., Any], tmp_path:
         f"lcmtools wtf: {file} holds no evidence that wtf can judge: it is other JSON\n"
     )
     result = cli("wtf", "--watch", "--from", str(file))
-    assert (result.code, result.out) == (2, "")
+    assert (result.code, result.out) == (64, "")
 
 
 def test_rules_are_listed_and_explained(lcmtools: Run) -> None:

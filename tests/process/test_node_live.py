@@ -1,6 +1,7 @@
 """Nodes in processes of their own, over the real bus."""
 
 import os
+import signal
 from collections.abc import Callable
 from typing import Any
 
@@ -33,6 +34,21 @@ class Echoer(lcmtools.Node):
 lcmtools.init()
 lcmtools.spin(Echoer())
 lcmtools.shutdown()
+"""
+
+_FAILING = """
+import lcmtools
+
+class Controller(lcmtools.Node):
+    def __init__(self):
+        super().__init__("controller")
+        self.create_timer(0.02, self.tick)
+
+    def tick(self):
+        self.speed += 1
+
+lcmtools.init()
+lcmtools.spin(Controller())
 """
 
 _SERVER = """
@@ -104,6 +120,24 @@ def test_rosout_has_what_was_logged(start_python: Callable[..., Any], bus_url: s
     assert (entry.level, entry.name, entry.msg) == (Log.INFO, "/echoer", "I am /echoer")
     assert (entry.function, entry.line) == ("__init__", 10)
     assert entry.file.startswith("script_")
+
+
+def test_a_callback_that_fails_is_announced_and_its_traceback_printed_once(
+    start_python: Callable[..., Any], bus_url: str
+) -> None:
+    node = start_python(_FAILING, LCM_DEFAULT_URL=bus_url)
+    with BusMonitor(parse_url(bus_url), "test", os.environ) as watch:
+        node.wait_for("times more")
+        (found,) = watch.settle(foreign=False).nodes
+    (error,) = found.errors
+    assert (error.callback, error.exception) == ("timer 0.02 s", "AttributeError")
+    assert error.place == "script_0.py:10"
+    assert error.message == "'Controller' object has no attribute 'speed'"
+    assert error.count > 1
+    node.send_signal(signal.SIGTERM)
+    assert node.wait() == 0
+    assert node.output.count("Traceback") == 1
+    assert "self.speed += 1" in node.output
 
 
 @pytest.mark.parametrize("server_first", [True, False])

@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable
 from fcntl import ioctl
 from pathlib import Path
+from typing import Any
 
 import lcm
 import PIL.Image
@@ -53,6 +54,22 @@ def look(url: str, path: str, message: object, *words: str) -> tuple[int, str]:
         publish_until_end(process, url, message)
         assert process.stdout is not None
         return process.returncode, process.stdout.read().decode()
+
+
+def test_a_topic_without_a_publisher_is_named_at_once_with_those_that_have_pictures(
+    bus_url: str, lcmtools_path: str, start: Callable[..., Any]
+) -> None:
+    words = (lcmtools_path, "run", "image_view", "--lcm-url", bus_url)
+    alone = start(*words, "image:=/camera/rgb")
+    alone.wait_for("no node publishes /camera/rgb; lcmtools list shows all")
+    values = "{encoding: mono8, width: 1, height: 1, step: 1, data: [7]}"
+    camera = ("pub", "-r", "5", "/front/image", "sensor_msgs/Image", values)
+    start(lcmtools_path, *camera, "--lcm-url", bus_url).wait_for("publishing")
+    other = start(*words, "image:=/camera/rgb")
+    other.wait_for("no node publishes /camera/rgb; pictures are on /front/image")
+    seen = start(*words, "image:=/front/image", "--once")
+    seen.wait_for("1 x 1")
+    assert not any("no node publishes" in line for line in seen.lines)
 
 
 def test_one_line_is_written_where_there_is_no_terminal(bus_url: str, lcmtools_path: str) -> None:

@@ -118,7 +118,9 @@ def test_types_of_an_installed_package_are_known_everywhere(
     made = "package fleet;\nstruct Uses { lab_types.Far far; }\n"
     (tmp_path / "types" / "Uses.lcm").write_text(made)
     shown = lcmtools_process("msg", "show", "fleet/Uses")
-    assert (shown.stderr, shown.stdout[:18]) == ("", "lab_types/Far far\n")
+    file = tmp_path / "types" / "Uses.lcm"
+    assert shown.stderr == f"types are spelt as in ROS; -r shows {file}\n"
+    assert shown.stdout.startswith("lab_types/Far far\n")
 
 
 def test_nothing_is_compiled_for_a_command_that_needs_no_type(lcmtools: Run, bus_url: str) -> None:

@@ -4,12 +4,13 @@ import os
 
 from lcmtools.cli.completion.install import install, plan, script, shell_named, uninstall
 from lcmtools.cli.completion.tree import Tree
-from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.output import data, talk
 from lcmtools.errors import UsageError
 
 
 @subcommand("completion")
+@examples("completion --install", "completion zsh --install", "completion bash > lcmtools.bash")
 @argument("shell", metavar="[bash|zsh|fish]", required=False, completer=("bash", "zsh", "fish"))
 @option("--install", "is_install", is_flag=True, help="Install the completion script.")
 @option("--uninstall", "is_uninstall", is_flag=True, help="Undo --install.")
@@ -18,12 +19,6 @@ def command(shell: str | None, *, is_install: bool, is_uninstall: bool) -> None:
 
     Prints the completion script; --install puts it where the shell finds it. Without an argument
     the shell is that in SHELL.
-
-    \b
-    Examples:
-      lcmtools completion --install
-      lcmtools completion zsh --install
-      lcmtools completion bash > lcmtools.bash
     """
     if is_install and is_uninstall:
         raise UsageError("--install and --uninstall exclude each other", "use one of them")

@@ -26,13 +26,11 @@ class Place:
     options_are_over: bool = False  # as behind "--"
     arguments: int = 0  # before the cursor
 
-    def unused_options(self) -> list[Option]:
+    def unused_options(self) -> Iterator[Option]:
         """Return the options that can still be given."""
-        return [
-            one
-            for one in self.command.options
-            if not one.is_hidden and (one.repeats or not self.given.get(one.parameter))
-        ]
+        for one in self.command.options:
+            if not one.is_hidden and (one.repeats or not self.given.get(one.parameter)):
+                yield one
 
 
 def locate(words: Sequence[str], word: str, describe: Describe) -> Place | None:

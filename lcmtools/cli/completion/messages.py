@@ -62,14 +62,18 @@ def fields(situation: Situation) -> Iterator[Candidate]:
 
 def prototypes(situation: Situation) -> Iterator[Candidate]:
     """A message of the type before the cursor to fill in, as the first of the values."""
+    from lcmtools.messages.definition import prototype_line
+
     name = situation.last("type_")
     if name and not situation.given.get("values") and not situation.last("file"):
         with contextlib.suppress(LcmtoolsError):
-            yield Candidate(_prototype(message_class(name)), name)
+            yield Candidate(prototype_line(message_class(name)), name)
 
 
 def requests(situation: Situation) -> Iterator[Candidate]:
     """A request of the service before the cursor to fill in; or its type, where one is begun."""
+    from lcmtools.messages.definition import prototype_line
+
     words = situation.all("words")
     if len(words) > 1 or situation.last("file"):
         return
@@ -79,7 +83,7 @@ def requests(situation: Situation) -> Iterator[Candidate]:
     with contextlib.suppress(LcmtoolsError):
         name = service_name(words[0]) if words else known
         if name:
-            yield Candidate(_prototype(service_class(name).Request), name)
+            yield Candidate(prototype_line(service_class(name).Request), name)
 
 
 def _by_package(names: Sequence[str], word: str) -> Iterator[Candidate]:
@@ -125,6 +129,7 @@ def _fields_of_any(types: Iterable[str], path: str) -> Iterator[Candidate]:
 
 
 def _fields(cls: type[Message], path: str) -> Iterator[Candidate]:
+    from lcmtools.messages.definition import array_type
     from lcmtools.messages.fields import visible_fields
     from lcmtools.messages.path import parse_path, target
 
@@ -140,26 +145,7 @@ def _fields(cls: type[Message], path: str) -> Iterator[Candidate]:
         return
     for field in visible_fields(found.message_class):
         whole = f"{owner}{separator}{field.name}"
-        sizes = (size if isinstance(size, int) else "" for size in field.dimensions)
-        described = field.type + "".join(f"[{size}]" for size in sizes)
+        described = array_type(field.type, field.dimensions)
         yield Candidate(whole, described, bool(field.message_class or field.dimensions))
         if field.name == name and field.message_class and not field.dimensions:
             yield from _fields(cls, f"{whole}{separator or '.'}")
-
-
-def _prototype(cls: type[Message]) -> str:
-    from lcmtools.messages.plain import to_plain
-
-    return _flow(to_plain(cls()))
-
-
-def _flow(value: object) -> str:
-    from lcmtools.messages.text import quoted
-
-    if isinstance(value, dict):
-        return f"{{{', '.join(f'{name}: {_flow(part)}' for name, part in value.items())}}}"
-    if isinstance(value, list):
-        return f"[{', '.join(map(_flow, value))}]"
-    if isinstance(value, bool):
-        return str(value).lower()
-    return quoted(value) if isinstance(value, str) else repr(value)

@@ -107,12 +107,12 @@ def launch_words(situation: Situation) -> Iterator[Candidate]:
 def launched_nodes(situation: Situation) -> Iterator[Candidate]:
     """The nodes of the launch file before the cursor; none of one that is wrong."""
     from lcmtools.launch.command_line import read_words
-    from lcmtools.launch.reading import Given, make_plan
+    from lcmtools.launch.reading import make_plan
 
     try:
         typed = read_words(situation.all("words"), None, situation.namespace)
-        given = Given(typed.arguments, typed.namespace, os.environ)
-        plan = make_plan(_launch_files(typed.places), given)
+        files = _launch_files(typed.places)
+        plan = make_plan(files, typed.arguments, typed.namespace, os.environ)
     except LcmtoolsError:
         return
     yield from (Candidate(node.name, node.place) for node in plan.nodes)

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import click
 
-from lcmtools.cli.declare import argument, duration, option, subcommand
+from lcmtools.cli.bus import in_names, open_monitor
+from lcmtools.cli.declare import argument, duration, examples, option, subcommand
 from lcmtools.cli.graph.written import FORMATS, STDOUT, chosen
-from lcmtools.cli.options import in_names, json_option, looking_options, open_monitor
+from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import talk
 from lcmtools.errors import UsageError
 from lcmtools.graph.drawing.diagram import Diagram
@@ -18,7 +19,10 @@ from lcmtools.observe.senders import programs
 _MEASURED = 1.0  # [s]
 
 
-@subcommand("graph")
+@subcommand("graph", json_option, looking_options)
+@examples(
+    "graph", "graph --group -o graph.svg", "graph --format dot /husky0 | dot -Tpng -o graph.png"
+)
 @argument("namespace", nargs=-1, completer="bus:names")
 @option(
     "--format",
@@ -64,8 +68,6 @@ _MEASURED = 1.0  # [s]
 @option("--group", "is_grouped", is_flag=True, help="Draw a frame around each namespace.")
 @option("--hz", is_flag=True, help="Measure rates for a second.")
 @option("--wait", type=duration, help="Observe plain LCM programs for this long.")
-@json_option
-@looking_options
 def command(
     namespace: tuple[str, ...],
     *,
@@ -90,12 +92,6 @@ def command(
     neighbours. Left out are topics with only publishers or only subscribers that carry no messages,
     hidden names, and topics of nearly every node (/clock, /rosout). SVG is rendered by Graphviz,
     whose program dot must be installed.
-
-    \b
-    Examples:
-      lcmtools graph
-      lcmtools graph --group -o graph.svg
-      lcmtools graph --format dot /husky0 | dot -Tpng -o graph.png
     """
     output = chosen(format_, file, as_json=as_json, force=force)
     if "" in (*namespace, *topics, *excluded):

@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from lcmtools.cli.output import columns
 from lcmtools.launch.arguments import arguments_of
 from lcmtools.launch.file import File
+from lcmtools.launch.node_process import NodeProcess
 from lcmtools.launch.packages import lab_files
 from lcmtools.launch.plan import NodePlan, Plan
-from lcmtools.launch.supervisor import Outcome
-from lcmtools.messages.plain import plain_json
-from lcmtools.messages.setting import ANY, ParameterValue, read_setting, write_setting
+from lcmtools.messages.plain import finite
+from lcmtools.messages.setting import ANY, read_setting, write_setting
 
 Answer = tuple[object, Sequence[str]]
 """A value for JSON, and rows of text."""
@@ -39,12 +39,12 @@ def arguments_answer(files: Sequence[File]) -> Answer:
     return records, rows or ["No arguments."]
 
 
-def outcome_rows(outcomes: Sequence[Outcome]) -> list[str]:
+def outcome_rows(nodes: Sequence[NodeProcess]) -> list[str]:
     """Return the closing table."""
     rows = [("node", "end", "restarts", "log")]
-    rows += [
-        (o.node, o.end, str(o.restarts), shlex.quote(o.log) if o.log else "-") for o in outcomes
-    ]
+    for node in nodes:
+        log = shlex.quote(node.log) if node.log else "-"
+        rows.append((node.plan.name, node.end_text(), str(max(0, node.starts - 1)), log))
     return [*columns(rows)]
 
 
@@ -97,16 +97,11 @@ def _parameters(plan: Plan, _node: str) -> Answer:
     records, rows = [], []
     for node in plan.nodes:
         values = {name: read_setting(text, ANY, name) for name, text in node.parameters.items()}
-        plain = {name: _plain(value) for name, value in values.items()}
+        plain = {name: finite(value) for name, value in values.items()}
         records.append({"node": node.name, "parameters": plain})
         rows += [f"{write_setting(node.name)}:"] if values else []
         rows += [f"  {write_setting(name)}: {write_setting(v)}" for name, v in values.items()]
     return records, rows
-
-
-def _plain(value: ParameterValue) -> object:
-    listed = list(value) if isinstance(value, (list, tuple)) else value
-    return json.loads(plain_json(listed))  # type: ignore[arg-type] # a list of scalars
 
 
 PLAN_ANSWERS: Mapping[str, Callable[[Plan, str], Answer]] = {

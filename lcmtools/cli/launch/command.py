@@ -2,11 +2,13 @@
 
 import os
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 
 from lcmtools.bus.preflight import wait_for_bus
 from lcmtools.bus.url import domain_url
-from lcmtools.cli.declare import argument, duration, option, subcommand
+from lcmtools.cli.bus import chosen_url
+from lcmtools.cli.declare import CommandT, argument, duration, examples, option, subcommand
 from lcmtools.cli.launch.answers import (
     PLAN_ANSWERS,
     arguments_answer,
@@ -14,7 +16,7 @@ from lcmtools.cli.launch.answers import (
     outcome_rows,
 )
 from lcmtools.cli.launch.screen import Screen
-from lcmtools.cli.options import bus_options, chosen_url, json_option
+from lcmtools.cli.options import bus_options, json_option
 from lcmtools.cli.output import show, talk
 from lcmtools.errors import UsageError
 from lcmtools.launch.command_line import read_words
@@ -22,17 +24,26 @@ from lcmtools.launch.file import STANDARD_INPUT, read_file, read_standard_input
 from lcmtools.launch.logs import make_folder
 from lcmtools.launch.packages import find_files
 from lcmtools.launch.plan import NodePlan, Output, Plan
-from lcmtools.launch.reading import Given, make_plan
+from lcmtools.launch.reading import make_plan
 from lcmtools.launch.supervisor import Supervisor
 from lcmtools.processes.child import StopTimeouts
 from lcmtools.settings import usual_namespace
 
-_QUESTIONS = (
-    *("nodes", "args", "find-node", "show-args", "dump-params", "files", "dry-run", "list"),
+
+def _question(*names: str, text: str) -> Callable[[CommandT], CommandT]:
+    return option(*names, "question", flag_value=names[0].strip("-"), help=text)
+
+
+def _question_of_node(*names: str, text: str) -> Callable[[CommandT], CommandT]:
+    return option(*names, metavar="NODE", completer="programs:launched_nodes", help=text)
+
+
+@subcommand("launch", json_option, bus_options)
+@examples(
+    "launch simple_controller.launch __ns:=/husky0",
+    "launch air_lab0 simple_controller.launch --dry-run",
+    "launch robot.yaml robot:=husky1",
 )
-
-
-@subcommand("launch")
 @argument(
     "words",
     nargs=-1,
@@ -42,44 +53,19 @@ _QUESTIONS = (
 @option(
     "--ns", metavar="NAMESPACE", help="The same as __ns:=NAMESPACE.", completer="bus:namespaces"
 )
-@option("--nodes", "question", flag_value="nodes", help="Only list the nodes' full names.")
-@option(
-    "--args",
-    "node",
-    metavar="NODE",
-    help="Only print a node's command line.",
-    completer="programs:launched_nodes",
-)
-@option(
-    "--find-node",
-    "sought",
-    metavar="NODE",
-    help="Only print the line that defines a node.",
-    completer="programs:launched_nodes",
-)
-@option(
-    "--show-args",
-    "--ros-args",
-    "question",
-    flag_value="show-args",
-    help="Only list the file's arguments.",
-)
-@option(
-    "--dump-params",
-    "question",
-    flag_value="dump-params",
-    help="Only print the nodes' parameters, as param dump does.",
-)
-@option("--files", "question", flag_value="files", help="Only list the files that are read.")
-@option("--dry-run", "question", flag_value="dry-run", help="Only print all command lines.")
-@option("-l", "--list", "question", flag_value="list", help="List the labs' launch files.")
+@_question("--nodes", text="Only list the nodes' full names.")
+@_question_of_node("--args", "node", text="Only print a node's command line.")
+@_question_of_node("--find-node", "sought", text="Only print the line that defines a node.")
+@_question("--show-args", "--ros-args", text="Only list the file's arguments.")
+@_question("--dump-params", text="Only print the nodes' parameters, as param dump does.")
+@_question("--files", text="Only list the files that are read.")
+@_question("--dry-run", text="Only print all command lines.")
+@_question("--list", "-l", text="List the labs' launch files.")
 @option("--screen", "output", flag_value="screen", help="Show the output of all nodes.")
 @option("--log", "output", flag_value="log", help="Show warnings and errors only; log the rest.")
 @option("--wait", is_flag=True, help="Wait for a working bus before starting.")
 @option("--sigint-timeout", type=duration, default=15.0, help="Time after SIGINT (else 15s).")
 @option("--sigterm-timeout", type=duration, default=2.0, help="Time after SIGTERM (else 2s).")
-@json_option
-@bus_options
 def command(
     words: tuple[str, ...],
     *,
@@ -111,17 +97,12 @@ def command(
 
     \b
     Exit codes: 0 all nodes ended normally or on request; 1 a node failed; 2 the file is invalid.
-
-    \b
-    Examples:
-      lcmtools launch simple_controller.launch __ns:=/husky0
-      lcmtools launch air_lab0 simple_controller.launch --dry-run
-      lcmtools launch robot.yaml robot:=husky1
     """
     named = {"args": node, "find-node": sought}
     query = next((name for name, value in named.items() if value is not None), question)
     if as_json and not query:
-        raise UsageError("--json needs a question", f"one of --{', --'.join(_QUESTIONS)}")
+        known = "nodes, --args, --find-node, --show-args, --dump-params, --files, --dry-run, --list"
+        raise UsageError("--json needs a question", f"one of --{known}")
     if query == "list":
         show(*list_answer(), as_json=as_json)
         return 0
@@ -131,15 +112,22 @@ def command(
     if query == "show-args":
         show(*arguments_answer(files), as_json=as_json)
         return 0
-    plan = make_plan(files, Given(typed.arguments, typed.namespace, os.environ))
-    for note in plan.notes:
-        talk(f"lcmtools launch: {note}")
+    plan = make_plan(files, typed.arguments, typed.namespace, os.environ)
     if query:
-        show(*PLAN_ANSWERS[query](plan, named.get(query) or ""), as_json=as_json)
+        answer = PLAN_ANSWERS[query](plan, named.get(query) or "")
+        _tell(plan)
+        show(*answer, as_json=as_json)
         return 0
+    chosen_url()  # it may be wrong
+    _tell(plan)
     if wait:
         wait_for_bus(chosen_url(), lambda text: talk(f"lcmtools launch: {text}"))
     return _run(plan, output, StopTimeouts(sigint_timeout, sigterm_timeout))
+
+
+def _tell(plan: Plan) -> None:
+    for note in plan.notes:
+        talk(f"lcmtools launch: {note}")
 
 
 def _run(plan: Plan, output: str | None, timeouts: StopTimeouts) -> int:

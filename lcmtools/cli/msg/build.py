@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import complain, show, talk
@@ -14,22 +14,19 @@ from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.messages.type_source import shown
 from lcmtools.packages import lcm_gen
 from lcmtools.packages.lcm_gen import LANGUAGES
-from lcmtools.packages.user_types import compile_folders, sources_of, user_types
+from lcmtools.packages.user_types import sources_of, user_types
 
 
-@subcommand("build")
+@subcommand("build", json_option)
+@examples("msg build", "msg build air_lab0/msg")
 @argument("folder", metavar="[DIR]", required=False, type=click.Path())
-@json_option
 def build(folder: str | None, *, as_json: bool) -> int:
-    """Check and compile the .lcm files in DIR, or in LCMTOOLS_TYPE_PATH and the workspace.
+    """Check and compile the types in DIR, or in LCMTOOLS_TYPE_PATH and the workspace.
+
+    Types are in .lcm files, and in ROS's .msg and .srv files.
 
     This step is optional, because types are compiled when they are first used. The exit code is 1
     if there are errors.
-
-    \b
-    Examples:
-      lcmtools msg build
-      lcmtools msg build air_lab0/msg
     """
     chosen = [Path(folder).absolute()] if folder else user_types().near_folders()
     if folder and not chosen[0].is_dir():
@@ -43,7 +40,7 @@ def build(folder: str | None, *, as_json: bool) -> int:
 
 def build_folders(folders: Sequence[Path], *, as_json: bool) -> int:
     """Compile the types of folders, print them and the problems; return the exit code."""
-    source = compile_folders(folders)
+    source = user_types().compiled(folders)
     made = {n: f for n, f in sorted(source.files.items()) if _is_in(f, folders)}
     problems = [one for one in source.problems if _is_in(one.file, folders)]
     types = [
@@ -62,21 +59,19 @@ def _is_in(file: str, folders: Sequence[Path]) -> bool:
     return any(Path(file).is_relative_to(folder) for folder in folders)
 
 
-@subcommand("generate")
+@subcommand("generate", json_option)
+@examples(
+    "msg generate --lang cpp generated geometry_msgs/Twist std_msgs/String",
+    "msg generate --lang c generated air_lab0",
+)
 @option("--lang", required=True, type=click.Choice(LANGUAGES), help="The language.")
 @argument("folder", metavar="DIR", type=click.Path())
 @argument("types", nargs=-1, completer="messages:types")
-@json_option
 def generate_code(*, lang: str, folder: str, types: tuple[str, ...], as_json: bool) -> None:
     """Generate code for message types into DIR with lcm-gen, for plain LCM programs.
 
     TYPES are types or packages, supplied or your own; none means all your own. Nested types are
     included.
-
-    \b
-    Examples:
-      lcmtools msg generate --lang cpp generated geometry_msgs/Twist std_msgs/String
-      lcmtools msg generate --lang c generated air_lab0
     """
     written = list(
         map(str, lcm_gen.generate_code(sources_of(types), lang, Path(folder).expanduser()))

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import data, document, show, talk
 from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
@@ -20,6 +20,7 @@ from lcmtools.messages.registry import (
     type_name,
     type_names,
 )
+from lcmtools.messages.type_source import shown
 from lcmtools.names import did_you_mean
 
 _single_line_option = option(
@@ -27,33 +28,21 @@ _single_line_option = option(
 )
 
 
-@subcommand("list")
-@json_option
+@subcommand("list", json_option)
+@examples("msg list", "msg list --json")
 def list_types(*, as_json: bool) -> None:
-    """List the message types that lcmtools knows.
-
-    \b
-    Examples:
-      lcmtools msg list
-      lcmtools msg list --json
-    """
+    """List the message types that lcmtools knows."""
     for problem in problems():
         talk(str(problem.error()), "lcmtools msg list")
     show(type_names(), type_names(), as_json=as_json)
 
 
-@subcommand("package")
+@subcommand("package", json_option)
+@examples("msg package geometry_msgs", "msg package std_msgs --json")
 @argument("package", completer="messages:packages")
 @_single_line_option
-@json_option
 def package_command(package: str, *, single_line: bool, as_json: bool) -> None:
-    """List the message types of a package.
-
-    \b
-    Examples:
-      lcmtools msg package geometry_msgs
-      lcmtools msg package std_msgs --json
-    """
+    """List the message types of a package."""
     found = [name for name in type_names() if name.startswith(f"{package}/")]
     if not found:
         hint = did_you_mean(package, packages()) or "see: lcmtools msg packages"
@@ -61,32 +50,20 @@ def package_command(package: str, *, single_line: bool, as_json: bool) -> None:
     show(found, [" ".join(found)] if single_line else found, as_json=as_json)
 
 
-@subcommand("packages")
+@subcommand("packages", json_option)
+@examples("msg packages", "msg packages --json")
 @_single_line_option
-@json_option
 def packages_command(*, single_line: bool, as_json: bool) -> None:
-    """List the packages that have message types.
-
-    \b
-    Examples:
-      lcmtools msg packages
-      lcmtools msg packages --json
-    """
+    """List the packages that have message types."""
     found = packages()
     show(found, [" ".join(found)] if single_line else found, as_json=as_json)
 
 
-@subcommand("find-field")
+@subcommand("find-field", json_option)
+@examples("msg find-field covariance", "msg find-field header --json")
 @argument("name")
-@json_option
 def find_field(name: str, *, as_json: bool) -> None:
-    """Find the message types with a field of this name, nested types not included.
-
-    \b
-    Examples:
-      lcmtools msg find-field covariance
-      lcmtools msg find-field header --json
-    """
+    """Find the message types with a field of this name, nested types not included."""
     from lcmtools.messages.definition import declaration  # the others do without
     from lcmtools.messages.fields import visible_fields
 
@@ -99,19 +76,14 @@ def find_field(name: str, *, as_json: bool) -> None:
     show(record, (f"{type_}: {text}" for type_, text in found), as_json=as_json)
 
 
-@subcommand("fingerprint")
+@subcommand("fingerprint", json_option)
+@examples("msg fingerprint geometry_msgs/Twist", "msg md5 Twist")
 @argument("type_", metavar="TYPE", completer="messages:types")
-@json_option
 def print_fingerprint(type_: str, *, as_json: bool) -> None:
     """Print a type's fingerprint: the first 8 bytes of its messages, in hexadecimal.
 
     Types with the same fields have the same fingerprint. TYPE without a package means all types of
     that name.
-
-    \b
-    Examples:
-      lcmtools msg fingerprint geometry_msgs/Twist
-      lcmtools msg md5 Twist
     """
     named = [name for name in type_names() if name.rpartition("/")[2] == type_]
     kinds = map(message_class, named or [type_])
@@ -121,17 +93,11 @@ def print_fingerprint(type_: str, *, as_json: bool) -> None:
     show(record, rows, as_json=as_json)
 
 
-@subcommand("proto")
+@subcommand("proto", json_option)
+@examples("msg proto geometry_msgs/Twist", "msg proto sensor_msgs/Joy > joy.yaml")
 @argument("type_", metavar="TYPE", completer="messages:types")
-@json_option
 def proto(type_: str, *, as_json: bool) -> None:
-    """Print a type's fields with their defaults as YAML, to fill in for pub.
-
-    \b
-    Examples:
-      lcmtools msg proto geometry_msgs/Twist
-      lcmtools msg proto sensor_msgs/Joy > joy.yaml
-    """
+    """Print a type's fields with their defaults as YAML, to fill in for pub."""
     from lcmtools.messages.definition import prototype
     from lcmtools.messages.plain import to_json
 
@@ -139,43 +105,47 @@ def proto(type_: str, *, as_json: bool) -> None:
     data(to_json(kind()) if as_json else prototype(kind))
 
 
-_EXAMPLE = "for example lcmtools msg show geometry_msgs/Twist"
-
-
-@subcommand("show")
+@subcommand("show", json_option)
+@examples(
+    "msg show geometry_msgs/Twist",
+    "msg show -r sensor_msgs/LaserScan",
+    "type /husky0/odometry | lcmtools msg show",
+)
 @argument("type_", metavar="[TYPE]", default="-", completer="messages:types")
-@option("-r", "--raw", is_flag=True, help="Show its .lcm file, with the comments.")
-@json_option
+@option("-r", "--raw", is_flag=True, help="Show its .lcm or .msg file, with the comments.")
 def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
-    """Show the fields of a message type, nested ones expanded.
+    """Show the fields of a message type, nested ones expanded, with ROS's names of types.
 
     TYPE is geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or Twist; "-" or none
     reads it from standard input.
-
-    \b
-    Examples:
-      lcmtools msg show geometry_msgs/Twist
-      lcmtools msg show -r sensor_msgs/LaserScan
-      lcmtools type /husky0/odometry | lcmtools msg show
     """
     from lcmtools.messages.definition import definition
 
     type_ = _piped() if type_ == "-" else type_
     kind = message_class(type_)
     name, text = type_name(kind), (source_text if raw else definition)(kind)
+    file = source_file(name)
+    spelling = "LCM" if raw and file.endswith(".lcm") else "ROS"
     if as_json:
         number = f"{fingerprint(kind):#018x}"
-        document({"type": name, "fingerprint": number, "definition": text})
+        record = {"type": name, "fingerprint": number, "spelling": spelling, "definition": text}
+        document(record)
     else:
         data(text if "/" in type_ or "." in type_ else f"[{name}]:\n{text}")
+        talk(f"types are spelt as in {spelling}; {'this is' if raw else '-r shows'} {shown(file)}")
+
+
+def source_file(name: str) -> str:
+    """Return the path of the .lcm, .msg or .srv file of a message type."""
+    from lcmtools.packages.type_files import shipped_folder
+
+    return default_registry().files().get(name) or f"{shipped_folder() / name}.lcm"
 
 
 def source_text(kind: type[Message]) -> str:
-    """Return the .lcm file of a message type, as its author wrote it."""
-    from lcmtools.packages.type_files import shipped_folder
-
+    """Return the file of a message type, as its author wrote it."""
     name = type_name(kind)
-    file = default_registry().files().get(name) or f"{shipped_folder() / name}.lcm"
+    file = source_file(name)
     try:
         return Path(file).read_text("utf-8").strip()
     except (OSError, UnicodeDecodeError) as error:
@@ -183,41 +153,30 @@ def source_text(kind: type[Message]) -> str:
 
 
 def _piped() -> str:
+    example = "for example lcmtools msg show geometry_msgs/Twist"
     if sys.stdin is None or sys.stdin.isatty():
-        raise UsageError("no type is given", _EXAMPLE)
+        raise UsageError("no type is given", example)
     words = sys.stdin.read().replace(",", " ").split()
     if len(words) != 1:
-        what = "several types" if words else "no type"
-        raise UsageError(f"standard input has {what}", _EXAMPLE)
+        raise UsageError(f"standard input has {'several types' if words else 'no type'}", example)
     return words[0]
 
 
-@subcommand("list")
-@json_option
+@subcommand("list", json_option)
+@examples("srv list", "srv list --json")
 def list_services(*, as_json: bool) -> None:
-    """List the service types that lcmtools knows.
-
-    \b
-    Examples:
-      lcmtools srv list
-      lcmtools srv list --json
-    """
+    """List the service types that lcmtools knows."""
     show(service_names(), service_names(), as_json=as_json)
 
 
-@subcommand("show")
+@subcommand("show", json_option)
+@examples("srv show std_srvs/SetBool", "srv show Trigger --json")
 @argument("type_", metavar="TYPE", completer="messages:service_types")
-@option("-r", "--raw", is_flag=True, help="Show the .lcm files, with the comments.")
-@json_option
+@option("-r", "--raw", is_flag=True, help="Show the .lcm or .srv files, with the comments.")
 def show_service(type_: str, *, raw: bool, as_json: bool) -> None:
     """Show the fields of a service type: the request's, a line of dashes, the response's.
 
     TYPE is std_srvs/Trigger, std_srvs/srv/Trigger, std_srvs.Trigger or Trigger.
-
-    \b
-    Examples:
-      lcmtools srv show std_srvs/SetBool
-      lcmtools srv show Trigger --json
     """
     from lcmtools.messages.definition import definition
 
@@ -225,6 +184,8 @@ def show_service(type_: str, *, raw: bool, as_json: bool) -> None:
     text = source_text if raw else definition
     request, response = text(pair.Request), text(pair.Response)
     heading = [] if "/" in type_ or "." in type_ else [f"[{name}]:"]
+    if raw and source_file(type_name(pair.Request)).endswith(".srv"):  # which has both
+        request, response = (part.strip() for part in f"\n{request}\n".split("\n---", 1))
     record = {"type": name, "request": request, "response": response}
     rows = [*heading, *request.splitlines(), "---", *response.splitlines()]
     show(record, rows, as_json=as_json)

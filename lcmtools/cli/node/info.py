@@ -2,10 +2,11 @@
 
 import time
 
-from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.bus import in_names, open_monitor
+from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.node import sections
 from lcmtools.cli.node.sections import program_record, program_sections
-from lcmtools.cli.options import in_names, json_option, looking_options, open_monitor
+from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.param.read import block, json_values
 from lcmtools.errors import LcmtoolsError, UsageError
@@ -20,21 +21,15 @@ from lcmtools.publish.parameters import Answers, ParameterClient, has_parameters
 _TIMEOUT = 0.5  # [s] for parameters: the rest of the answer does not wait for a busy node
 
 
-@subcommand("info")
+@subcommand("info", json_option, looking_options)
+@examples("node info simple_controller", "node info /husky0/simple_controller lcm-source")
 @argument("nodes", nargs=-1, required=True, completer="bus:nodes")
 @option("-q", "--quiet", is_flag=True, help="Only publications, subscriptions and services.")
 @option("-a", "--include-hidden", "show_hidden", is_flag=True, help="Show hidden names too.")
-@json_option
-@looking_options
 def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: bool) -> None:
     """Show a node's publications, subscriptions, services and process.
 
     NODES are names or pids; a plain LCM program is found by its pid or command.
-
-    \b
-    Examples:
-      lcmtools node info simple_controller
-      lcmtools node info /husky0/simple_controller lcm-source
     """
     with open_monitor("node_info") as monitor:
         graph = monitor.settle(foreign=False)
@@ -57,6 +52,7 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
             lines(
                 [
                     *sections.process(one, now),
+                    *sections.errors(one),
                     *_parameters(one, known),
                     *sections.counters(one),
                     *sections.connections(one, graph),

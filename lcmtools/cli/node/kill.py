@@ -4,21 +4,21 @@ import sys
 
 import click
 
-from lcmtools.cli.declare import argument, duration, option, subcommand
-from lcmtools.cli.options import in_names, json_option, looking_options, open_monitor
+from lcmtools.cli.bus import in_names, open_monitor
+from lcmtools.cli.declare import argument, duration, examples, option, subcommand
+from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Node
 from lcmtools.observe.nodes import NodeEnd, end_nodes, node_to_end, nodes_to_end
 
 
-@subcommand("kill")
+@subcommand("kill", json_option, looking_options)
+@examples("node kill simple_controller", "node kill --all --yes")
 @argument("nodes", nargs=-1, completer="bus:nodes")
 @option("-a", "--all", "kill_all", is_flag=True, help="All nodes, after confirmation.")
 @option("-y", "--yes", is_flag=True, help="Do not ask for confirmation.")
 @option("--timeout", type=duration, default=3.0, help="Wait this long for the end (else 3s).")
-@json_option
-@looking_options
 def command(
     nodes: tuple[str, ...], *, kill_all: bool, yes: bool, timeout: float, as_json: bool
 ) -> int:
@@ -26,11 +26,6 @@ def command(
 
     NODES are names, or pids or HOST:PID if two nodes have the same name. The node's whole process
     ends cleanly, as by SIGTERM, with exit code 0. Plain LCM programs cannot be ended.
-
-    \b
-    Examples:
-      lcmtools node kill simple_controller
-      lcmtools node kill --all --yes
     """
     if kill_all and nodes:
         raise UsageError("--all takes no node's name", "leave out one of them")
@@ -38,18 +33,15 @@ def command(
         raise click.MissingParameter(param_hint="'NODES...'", param_type="argument")
     with open_monitor("node_kill") as monitor:
         graph = monitor.settle(foreign=False)
-        found = [node_to_end(monitor, graph, in_names(word)) for word in nodes] or nodes_to_end(
-            graph
-        )
-        found = list({node.id: node for node in found}.values())
+        named = [node_to_end(monitor, graph, in_names(word)) for word in nodes]
+        found = list({node.id: node for node in named or nodes_to_end(graph)}.values())
         if not found:
             talk("no nodes running")
-        elif not nodes:
-            found = _confirmed(found, yes=yes) if kill_all else _chosen(found)
+        elif not (nodes or (kill_all and yes)):
+            found = _confirmed(found) if kill_all else _chosen(found)
         if found and not as_json:
-            names = [node.name for node in found]
-            several = ["killing:", *(f" * {name}" for name in names)]
-            lines(several if len(names) > 1 else [f"killing {names[0]}"])
+            several = ["killing:", *(f" * {node.name}" for node in found)]
+            lines(several if len(found) > 1 else [f"killing {found[0].name}"])
         ends = end_nodes(monitor, found, timeout)
     if as_json:
         document(list(map(_record, ends)))
@@ -59,9 +51,7 @@ def command(
     return _complain(ends, timeout)
 
 
-def _confirmed(nodes: list[Node], *, yes: bool) -> list[Node]:
-    if yes:
-        return nodes
+def _confirmed(nodes: list[Node]) -> list[Node]:
     if not sys.stdin.isatty():
         what = f"--all would kill {len(nodes)} nodes and needs confirmation"
         raise UsageError(what, "add --yes")

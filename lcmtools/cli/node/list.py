@@ -5,16 +5,9 @@ import socket
 from collections import Counter, deque
 from collections.abc import Callable
 
-from lcmtools.cli.declare import argument, duration, option, subcommand
-from lcmtools.cli.options import (
-    all_option,
-    bus_options,
-    in_names,
-    json_option,
-    looking_names,
-    looking_options,
-    open_monitor,
-)
+from lcmtools.cli.bus import in_names, look, looking_names, open_monitor
+from lcmtools.cli.declare import argument, duration, examples, option, subcommand
+from lcmtools.cli.options import all_option, bus_options, json_option, looking_options
 from lcmtools.cli.output import data, document, lines, show, talk
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Node, Staleness
@@ -23,7 +16,8 @@ from lcmtools.names import Pattern, did_you_mean
 _HEADING = "Programs that are no nodes (seen on the bus):"
 
 
-@subcommand("list")
+@subcommand("list", json_option, looking_options)
+@examples("node list", "node list -a /husky0")
 @argument("namespace", default="", completer="bus:namespaces")
 @option(
     "-a",
@@ -35,8 +29,6 @@ _HEADING = "Programs that are no nodes (seen on the bus):"
 @option("-u", "--uri", is_flag=True, help="Print the nodes' addresses, as rosnode list -u.")
 @option("-c", "--count-nodes", "count", is_flag=True, help="Print the number of nodes.")
 @option("--wait", type=duration, help="With -a: observe other programs for this long.")
-@json_option
-@looking_options
 def list_nodes(
     namespace: str, *, show_all: bool, uri: bool, count: bool, wait: float | None, as_json: bool
 ) -> None:
@@ -45,11 +37,6 @@ def list_nodes(
     NAMESPACE selects a node or the nodes in a namespace. In quotes it may be a pattern: * is any
     characters but /, ** any characters, ? one. A pattern without / may match a node's last part:
     "*arm*".
-
-    \b
-    Examples:
-      lcmtools node list
-      lcmtools node list -a /husky0
     """
     from lcmtools.cli.node.sections import program_record, program_rows  # the others do without
     from lcmtools.observe.describe import listed_node, node_record
@@ -85,39 +72,24 @@ def list_nodes(
 
 def _row(node: Node, now: int) -> str:
     """As rosnode list -a has it, the address first, and what else is known behind the name."""
-    up = f"up {_span(node.time_there(now) - node.start_time)}"
-    return f"{node.host}:{node.pid} \t{node.name}\t{f'stale: {node.stale}' if node.stale else up}"
+    seconds = max(0, node.time_there(now) - node.start_time) / 1e9
+    units = (("days", 86400), ("h", 3600), ("min", 60))
+    spans = (f"{seconds / length:.1f} {unit}" for unit, length in units if seconds >= 2 * length)
+    state = f"stale: {node.stale}" if node.stale else f"up {next(spans, f'{seconds:.0f} s')}"
+    return f"{node.host}:{node.pid} \t{node.name}\t{state}"
 
 
-def _span(nanoseconds: int) -> str:
-    """A time as people say it: 12 s, 3 min, 2.5 h, 4.2 days."""
-    seconds = max(0, nanoseconds) / 1e9
-    for unit, length in (("days", 86400), ("h", 3600), ("min", 60)):
-        if seconds >= 2 * length:
-            return f"{seconds / length:.1f} {unit}"
-    return f"{seconds:.0f} s"
-
-
-@subcommand("machine")
+@subcommand("machine", all_option, json_option, bus_options)
+@examples("node machine", "node machine husky0-pc")
 @argument("host", required=False, completer="bus:hosts")
-@all_option
-@json_option
-@bus_options
 def machine(host: str | None, *, show_all: bool, as_json: bool) -> None:
     """List the computers that nodes run on, or the nodes of one computer.
 
     HOST is a name or an address.
-
-    \b
-    Examples:
-      lcmtools node machine
-      lcmtools node machine husky0-pc
     """
-    from lcmtools.observe.computers import Computers
-    from lcmtools.observe.describe import listed_node
+    from lcmtools.observe.describe import Computers, listed_node
 
-    with open_monitor("node_machine") as monitor:
-        graph, url = monitor.settle(foreign=False), monitor.url
+    graph, url = look("node_machine")
     nodes = [node for node in graph.nodes if show_all or not node.is_hidden]
     machine_of = Computers(graph.nodes).of
     names: dict[str, list[Node]] = {name: [] for name in sorted(set(map(machine_of, nodes)))}
@@ -144,19 +116,13 @@ def _nodes_of(host: str, nodes: list[Node], machine_of: Callable[[Node], str]) -
     return found
 
 
-@subcommand("cleanup")
+@subcommand("cleanup", json_option, bus_options)
+@examples("node cleanup", "node cleanup --domain 3")
 @option("-y", "--yes", is_flag=True, expose_value=False, help="Accepted as in rosnode; no effect.")
-@json_option
-@bus_options
 def cleanup(*, as_json: bool) -> None:
     """Forget the nodes that ended without saying goodbye, and print their names.
 
     Nodes that still run are kept, even if they do not answer.
-
-    \b
-    Examples:
-      lcmtools node cleanup
-      lcmtools node cleanup --domain 3
     """
     with open_monitor("node_cleanup") as monitor:
         nodes = monitor.settle(foreign=False).nodes

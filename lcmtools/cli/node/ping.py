@@ -4,8 +4,9 @@ from itertools import islice
 
 import click
 
-from lcmtools.cli.declare import argument, duration, option, subcommand, whole_number
-from lcmtools.cli.options import in_names, json_option, looking_options, open_monitor
+from lcmtools.cli.bus import in_names, open_monitor
+from lcmtools.cli.declare import argument, examples, option, subcommand, whole_number
+from lcmtools.cli.options import json_option, looking_options, timeout_option
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.errors import NothingReceived, UsageError
 from lcmtools.graph.model import Node, Staleness
@@ -14,24 +15,17 @@ from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.nodes import ping, pings
 
 
-@subcommand("ping")
+@subcommand("ping", timeout_option(3.0), json_option, looking_options)
+@examples("node ping simple_controller", "node ping --all")
 @argument("node", required=False, completer="bus:nodes")
 @option("-a", "--all", "ping_all", is_flag=True, help="Ping every node once.")
 @option("-c", "--count", metavar="N", type=whole_number(1), help="Stop after N pings.")
-@option("--timeout", type=duration, default=3.0, help="Longest wait for an answer (else 3s).")
-@json_option
-@looking_options
 def command(
     node: str | None, *, ping_all: bool, count: int | None, timeout: float, as_json: bool
 ) -> int:
     """Probe a node once a second, and print its response time.
 
     The exit code is 4 if a node does not answer.
-
-    \b
-    Examples:
-      lcmtools node ping simple_controller
-      lcmtools node ping --all
     """
     if node is None and not ping_all:
         raise click.MissingParameter(param_hint="'NODE'", param_type="argument")

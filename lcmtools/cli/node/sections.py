@@ -3,14 +3,16 @@
 import socket
 import time
 from collections.abc import Iterator
+from dataclasses import asdict
 
 from lcmtools.bus.kernel import receive_buffers
 from lcmtools.bus.processes import usage_of
+from lcmtools.graph.drawing.labels import printable
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
 from lcmtools.messages.registry import candidates
 from lcmtools.names import is_hidden
 from lcmtools.observe.counters import callback_record, callback_times
-from lcmtools.observe.describe import UNKNOWN, candidates_text, host_text
+from lcmtools.observe.describe import UNKNOWN, callback_errors, candidates_text, host_text
 from lcmtools.observe.nodes import program_place
 from lcmtools.observe.senders import Program, is_here, user_name
 
@@ -26,9 +28,13 @@ def roles(node: Node, *, show_hidden: bool) -> list[str]:
     """Return its publications, subscriptions, services and clients, with types."""
     rows = []
     for role, title in _TITLES.items():
-        shown = [e for e in node.having(role) if show_hidden or not is_hidden(e.topic)]
+        shown = [
+            f" * {e.topic} [{' or '.join(e.types) or UNKNOWN}]{_dropped(e)}"
+            for e in node.having(role)
+            if show_hidden or not is_hidden(e.topic)
+        ]
         if shown:
-            rows += [f"{title}: ", *(f" * {_endpoint_text(endpoint)}" for endpoint in shown), ""]
+            rows += [f"{title}: ", *shown, ""]
         elif role is not Role.CLIENT:  # rosnode has no such section
             rows += [f"{title}: None", ""]
     return rows
@@ -41,8 +47,8 @@ def process(node: Node, now: int) -> list[str]:
         return [*rows, f"Stale: {node.stale}"]
     rows += usage(node.pid, now) if is_here(node) else []
     seconds = _up_time(node, now)
-    share = _share(node.busy / 1e9, seconds)
-    return [*rows, f"Up for: {seconds:.0f} s", f"In callbacks: {share:.1f} % of that time"]
+    rows.append(f"Up for: {seconds:.0f} s")
+    return [*rows, f"In callbacks: {_percent(node.busy / 1e9, seconds)} of that time"]
 
 
 def usage(pid: int, now: int) -> list[str]:
@@ -51,13 +57,19 @@ def usage(pid: int, now: int) -> list[str]:
     if taken is None:
         return []
     started = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(taken.start_time / 1e9))
-    share = _share(taken.processor_time, (now - taken.start_time) / 1e9)
+    share = _percent(taken.processor_time, (now - taken.start_time) / 1e9)
     return [
         f"User: {user_name(taken.uid)}",
         f"Started: {started}",
         f"Memory: {taken.memory_bytes / 1e6:.1f} MB",
-        f"Processor: {share:.1f} % of a core since it started",
+        f"Processor: {share} of a core since it started",
     ]
+
+
+def errors(node: Node) -> list[str]:
+    """Return what its callbacks have raised, the newest first."""
+    rows = [f" * {printable(text)}" for text in callback_errors(node)]
+    return ["Errors of callbacks:", *rows] if rows else []
 
 
 def counters(node: Node) -> list[str]:
@@ -68,10 +80,11 @@ def counters(node: Node) -> list[str]:
 
 def connections(node: Node, graph: Graph) -> list[str]:
     """Return the other nodes at the other ends of its topics."""
-    rows = []
-    for endpoint, direction, peers in _peers(node, graph):
-        for peer in peers:
-            rows += [f" * topic: {endpoint.topic}", f"    * {direction}: {peer}"]
+    rows = [
+        row
+        for topic, direction, peer in _peers(node, graph)
+        for row in (f" * topic: {topic}", f"    * {direction}: {peer}")
+    ]
     return ["Connections:", *(rows or [" * none"])]
 
 
@@ -79,17 +92,17 @@ def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
     """Return all of it for JSON."""
     taken = usage_of(node.pid) if is_here(node) and not node.stale else None
     return {
-        "publications": [_endpoint_record(e) for e in node.having(Role.PUBLISHER)],
-        "subscriptions": [_endpoint_record(e) for e in node.having(Role.SUBSCRIBER)],
-        "services": [_endpoint_record(e) for e in node.having(Role.SERVICE)],
-        "service_clients": [_endpoint_record(e) for e in node.having(Role.CLIENT)],
+        **{
+            title.lower().replace(" ", "_"): list(map(_endpoint_record, node.having(role)))
+            for role, title in _TITLES.items()
+        },
         "connections": [
-            {"topic": endpoint.topic, "direction": direction, "node": peer}
-            for endpoint, direction, peers in _peers(node, graph)
-            for peer in peers
+            {"topic": topic, "direction": direction, "node": peer}
+            for topic, direction, peer in _peers(node, graph)
         ],
         "up_time": None if node.stale else _up_time(node, now),
         "callback_time": node.busy,
+        "callback_errors": list(map(asdict, reversed(node.errors))),
         "user": user_name(taken.uid) if taken else None,
         "memory_bytes": taken.memory_bytes if taken else None,
         "processor_time": taken.processor_time if taken else None,
@@ -100,40 +113,37 @@ def _up_time(node: Node, now: int) -> float:
     return max(0.0, (node.time_there(now) - node.start_time) / 1e9)
 
 
-def _endpoint_text(endpoint: Endpoint) -> str:
-    types = " or ".join(endpoint.types) or "unknown type"
-    drops = f", {endpoint.drops} dropped" if endpoint.drops else ""
-    return f"{endpoint.topic} [{types}]{drops}"
-
-
 def _counter(node: Node, endpoint: Endpoint) -> str:
     verb = "sent" if endpoint.role is Role.PUBLISHER else "received"
     seconds = (endpoint.last_time - node.start_time) / 1e9
     parts = [f"{endpoint.messages} {verb}", f"{endpoint.bytes} bytes"]
     if endpoint.messages > 1 and seconds > 0:
         parts.append(f"{endpoint.messages / seconds:.3g} Hz on average")
-    if endpoint.drops:
-        parts.append(f"{endpoint.drops} dropped")
-    if took := callback_times(endpoint):
-        parts.append(took)
-    return f" * {endpoint.topic}: {', '.join(parts)}"
+    took = callback_times(endpoint)
+    drops = _dropped(endpoint)
+    return f" * {endpoint.topic}: {', '.join(parts)}{drops}{f', {took}' if took else ''}"
+
+
+def _dropped(endpoint: Endpoint) -> str:
+    return f", {endpoint.drops} dropped" if endpoint.drops else ""
 
 
 def _ends(node: Node) -> tuple[Endpoint, ...]:
     return node.having(Role.PUBLISHER) + node.having(Role.SUBSCRIBER)
 
 
-def _peers(node: Node, graph: Graph) -> Iterator[tuple[Endpoint, str, list[str]]]:
+def _peers(node: Node, graph: Graph) -> Iterator[tuple[str, str, str]]:
+    """A topic, the direction of its messages, and another node that has it."""
     for endpoint in _ends(node):
         topic = graph.topic(endpoint.topic)
         outbound = endpoint.role is Role.PUBLISHER
-        peers = topic.subscribers if outbound else topic.publishers
-        names = [peer.name for peer, _ in peers if peer.id != node.id]
-        yield endpoint, "to" if outbound else "from", names
+        for peer, _ in topic.subscribers if outbound else topic.publishers:
+            if peer.id != node.id:
+                yield topic.name, "to" if outbound else "from", peer.name
 
 
-def _share(spent: float, seconds: float) -> float:
-    return 100 * spent / max(1e-9, seconds)
+def _percent(spent: float, seconds: float) -> str:
+    return f"{100 * spent / max(1e-9, seconds):.1f} %"
 
 
 def _endpoint_record(endpoint: Endpoint) -> dict[str, object]:
@@ -161,10 +171,9 @@ def program_rows(program: Program) -> list[str]:
 def program_sections(program: Program, usage: list[str], *, quiet: bool) -> list[str]:
     """Return a program as ``node info`` shows it; ``usage`` is that of its process."""
     rows = ["-" * 80, f"Program [{command_text(program)}] (no node: seen on the bus only)"]
-    published = {
-        seen.channel: f" * {seen.channel} [{_type_text(seen)}]" for seen in program.traffic
-    }
-    rows += ["Publications: ", *published.values()] if published else ["Publications: none seen"]
+    types = {seen.channel: _type_text(seen) for seen in program.traffic}
+    rows.append("Publications: " if types else "Publications: none seen")
+    rows += [f" * {channel} [{text}]" for channel, text in types.items()]
     listens = {True: "on unknown channels", False: "None", None: "not known"}
     rows += ["", f"Subscriptions: {listens[program.listens]}", "", ""]
     if quiet:

@@ -4,14 +4,15 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from lcmtools.cli.declare import argument, subcommand
-from lcmtools.cli.options import in_names, looking_options
+from lcmtools.cli.bus import in_names
+from lcmtools.cli.declare import argument, examples, subcommand
+from lcmtools.cli.options import looking_options
 from lcmtools.cli.output import talk
 from lcmtools.cli.param.read import look, timeout_option
 from lcmtools.cli.words import CommandWithWords
 from lcmtools.errors import InvalidFile, UsageError
+from lcmtools.messages.documents import parse_values
 from lcmtools.messages.setting import ANY, text_of
-from lcmtools.messages.yaml_input import parse_values
 from lcmtools.observe.find import find_node
 from lcmtools.publish.parameter_file import changes_of, make_changes, read_leaves
 from lcmtools.publish.parameters import (
@@ -25,30 +26,27 @@ from lcmtools.publish.parameters import (
 _EXAMPLE = "for example: lcmtools param set /husky0/simple_controller kp 0.5"
 
 
-@subcommand("set", cls=CommandWithWords)
+@subcommand("set", timeout_option, looking_options, cls=CommandWithWords)
+@examples(
+    "param set simple_controller kp 0.5",
+    "param set /husky0/simple_controller/kp 0.5",
+    'param set simple_controller "{kp: 0.5, ki: 3.3}"',
+)
 @argument("words", metavar="NODE NAME VALUE", nargs=-1, completer="bus:parameters")
-@timeout_option
-@looking_options
 def set_parameters(words: tuple[str, ...], *, timeout: float) -> None:
     """Set a parameter of a running node: NODE NAME VALUE, or /node/name VALUE.
 
     VALUE is YAML, of the parameter's type. A dict sets several parameters of a node, all or none.
     The exit code is 1 if the node rejects the change.
-
-    \b
-    Examples:
-      lcmtools param set simple_controller kp 0.5
-      lcmtools param set /husky0/simple_controller/kp 0.5
-      lcmtools param set simple_controller "{kp: 0.5, ki: 3.3}"
     """
-    if len(words) not in (2, 3):
-        problem = "the value is missing" if len(words) < 2 else "there are more words than a value"  # noqa: PLR2004
-        hint = _EXAMPLE if len(words) < 2 else "put the value in quotes"  # noqa: PLR2004 - name and value
-        raise UsageError(problem, hint)
+    if len(words) <= 1:
+        raise UsageError("the value is missing", _EXAMPLE)
+    if len(words) > 3:  # noqa: PLR2004 - node, name and value
+        raise UsageError("there are more words than a value", "put the value in quotes")
     graph, client = look(timeout)
     target = find_target(graph, [in_names(words[0]), *words[1:-1]])
     texts = _texts(client, target, words[-1])
-    parameters = client.set(target.node.name, texts)
+    parameters = client.request(target.node.name, texts)
     for name in texts:
         talk(f"{target.node.name}/{name} is now {parameters[name].text}")
 
@@ -61,28 +59,19 @@ def _texts(client: ParameterClient, target: Target, value: str) -> Mapping[str, 
         raise UsageError(
             f"the parameter's name or its value is missing, for {target.node.name}", _EXAMPLE
         )
-    known = client.get(target.node.name)
+    known = client.request(target.node.name)
     kinds = {name: known[name].kind if name in known else ANY for name in values}
     return {name: text_of(part, kinds[name]) for name, part in values.items()}
 
 
-_MOST_WORDS = 2
-
-
-@subcommand("load")
+@subcommand("load", timeout_option, looking_options)
+@examples("param load gains.yaml", "param load gains.yaml /husky0/simple_controller")
 @argument("words", metavar="FILE [NODE]", nargs=-1, required=True, completer="bus:nodes_after_file")
-@timeout_option
-@looking_options
 def load(words: tuple[str, ...], *, timeout: float) -> None:
     """Set parameters of running nodes from a YAML file, as param dump writes it.
 
     Files of rosparam and ros2 are accepted, too. With NODE, names without a node belong to it. The
     whole file is checked before anything is set; each node sets all of its parameters or none.
-
-    \b
-    Examples:
-      lcmtools param load gains.yaml
-      lcmtools param load gains.yaml /husky0/simple_controller
     """
     file, name = _meant(words)
     found = read_leaves(_read(file), "standard input" if file == "-" else file)
@@ -101,14 +90,11 @@ def load(words: tuple[str, ...], *, timeout: float) -> None:
 
 def _meant(words: Sequence[str]) -> tuple[str, str | None]:
     """The file and the node; ros2 writes the node first."""
-    if len(words) > _MOST_WORDS:
+    if len(words) > 2:  # noqa: PLR2004 - the two
         raise UsageError("there is more than a file and a node", "see lcmtools param load --help")
-    if len(words) == 1:
-        return words[0], None
-    first, second = words
-    if first != "-" and not Path(first).exists() and (second == "-" or Path(second).exists()):
-        return second, first
-    return first, second
+    first, second = words if len(words) > 1 else (words[0], None)
+    is_file = [word == "-" or Path(word).exists() for word in words]
+    return (second, first) if second and is_file == [False, True] else (first, second)
 
 
 def _read(file: str) -> str:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from lcmtools.cli.declare import argument, option, subcommand
+from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import show, talk
 from lcmtools.errors import UsageError
@@ -32,7 +32,11 @@ class _SeveralDeps(click.Command):
         return super().parse_args(ctx, spread)
 
 
-@subcommand("create", cls=_SeveralDeps)
+@subcommand("create", json_option, cls=_SeveralDeps)
+@examples(
+    "pkg create air_lab0 --deps nav_msgs geometry_msgs --node simple_controller",
+    "pkg create air_lab0 ~/labs --msg ControllerEvaluationStat",
+)
 @argument("name")
 @argument("folder", metavar="[DIR]", default=".", type=click.Path())
 @option(
@@ -55,7 +59,6 @@ class _SeveralDeps(click.Command):
     completer=("Apache-2.0", "BSD-3-Clause", "GPL-3.0-only", "LGPL-2.1-only", "MIT"),
 )
 @option("--force", is_flag=True, help="Overwrite existing files.")
-@json_option
 def command(
     *,
     name: str,
@@ -70,11 +73,6 @@ def command(
     """Create a small package: a node, a launch file, a test and, with --msg, a message type.
 
     It is written to the folder NAME in DIR, or in the current folder, and needs no installation.
-
-    \b
-    Examples:
-      lcmtools pkg create air_lab0 --deps nav_msgs geometry_msgs --node simple_controller
-      lcmtools pkg create air_lab0 ~/labs --msg ControllerEvaluationStat
     """
     wanted = [one for word in dependencies for one in word.split(",") if one]
     new = NewPackage(

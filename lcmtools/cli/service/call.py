@@ -2,8 +2,17 @@
 
 import math
 
-from lcmtools.cli.declare import argument, duration, option, rate, subcommand, whole_number
-from lcmtools.cli.options import bus_options, json_option, looking_names, notify, open_monitor
+from lcmtools.cli.bus import looking_names, notify, open_monitor
+from lcmtools.cli.declare import (
+    argument,
+    duration,
+    examples,
+    option,
+    rate,
+    subcommand,
+    whole_number,
+)
+from lcmtools.cli.options import bus_options, json_option, timeout_option
 from lcmtools.cli.output import data, talk
 from lcmtools.cli.words import WITHOUT_END, CommandWithWords
 from lcmtools.messages.plain import to_json
@@ -22,10 +31,15 @@ def _wait(value: str | float) -> float:
     return math.inf if value == WITHOUT_END else duration(value)
 
 
-@subcommand("call", cls=_Call)
+@subcommand("call", timeout_option(3.0), json_option, bus_options, cls=_Call)
+@examples(
+    "service call /reset",
+    'service call /switch "data: true"',
+    "service call --wait=10s /add '{a: 1, b: -2}' --timeout 500ms",
+    "service call -r 2 /switch true",
+)
 @argument("service", completer="bus:services")
 @argument("words", metavar="[TYPE] [VALUES]...", nargs=-1, completer="messages:requests")
-@option("--timeout", type=duration, default=3.0, help="Longest wait for an answer (else 3s).")
 @option("--wait", type=_wait, metavar="[=DURATION]", help="Wait for a node that offers it.")
 @option(
     "-f",
@@ -37,8 +51,6 @@ def _wait(value: str | float) -> float:
 @option("-r", "--rate", type=rate, help="Call at this rate [Hz] until Ctrl-C.")
 @option("-t", "--times", metavar="N", type=whole_number(1), help="Call N times, at 1 Hz or -r.")
 @option("-v", "--verbose", is_flag=True, help="Print the called node.")
-@json_option
-@bus_options
 def command(
     service: str,
     words: tuple[str, ...],
@@ -61,13 +73,6 @@ def command(
     \b
     Exit codes: 0 success, 1 the service failed or its response has success: False, 2 wrong usage,
     4 no response within --timeout. With --json each response is one line.
-
-    \b
-    Examples:
-      lcmtools service call /reset
-      lcmtools service call /switch "data: true"
-      lcmtools service call --wait=10s /add '{a: 1, b: -2}' --timeout 500ms
-      lcmtools service call -r 2 /switch true
     """
     service = full_service_name(service, looking_names().namespace)
     with open_monitor("service_call") as monitor:

@@ -1,49 +1,41 @@
 """``lcmtools service list``, ``find``, ``type``, ``args`` and ``info``."""
 
-from lcmtools.cli.declare import argument, option, subcommand
-from lcmtools.cli.options import (
-    all_option,
-    in_names,
-    json_option,
-    looking_names,
-    looking_options,
-    open_monitor,
-)
-from lcmtools.cli.output import data, document, lines, show, talk
+from collections.abc import Iterator
+
+from lcmtools.cli.bus import in_names, look, looking_names
+from lcmtools.cli.declare import argument, examples, option, subcommand
+from lcmtools.cli.options import all_option, json_option, looking_options
+from lcmtools.cli.output import show, talk
 from lcmtools.errors import LcmtoolsError
-from lcmtools.graph.model import Endpoint, Node
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.registry import service_name
 from lcmtools.observe.describe import listed_node, node_record
 from lcmtools.observe.find import OfferedService, find_service, offered_services
 
 
-@subcommand("list")
+@subcommand("list", all_option, json_option, looking_options)
+@examples("service list", "service list -t /husky0")
 @argument("namespace", default="", completer="bus:namespaces")
 @option("-t", "--show-types", is_flag=True, help="Show each service's type.")
 @option("-n", "--nodes", "show_nodes", is_flag=True, help="Show the nodes that offer it.")
-@all_option
-@json_option
-@looking_options
 def list_services(
     namespace: str, *, show_types: bool, show_nodes: bool, show_all: bool, as_json: bool
 ) -> None:
     """List the services of nodes.
 
     NAMESPACE selects a service, those in a namespace, or those that match a pattern: '/husky*'.
-
-    \b
-    Examples:
-      lcmtools service list
-      lcmtools service list -t /husky0
     """
-    with open_monitor("service_list") as monitor:
-        graph, url = monitor.settle(foreign=False), monitor.url
+    graph, url = look("service_list")
     services = offered_services(graph, in_names(namespace), show_all=show_all)
     rows = (_row(s, show_types=show_types, show_nodes=show_nodes) for s in services)
     show(list(map(_listed_record, services)), rows, as_json=as_json)
     if not services:
         talk(f"no services{f' in {namespace}' if namespace else ''} on {url}")
+
+
+def _find(tool: str, *words: str) -> list[OfferedService]:
+    graph, _ = look(tool)
+    return [find_service(graph, in_names(word), looking_names().namespace) for word in words]
 
 
 def _row(service: OfferedService, *, show_types: bool, show_nodes: bool) -> str:
@@ -66,113 +58,67 @@ def _listed_record(service: OfferedService) -> dict[str, object]:
     }
 
 
-@subcommand("find")
+@subcommand("find", all_option, json_option, looking_options)
+@examples("service find std_srvs/Trigger", "service find SetBool --json")
 @argument("type_", metavar="TYPE", completer="messages:service_types")
-@all_option
-@json_option
-@looking_options
 def find(type_: str, *, show_all: bool, as_json: bool) -> None:
     """List the services of a type.
 
     TYPE is std_srvs/Trigger, std_srvs/srv/Trigger, std_srvs.Trigger or Trigger.
-
-    \b
-    Examples:
-      lcmtools service find std_srvs/Trigger
-      lcmtools service find SetBool --json
     """
     name = service_name(type_)
-    with open_monitor("service_find") as monitor:
-        graph, url = monitor.settle(foreign=False), monitor.url
+    graph, url = look("service_find")
     found = [s.name for s in offered_services(graph, show_all=show_all) if name in s.types]
     show(found, found, as_json=as_json)
     if not found:
         talk(f"no services of type {name} on {url}")
 
 
-@subcommand("type")
+@subcommand("type", json_option, looking_options)
+@examples("service type /reset", "srv show $(lcmtools service type /reset)")
 @argument("service", completer="bus:services")
-@json_option
-@looking_options
 def type_(service: str, *, as_json: bool) -> None:
-    """Print a service's type.
-
-    \b
-    Examples:
-      lcmtools service type /reset
-      lcmtools srv show $(lcmtools service type /reset)
-    """
-    with open_monitor("service_type") as monitor:
-        graph = monitor.settle(foreign=False)
-    found = find_service(graph, in_names(service), looking_names().namespace)
+    """Print a service's type."""
+    found = _find("service_type", service)[0]
     if not (found.types or as_json):
         raise LcmtoolsError(f"the type of {found.name} is not known")
     record = {"service": found.name, "type": found.type_text if found.types else None}
     show(record, [found.type_text], as_json=as_json)
 
 
-@subcommand("args")
+@subcommand("args", json_option, looking_options)
+@examples("service args /switch", "service args /switch --json")
 @argument("service", completer="bus:services")
-@json_option
-@looking_options
 def args(service: str, *, as_json: bool) -> None:
-    """Print the names of a service's arguments: the fields of its request.
-
-    \b
-    Examples:
-      lcmtools service args /switch
-      lcmtools service args /switch --json
-    """
-    with open_monitor("service_args") as monitor:
-        graph = monitor.settle(foreign=False)
-    found = find_service(graph, in_names(service), looking_names().namespace)
+    """Print the names of a service's arguments: the fields of its request."""
+    found = _find("service_args", service)[0]
     names = [field.name for field in visible_fields(found.type_class().Request)]
-    document(names) if as_json else data(" ".join(names))
+    show(names, [" ".join(names)], as_json=as_json)
 
 
-@subcommand("info")
+@subcommand("info", json_option, looking_options)
+@examples("service info /reset", "service info /reset --json")
 @argument("services", metavar="SERVICE...", nargs=-1, required=True, completer="bus:services")
-@json_option
-@looking_options
 def info(services: tuple[str, ...], *, as_json: bool) -> None:
-    """Show a service's node, type, arguments and clients.
-
-    \b
-    Examples:
-      lcmtools service info /reset
-      lcmtools service info /reset --json
-    """
-    with open_monitor("service_info") as monitor:
-        graph = monitor.settle(foreign=False)
-    namespace = looking_names().namespace
-    found = [find_service(graph, in_names(name), namespace) for name in services]
-    if as_json:
-        document([_record(service) for service in found])
-        return
-    rows = ([f"Service: {s.name}"] if len(found) > 1 else [] for s in found)
-    lines(row for heading, s in zip(rows, found, strict=True) for row in [*heading, *_text(s)])
+    """Show a service's node, type, arguments and clients."""
+    found = _find("service_info", *services)
+    rows = (row for one in found for row in _text(one, is_only=len(found) == 1))
+    show(list(map(_record, found)), rows, as_json=as_json)
 
 
-def _text(service: OfferedService) -> list[str]:
-    rows = [row for node, endpoint in service.servers for row in _server(node, endpoint)]
-    names = service.arguments()
-    rows.append(f"Type: {service.type_text}")
-    rows.append(f"Args: {'unknown' if names is None else ' '.join(names)}")
-    if service.clients:
-        rows += ["Clients:", *(f" * {listed_node(node)}" for node in service.clients)]
-    return rows
-
-
-def _server(node: Node, endpoint: Endpoint) -> list[str]:
+def _text(service: OfferedService, *, is_only: bool) -> Iterator[str]:
     from lcmtools.observe.counters import callback_times  # the others do without
 
-    took = callback_times(endpoint)
-    return [
-        f"Node: {listed_node(node)}",
-        f"Host: {node.host}",
-        f"Pid: {node.pid}",
-        f"Calls: {endpoint.messages}{f', {took}' if took else ''}",
-    ]
+    yield from [] if is_only else [f"Service: {service.name}"]
+    for node, endpoint in service.servers:
+        took = callback_times(endpoint)
+        yield from (f"Node: {listed_node(node)}", f"Host: {node.host}", f"Pid: {node.pid}")
+        yield f"Calls: {endpoint.messages}{f', {took}' if took else ''}"
+    names = service.arguments()
+    yield f"Type: {service.type_text}"
+    yield f"Args: {'unknown' if names is None else ' '.join(names)}"
+    if service.clients:
+        yield from ("Clients:", *(f" * {listed_node(node)}" for node in service.clients))
 
 
 def _record(service: OfferedService) -> dict[str, object]:

@@ -2,8 +2,9 @@
 
 from typing import TYPE_CHECKING, TypeVar
 
-from lcmtools.cli.declare import CommandT, duration, option
-from lcmtools.cli.options import bus_options, json_option, open_monitor
+from lcmtools.cli.bus import open_monitor
+from lcmtools.cli.declare import option, together
+from lcmtools.cli.options import bus_options, json_option, timeout_option
 from lcmtools.cli.output import data, document
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import Message
@@ -15,26 +16,11 @@ if TYPE_CHECKING:
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
 
-_sim_option = option(
-    "--sim",
-    "name",
-    metavar="NODE",
-    help="The simulator's node, if there are several.",
-    completer="bus:nodes",
-)
-_timeout_option = option(
-    "--timeout", type=duration, default=5.0, help="Longest wait for an answer (else 5s)."
-)
+_simulator = "The simulator's node, if there are several."
+_sim_option = option("--sim", "name", metavar="NODE", help=_simulator, completer="bus:nodes")
 
-
-def sim_options(command: CommandT) -> CommandT:
-    """Add ``--sim``, ``--timeout`` and the options of the bus."""
-    return _sim_option(_timeout_option(bus_options(command)))
-
-
-def json_sim_options(command: CommandT) -> CommandT:
-    """Add the same and ``--json``."""
-    return _sim_option(_timeout_option(json_option(bus_options(command))))
+sim_options = together(_sim_option, timeout_option(5.0), bus_options)
+json_sim_options = together(_sim_option, timeout_option(5.0), json_option, bus_options)
 
 
 def call(

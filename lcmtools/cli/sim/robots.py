@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Sequence
 
-from lcmtools.cli.declare import argument, subcommand
+from lcmtools.cli.declare import argument, examples, subcommand
 from lcmtools.cli.output import data
 from lcmtools.cli.sim.common import call, json_sim_options, show
 from lcmtools.cli.words import CommandWithWords
@@ -20,11 +20,11 @@ _OUTCOME = ("success", "message")
 _robot = argument("robot", completer="bus:robots")
 
 
-@subcommand("spawn", cls=CommandWithWords)
+@subcommand("spawn", json_sim_options, cls=CommandWithWords)
+@examples("sim spawn husky /husky1 0 3", "sim spawn dolly dolly -2 1 180deg")
 @argument("model", completer=("dolly", "husky", "pioneer"))
 @argument("robot")
 @argument("words", metavar="[X Y [YAW]]", nargs=-1)
-@json_sim_options
 def spawn(
     model: str,
     robot: str,
@@ -34,66 +34,42 @@ def spawn(
     timeout: float,
     as_json: bool,
 ) -> None:
-    """Add a robot of a MODEL (husky, pioneer, dolly) with the namespace ROBOT.
-
-    \b
-    Examples:
-      lcmtools sim spawn husky /husky1 0 3
-      lcmtools sim spawn dolly dolly -2 1 180deg
-    """
+    """Add a robot of a MODEL (husky, pioneer, dolly) with the namespace ROBOT."""
     pose = _read_pose(words)
     show(call("spawn", Spawn, name, timeout, model=model, robot=robot, pose=pose), as_json=as_json)
 
 
-@subcommand("delete")
+@subcommand("delete", json_sim_options)
+@examples("sim delete husky1", "sim delete /dolly")
 @_robot
-@json_sim_options
 def delete(robot: str, *, name: str | None, timeout: float, as_json: bool) -> None:
-    """Remove a robot.
-
-    \b
-    Examples:
-      lcmtools sim delete husky1
-      lcmtools sim delete /dolly
-    """
+    """Remove a robot."""
     show(call("delete", Delete, name, timeout, robot=robot), as_json=as_json)
 
 
-@subcommand("set-pose", cls=CommandWithWords)
+@subcommand("set-pose", json_sim_options, cls=CommandWithWords)
+@examples("sim set-pose husky0 1 -2", "sim set-pose /husky0 0 0 90deg")
 @_robot
 @argument("words", metavar="X Y [YAW]", nargs=-1, required=True)
-@json_sim_options
 def set_pose(
     robot: str, words: tuple[str, ...], name: str | None, *, timeout: float, as_json: bool
 ) -> None:
-    """Place a robot at a pose, at rest: X and Y in metres, YAW in radians or as 90deg.
-
-    \b
-    Examples:
-      lcmtools sim set-pose husky0 1 -2
-      lcmtools sim set-pose /husky0 0 0 90deg
-    """
+    """Place a robot at a pose, at rest: X and Y in metres, YAW in radians or as 90deg."""
     pose = _read_pose(words)
     show(call("set_pose", SetPose, name, timeout, robot=robot, pose=pose), as_json=as_json)
 
 
-@subcommand("state")
+@subcommand("state", json_sim_options)
+@examples("sim state husky0", "sim state /husky0 --json")
 @_robot
-@json_sim_options
 def state(robot: str, *, name: str | None, timeout: float, as_json: bool) -> None:
-    """Show the true pose and velocity of a robot.
-
-    \b
-    Examples:
-      lcmtools sim state husky0
-      lcmtools sim state /husky0 --json
-    """
+    """Show the true pose and velocity of a robot."""
     response = call("get_state", GetState, name, timeout, robot=robot)
     if as_json:
         show(response, as_json=True)
     else:
         parts = {name: value for name, value in to_plain(response).items() if name not in _OUTCOME}
-        data(Writer().block(parts))
+        data(Writer().block({**parts, "time": response.time / 1e9}))
 
 
 def _read_pose(words: Sequence[str]) -> Pose:

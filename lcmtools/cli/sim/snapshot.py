@@ -4,14 +4,15 @@ from pathlib import Path
 
 import click
 
-from lcmtools.cli.declare import argument, option, subcommand, whole_number
+from lcmtools.cli.declare import argument, examples, option, subcommand, whole_number
 from lcmtools.cli.output import talk
 from lcmtools.cli.sim.common import call, sim_options
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.types.sim_msgs import Snapshot
 
 
-@subcommand("snapshot")
+@subcommand("snapshot", sim_options)
+@examples("sim snapshot world.png", "sim snapshot --robot husky0 --force husky.png")
 @argument("file", type=click.Path())
 @option(
     "--robot",
@@ -23,17 +24,10 @@ from lcmtools.types.sim_msgs import Snapshot
 @option("--width", type=whole_number(1), metavar="N", default=800, help="Pixels (else 800).")
 @option("--height", type=whole_number(1), metavar="N", default=600, help="Pixels (else 600).")
 @option("--force", is_flag=True, help="Overwrite an existing file.")
-@sim_options
 def command(
     file: str, *, robot: str, width: int, height: int, force: bool, name: str | None, timeout: float
 ) -> None:
-    """Write an image of the world to a PNG FILE ('-': standard output).
-
-    \b
-    Examples:
-      lcmtools sim snapshot world.png
-      lcmtools sim snapshot --robot husky0 --force husky.png
-    """
+    """Write an image of the world to a PNG FILE ('-': standard output)."""
     path = Path(file)
     if file != "-" and path.exists() and not force:
         raise UsageError(f"{file} already exists", "--force overwrites it")

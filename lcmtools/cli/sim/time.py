@@ -4,7 +4,7 @@ import math
 
 import click
 
-from lcmtools.cli.declare import argument, subcommand, whole_number
+from lcmtools.cli.declare import argument, examples, subcommand, whole_number, with_examples
 from lcmtools.cli.sim.common import call, json_sim_options, show
 from lcmtools.errors import UsageError
 from lcmtools.types.sim_msgs import SetRate, Step
@@ -13,13 +13,11 @@ from lcmtools.types.std_srvs import Trigger
 
 def _trigger(verb: str, about: str, example: str) -> click.Command:
 
-    @subcommand(verb)
-    @json_sim_options
+    @subcommand(verb, json_sim_options)
     def command(*, name: str | None, timeout: float, as_json: bool) -> None:
         show(call(verb, Trigger, name, timeout), as_json=as_json)
 
-    examples = f"  lcmtools sim {verb}\n  lcmtools sim {verb} {example}"
-    command.help = f"{about}\n\n\b\nExamples:\n{examples}\n"
+    command.help = with_examples(about, (f"sim {verb}", f"sim {verb} {example}"))
     return command
 
 
@@ -28,31 +26,19 @@ resume = _trigger("resume", "Resume simulated time.", "--sim /morse")
 reset = _trigger("reset", "Start again: time 0, every robot at its first pose.", "--timeout 10s")
 
 
-@subcommand("step")
+@subcommand("step", json_sim_options)
+@examples("sim step", "sim step 240 --timeout 20s")
 @argument("steps", type=whole_number(1), default=1)
-@json_sim_options
 def step(steps: int, *, name: str | None, timeout: float, as_json: bool) -> None:
-    """Advance a paused simulator by STEPS steps (else one), as fast as possible.
-
-    \b
-    Examples:
-      lcmtools sim step
-      lcmtools sim step 240 --timeout 20s
-    """
+    """Advance a paused simulator by STEPS steps (else one), as fast as possible."""
     show(call("step", Step, name, timeout, steps=steps), as_json=as_json)
 
 
-@subcommand("set-rate")
+@subcommand("set-rate", json_sim_options, ignore_unknown_options=True)  # -1 has its own error
+@examples("sim set-rate 4", "sim set-rate 0")
 @argument("rate")
-@json_sim_options
 def set_rate(rate: str, *, name: str | None, timeout: float, as_json: bool) -> None:
-    """Run at RATE times real time; 0: as fast as possible.
-
-    \b
-    Examples:
-      lcmtools sim set-rate 4
-      lcmtools sim set-rate 0
-    """
+    """Run at RATE times real time; 0: as fast as possible."""
     show(call("set_rate", SetRate, name, timeout, rate=_read_rate(rate)), as_json=as_json)
 
 

@@ -122,7 +122,7 @@ def heading(column: Column) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class View:
+class TableView:
     """The order and the filter of the table."""
 
     column: str = "channel"
@@ -144,13 +144,13 @@ class View:
         descending = column.is_number != self.inverted
         return in_order(matching(rows, self.text), key, descending=descending)
 
-    def sorted_by(self, column: str) -> "View":
+    def sorted_by(self, column: str) -> "TableView":
         """The same, sorted by a column; by the same column again, the other way round."""
         if column == self.column:
             return replace(self, inverted=not self.inverted)
         return replace(self, column=column, inverted=False)
 
-    def moved(self, step: int) -> "View":
+    def moved(self, step: int) -> "TableView":
         """The same, sorted by the next column, or the previous one."""
         names = list(COLUMNS)
         place = (names.index(self.column) + step) % len(names)

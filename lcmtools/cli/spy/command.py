@@ -6,26 +6,22 @@ import sys
 
 import click
 
-from lcmtools.cli.declare import argument, duration, option, subcommand
-from lcmtools.cli.options import (
-    all_option,
-    in_names,
-    json_option,
-    looking_names,
-    looking_options,
-    open_monitor,
-)
+from lcmtools.cli.bus import in_names, looking_names, open_monitor
+from lcmtools.cli.declare import argument, duration, examples, option, subcommand
+from lcmtools.cli.options import all_option, json_option, looking_options
 from lcmtools.cli.output import document, lines, talk
-from lcmtools.cli.spy.columns import COLUMNS, View
+from lcmtools.cli.spy.columns import COLUMNS, TableView
 from lcmtools.cli.spy.table import record, table
 from lcmtools.color import stream_wants_color
 from lcmtools.errors import MissingExtra, UsageError
 from lcmtools.observe.channels import ChannelSelection, plain_listeners, survey
+from lcmtools.observe.describe import all_callback_errors
 
 _WAIT = 1.2  # [s] a little more than one period at 1 Hz
 
 
-@subcommand("spy")
+@subcommand("spy", all_option, json_option, looking_options)
+@examples("spy", "spy --once", "spy --once /husky0 --sort bandwidth", "spy --once --wait 3s --json")
 @argument("topics", metavar="[TOPIC]...", nargs=-1, completer="bus:names")
 @option("--once", is_flag=True, help="Observe for a moment, print the table, and exit.")
 @option("--wait", type=duration, help="With --once: observe for this long (else 1.2 s).")
@@ -45,9 +41,6 @@ _WAIT = 1.2  # [s] a little more than one period at 1 Hz
     metavar="TEXT",
     help="Only rows with this text in channel, type, sender or listener.",
 )
-@all_option
-@json_option
-@looking_options
 def command(
     topics: tuple[str, ...],
     *,
@@ -69,16 +62,9 @@ def command(
     because LCM numbers a sender's messages across channels; messages that this computer was too
     busy to receive count as lost. A type with "+2" may be one of two others with the same
     fingerprint. Nodes that publish only for subscribers start publishing.
-
-    \b
-    Examples:
-      lcmtools spy
-      lcmtools spy --once
-      lcmtools spy --once /husky0 --sort bandwidth
-      lcmtools spy --once --wait 3s --json
     """
     selection = ChannelSelection(tuple(map(in_names, topics)), show_all, looking_names().namespace)
-    view = View(column, reverse, text)
+    view = TableView(column, reverse, text)
     if not (once or as_json):
         if wait is not None:
             raise UsageError("--wait goes with --once", "leave it out for the live view")
@@ -100,13 +86,15 @@ def command(
             "lcmtools spy: loss is of a channel's senders: LCM numbers a sender's messages, not"
             " channels'"
         )
+    for error in all_callback_errors(graph):
+        talk(f"lcmtools spy: {error}")
     if programs := plain_listeners(graph, url):
         who = ", ".join(programs)
         talk(f"lcmtools spy: {who}: also receives, but is not a node; its channels are unknown")
     return 0
 
 
-def _live(selection: ChannelSelection, view: View) -> int:
+def _live(selection: ChannelSelection, view: TableView) -> int:
     if not all(stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):
         raise UsageError("spy needs a terminal", "--once prints the table")
     try:

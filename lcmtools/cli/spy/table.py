@@ -42,7 +42,7 @@ def record(row: Row) -> dict[str, object]:
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class ColumnLayout:
     """The columns that there is room for, their widths, and the gap between them."""
 
     columns: tuple[Column, ...]
@@ -64,29 +64,23 @@ def natural_widths(rows: Iterable[Row], columns: Iterable[Column]) -> dict[str, 
     return {name: max(map(width_of, column)) for name, column in texts.items()}
 
 
-def layout(columns: Sequence[Column], widths: Mapping[str, int], room: int | None) -> Layout:
+def layout(columns: Sequence[Column], widths: Mapping[str, int], room: int | None) -> ColumnLayout:
     """Return the columns that fit into ``room`` characters, None for any number, and their widths.
 
     Texts are cut first, the longest most; then columns are left out. ``widths`` cut nothing.
     """
+    room = sum(widths.values()) + _WIDE_GAP * len(columns) if room is None else room
     kept = list(columns)
     gap = _WIDE_GAP
-    if room is not None and sum(widths[c.name] + gap for c in kept) - gap > room:
+    if sum(widths[c.name] + gap for c in kept) - gap > room:
         gap = _NARROW_GAP
-    while room is not None and _least(kept, widths, gap) > room:
-        leaving = [column for column in kept if column.leaves]
-        if not leaving:
-            break
-        kept.remove(min(leaving, key=lambda column: column.leaves))
+    least = {c.name: min(widths[c.name], c.least or widths[c.name]) for c in columns}
+    leaving = sorted((c for c in columns if c.leaves), key=lambda c: c.leaves, reverse=True)
+    while leaving and sum(least[c.name] + gap for c in kept) - gap > room:
+        kept.remove(leaving.pop())
     fitted = [widths[column.name] for column in kept]
-    if room is not None:
-        _shrink(kept, fitted, room - gap * (len(kept) - 1))
-    return Layout(tuple(kept), tuple(fitted), " " * gap)
-
-
-def _least(columns: Sequence[Column], widths: Mapping[str, int], gap: int) -> int:
-    least = (min(widths[c.name], c.least or widths[c.name]) for c in columns)
-    return sum(least) + gap * (len(columns) - 1)
+    _shrink(kept, fitted, room - gap * (len(kept) - 1))
+    return ColumnLayout(tuple(kept), tuple(fitted), " " * gap)
 
 
 def _shrink(columns: Sequence[Column], widths: list[int], room: int) -> None:

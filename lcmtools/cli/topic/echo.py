@@ -8,15 +8,9 @@ from itertools import islice
 import click
 
 from lcmtools.bus.url import BusUrl
-from lcmtools.cli.declare import argument, duration, option, subcommand, whole_number
-from lcmtools.cli.options import (
-    bus_choice,
-    json_option,
-    looking_names,
-    looking_options,
-    notify,
-    open_monitor,
-)
+from lcmtools.cli.bus import looking_names, notify, open_monitor
+from lcmtools.cli.declare import argument, duration, examples, option, subcommand, whole_number
+from lcmtools.cli.options import bus_choice, json_option, looking_options
 from lcmtools.cli.output import data
 from lcmtools.errors import UsageError
 from lcmtools.messages.filter import Filter
@@ -33,10 +27,22 @@ from lcmtools.observe.sources import LogObserver
 
 _FORMS: dict[str, Form] = {"--json": "json", "--csv": "csv", "--flow-style": "flow", "--raw": "raw"}
 _ALL_TOPICS = "**"
+_SHORT = 200  # elements of an array on a terminal
+_MORE = "... {} more, which --full-length shows"
 _CLEAR = "\033[2J\033[;H"  # the screen, and the cursor to its corner
 
 
-@subcommand("echo")
+@subcommand("echo", json_option, looking_options)
+@examples(
+    "echo /husky0/odometry",
+    "echo /husky0/odometry/pose.pose.position --csv",
+    "echo '/husky*/odometry' --field header.stamp --json",
+    "echo /scan/ranges[0:5] -n 1 --timeout 5s",
+    "echo /scan --field header.stamp --field ranges[::90]",
+    "echo /chatter --filter \"m.data == 'hello'\"",
+    'echo /joint_states --filter "len(position) > 2 and abs(position[0]) < 0.1"',
+    "echo -b recorded.log --all --noarr",
+)
 @argument("words", metavar="TOPIC... [TYPE]", nargs=-1, completer="messages:topics_and_fields")
 @option("-n", "count", metavar="N", type=whole_number(1), help="Stop after N messages.")
 @option("-1", "--once", is_flag=True, help="Stop after one message.")
@@ -60,7 +66,7 @@ _CLEAR = "\033[2J\033[;H"  # the screen, and the cursor to its corner
     type=whole_number(1),
     help="Truncate arrays and strings to N elements.",
 )
-@option("-f", "--full-length", is_flag=True, help="Do not truncate (the default).")
+@option("-f", "--full-length", is_flag=True, help="Show long arrays in full on a terminal, too.")
 @option("--offset", is_flag=True, help="Show times relative to the message's arrival.")
 @option("-w", "width", metavar="N", type=whole_number(2), help="Print numbers with width N.")
 @option("-p", "--csv", "as_csv", is_flag=True, help="Print comma-separated values.")
@@ -71,8 +77,6 @@ _CLEAR = "\033[2J\033[;H"  # the screen, and the cursor to its corner
     "-b", "--bag", metavar="FILE", help="Read an LCM log instead of the bus.", completer="files"
 )
 @option("-a", "--all", "all_topics", is_flag=True, help="All topics of the log (with -b).")
-@json_option
-@looking_options
 def command(
     words: tuple[str, ...],
     *,
@@ -107,17 +111,6 @@ def command(
     functions such as len and hypot. A message of an unknown type is shown in hexadecimal. Times in
     --csv are nanoseconds; %time is the header's stamp, else the time of arrival. Text that is not
     UTF-8 is !!binary in YAML and has \\udcXX for a byte in --json; pub accepts both without loss.
-
-    \b
-    Examples:
-      lcmtools echo /husky0/odometry
-      lcmtools echo /husky0/odometry/pose.pose.position --csv
-      lcmtools echo '/husky*/odometry' --field header.stamp --json
-      lcmtools echo /scan/ranges[0:5] -n 1 --timeout 5s
-      lcmtools echo /scan --field header.stamp --field ranges[::90]
-      lcmtools echo /chatter --filter "m.data == 'hello'"
-      lcmtools echo /joint_states --filter "len(position) > 2 and abs(position[0]) < 0.1"
-      lcmtools echo -b recorded.log --all --noarr
     """
     forms = {"--json": as_json, "--csv": as_csv, "--flow-style": as_flow, "--raw": raw}
     changes = {
@@ -132,11 +125,13 @@ def command(
     if offset and bag is not None:
         raise UsageError("--offset is relative to now, and a log has no now", "leave out --offset")
     topics, type_ = _topics_and_type(words, bag, all_topics=all_topics)
+    form = _form(forms, changes)
+    is_short = sys.stdout.isatty() and form in ("text", "flow") and not full_length
     options = DisplayOptions(
-        _form(forms, changes),
+        form,
         tuple(map(parse_path, fields)),
         Filter(condition) if condition is not None else None,
-        view=View(noarr, nostr, longest, is_table=as_csv),
+        view=View(noarr, nostr, longest, _SHORT if is_short else None, _MORE, is_table=as_csv),
         writer=Writer(width),
         is_relative=offset,
         message_class=message_class(type_) if type_ else None,

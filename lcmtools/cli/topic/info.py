@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 
-from lcmtools.cli.declare import argument, duration, option, subcommand
-from lcmtools.cli.options import json_option, looking_names, looking_options, open_monitor
+from lcmtools.cli.bus import looking_names, open_monitor
+from lcmtools.cli.declare import argument, duration, examples, option, subcommand
+from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import document, lines
 from lcmtools.graph.model import Endpoint, Node, Topic
 from lcmtools.observe.counters import Counters
@@ -13,23 +14,17 @@ from lcmtools.observe.losses import Loss
 from lcmtools.observe.measure import counted
 
 
-@subcommand("info")
+@subcommand("info", json_option, looking_options)
+@examples("info /husky0/odometry", "info EXAMPLE /chatter --json")
 @argument("topics", nargs=-1, required=True, completer="bus:topics")
 @option("--wait", type=duration, help="Measure rates for this long (else up to 0.5 s).")
 @option("-v", "--verbose", is_flag=True, help="Show fingerprints and command lines too.")
-@json_option
-@looking_options
 def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_json: bool) -> None:
     """Show a topic's type, publishers and subscribers: node, host and process.
 
     Counters for each: messages, bytes, messages dropped from a full queue, queue depth, rate, and
     time of the last message. For plain LCM programs these are observed values. For publishers also
     the number of messages lost on the way here, by sequence numbers.
-
-    \b
-    Examples:
-      lcmtools info /husky0/odometry
-      lcmtools info EXAMPLE /chatter --json
     """
     names = looking_names()
     with open_monitor("info") as monitor:
@@ -69,12 +64,8 @@ def _nodes(
 ) -> list[list[str]]:
     """Of each node what it is, and what there is to say of it."""
     return [
-        [
-            node_text(node),
-            counters.of_endpoint(node, endpoint),
-            *([f"command: {node.command}"] if verbose else []),
-        ]
-        for node, endpoint in endpoints
+        [node_text(node), counters.of_endpoint(node, end), *[f"command: {node.command}"] * verbose]
+        for node, end in endpoints
     ]
 
 

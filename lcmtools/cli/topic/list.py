@@ -3,20 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from lcmtools.cli.declare import argument, duration, option, subcommand
-from lcmtools.cli.options import (
-    all_option,
-    json_option,
-    looking_options,
-    looking_pattern,
-    open_monitor,
-)
-from lcmtools.cli.output import data, show, talk
+from lcmtools.cli.bus import looking_pattern, open_monitor
+from lcmtools.cli.declare import argument, duration, examples, option, subcommand
+from lcmtools.cli.options import all_option, json_option, looking_options
+from lcmtools.cli.output import columns, data, show, talk
 from lcmtools.errors import UsageError
-from lcmtools.graph.model import Graph, Topic
+from lcmtools.graph.model import Topic
 from lcmtools.observe.activity import Activity
-from lcmtools.observe.computers import by_computer
-from lcmtools.observe.describe import type_text
+from lcmtools.observe.describe import by_computer, type_text
 
 _MEASURED = 1.0  # [s]
 
@@ -36,8 +30,14 @@ class _ListOptions:
         has_publisher = bool(topic.publishers or topic.traffic)
         return (self.published and has_publisher) or (self.subscribed and bool(topic.subscribers))
 
+    def rate_text(self, topic: Topic) -> str:
+        """Return the rate as it is printed."""
+        rate = (self.rates or {}).get(topic.name)
+        return "-" if rate is None else f"{rate:.2f} Hz"
 
-@subcommand("list")
+
+@subcommand("list", all_option, json_option, looking_options)
+@examples("list", "list -t /husky0", "list --hz '*/odometry'")
 @argument("namespace", default="", completer="bus:namespaces")
 @option("-v", "--verbose", is_flag=True, help="Show types and counts, as rostopic list -v.")
 @option("-p", "published", is_flag=True, help="Only topics that are published.")
@@ -47,9 +47,6 @@ class _ListOptions:
 @option("--host", "by_hosts", is_flag=True, help="Group the topics by computer.")
 @option("-c", "--count-topics", is_flag=True, help="Print only the number of topics.")
 @option("--wait", type=duration, help="Observe plain LCM programs for this long.")
-@all_option
-@json_option
-@looking_options
 def command(
     namespace: str,
     *,
@@ -68,12 +65,6 @@ def command(
 
     NAMESPACE selects a topic or the topics in a namespace. In quotes it may be a pattern: * is any
     characters but /, ** any characters, ? one.
-
-    \b
-    Examples:
-      lcmtools list
-      lcmtools list -t /husky0
-      lcmtools list --hz '*/odometry'
     """
     if published and subscribed:
         raise UsageError("-p and -s exclude each other", "leave out both for all topics")
@@ -83,7 +74,9 @@ def command(
         url = monitor.url
     rates = activity.rates() if hz else None
     options = _ListOptions(not subscribed, not published, verbose, show_types, rates)
-    topics = [topic for topic in _topics(graph, namespace, show_all=show_all) if options.has(topic)]
+    pattern = looking_pattern(namespace, hidden=show_all)
+    known = [graph.topic(name) for name in graph.topic_names() if pattern.covers(name)]
+    topics = [topic for topic in known if options.has(topic)]
     if count_topics:
         data(str(len(topics)))
         return
@@ -93,26 +86,20 @@ def command(
         talk(f"no topics{f' in {namespace}' if namespace else ''} on {url}")
 
 
-def _topics(graph: Graph, namespace: str, *, show_all: bool) -> list[Topic]:
-    pattern = looking_pattern(namespace, hidden=show_all)
-    return [graph.topic(name) for name in graph.topic_names() if pattern.covers(name)]
-
-
 def _rows(topics: list[Topic], options: _ListOptions) -> list[str]:
     if options.verbose:
         return _verbose(topics, options)
-    width = max((len(_named(topic, options)) for topic in topics), default=0)
+    names = [f"{t.name} [{type_text(t)}]" if options.types else t.name for t in topics]
     if options.rates is None:
-        return [_named(topic, options) for topic in topics]
-    return [f"{_named(topic, options):<{width}}  {_rate_text(topic, options)}" for topic in topics]
+        return names
+    return list(columns([*zip(names, map(options.rate_text, topics), strict=True)]))
 
 
 def _hosts(topics: list[Topic], options: _ListOptions) -> list[str]:
     """As rostopic list --host: the same for each computer, indented."""
     rows = []
     for host, there in by_computer(topics).items():
-        shown = [topic for topic in there if options.has(topic)]
-        if shown:
+        if shown := [topic for topic in there if options.has(topic)]:
             rows += [f"Host [{host}]:", *(f"  {row}".rstrip() for row in _rows(shown, options))]
     return rows
 
@@ -132,17 +119,8 @@ def _verbose(topics: list[Topic], options: _ListOptions) -> list[str]:
 
 
 def _row(topic: Topic, count: int, noun: str, options: _ListOptions) -> str:
-    rate = "" if options.rates is None else f", {_rate_text(topic, options)}"
+    rate = "" if options.rates is None else f", {options.rate_text(topic)}"
     return f" * {topic.name} [{type_text(topic)}] {count} {noun}{'s' if count != 1 else ''}{rate}"
-
-
-def _named(topic: Topic, options: _ListOptions) -> str:
-    return f"{topic.name} [{type_text(topic)}]" if options.types else topic.name
-
-
-def _rate_text(topic: Topic, options: _ListOptions) -> str:
-    rate = (options.rates or {}).get(topic.name)
-    return "-" if rate is None else f"{rate:.2f} Hz"
 
 
 def _record(topic: Topic, options: _ListOptions) -> dict[str, object]:

@@ -5,8 +5,17 @@ import math
 import click
 
 from lcmtools.arguments import split_arguments
-from lcmtools.cli.declare import argument, duration, option, rate, subcommand, whole_number
-from lcmtools.cli.options import bus_options, chosen_url
+from lcmtools.cli.bus import chosen_url
+from lcmtools.cli.declare import (
+    argument,
+    duration,
+    examples,
+    option,
+    rate,
+    subcommand,
+    whole_number,
+)
+from lcmtools.cli.options import bus_choice, bus_options, names_options
 from lcmtools.cli.output import talk
 from lcmtools.cli.words import CommandWithOnce, ends_in_one
 from lcmtools.errors import UsageError
@@ -18,7 +27,14 @@ from lcmtools.publish.publication import publish
 from lcmtools.publish.sender import Schedule
 
 
-@subcommand("pub", cls=CommandWithOnce)
+@subcommand("pub", names_options, bus_options, cls=CommandWithOnce)
+@examples(
+    'pub /chatter std_msgs/String "data: hello"',
+    'pub -r 10 cmd_vel geometry_msgs/Twist "{linear: [0.5, 0, 0], angular: [0, 0, 0.3]}"',
+    'pub -1 /goal geometry_msgs/PoseStamped "{header: auto, pose: {position: {x: 1}}}"',
+    "pub -1 -w 2 --timeout 10s /start std_msgs/Empty",
+    "echo --json /odom | lcmtools pub /odom_copy nav_msgs/Odometry -",
+)
 @argument("topic", completer="bus:topics")
 @argument("type_", metavar="TYPE", completer="messages:types")
 @argument("values", nargs=-1, completer="messages:prototypes")
@@ -51,22 +67,8 @@ from lcmtools.publish.sender import Schedule
 )
 @option("--literal", is_flag=True, help="TOPIC is the exact LCM channel.")
 @option(
-    "--ns",
-    metavar="NAME",
-    help="The namespace of a relative TOPIC; as __ns:=NAME.",
-    completer="bus:namespaces",
-)
-@option(
     "-n", "--name", "--node-name", metavar="NAME", help="The name of this node; as __name:=NAME."
 )
-@option(
-    "--remap",
-    metavar="FROM:=TO",
-    multiple=True,
-    help="Use TO in place of FROM; as FROM:=TO.",
-    completer="programs:remaps",
-)
-@bus_options
 def command(
     topic: str,
     type_: str,
@@ -84,9 +86,7 @@ def command(
     substitute_keywords: bool,
     simulated: bool,
     literal: bool,
-    ns: str | None,
     name: str | None,
-    remap: tuple[str, ...],
 ) -> None:
     """Publish messages on a topic; VALUES are YAML or JSON, as for rostopic.
 
@@ -102,14 +102,6 @@ def command(
     JSON. It is checked before anything is sent, and published at 10 Hz or the rate of -r; a single
     message is repeated. "-" in place of VALUES is standard input: each message is sent as soon as
     it is complete.
-
-    \b
-    Examples:
-      lcmtools pub /chatter std_msgs/String "data: hello"
-      lcmtools pub -r 10 cmd_vel geometry_msgs/Twist "{linear: [0.5, 0, 0], angular: [0, 0, 0.3]}"
-      lcmtools pub -1 /goal geometry_msgs/PoseStamped "{header: auto, pose: {position: {x: 1}}}"
-      lcmtools pub -1 -w 2 --timeout 10s /start std_msgs/Empty
-      lcmtools echo --json /odom | lcmtools pub /odom_copy nav_msgs/Odometry -
     """
     del substitute_keywords  # stamps are always set on sending
     if once and (rate is not None or times is not None):
@@ -119,9 +111,8 @@ def command(
         subscribers = 1  # as ros2
     elif timeout is not None and subscribers is None and not simulated:
         raise UsageError("--timeout is how long to wait for subscribers", "give the number by -w N")
-    flags = {"--ns": [ns], "--name": [name], "--remap": remap}
-    said = [f"{flag}={value}" for flag, given in flags.items() for value in given if value]
-    arguments, words = split_arguments([*said, *values])
+    flags = [*bus_choice().names.words(), *([f"--name={name}"] if name else [])]
+    arguments, words = split_arguments([*flags, *values])
     kind = message_class(type_)
     if ends_in_one() and not (words or file) and fields(kind):
         raise UsageError("-1 may mean the option or the value", "write --once, or -- -1")
@@ -153,7 +144,7 @@ def _check_topic(topic: str, *, literal: bool) -> None:
         raise UsageError(f"{topic!a} is not UTF-8", "nodes can name no other channel")
 
 
-def _notify(text: str) -> None:
+def _notify(text: str) -> None:  # also from other threads, which have no click context
     talk(f"lcmtools pub: {text}")
 
 

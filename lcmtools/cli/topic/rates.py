@@ -2,14 +2,21 @@
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import astuple, dataclass, replace
-from functools import reduce, wraps
+from dataclasses import astuple, dataclass
 from typing import Any
 
-import click
-
-from lcmtools.cli.declare import argument, duration, option, subcommand, whole_number
-from lcmtools.cli.options import json_option, looking_names, looking_options, notify, open_monitor
+from lcmtools.cli.bus import looking_names, notify, open_monitor
+from lcmtools.cli.declare import (
+    CommandT,
+    argument,
+    duration,
+    examples,
+    option,
+    subcommand,
+    together,
+    whole_number,
+)
+from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import data, lines, talk
 from lcmtools.messages.filter import Filter
 from lcmtools.observe.arrivals import SelectedPacket
@@ -41,59 +48,28 @@ class _Form:
     nothing: str = "no new messages"
 
 
-@dataclass(frozen=True, slots=True)
-class _Request:
-    """The topics and options of the command line."""
+def _topics(*, least: int, usual: int) -> Callable[[CommandT], CommandT]:
+    """The topics that are measured, and the window with its smallest and usual size."""
+    window = option(
+        "-w",
+        "--window",
+        metavar="N",
+        type=whole_number(least),
+        default=usual,
+        show_default=True,
+        help="The number of messages to average over.",
+    )
+    topics = argument("topics", metavar="TOPIC...", nargs=-1, required=True, completer="bus:topics")
+    return together(topics, window)
 
-    topics: tuple[str, ...]
-    window: int
-    options: ListenOptions
-    as_json: bool
 
-
-def _measuring(
-    name: str, *more: Callable[..., Any], least: int, usual: int
-) -> Callable[[Callable[..., None]], click.Command]:
-    """Make a function a measuring command, whose smallest and usual windows these are."""
-    parts: list[Callable[..., Any]] = [
-        argument("topics", metavar="TOPIC...", nargs=-1, required=True, completer="bus:topics"),
-        option(
-            "-w",
-            "--window",
-            metavar="N",
-            type=whole_number(least),
-            default=usual,
-            show_default=True,
-            help="The number of messages to average over.",
-        ),
-        *more,
-        option("--timeout", type=duration, help="Exit with code 4 when none comes in time."),
-        option("-n", "count", metavar="N", type=whole_number(1), help="Stop after N reports."),
-        option(
-            "--wall-time", is_flag=True, help="Use real time even if a simulator publishes /clock."
-        ),
-        json_option,
-        looking_options,
-    ]
-
-    def declare(function: Callable[..., None]) -> click.Command:
-        @wraps(function)
-        def run(
-            topics: tuple[str, ...],
-            *,
-            window: int,
-            timeout: float | None,
-            count: int | None,
-            wall_time: bool,
-            as_json: bool,
-            **others: object,
-        ) -> None:
-            options = ListenOptions(timeout, count, wall_time, names=looking_names())
-            function(_Request(topics, window, options, as_json), **others)
-
-        return subcommand(name)(reduce(lambda made, part: part(made), reversed(parts), run))
-
-    return declare
+_ending_options = together(
+    option("--timeout", type=duration, help="Exit with code 4 when none comes in time."),
+    option("-n", "count", metavar="N", type=whole_number(1), help="Stop after N reports."),
+    option("--wall-time", is_flag=True, help="Use real time even if a simulator publishes /clock."),
+    json_option,
+    looking_options,
+)
 
 
 def _seconds(value: Statistics) -> list[str]:
@@ -111,18 +87,19 @@ def _bytes(value: Bandwidth) -> list[str]:
 
 
 _SPREAD = "\n\tmin: {:.3f}s max: {:.3f}s std dev: {:.5f}s window: {}"
-_RATE = _Form(
-    ("rate", "min", "max", "std_dev", "window"),
-    ("rate", "min_delta", "max_delta", "std_dev", "window"),
-    "average rate: {:.3f}" + _SPREAD,
-    _seconds,
-)
-_DELAY = _Form(
-    ("delay", "min", "max", "std_dev", "window"),
-    ("delay", "min_delay", "max_delay", "std_dev", "window"),
-    "average delay: {:.3f}" + _SPREAD,
-    _seconds,
-)
+
+
+def _statistics_form(name: str, of: str) -> _Form:
+    return _Form(
+        (name, "min", "max", "std_dev", "window"),
+        (name, f"min_{of}", f"max_{of}", "std_dev", "window"),
+        f"average {name}: {{:.3f}}{_SPREAD}",
+        _seconds,
+    )
+
+
+_RATE = _statistics_form("rate", "delta")
+_DELAY = _statistics_form("delay", "delay")
 _BANDWIDTH = _Form(
     ("bytes_per_second", "mean_bytes", "min_bytes", "max_bytes", "window"),
     ("average", "mean", "min", "max", "window"),
@@ -133,86 +110,75 @@ _BANDWIDTH = _Form(
 )
 
 
-@_measuring(
-    "hz",
-    option(
-        "--filter", "condition", metavar="EXPR", help="Count only messages for which this is true."
-    ),
-    least=2,
-    usual=50_000,
+@subcommand("hz", _ending_options)
+@examples(
+    "hz /husky0/odometry",
+    "hz EXAMPLE /chatter -w 100",
+    "hz /chatter --filter \"m.data != ''\" -n 1 --timeout 5s",
 )
-def hz(request: _Request, *, condition: str | None) -> None:
+@_topics(least=2, usual=50_000)
+@option("--filter", "condition", metavar="EXPR", help="Count only messages for which this is true.")
+def hz(topics: tuple[str, ...], *, window: int, condition: str | None, **ending: Any) -> None:  # noqa: ANN401 - of _measure
     """Measure the rate of topics; report once a second until Ctrl-C.
 
     Times of arrival are the kernel's, or simulated time if a simulator publishes /clock. The type
     need not be known. A log is read at once, with its recorded times.
-
-    \b
-    Examples:
-      lcmtools hz /husky0/odometry
-      lcmtools hz EXAMPLE /chatter -w 100
-      lcmtools hz /chatter --filter "m.data != ''" -n 1 --timeout 5s
     """
     wanted = Filter(condition) if condition is not None else None
-    request = replace(request, options=replace(request.options, condition=wanted))
-    windows = {topic: RateWindow(request.window) for topic in request.topics}
+    windows = {topic: RateWindow(window) for topic in topics}
     with open_monitor("hz", whole=condition is not None) as monitor:
         try:
-            _measure(monitor, windows, lambda found: found.time, request, _RATE)
+            _measure(monitor, windows, lambda found: found.time, _RATE, wanted, **ending)
         finally:
-            for sentence in lossy_senders(monitor, request.topics, request.options.names):
+            for sentence in lossy_senders(monitor, topics, looking_names()):
                 notify(sentence)
     _tell_single(windows, "rate")
 
 
-@_measuring("bw", least=2, usual=100)
-def bw(request: _Request) -> None:
+@subcommand("bw", _ending_options)
+@examples("bw /husky0/image", "bw EXAMPLE /chatter -w 1000")
+@_topics(least=2, usual=100)
+def bw(topics: tuple[str, ...], *, window: int, **ending: Any) -> None:  # noqa: ANN401 - of _measure
     """Measure the bandwidth of topics; report once a second until Ctrl-C.
 
     This counts the bytes of messages without network headers; 1 KB is 1000 bytes. Time is simulated
     if a simulator publishes /clock. A log is read at once.
-
-    \b
-    Examples:
-      lcmtools bw /husky0/image
-      lcmtools bw EXAMPLE /chatter -w 1000
     """
-    windows = {topic: BandwidthWindow(request.window) for topic in request.topics}
+    windows = {topic: BandwidthWindow(window) for topic in topics}
     with open_monitor("bw") as monitor:
-        _measure(monitor, windows, _time_and_size, request, _BANDWIDTH)
+        _measure(monitor, windows, lambda a: (a.time, a.packet.size), _BANDWIDTH, **ending)
     _tell_single(windows, "bandwidth")
 
 
-@_measuring("delay", least=1, usual=50_000)
-def delay(request: _Request) -> None:
+@subcommand("delay", _ending_options)
+@examples("delay /husky0/odometry", "delay /husky0/odometry -w 100 --json")
+@_topics(least=1, usual=50_000)
+def delay(topics: tuple[str, ...], *, window: int, **ending: Any) -> None:  # noqa: ANN401 - of _measure
     """Measure the delay from header stamp to arrival; report once a second until Ctrl-C.
 
     Between two computers the offset of their clocks adds to the delay. Both times are simulated if
     a simulator publishes /clock. A log is read at once.
-
-    \b
-    Examples:
-      lcmtools delay /husky0/odometry
-      lcmtools delay /husky0/odometry -w 100 --json
     """
+    windows = {topic: DelayWindow(window) for topic in topics}
     with open_monitor("delay", whole=True) as monitor:
-        windows = {topic: DelayWindow(request.window) for topic in request.topics}
-        _measure(monitor, windows, Delays(Decoder(monitor.types_of), notify), request, _DELAY)
-
-
-def _time_and_size(found: SelectedPacket) -> tuple[int, int]:
-    return found.time, found.packet.size
+        _measure(monitor, windows, Delays(Decoder(monitor.types_of), notify), _DELAY, **ending)
 
 
 def _measure(
     monitor: BusMonitor,
     windows: Mapping[str, Window[ItemT, Any]],
     item: Callable[[SelectedPacket], ItemT | None],
-    request: _Request,
     form: _Form,
+    condition: Filter | None = None,
+    *,
+    timeout: float | None,
+    count: int | None,
+    wall_time: bool,
+    as_json: bool,
 ) -> None:
     """Measure topics until the options, a log or Ctrl-C end it, and print each report."""
-    measurement = Measurement(monitor, windows, item, request.options, notify)
+    options = ListenOptions(timeout, count, wall_time, condition, looking_names())
+    measurement = Measurement(monitor, windows, item, options, notify)
     for channel in measurement.channels:
         talk(f"subscribed to [{channel}]")
     if measurement.is_simulated:
@@ -221,7 +187,7 @@ def _measure(
         if report.is_reset:
             talk("time has reset, resetting counters")
         else:
-            _print(report.found, form, as_json=request.as_json)
+            _print(report.found, form, as_json=as_json)
 
 
 def _print(found: Mapping[str, Any], form: _Form, *, as_json: bool) -> None:

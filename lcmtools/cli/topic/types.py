@@ -1,41 +1,33 @@
 """``lcmtools type`` and ``find``."""
 
-from lcmtools.cli.declare import argument, option, subcommand
-from lcmtools.cli.options import (
-    all_option,
-    json_option,
-    looking_names,
-    looking_options,
-    open_monitor,
-)
+from lcmtools.cli.bus import look, looking_names
+from lcmtools.cli.declare import argument, examples, option, subcommand
+from lcmtools.cli.options import all_option, json_option, looking_options
 from lcmtools.cli.output import data, show, talk
 from lcmtools.errors import LcmtoolsError, UsageError, ValueMismatch
 from lcmtools.graph.model import Graph, Topic
-from lcmtools.messages.path import Path, Target, parse_path, splits, target
+from lcmtools.messages.definition import array_type
+from lcmtools.messages.path import Path, parse_path, splits, target
 from lcmtools.messages.registry import candidates, message_class, type_name
 from lcmtools.names import Resolver, is_hidden
 from lcmtools.observe.describe import UNKNOWN, fingerprint_rows, type_text
 from lcmtools.observe.find import find_topic, known_spelling
 
 
-@subcommand("type")
+@subcommand("type", json_option, looking_options)
+@examples(
+    "type /husky0/odometry",
+    "type /husky0/odometry/pose/covariance",
+    "type /chatter | lcmtools msg show",
+)
 @argument("topic", completer="bus:topics")
-@json_option
-@looking_options
 def print_type(topic: str, *, as_json: bool) -> None:
     """Print the type of a topic, or of a field of its messages.
 
     For a field it prints the topic's type, the field and the field's type, as rostopic does.
-
-    \b
-    Examples:
-      lcmtools type /husky0/odometry
-      lcmtools type /husky0/odometry/pose/covariance
-      lcmtools type /chatter | lcmtools msg show
     """
     looking_names().spellings(topic)  # an empty name is wrong whatever the bus is
-    with open_monitor("type") as monitor:
-        graph = monitor.settle()
+    graph, _ = look("type", foreign=True)
     found, path = _find(graph, topic, looking_names())
     text = type_text(found)
     if path.steps:
@@ -65,15 +57,9 @@ def _show_field(topic: Topic, text: str, path: Path, *, as_json: bool) -> None:
     except ValueMismatch as error:  # as of a topic that is not there: exit code 1
         raise LcmtoolsError(error.what, error.hint) from error
     field = str(path).replace(".", "/")
-    record = {"topic": topic.name, "type": text, "field": field, "field_type": _text(found)}
-    show(record, [f"{text} {field} {_text(found)}"], as_json=as_json)
-
-
-def _text(found: Target) -> str:
-    """A type with its array sizes: "float64[36]", "float32[]"."""
-    sizes = ["[]"] * found.mapped
-    sizes += [f"[{size}]" if isinstance(size, int) else "[]" for size in found.dimensions]
-    return found.type + "".join(sizes)
+    kind = array_type(found.type, (*[""] * found.mapped, *found.dimensions))
+    record = {"topic": topic.name, "type": text, "field": field, "field_type": kind}
+    show(record, [f"{text} {field} {kind}"], as_json=as_json)
 
 
 def _unknown(topic: Topic) -> LcmtoolsError:
@@ -81,25 +67,17 @@ def _unknown(topic: Topic) -> LcmtoolsError:
     return LcmtoolsError(f"the type of {topic.name} is not known", rows)
 
 
-@subcommand("find")
+@subcommand("find", all_option, json_option, looking_options)
+@examples("find geometry_msgs/Twist", "find std_msgs.String --json")
 @argument("type_", metavar="TYPE", completer="messages:types")
 @option("-c", "--count-topics", is_flag=True, help="Print only the number of topics.")
-@all_option
-@json_option
-@looking_options
 def find(type_: str, *, count_topics: bool, show_all: bool, as_json: bool) -> None:
     """List the topics of a type: announced by nodes, or by fingerprint for plain LCM programs.
 
     TYPE is geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or Twist.
-
-    \b
-    Examples:
-      lcmtools find geometry_msgs/Twist
-      lcmtools find std_msgs.String --json
     """
     name = type_name(message_class(type_))
-    with open_monitor("find") as monitor:
-        graph, url = monitor.settle(), monitor.url
+    graph, url = look("find", foreign=True)
     topics = [topic for topic in graph.topic_names() if show_all or not is_hidden(topic)]
     found = [topic for topic in topics if is_of_type(graph.topic(topic), name)]
     if count_topics:

@@ -13,11 +13,16 @@ from lcmtools.doctor.rules import (
     listeners,
     network,
     nodes,
+    pace,
+    reports,
     traffic,
     types,
 )
 
-_FAMILIES = bus, network, nodes, callbacks, types, connections, traffic, listeners, content
+_FAMILIES = (
+    *(bus, network, nodes, reports, callbacks, types, connections, pace, traffic, listeners),
+    content,
+)
 RULES = tuple(one for family in _FAMILIES for one in vars(family).values() if type(one) is Rule)
 
 _EXPLAINED_BY = {"no-traffic": {"other-buses", "silent", "stuck-listeners", "loss", "malformed"}}

@@ -2,14 +2,13 @@
 
 from collections.abc import Iterator
 
-from lcmtools.doctor.evidence import Evidence, Host, LcmProcess
+from lcmtools.doctor.evidence import Evidence, Host, LcmProcess, sender_names
 from lcmtools.doctor.findings import (
     Finding,
     Severity,
     Statement,
     Subject,
-    cases,
-    finding,
+    found,
     rule,
     state,
     subject,
@@ -35,12 +34,14 @@ def bus_works(evidence: Evidence) -> Iterator[Finding]:
     if host.container == "container" and host.interface:
         remedies.append(state("host-network"))
     title = state("bus", problem=evidence.bus_problem)
-    yield finding(title, _obstacles(host), *remedies, severity=Severity.ERROR)
+    yield from found(title, list(_obstacles(host)) or None, *remedies)
 
 
 def _obstacles(host: Host) -> Iterator[Statement]:
     if not host.is_up:
         yield state("interface-down", interface=host.interface or "lo")
+    if host.is_up and not host.has_link:
+        yield state("no-link", interface=host.interface)
     if host.interface and not host.can_multicast:
         yield state("no-multicast-flag", interface=host.interface)
     if host.firewall:
@@ -53,16 +54,20 @@ def _obstacles(host: Host) -> Iterator[Statement]:
 def something_is_there(evidence: Evidence) -> Iterator[Finding]:
     """There is a node or a message on the bus. If there is none, it may be the wrong bus.
 
-    A note where programs listen that are no nodes: they may have nothing to send.
+    A note where programs of LCM are there that are no nodes: they may have nothing to send.
     """
     if evidence.bus_problem or not _is_empty(evidence):
         return
     there = dict.fromkeys(subject(one) for one in evidence.listeners if not one.is_tool)
-    yield finding(
+    known = {one.pid for one in evidence.listeners}
+    quiet = [one for one in evidence.processes if not one.bus and one.pid not in known]
+    facts = [state("listens", listener=one) for one in there]
+    facts += [state("may-publish", process=one) for one in quiet]
+    yield from found(
         state("no-traffic", bus=Subject("bus", evidence.url), listened=evidence.listened),
-        (state("listens", listener=one) for one in there),
+        facts or None,
         *("start-something", "compare-buses"),
-        severity=Severity.NOTE if there else Severity.WARNING,
+        severity=Severity.NOTE if there or quiet else Severity.WARNING,
     )
 
 
@@ -73,34 +78,35 @@ def datagrams_are_lcm(evidence: Evidence) -> Iterator[Finding]:
     Other programs' datagrams on its port can crash programs of the lcm package.
     """
     facts = (state("sender-reason", sender=who, reason=why) for who, why in evidence.malformed)
-    return cases("malformed", facts, "send-elsewhere")
+    return found("malformed", facts, "send-elsewhere")
 
 
 @rule("other-buses", "export LCM_DEFAULT_URL with the same value in every shell")
 def programs_are_on_this_bus(evidence: Evidence) -> Iterator[Finding]:
     """Programs of this user are on the bus that is looked at.
 
-    Reported if the bus is empty, or a topic that a subscription misses is published elsewhere.
+    Those on other buses are a note; a warning if this bus is empty, or a topic that a subscription
+    misses is published there.
     """
     if evidence.bus_problem:
         return
-    is_empty = _is_empty(evidence)
     missed = missed_topics(evidence)
-    others = [
-        p
-        for p in evidence.processes
-        if p.bus and not _has_mpudpm(p) and (is_empty or missed & set(p.topics))
-    ]
+    elsewhere = [p for p in evidence.processes if p.bus and not _has_mpudpm(p)]
+    others = [p for p in elsewhere if _is_empty(evidence) or missed & set(p.topics)]
+    severity = Severity.WARNING if others else Severity.NOTE
+    others = others or elsewhere
     if not others:
         return
     facts = [state("on-bus", process=p, bus=p.bus, variable=p.variable) for p in others[:_MOST]]
     if len(others) > _MOST:
         facts.append(state("more", count=len(others) - _MOST))
-    urls = dict.fromkeys(f"udpm://{p.bus}?ttl=0" for p in others)
+    urls = dict.fromkeys(p.bus if "://" in p.bus else f"udpm://{p.bus}?ttl=0" for p in others)
     topics = sorted(missed & {topic for p in others for topic in p.topics})
     remedies = [state("export", variable="LCM_DEFAULT_URL", value=url) for url in urls]
+    if severity is Severity.NOTE:
+        remedies = [state("join-here", variable="LCM_DEFAULT_URL", value=evidence.url)]
     shown = remedies if len(urls) <= _MOST_REMEDIES else ()
-    yield finding(state("other-buses", topics=topics), facts, *shown)
+    yield from found(state("other-buses", topics=topics), facts, *shown, severity=severity)
 
 
 def _is_empty(evidence: Evidence) -> bool:
@@ -118,18 +124,18 @@ def one_provider_is_used(evidence: Evidence) -> Iterator[Finding]:
     """
     if not evidence.url.startswith("udpm"):
         return
-    names = {s.sender: s.name for s in evidence.senders}
+    names = sender_names(evidence)
     internal = [t.sender for t in evidence.graph.traffic if t.channel.startswith("#!mpudpm")]
-    found = {Subject("sender", names.get(sender, str(sender))) for sender in internal if sender}
+    programs = {Subject("sender", names.get(sender, str(sender))) for sender in internal if sender}
     # one that only sends is not seen on this bus: its variables show it
-    found |= {
+    programs |= {
         Subject("process", f"{p.command} (pid {p.pid})", p.pid)
         for p in evidence.processes
         if _has_mpudpm(p)
     }
-    facts = (state("program", program=one) for one in sorted(found, key=str))
+    facts = (state("program", program=one) for one in sorted(programs, key=str))
     remedy = state("start-with-variable", variable="LCM_DEFAULT_URL", value=evidence.url)
-    yield from cases("mpudpm", facts, remedy)
+    yield from found("mpudpm", facts, remedy)
 
 
 def _has_mpudpm(process: LcmProcess) -> bool:
@@ -141,15 +147,32 @@ def datagrams_go_as_far_as_they_should(evidence: Evidence) -> Iterator[Finding]:
     """Messages reach the other computers of this network, and no other networks.
 
     With ttl=0 datagrams stay on the computer, with 1 in its network; more lets them go further.
+    Some keep what only this computer needs at home: that is a fault only where a node of another
+    computer subscribes to it. Where all programs of this computer do, it is a note.
     """
-    others = sorted({s.sender.address for s in evidence.senders if not s.is_local})
     own = dict.fromkeys((s.name, s.ttl) for s in evidence.senders if s.is_local)
-    if others:
-        kept = (state("program", program=name) for name, ttl in own if ttl == 0)
+    if others := sorted({s.sender.address for s in evidence.senders if not s.is_local}):
+        wanted = _subscribed_elsewhere(evidence)
+        at_home = [name for name, ttl in own if ttl == 0]
+        missed = [name for name in at_home if name in wanted]
+        title = state("ttl-0", hosts=others)
         remedy = state("use-ttl-1", url=evidence.url.partition("?")[0] + "?ttl=1")
-        yield from cases(state("ttl-0", hosts=others), kept, remedy)
+        yield from found(title, (state("program", program=name) for name in missed), remedy)
+        if not missed and len(at_home) == len(own):
+            facts = (state("program", program=name) for name in at_home)
+            yield from found(title, facts, remedy, severity=Severity.NOTE)
     far = (state("sends-with-ttl", sender=name, ttl=ttl) for name, ttl in own if ttl and ttl > 1)
-    yield from cases("ttl-far", far, "ttl-1-is-enough")
+    yield from found("ttl-far", far, "ttl-1-is-enough")
+
+
+def _subscribed_elsewhere(evidence: Evidence) -> set[str]:
+    """The names of senders of which a node on another computer subscribes to a topic."""
+    nodes = evidence.graph.nodes
+    far = [node for node in nodes if node.id in evidence.remote and not node.stale]
+    topics = {end.topic for node in far for end in node.having(Role.SUBSCRIBER)}
+    sent = {(s.name, s.channel) for s in evidence.streams}
+    sent |= {(node.name, end.topic) for node in nodes for end in node.having(Role.PUBLISHER)}
+    return {name for name, topic in sent if topic in topics and not is_hidden(topic)}
 
 
 @rule("other-users", "choose a domain of your own: export LCMTOOLS_DOMAIN=N")
@@ -171,4 +194,4 @@ def the_bus_is_ones_own(evidence: Evidence) -> Iterator[Finding]:
         state("user-programs", user=evidence.users.get(uid, str(uid)), programs=found)
         for uid, found in sorted(programs.items())
     )
-    return cases("other-users", facts, state("own-domain", variable="LCMTOOLS_DOMAIN", value="1"))
+    return found("other-users", facts, state("own-domain", variable="LCMTOOLS_DOMAIN", value="1"))

@@ -1,10 +1,11 @@
 """Rules about callbacks: nodes that are too slow for their messages, and the causes."""
 
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, Part, Statement, cases, rule, state
+from lcmtools.doctor.evidence import Evidence, derived
+from lcmtools.doctor.findings import Finding, Part, Statement, found, rule, state
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.counters import busy_share, callback_time, counted_rate
@@ -18,16 +19,37 @@ _HANGS = 3_000_000_000  # [ns] in one call
 
 
 @dataclass(frozen=True, slots=True)
-class _Subscription:
-    """A subscription between the start and the end of the look."""
+class _Work:
+    """A node's work between the start and the end of the look."""
 
+    earlier: Node
     node: Node  # as it is now
+    pairs: tuple[tuple[Endpoint, Endpoint], ...]  # each endpoint as it was and as it is
+
+    def busiest(self, but: Endpoint | None = None) -> str:
+        """The topic or service whose callback took most of the time, or "timers"; "" for none."""
+        spent = {e.topic: e.busy - was.busy for was, e in self.pairs if e.busy > was.busy}
+        timers = self.node.busy - self.earlier.busy - sum(spent.values())
+        if but is not None:
+            spent.pop(but.topic, None)
+        if timers > 0:
+            spent["timers"] = timers
+        return max(spent, key=lambda name: spent[name], default="")
+
+
+@dataclass(frozen=True, slots=True)
+class _Subscription:
+    """A subscription that wants every message, between the start and the end of the look."""
+
+    work: _Work
     endpoint: Endpoint  # as it is now
     lost: int  # messages that its full queue pushed out meanwhile
-    took: float | None  # [ns] a call of its callback; None where none ran
-    interval: float | None  # [ns] between two messages
-    share: float | None  # of the time that its node spent in any callback
-    busiest: str  # the topic, or "timers", that took most of that time besides; "" for nothing
+    took: float  # [ns] a call of its callback; 0 where none ran
+    interval: float  # [ns] between two messages; 0 where none came
+
+    @property
+    def node(self) -> Node:
+        return self.work.node
 
     @property
     def topic(self) -> str:
@@ -38,12 +60,11 @@ class _Subscription:
 
         ``crowd`` is the share of its time that it may have waited for a processor.
         """
-        took, interval = self.took, self.interval
-        return bool(took and interval and took * (1 - crowd) >= _NEARLY_ALL * interval)
+        return 0 < _NEARLY_ALL * self.interval <= self.took * (1 - crowd)
 
     def pace(self) -> dict[str, Part]:
         """The time that its callback takes, and the time between two messages [s]."""
-        return {"callback_time": (self.took or 0) / 1e9, "interval": (self.interval or 0) / 1e9}
+        return {"callback_time": self.took / 1e9, "interval": self.interval / 1e9}
 
 
 @rule("queue-drops", "make the callback faster, or the queue's depth greater")
@@ -54,9 +75,8 @@ def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
     leaves in the queue too long are lost. Depth 1 requests that. The callback itself may be slow,
     another one of the node may hold it up, or the messages come in bursts.
     """
-    lossy = [one for one in _subscriptions(evidence) if one.lost > 0]
-    found = list(map(_cause, lossy))
-    return cases("queue-drops", (fact for fact, _ in found), *(remedy for _, remedy in found))
+    causes = list(map(_cause, _judged(evidence)[0]))
+    return found("queue-drops", (fact for fact, _ in causes), *(remedy for _, remedy in causes))
 
 
 @rule(
@@ -68,8 +88,8 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
 
     All callbacks of a node run one after another. One that takes as long as there is between two
     messages lets them wait ever longer; one that never ends lets timers, services and all other
-    topics wait. A subscription of depth 1 is excepted: it requests the newest message only. So is
-    what a busy computer may be to blame for.
+    topics wait, whatever the depth of its queue. That a subscription of depth 1 leaves messages out
+    is no fault: it requests the newest only. Nor is what a busy computer may be to blame for.
     """
     _, slow, busy = _judged(evidence)
     facts = [state("slow-callback", node=x.node, topic=x.topic, **x.pace()) for x in slow]
@@ -79,35 +99,37 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
         remedies.append(state("busiest-less", node=node, busiest=busiest))
     if slow:
         remedies.append(state("depth-1"))
-    return cases("slow-callbacks", facts, *remedies)
+    return found("slow-callbacks", facts, *remedies)
 
 
 def busy_nodes(evidence: Evidence) -> set[str]:
     """The names of the nodes that are slow, which explains what they do not send in time."""
     lossy, slow, busy = _judged(evidence)
-    names = {node.name for node in evidence.graph.nodes if node.id in lossy}
-    return names | {one.node.name for one in slow} | {node.name for node, _, _ in busy}
+    return {one.node.name for one in lossy + slow} | {node.name for node, _, _ in busy}
 
 
+@derived
 def _judged(
     evidence: Evidence,
-) -> tuple[set[str], list[_Subscription], list[tuple[Node, float, str]]]:
-    """The ids of nodes that lose messages, slow callbacks of others, and busy nodes with causes."""
-    subscriptions, crowd = list(_subscriptions(evidence)), _crowd(evidence)
-    lossy = {one.node.id for one in subscriptions if one.lost > 0}  # another rule's
+) -> tuple[list[_Subscription], list[_Subscription], list[tuple[Node, float, str]]]:
+    """The subscriptions that lose messages, slow ones of other nodes, and other busy nodes."""
+    every, crowd = list(_works(evidence)), _crowd(evidence)
+    subscriptions = [one for work in every for one in _subscriptions(work)]
+    lossy = [one for one in subscriptions if one.lost > 0]
+    reported = {one.node.id for one in lossy}
     slow = [
         one
         for one in subscriptions
-        if one.is_too_slow(crowd) and _is_at_work(one.endpoint) and one.node.id not in lossy
+        if one.is_too_slow(crowd) and _is_at_work(one.endpoint) and one.node.id not in reported
     ]
-    reported = lossy | {one.node.id for one in slow}
+    reported |= {one.node.id for one in slow}
     busy = [
-        (node, share, busiest)
-        for earlier, node in _pairs_of_nodes(evidence)
-        if node.id not in reported and _has_other_work(node)
-        if (share := _share_of_others(earlier, node)) is not None
+        (work.node, share, busiest)
+        for work in every
+        if work.node.id not in reported and _has_other_work(work.node)
+        if (share := busy_share(work.earlier, work.node)) is not None
         if share - crowd >= _ALWAYS or share >= _UNBROKEN
-        if (busiest := _busiest(earlier, node))
+        if (busiest := work.busiest())
     ]
     return lossy, slow, busy
 
@@ -126,61 +148,51 @@ def _cause(one: _Subscription) -> tuple[Statement, Statement]:
         known = {"lost": one.lost, "topic": topic, "depth": endpoint.depth, **parts}
         return state(f"dropped-{cause}", node=node, **known)
 
-    if one.share is None:
+    share, busiest = busy_share(one.work.earlier, node), one.work.busiest(but=endpoint)
+    if share is None:
         return lost("by-queue"), state("callback-less-or-depth", topic=topic)
     if one.is_too_slow():
-        remedy = state("callback-less-or-rate", topic=topic, seconds=(one.took or 0) / 1e9)
+        remedy = state("callback-less-or-rate", topic=topic, seconds=one.took / 1e9)
         return lost("slow-callback", **one.pace()), remedy
-    if not one.share:
+    if not share:
         return lost("without-spin"), state("spin", node=node)
-    if one.share >= _NEARLY_ALL and one.busiest:
-        remedy = state("busiest-less", node=node, busiest=one.busiest)
-        return lost("by-busy-node", busiest=one.busiest), remedy
-    if endpoint.depth * (one.interval or 0) < endpoint.longest:
+    if share >= _NEARLY_ALL and busiest:
+        remedy = state("busiest-less", node=node, busiest=busiest)
+        return lost("by-busy-node", busiest=busiest), remedy
+    if endpoint.depth * one.interval < endpoint.longest:
         fact = lost("long-call", seconds=endpoint.longest / 1e9)
         return fact, state("never-wait-or-depth", topic=topic)
     return lost("in-bursts"), state("depth", topic=topic)
 
 
-def _subscriptions(evidence: Evidence) -> Iterator[_Subscription]:
-    """The subscriptions that want every message, between the start and the end of the look."""
-    for earlier, node in _pairs_of_nodes(evidence):
-        share = busy_share(earlier, node)
-        for before, endpoint in _pairs(earlier, node):
-            if endpoint.role is Role.SUBSCRIBER and endpoint.depth > 1:
-                rate = counted_rate(before, endpoint)
-                yield _Subscription(
-                    node,
-                    endpoint,
-                    endpoint.drops - before.drops,
-                    callback_time(before, endpoint),
-                    1e9 / rate if rate else None,
-                    share,
-                    _busiest(earlier, node, but=endpoint),
-                )
-
-
-def _pairs_of_nodes(evidence: Evidence) -> Iterator[tuple[Node, Node]]:
-    """Each node that is part of the system, as it was and as it is."""
+def _works(evidence: Evidence) -> Iterator[_Work]:
+    """The work of each node that is part of the system."""
     before = {node.id: node for node in evidence.before.nodes}
     for node in evidence.graph.nodes:
         if node.id in before and not (node.tool or node.stale):
-            yield before[node.id], node
+            yield _Work(before[node.id], node, tuple(_pairs(before[node.id], node)))
 
 
 def _pairs(earlier: Node, later: Node) -> Iterator[tuple[Endpoint, Endpoint]]:
     """Each endpoint as it was and as it is; a node may have several that are alike."""
-    known: dict[object, list[Endpoint]] = {}
+    known: dict[object, list[Endpoint]] = defaultdict(list)
     for endpoint in earlier.endpoints:
-        known.setdefault(_key(endpoint), []).append(endpoint)
+        known[_key(endpoint)].append(endpoint)
     for endpoint in later.endpoints:
-        same = known.get(_key(endpoint))
-        if same:
+        if same := known[_key(endpoint)]:
             yield same.pop(0), endpoint
 
 
 def _key(endpoint: Endpoint) -> tuple[object, ...]:
     return endpoint.topic, endpoint.role, endpoint.types, endpoint.depth
+
+
+def _subscriptions(work: _Work) -> Iterator[_Subscription]:
+    for was, now in work.pairs:
+        if now.role is Role.SUBSCRIBER and now.depth > 1:
+            rate = counted_rate(was, now)
+            interval, took = 1e9 / rate if rate else 0.0, callback_time(was, now) or 0.0
+            yield _Subscription(work, now, now.drops - was.drops, took, interval)
 
 
 def _is_at_work(endpoint: Endpoint) -> bool:
@@ -190,30 +202,5 @@ def _is_at_work(endpoint: Endpoint) -> bool:
 
 def _has_other_work(node: Node) -> bool:
     """Return whether a node has subscriptions or services that would wait."""
-    return any(
-        (e.role is Role.SUBSCRIBER and e.depth > 1)
-        or (e.role is Role.SERVICE and not is_hidden(e.topic))
-        for e in node.endpoints
-    )
-
-
-def _share_of_others(earlier: Node, node: Node) -> float | None:
-    """The share of the time in callbacks, but for those of depth 1, which may take all of it."""
-    spent = node.busy - earlier.busy
-    for before, endpoint in _pairs(earlier, node):
-        if endpoint.role is Role.SUBSCRIBER and endpoint.depth == 1:
-            spent -= endpoint.busy - before.busy
-    return busy_share(earlier, node, spent)
-
-
-def _busiest(earlier: Node, node: Node, but: Endpoint | None = None) -> str:
-    """The topic or service whose callback took most of the time, or "timers"; "" for none."""
-    spent = {
-        e.topic: e.busy - before.busy for before, e in _pairs(earlier, node) if e.busy > before.busy
-    }
-    timers = node.busy - earlier.busy - sum(spent.values())
-    if but is not None:
-        spent.pop(but.topic, None)
-    if timers > 0:
-        spent["timers"] = timers
-    return max(spent, key=lambda name: spent[name], default="")
+    waiting = Role.SUBSCRIBER, Role.SERVICE
+    return any(e.role in waiting and not is_hidden(e.topic) for e in node.endpoints)

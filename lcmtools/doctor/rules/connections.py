@@ -1,15 +1,16 @@
 """Rules about what connects publishers and subscribers: topics with both, and good names."""
 
 import re
-from collections.abc import Iterator
-from itertools import combinations
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from itertools import combinations, groupby
 
-from lcmtools.doctor.connecting import Loose, Way, is_simulator, loose_ends, ways, ways_out
-from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, Severity, Statement, cases, rule, state
-from lcmtools.doctor.renaming import are_near
+from lcmtools.doctor.connecting import Connecting, End, Way, is_simulator, loose_ends
+from lcmtools.doctor.evidence import Evidence, channel_names, derived
+from lcmtools.doctor.findings import Finding, Severity, Statement, found, rule, state
 from lcmtools.graph.model import Role
 
+_IS_PATTERN = "liblcm takes it for a pattern, which does not match the name"
 _LONG_NAME = 60  # bytes; LCM takes 63
 
 
@@ -23,13 +24,13 @@ def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
     # other rules report topics of other buses, and of publishers that hang
     elsewhere = {topic for process in evidence.processes for topic in process.topics}
     elsewhere |= evidence.stale_published
-    loose = {
-        node: kept
-        for node, endpoints in loose_ends(evidence.graph, Role.SUBSCRIBER).items()
-        if (kept := [one for one in endpoints if one.topic not in elsewhere])
-    }
-    found = ways(evidence.graph, loose, _senders(evidence))
-    return cases("unconnected-subscriptions", _facts(loose), *(way.remedy for way in found))
+    every = loose_ends(evidence.graph, Role.SUBSCRIBER)
+    loose = [(node, end) for node, end in every if end.topic not in elsewhere]
+    remedies = [way.remedy for way in _connecting(evidence).ways(loose)]
+    if not remedies:
+        topics = dict.fromkeys(end.topic for _, end in loose)
+        remedies.append(state("start-publisher", topics=topics))
+    return found("unconnected-subscriptions", _facts(loose), *remedies)
 
 
 @rule(
@@ -46,48 +47,40 @@ def publications_have_subscribers(evidence: Evidence) -> Iterator[Finding]:
     """
     if any(not listener.is_node and not listener.is_tool for listener in evidence.listeners):
         return
-    graph = evidence.graph
     proposed = proposed_ways(evidence)
     known = {(way.publisher, way.channel) for way in proposed}
     moving = {way.listener for way in proposed}
-    known |= {(node.id, topic) for node in graph.nodes for topic in evidence.stale_subscribed}
-    loose = {
-        node: kept
-        for node, endpoints in loose_ends(graph, Role.PUBLISHER).items()
-        if not is_simulator(node)
-        and node.id not in moving
-        and (kept := [one for one in endpoints if (node.id, one.topic) not in known])
-    }
-    remedies = [
-        remedy
-        for node, endpoints in loose.items()
-        for one in endpoints
-        for remedy in ways_out(graph, node, one)
+    loose = [
+        (node, end)
+        for node, end in loose_ends(evidence.graph, Role.PUBLISHER)
+        if (node.id, end.topic) not in known and end.topic not in evidence.stale_subscribed
+        if node.id not in moving and not is_simulator(node)
     ]
-    kind = "unconnected-publications"
-    yield from cases(kind, _facts(loose), *remedies, severity=Severity.NOTE)
+    ways_out = _connecting(evidence).ways_out
+    remedies = (remedy for end in loose for remedy in ways_out(*end))
+    yield from found("unconnected-publications", _facts(loose), *remedies)
 
 
 def missed_topics(evidence: Evidence) -> set[str]:
     """The topics of subscriptions without a publisher."""
-    loose = loose_ends(evidence.graph, Role.SUBSCRIBER)
-    return {endpoint.topic for endpoints in loose.values() for endpoint in endpoints}
+    return {end.topic for _, end in loose_ends(evidence.graph, Role.SUBSCRIBER)}
 
 
+@derived
 def proposed_ways(evidence: Evidence) -> list[Way]:
     """The remedies for unconnected subscriptions: other rules need not repeat them."""
-    loose = loose_ends(evidence.graph, Role.SUBSCRIBER)
-    return ways(evidence.graph, loose, _senders(evidence))
+    return _connecting(evidence).ways(loose_ends(evidence.graph, Role.SUBSCRIBER))
 
 
-def _senders(evidence: Evidence) -> dict[str, str]:
-    """The senders of the channels, for people."""
-    return {stream.channel: stream.name for stream in evidence.streams}
+@derived
+def _connecting(evidence: Evidence) -> Connecting:
+    return Connecting(evidence.graph, channel_names(evidence))
 
 
-def _facts(loose: Loose) -> Iterator[Statement]:
-    for node, endpoints in loose.items():
-        yield state("node-topics", node=node, topics=[endpoint.topic for endpoint in endpoints])
+def _facts(loose: Iterable[End]) -> Iterator[Statement]:
+    for _, ends in groupby(loose, key=lambda end: end[0].id):
+        (node, first), *more = ends
+        yield state("node-topics", node=node, topics=[first.topic, *(e.topic for _, e in more)])
 
 
 @rule("names", "use letters, digits, _ and /, at most 63 bytes, and the same everywhere")
@@ -98,24 +91,40 @@ def names_are_good(evidence: Evidence) -> Iterator[Finding]:
     """
     proposed = {way.channel for way in proposed_ways(evidence)}  # reported with its subscription
     senders = {s.channel: s.name for s in evidence.streams if s.channel not in proposed}
-    bad = [c for c in senders if not c.isprintable() or c != c.strip() or not _matches_itself(c)]
-    bad += [c for c in senders if not c]
-
-    def facts(kind: str, channels: list[str]) -> Iterator[Statement]:
-        return (state(kind, topic=name, sender=senders[name]) for name in channels)
-
-    patterns = [c for c in bad if c and not _matches_itself(c)]
+    bad = {channel: reason for channel in senders if (reason := _fault(channel))}
+    odd = (
+        state("odd-channel", topic=channel, sender=senders[channel], reason=reason)
+        for channel, reason in bad.items()
+    )
+    patterns = [channel for channel, reason in bad.items() if reason == _IS_PATTERN]
     remedies = [state("subscribe-to-pattern", pattern=re.escape(c)) for c in patterns[:1]]
-    yield from cases("unusable-names", facts("odd-channel", bad), "plain-name", *remedies)
+    yield from found("unusable-names", odd, "plain-name", *remedies)
     long = [c for c in senders if len(c.encode("utf-8", "surrogateescape")) >= _LONG_NAME]
     note = Severity.NOTE
-    yield from cases("long-names", facts("channel", long), "shorter-name", severity=note)
-    alike = (
+    facts = (state("channel", topic=channel, sender=senders[channel]) for channel in long)
+    yield from found("long-names", facts, "shorter-name", severity=note)
+    alike: dict[str, list[str]] = defaultdict(list)
+    for channel in sorted(senders):
+        alike[channel.casefold().strip(" /")].append(channel)
+    pairs = (pair for same in alike.values() for pair in combinations(same, 2))
+    two = (
         state("two-channels", topic=a, sender=senders[a], other_topic=b, other_sender=senders[b])
-        for a, b in combinations(sorted(senders), 2)
-        if _look_alike(a, b)
+        for a, b in pairs
     )
-    yield from cases("similar-names", alike, "same-name", severity=note)
+    yield from found("similar-names", two, "same-name", severity=note)
+
+
+def _fault(channel: str) -> str:
+    """The reason why few programs can subscribe to a channel; "" where all can."""
+    if not channel:
+        return "it is empty"
+    if any("\udc80" <= character <= "\udcff" for character in channel):
+        return "it is not UTF-8, and liblcm delivers it to no subscription"
+    if not channel.isprintable():
+        return "it has characters that are not printed"
+    if channel != channel.strip():
+        return "it begins or ends with a space"
+    return "" if _matches_itself(channel) else _IS_PATTERN
 
 
 def _matches_itself(channel: str) -> bool:
@@ -126,9 +135,3 @@ def _matches_itself(channel: str) -> bool:
         return re.fullmatch(channel, channel) is not None
     except re.error:
         return False
-
-
-def _look_alike(one: str, other: str) -> bool:
-    """Return whether two names differ in case, slashes or spaces only."""
-    first, second = one.casefold().strip(" /"), other.casefold().strip(" /")
-    return first == second and are_near(one, other)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, cases, rule, state
+from lcmtools.doctor.findings import Finding, Severity, found, rule, state
 from lcmtools.doctor.rules.network import has_wrong_clock
 
 
@@ -42,6 +42,7 @@ def stamps_are_current(evidence: Evidence) -> Iterator[Finding]:
 
     Stamps in the future or long ago come from a wrong clock, or from a node that does not use the
     simulator's time as the others do. A computer whose clock differs is reported by another rule.
+    Old stamps that advance as the clock does are a note: a log may be played again.
     """
     mine = [odd for odd in evidence.oddities if not has_wrong_clock(evidence, odd.name)]
     # a single old message may be a latched one
@@ -53,6 +54,7 @@ def stamps_are_current(evidence: Evidence) -> Iterator[Finding]:
         yield from _odd(evidence, "boot", "stamp-utc")
     yield from _odd(evidence, "nsec", "split-time")
     yield from _odd(evidence, "old", "set-clocks", "use-sim-time")
+    yield from _odd(evidence, "replayed", "if-no-log", severity=Severity.NOTE)
 
 
 @rule("undecodable", "generate the sender's types again from the same .lcm files")
@@ -61,10 +63,12 @@ def messages_can_be_decoded(evidence: Evidence) -> Iterator[Finding]:
     return _odd(evidence, "undecodable", "use-lcm-gen")
 
 
-def _odd(evidence: Evidence, kind: str, *remedies: str) -> Iterator[Finding]:
+def _odd(
+    evidence: Evidence, kind: str, *remedies: str, severity: Severity = Severity.WARNING
+) -> Iterator[Finding]:
     facts = (
         state("oddity", topic=odd.topic, sender=odd.name, text=odd.text, messages=odd.count)
         for odd in evidence.oddities
         if odd.kind == kind
     )
-    return cases(kind, facts, *remedies)
+    return found(kind, facts, *remedies, severity=severity)

@@ -1,9 +1,10 @@
 """Rules about the programs that receive on this computer, and about the computer."""
 
 from collections.abc import Iterator
+from pathlib import PurePath
 
 from lcmtools.doctor.evidence import Evidence, Listener, Stream
-from lcmtools.doctor.findings import Finding, Severity, Statement, cases, finding, rule, state
+from lcmtools.doctor.findings import Finding, Severity, Statement, found, rule, state
 
 _PER_MESSAGE = 1.1  # a buffer of this many times a message takes it
 _DATAGRAM = 65_507  # bytes at most
@@ -29,7 +30,7 @@ def buffers_have_room(evidence: Evidence) -> Iterator[Finding]:
     facts = (
         state("dropped", listener=x, drops=x.drops, buffer_bytes=x.buffer_bytes or 0) for x in slow
     )
-    return cases("kernel-drops", facts, *_larger_buffer(evidence))
+    return found("kernel-drops", facts, *_larger_buffer(evidence))
 
 
 @rule("stuck-listeners", "wake it: kill -CONT PID; or end it: kill PID")
@@ -46,8 +47,10 @@ def listeners_read(evidence: Evidence) -> Iterator[Finding]:
         kind = "stopped" if is_stopped else "bytes-wait"
         facts.append(state(kind, listener=x, queued_bytes=x.queued_bytes))
         if x.pid:
-            remedies.append(state("wake-or-end" if is_stopped else "inspect", pid=x.pid))
-    return cases("stuck-listeners", facts, *remedies)
+            remedies.append(
+                state("wake-or-end" if is_stopped else _inspect(x, evidence), pid=x.pid)
+            )
+    return found("stuck-listeners", facts, *remedies)
 
 
 @rule("small-buffer", "recv_buf_size=N in its URL; sudo sysctl -w net.core.rmem_max=8388608")
@@ -62,7 +65,7 @@ def messages_fit_buffers(evidence: Evidence) -> Iterator[Finding]:
         title = state("small-buffer", topic=stream.channel, sender=stream, bytes=size)
         small = _too_small(evidence)
         facts = (state("buffer", listener=x, buffer_bytes=x.buffer_bytes or 0) for x in small)
-        yield from cases(title, facts, *_larger_buffer(evidence, 2 * size))
+        yield from found(title, facts, *_larger_buffer(evidence, 2 * size))
 
 
 @rule("interfaces", "restart the listeners, or pin the route: ip route add 224.0.0.0/4 dev X")
@@ -75,9 +78,14 @@ def the_group_is_joined_where_the_route_leads(evidence: Evidence) -> Iterator[Fi
     host = evidence.host
     if host.interface and evidence.listeners:
         title = state("interfaces", interface=host.interface)
-        others = (name for name in host.joined if name != host.interface)
-        facts = (state("joined-on", interface=name) for name in others)
-        yield from cases(title, facts, "restart-listeners")
+        astray = [x for x in evidence.listeners if x.joined and host.interface not in x.joined]
+        facts = [state("listens-on", listener=x, interfaces=x.joined) for x in astray]
+        # of some programs the system does not tell on which interfaces they are
+        if not all(listener.joined for listener in evidence.listeners):
+            told = {host.interface, *(name for x in astray for name in x.joined)}
+            others = (name for name in host.joined if name not in told)
+            facts += [state("joined-on", interface=name) for name in others]
+        yield from found(title, facts, "restart-listeners")
 
 
 @rule("reassembly", "smaller messages (below 1400 bytes none is cut), or a wired network")
@@ -88,35 +96,48 @@ def datagrams_arrive_complete(evidence: Evidence) -> Iterator[Finding]:
     """
     failed = evidence.host.reassembly_failures
     if failed:
-        yield finding(state("reassembly", datagrams=failed), (), "smaller-messages")
+        yield from found(state("reassembly", datagrams=failed), None, "smaller-messages")
 
 
-@rule("rp-filter", "sudo sysctl -w net.ipv4.conf.all.rp_filter=2", Severity.NOTE)
+@rule("rp-filter", "sudo sysctl -w net.ipv4.conf.all.rp_filter=2")
 def strict_filters_are_off(evidence: Evidence) -> Iterator[Finding]:
     """The kernel does not drop messages of computers behind another interface.
 
-    It does if rp_filter is strict, which matters on computers with several interfaces.
+    It does if rp_filter is strict, which matters on computers with several interfaces. A note as
+    long as it has dropped nothing.
     """
     host = evidence.host
-    if evidence.ttl and host.rp_filter == 1 and host.others:
+    remedy = state("sysctl", name="net.ipv4.conf.all.rp_filter", value=2)
+    if evidence.ttl and host.rp_filter_drops:
+        yield from found(state("rp-filter-drops", datagrams=host.rp_filter_drops), None, remedy)
+    elif evidence.ttl and host.rp_filter == 1 and host.others:
         title = state("rp-filter", interface=host.interface or "all interfaces")
-        remedy = state("sysctl", name="net.ipv4.conf.all.rp_filter", value=2)
-        yield finding(title, (), remedy, severity=Severity.NOTE)
+        yield from found(title, None, remedy, severity=Severity.NOTE)
 
 
 @rule("firewall", "sudo ufw allow in proto udp to 224.0.0.0/4", Severity.NOTE)
 def no_firewall_is_in_the_way(evidence: Evidence) -> Iterator[Finding]:
     """A firewall lets the bus's datagrams pass, where other computers take part."""
-    remote = any(not s.is_local for s in evidence.senders)
-    if evidence.ttl and evidence.host.firewall and not remote:
+    if evidence.ttl and evidence.host.firewall and not evidence.has_others():
         title = state("firewall", firewall=evidence.host.firewall)
-        yield finding(title, (), "allow-multicast", severity=Severity.NOTE)
+        yield from found(title, None, "allow-multicast")
 
 
 @rule("environment", "correct the variable, or pip install lcm")
 def the_environment_is_in_order(evidence: Evidence) -> Iterator[Finding]:
     """Variables name what exists, and Python finds LCM's package and no other."""
-    return cases("environment", (state("text", text=fault) for fault in evidence.host.environment))
+    facts = (state("text", text=fault) for fault in evidence.host.environment)
+    return found("environment", facts, "correct-environment")
+
+
+def _inspect(listener: Listener, evidence: Evidence) -> str:
+    """The remedy that shows where a program waits, by its language."""
+    commands = {process.pid: process.command for process in evidence.processes}
+    program = commands.get(listener.pid or 0, listener.name).split()[:1]
+    name = PurePath(program[0]).name if program else ""
+    if listener.is_node or name.startswith("python"):
+        return "inspect-python"
+    return "inspect-java" if name == "java" else "inspect"
 
 
 def _programs(evidence: Evidence) -> list[Listener]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence, HostClock
-from lcmtools.doctor.findings import Finding, Severity, Subject, finding, rule, state
+from lcmtools.doctor.findings import Finding, Severity, Subject, found, rule, state
 
 _LOOPBACK = "lo"
 _SHARE = 0.5  # of the capacity of an interface
@@ -23,7 +23,7 @@ def large_messages_pass(evidence: Evidence) -> Iterator[Finding]:
     host = evidence.host
     if host.large_problem and not evidence.bus_problem:
         title = state("large-messages", bytes=host.large_bytes, problem=host.large_problem)
-        yield finding(title, (), "look-at-firewall", "macos-large-datagrams")
+        yield from found(title, None, "look-at-firewall", "macos-large-datagrams")
 
 
 @rule("sending", "lcmtools wtf prints the command that fixes it", Severity.ERROR)
@@ -37,7 +37,23 @@ def datagrams_can_leave(evidence: Evidence) -> Iterator[Finding]:
     if host.send_problem and not evidence.bus_problem:
         remedies = [state("mend-bus", hint=host.send_remedy)] if host.send_remedy else []
         title = state("sending", problem=host.send_problem)
-        yield finding(title, (), *remedies, severity=Severity.ERROR)
+        yield from found(title, None, *remedies)
+
+
+@rule("link", "connect the interface, or: sudo ip route replace 224.0.0.0/4 dev X")
+def the_interface_has_a_link(evidence: Evidence) -> Iterator[Finding]:
+    """The interface to which the route to the bus leads has a link: a cable, or Wi-Fi.
+
+    Without one no message leaves this computer, and no error tells of it. It does not matter where
+    ttl=0 keeps messages here.
+    """
+    host = evidence.host
+    if evidence.ttl and host.is_up and not host.has_link and not evidence.bus_problem:
+        remedies = [
+            state("route-to", interface=name) for name in host.others if name != host.interface
+        ]
+        title = state("link", interface=host.interface)
+        yield from found(title, None, "connect", *remedies[:1])
 
 
 @rule("loopback-route", "sudo ip route replace 224.0.0.0/4 dev eth0", Severity.NOTE)
@@ -45,7 +61,7 @@ def the_route_leaves_the_computer(evidence: Evidence) -> Iterator[Finding]:
     """The route to the bus leaves this computer, if the ttl lets messages leave it."""
     if _is_alone(evidence) and evidence.host.interface == _LOOPBACK:
         title = state("loopback-route", ttl=evidence.ttl)
-        yield finding(title, (), "route", severity=Severity.NOTE)
+        yield from found(title, None, "route")
 
 
 @rule("container", "docker run --network host; WSL: networkingMode=mirrored", Severity.NOTE)
@@ -59,7 +75,7 @@ def nothing_is_walled_in(evidence: Evidence) -> Iterator[Finding]:
     if _is_alone(evidence) and is_walled:
         remedy = "mirrored-network" if kind == "WSL" else "host-network"
         title = state("container", container=kind)
-        yield finding(title, (), remedy, "use-server", severity=Severity.NOTE)
+        yield from found(title, None, remedy, "use-server")
 
 
 @rule(
@@ -77,7 +93,7 @@ def the_network_has_a_querier(evidence: Evidence) -> Iterator[Finding]:
     bridge = evidence.host.bridge
     if _is_alone(evidence) and bridge:
         title, remedy = (state(kind, bridge=bridge) for kind in ("igmp-querier", "enable-querier"))
-        yield finding(title, [state("switch-forgets")], remedy, severity=Severity.NOTE)
+        yield from found(title, [state("switch-forgets")], remedy)
 
 
 @rule("bandwidth", "send smaller messages, or less often: lcmtools bw TOPIC")
@@ -99,13 +115,12 @@ def the_network_has_room(evidence: Evidence) -> Iterator[Finding]:
             state("stream-bandwidth", topic=s.channel, sender=s, megabytes_per_second=megabytes)
             for s, megabytes in rates
         )
-        yield finding(title, facts, "use-ttl-0")
+        yield from found(title, facts, "use-ttl-0")
 
 
 def _is_alone(evidence: Evidence) -> bool:
     """Return whether other computers could take part, and none is seen."""
-    seen = any(not sender.is_local for sender in evidence.senders)
-    return evidence.ttl > 0 and not seen and not evidence.bus_problem
+    return evidence.ttl > 0 and not (evidence.has_others() or evidence.bus_problem)
 
 
 @rule("clocks", "sudo timedatectl set-ntp true, on both; or sudo chronyc makestep")
@@ -122,7 +137,7 @@ def clocks_agree(evidence: Evidence) -> Iterator[Finding]:
             facts.append(state("more", count=len(clock.nodes) - _MOST))
         kind = "clock-ahead" if clock.lag < 0 else "clock-behind"
         title = state(kind, host=clock, seconds=abs(clock.lag))
-        yield finding(title, facts, "set-clocks", "compare-clocks")
+        yield from found(title, facts, "set-clocks", "compare-clocks")
 
 
 def wrong_clocks(evidence: Evidence) -> list[HostClock]:

@@ -4,16 +4,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import (
-    Finding,
-    Part,
-    Severity,
-    Statement,
-    Subject,
-    cases,
-    rule,
-    state,
-)
+from lcmtools.doctor.findings import Finding, Part, Severity, Statement, Subject, found, rule, state
 from lcmtools.graph.model import Node, Staleness
 
 _CLOCK = "/clock"
@@ -36,9 +27,8 @@ def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
         and not node.is_hidden  # a command that was killed is no part of the system
         and (_runs(node) or node.name not in alive)  # it has been started again
     ]
-    found = [_stale(evidence, node) for node in stale]
-    facts, remedies = (fact for fact, _ in found), (remedy for _, remedy in found)
-    return cases("stale-nodes", facts, *remedies, severity=Severity.ERROR)
+    pairs = [_stale(evidence, node) for node in stale]
+    return found("stale-nodes", (fact for fact, _ in pairs), *(remedy for _, remedy in pairs))
 
 
 def _stale(evidence: Evidence, node: Node) -> tuple[Statement, Statement]:
@@ -76,7 +66,7 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
             )
             title = state("duplicate-names", count=len(nodes), name=name)
             remedy = state("end-or-rename", name=f"{name.rpartition('/')[2]}2")
-            yield from cases(title, facts, remedy, severity=Severity.ERROR)
+            yield from found(title, facts, remedy)
 
 
 @rule("no-clock", "start the simulator, or the node without _use_sim_time:=true", Severity.ERROR)
@@ -94,19 +84,21 @@ def simulated_time_has_a_source(evidence: Evidence) -> Iterator[Finding]:
         facts = (state("node-pid", node=node, pid=node.pid) for node in waiting)
         argument = "_use_sim_time:=true"
         remedies = (state("drop-remap", node=node, argument=argument) for node in waiting)
-        title, error = state("no-clock", topic=_CLOCK), Severity.ERROR
-        yield from cases(title, facts, *remedies, "start-simulator", severity=error)
+        title = state("no-clock", topic=_CLOCK)
+        yield from found(title, facts, *remedies, "start-simulator")
 
 
-@rule("open-files", "close what is not needed; ulimit -n raises the limit")
+@rule("open-files", "close files and sockets that are not needed")
 def files_are_few(evidence: Evidence) -> Iterator[Finding]:
     """No program has nearly as many files open as it may.
 
-    liblcm also fails, by a crash, once its own file descriptor is 1024 or more.
+    liblcm waits with select, and crashes with a file descriptor of 1024 or more, however high the
+    limit of the process is.
     """
+    limits = [(p, min(p.most_files or _SELECT, _SELECT)) for p in evidence.processes if not p.bus]
     facts = (
-        state("open-files", process=p, open_files=p.open_files, most_files=p.most_files)
-        for p in evidence.processes
-        if not p.bus and p.open_files > _MOST_FILES * min(p.most_files or _SELECT, _SELECT)
+        state("open-files", process=p, open_files=p.open_files, most_files=most)
+        for p, most in limits
+        if p.open_files > _MOST_FILES * most
     )
-    return cases("open-files", facts, "restart")
+    return found("open-files", facts, "close-files")

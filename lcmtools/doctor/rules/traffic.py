@@ -1,36 +1,17 @@
-"""Rules about the messages that come: lost, silent, irregular, too many, from too many."""
+"""Rules about the messages that come: lost, from too many, too late in simulated time."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
-from itertools import pairwise
-from statistics import median
+from collections.abc import Iterable, Iterator, Sequence
 
 from lcmtools.doctor.evidence import Evidence, Stream
-from lcmtools.doctor.findings import (
-    Finding,
-    Observed,
-    Severity,
-    Statement,
-    cases,
-    finding,
-    rule,
-    state,
-)
-from lcmtools.doctor.rules.callbacks import busy_nodes
+from lcmtools.doctor.findings import Finding, Severity, Statement, found, rule, state
+from lcmtools.doctor.rules.pace import SHARED
 from lcmtools.doctor.rules.types import disagree
-from lcmtools.graph.model import Endpoint, Node, Role
-from lcmtools.names import is_hidden
-from lcmtools.observe.counters import average_rate, counted_rate
+from lcmtools.graph.model import Role
+from lcmtools.names import base_name_of, is_hidden
 from lcmtools.observe.losses import Loss
 
-_SHARED = frozenset({"/rosout", "/tf", "/tf_static", "/diagnostics"})
-_SILENCE = 3.0  # [s]
-_PERIODS = 10  # without a message are silence
-_ENOUGH = 20  # messages to speak of a rate
-_FALLEN = 0.5
-_UNEVEN = 8  # times the usual interval
-_BLAME = 0.6  # of a gap: a program that waited so long for a processor is not to blame for it
-_SHORTEST = 0.1  # [s] an interval that is worth reporting
+_SECOND_LOOK = 3.0  # [s] in which slow publishers send several times
 _SLOWER = 0.9  # of the target rate
 _BUSY = 0.85
 
@@ -48,100 +29,44 @@ def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
         kind, sent = "lost-in-sender" if s.is_local else "lost-on-network", s.lost + s.messages
         percent = 100 * Loss(s.lost, sent).share
         facts.append(state(kind, sender=s, lost=s.lost, sent=sent, percent=percent))
-    return cases("loss", facts, "send-less")
-
-
-@rule("silent", "check the node's log, and that its inputs still arrive")
-def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
-    """Publishers that published often still do.
-
-    By their own counters, and by the traffic during the look. Many have a reason: no commands, or
-    no subscribers.
-    """
-    facts = []
-    for node, endpoint in _subscribed_publications(evidence):
-        rate = average_rate(node, endpoint)
-        age = (evidence.graph.time - endpoint.last_time) / 1e9
-        if endpoint.messages >= _ENOUGH and rate and age > max(_SILENCE, _PERIODS / rate):
-            facts.append(_silence("silent-node", node, endpoint.topic, age, rate))
-    for stream in _wanted_streams(evidence):
-        interval = _usual_interval(stream)
-        # of what wtf itself was too slow for, or had to leave out, the last time is not known
-        if not interval or stream.is_cut or evidence.own_drops:
-            continue
-        age = (evidence.graph.time - stream.times[-1]) / 1e9
-        is_late = age * _BLAME > evidence.processor_wait
-        if is_late and age > max(_PERIODS * interval, 0.5):
-            facts.append(_silence("silent-stream", stream, stream.channel, age, 1 / interval))
-    yield from cases("silent", facts, severity=Severity.NOTE)
-    # of these other rules report it
-    nodes = {node.pid for node in evidence.own_nodes()} | {x.pid for x in evidence.listeners}
-    stopped = [
-        process
-        for process in evidence.processes
-        if process.state in ("T", "t") and not (process.bus or process.pid in nodes)
-    ]
-    remedies = (state("wake-or-end", pid=one.pid) for one in stopped)
-    yield from cases(
-        "stopped-programs", (state("process", process=one) for one in stopped), *remedies
-    )
-
-
-def _silence(kind: str, publisher: Observed, topic: str, age: float, rate: float) -> Statement:
-    return state(kind, publisher=publisher, topic=topic, seconds=age, rate=rate)
-
-
-@rule(
-    "slow-rate",
-    "see what the node or its computer is busy with: lcmtools node info, top",
-    Severity.NOTE,
-)
-def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
-    """Publishers are as fast as they were on average since they started."""
-    before = {
-        (node.id, endpoint.topic): endpoint
-        for node in evidence.before.nodes
-        for endpoint in node.having(Role.PUBLISHER)
-    }
-    facts = []
-    for node, endpoint in _subscribed_publications(evidence):
-        earlier = before.get((node.id, endpoint.topic))
-        usual = average_rate(node, earlier) if earlier else None
-        now = counted_rate(earlier, endpoint) if earlier else None
-        if earlier and usual and now and earlier.messages >= 5 * _ENOUGH:
-            expected = usual * evidence.listened
-            if expected >= _ENOUGH and now < _FALLEN * usual:
-                topic = endpoint.topic
-                facts.append(state("slower", node=node, topic=topic, rate=now, usual=usual))
-    return cases("slow-rate", facts, severity=Severity.NOTE)
-
-
-@rule(
-    "irregular",
-    "lcmtools hz TOPIC shows the intervals; find the call that blocks the node",
-    Severity.NOTE,
-)
-def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
-    """Frequent messages come evenly: a gap may be a callback that blocks, or a busy computer."""
-    facts = []
-    for stream in _wanted_streams(evidence):
-        interval = _usual_interval(stream)
-        if interval and len(stream.times) >= _ENOUGH and not is_hidden(stream.channel):
-            longest = max(later - earlier for earlier, later in pairwise(stream.times)) / 1e9
-            # a program that had to wait for a processor is not to blame
-            is_late = longest * _BLAME > evidence.processor_wait
-            if is_late and longest > max(_SHORTEST, _UNEVEN * interval):
-                times = {"longest": longest, "usual": interval}
-                facts.append(state("gap", sender=stream, topic=stream.channel, **times))
-    return cases("irregular", facts, severity=Severity.NOTE)
+    return found("loss", facts, "send-less")
 
 
 @rule("competing-publishers", "end one of them, or remap it: OLD:=NEW")
 def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
     """No two programs send on the same topic at the same time, or on alternatives of one input.
 
-    Two that steer the same robot fight over it. Topics meant for many, as /tf, are excepted, and
-    those on which different types are sent, which another rule reports.
+    Two that steer the same robot fight over it. So do a program and a pub that still runs, however
+    seldom it sends, or that has latched its message. Topics meant for many, as /tf, are excepted,
+    and those on which different types are sent, which another rule reports. So is a program that is
+    started again and again: one that begins after another has ended is no rival.
+    """
+    rivals: dict[frozenset[str], list[Stream]] = defaultdict(list)
+    for known in _by_input(evidence):
+        several = [one for one in known if len(one.times) > 1]
+        streams = {one.name: one for one in several if _has_rival(one, several)}
+        topics = {stream.channel for stream in streams.values()}
+        if len(streams) > 1 and not any(disagree(evidence.graph.topic(name)) for name in topics):
+            rivals[frozenset(streams)] += streams.values()
+    for several in rivals.values():
+        names = sorted({stream.channel for stream in several})
+        count = len({one.name for one in several})
+        title = state("competing-publishers", count=count, topics=names)
+        facts = (state("publisher", sender=one, topic=one.channel) for one in several)
+        yield from found(title, facts, _parting(evidence, several, names[0]))
+
+
+def doubt(evidence: Evidence) -> float:
+    """The duration of a look [s] that would show who publishes at the same time; 0 for no doubt."""
+    several = ([one for one in streams if not one.has_ended] for streams in _by_input(evidence))
+    is_unsure = any(len(s) > 1 and min(len(one.times) for one in s) == 1 for s in several)
+    return _SECOND_LOOK if is_unsure else 0.0
+
+
+def _by_input(evidence: Evidence) -> list[list[Stream]]:
+    """The streams on each topic that is meant for one publisher; alternatives count as one topic.
+
+    Each sender once: one node may send large messages from a port of its own.
     """
     groups = {
         endpoint.topic: f"{node.id}{endpoint.group}"
@@ -150,35 +75,46 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
         if endpoint.group
     }
     senders: dict[str, dict[str, Stream]] = defaultdict(dict)
-    for stream in evidence.streams:
-        is_private = stream.channel not in _SHARED and not is_hidden(stream.channel)
-        if is_private and len(stream.times) > 1 and stream.sender:
+    for stream in (*evidence.streams, *_lasting_commands(evidence)):
+        is_private = stream.channel not in SHARED and not is_hidden(stream.channel)
+        if is_private and stream.times and stream.sender:
             key = groups.get(stream.channel, stream.channel)
-            # one node may send large messages from a port of its own: the name counts
-            senders[key].setdefault(stream.name, stream)
-    rivals: dict[frozenset[str], list[Stream]] = defaultdict(list)
-    for streams in senders.values():
-        topics = {stream.channel for stream in streams.values()}
-        if len(streams) > 1 and not any(disagree(evidence.graph.topic(name)) for name in topics):
-            rivals[frozenset(streams)] += streams.values()
-    for found in rivals.values():
-        names = sorted({stream.channel for stream in found})
-        count = len({one.name for one in found})
-        title = state("competing-publishers", count=count, topics=names)
-        facts = (state("publisher", sender=one, topic=one.channel) for one in found)
-        yield finding(title, facts, _parting(evidence, found, names[0]))
+            known = senders[key].setdefault(stream.name, stream)
+            if len(known.times) < len(stream.times):
+                senders[key][stream.name] = stream
+    return [list(streams.values()) for streams in senders.values()]
+
+
+def _has_rival(one: Stream, streams: Iterable[Stream]) -> bool:
+    """Return whether another program sends in the time in which this one does."""
+    return any(
+        other.times[0] <= one.times[-1] and one.times[0] <= other.times[-1]
+        for other in streams
+        if other is not one
+    )
+
+
+def _lasting_commands(evidence: Evidence) -> Iterator[Stream]:
+    """The topics of commands that have sent and still run, as streams that last."""
+    for node in evidence.graph.nodes:
+        if node.tool and not node.stale:
+            for end in node.having(Role.PUBLISHER):
+                if end.messages:
+                    pid = None if node.id in evidence.remote else node.pid
+                    lasting = node.start_time, evidence.graph.time
+                    yield Stream(end.topic, node.sender, node.name, lasting, pid=pid)
 
 
 def _parting(evidence: Evidence, streams: Sequence[Stream], topic: str) -> Statement:
     """The remedy for several that compete for a topic."""
     pids = tuple(str(pid) for pid in dict.fromkeys(one.pid for one in streams) if pid)
-    nodes = {sender for node in evidence.graph.nodes for sender in node.senders()}
+    nodes = {s for node in evidence.graph.nodes if not node.tool for s in node.senders()}
     is_node = any(one.sender in nodes for one in streams)
     kind = "end-one-or-remap" if is_node else "end-one-or-rename"
     return state(kind, pids=pids if len(pids) > 1 else (), topic=topic)
 
 
-@rule("slow-simulator", "subscribe to fewer sensors, or slow it: lcmtools sim set-rate")
+@rule("slow-simulator", "subscribe to fewer sensors, or simulate fewer robots")
 def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     """A simulator keeps up with real time, or with the rate that it was started with.
 
@@ -191,48 +127,13 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     known = {"ratio": clock.ratio, "target": clock.target}
     facts = [state("program", program=clock.name)]
     if clock.busy is not None and clock.busy > _BUSY:
-        yield finding(state("overloaded-simulator", **known), facts, "simulate-less")
+        yield from found(state("overloaded-simulator", **known), facts, "simulate-less")
     else:
-        remedy = state("set-rate", rate=clock.target)
-        yield finding(state("slow-simulator", **known), facts, remedy, severity=Severity.NOTE)
-
-
-def _subscribed_publications(evidence: Evidence) -> Iterator[tuple[Node, Endpoint]]:
-    """The publications of nodes that have subscribers, but for simulators that rest."""
-    taken = {
-        endpoint.topic
-        for node in evidence.graph.nodes
-        if not node.stale
-        for endpoint in node.having(Role.SUBSCRIBER)
-    }
-    ticking = {s.name for s in evidence.streams if s.channel == "/clock"}
-    for node in evidence.graph.nodes:
-        publications = node.having(Role.PUBLISHER)
-        rests = any(e.topic == "/clock" for e in publications) and node.name not in ticking
-        for endpoint in publications:
-            usual = not is_hidden(endpoint.topic) and endpoint.topic not in _SHARED
-            if usual and endpoint.topic in taken and not (rests or node.stale or node.tool):
-                yield node, endpoint
-
-
-def _wanted_streams(evidence: Evidence) -> list[Stream]:
-    """The streams but those of nodes that have no subscribers: these may rest as they like.
-
-    A simulator measures them while anything listens to all topics, as wtf does.
-    """
-    ends = [(e, node) for node in evidence.graph.nodes if not node.stale for e in node.endpoints]
-    published = {e.topic for e, _ in ends if e.role is Role.PUBLISHER}
-    subscribed = {e.topic for e, node in ends if e.role is Role.SUBSCRIBER and not node.tool}
-    busy = busy_nodes(evidence)  # of these another rule reports the cause
-    return [
-        s
-        for s in evidence.streams
-        if (s.channel in subscribed or s.channel not in published) and s.name not in busy
-    ]
-
-
-def _usual_interval(stream: Stream) -> float | None:
-    """The median interval between the messages of a stream [s]; None where there are few."""
-    if len(stream.times) < 5 or is_hidden(stream.channel):  # noqa: PLR2004 - too few
-        return None
-    return median(later - earlier for earlier, later in pairwise(stream.times)) / 1e9 or None
+        is_ours = any(
+            end.role is Role.SERVICE and base_name_of(end.topic) == "set_rate"
+            for node in evidence.graph.nodes
+            if node.name == clock.name
+            for end in node.endpoints
+        )
+        remedies = [state("set-rate", rate=clock.target)] if is_ours else []
+        yield from found(state("slow-simulator", **known), facts, *remedies, severity=Severity.NOTE)

@@ -1,45 +1,71 @@
 """Rules about message types."""
 
-from collections.abc import Iterator, Mapping
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
-from lcmtools.doctor.evidence import Evidence
+from lcmtools.doctor.connecting import is_simulator
+from lcmtools.doctor.evidence import Evidence, sender_names
 from lcmtools.doctor.findings import (
     Finding,
     Part,
     Severity,
     Statement,
     Subject,
-    cases,
-    finding,
+    found,
     rule,
     state,
+    subject,
 )
 from lcmtools.doctor.near_types import nearest_type
-from lcmtools.graph.model import Topic, Traffic
-from lcmtools.messages.registry import candidates
+from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
+from lcmtools.messages.registry import candidates, type_names
 from lcmtools.names import is_hidden
 from lcmtools.wire.packet import Sender
 
+_BITS = (1 << 64) - 1
+_MOST_ZEROS = 3  # bytes in the hash that a fingerprint is
 _NO_TYPE = -1  # in place of a fingerprint, where there is none or it changes with each message
+_OLDER, _NEWER = "without the field", "with "  # in a difference from the version that is known
 
 
-@rule("type-mismatch", "remap one of them to another topic: OLD:=NEW", Severity.ERROR)
+@dataclass(frozen=True, slots=True)
+class _User:
+    """A node or program that publishes or subscribes to a topic, with the types that it uses."""
+
+    kind: str  # "publishes", "expects" or "sends"
+    subject: Subject
+    fingerprints: frozenset[int]
+    type: Mapping[str, Part]  # the parts of a statement that describe it
+    weight: float = 1.0  # where it is asked which type is meant
+
+    def fact(self) -> Statement:
+        """The use of the type."""
+        part = "sender" if self.kind == "sends" else "node"
+        return state(self.kind, **{part: self.subject}, **self.type)
+
+    def remedy(self, topic: str, types: Sequence[str]) -> Statement:
+        """The use of another type."""
+        return state(f"{self.kind}-as", program=self.subject, topic=topic, types=types)
+
+
+@rule("type-mismatch", "use the same type, from the same .lcm file, on both sides", Severity.ERROR)
 def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
     """All publishers and subscribers of a topic use the same type.
 
     A subscriber cannot read messages of another type, and drops them. Types of equal fields are the
     same on the wire: those are a note.
     """
-    graph, names = evidence.graph, _names(evidence)
-    for name in graph.topic_names():
-        topic = graph.topic(name)
-        facts = (*_announced(topic), *_seen(topic, names))
+    for topic in evidence.graph.topics():
         if disagree(topic):
-            title, remap = (state(kind, topic=name) for kind in ("type-mismatch", "remap-one"))
-            yield finding(title, facts, *_renewal(topic), remap, severity=Severity.ERROR)
-        elif not is_hidden(name) and _differ_in_name(topic):
-            title = state("type-names-differ", topic=name)
-            yield finding(title, facts, "same-type", severity=Severity.NOTE)
+            users = list(_users(topic, evidence))
+            title, facts = state("type-mismatch", topic=topic.name), [one.fact() for one in users]
+            more, remedies = _judged(topic, users)
+            yield from found(title, [*facts, *more], *remedies)
+        elif not is_hidden(topic.name) and _differ_in_name(topic):
+            title = state("type-names-differ", topic=topic.name)
+            facts = [user.fact() for user in _users(topic, evidence)]
+            yield from found(title, facts, "same-type", severity=Severity.NOTE)
 
 
 @rule(
@@ -48,23 +74,36 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
     Severity.NOTE,
 )
 def types_are_known(evidence: Evidence) -> Iterator[Finding]:
-    """No unknown type is nearly a known one.
+    """The types of all messages are known, and what is sent are LCM messages.
 
-    It is often an older or newer version of it. Its fingerprint shows which field differs; other
-    unknown types are not reported.
+    An unknown type is often an older or newer version of a known one: its fingerprint shows which
+    field differs. Others are known from their .lcm files, in a workspace or in LCMTOOLS_TYPE_PATH.
+    Of data that is no LCM message, such as JSON, lcmtools shows the bytes only.
     """
-    facts, names = [], _names(evidence)
-    for name in evidence.graph.topic_names():
-        topic = evidence.graph.topic(name)
-        unknown = {f for seen in topic.foreign for f in seen.fingerprints if not candidates(f)}
-        # several fingerprints are those of data that is no LCM message
-        if is_hidden(name) or disagree(topic) or len(unknown) != 1:
+    near: list[Statement] = []
+    unknown: list[Statement] = []
+    foreign: list[Statement] = []
+    formats = {(one.channel, one.sender): one.format for one in evidence.streams}
+    for topic in evidence.graph.topics():
+        if is_hidden(topic.name) or disagree(topic):
             continue
-        (number,) = unknown
-        senders = tuple(_sender(seen, names) for seen in topic.foreign)
-        if nearest_type(number):
-            facts.append(state("unknown-type", topic=name, senders=senders, **_type(number, ())))
-    return cases("unknown-type", facts, "same-lcm-files", severity=Severity.NOTE)
+        unknown_ones: dict[tuple[int, str], list[Subject]] = defaultdict(list)
+        for seen in topic.traffic:
+            likely = formats.get((topic.name, seen.sender), "")
+            is_hash = any(map(_may_be_fingerprint, seen.fingerprints))
+            if (is_hash or likely) and not any(map(candidates, seen.fingerprints)):
+                sender = _sender(seen, sender_names(evidence))
+                unknown_ones[_sent_by(seen)[0], likely].append(sender)
+        for (number, likely), senders in unknown_ones.items():
+            parts = {"format": likely} if likely else _type(number, topic.types)
+            parts = _name(number, topic) or parts
+            fact = state("unknown-type", topic=topic.name, senders=senders, **parts)
+            kept = near if "like" in parts else unknown if "fingerprint" in parts else foreign
+            kept.append(fact)
+    note = Severity.NOTE
+    yield from found("unknown-type", near, "same-lcm-files", severity=note)
+    yield from found("types-without-file", unknown, "type-path", severity=note)
+    yield from found("no-lcm-messages", foreign, "encode-by-lcm", severity=note)
 
 
 def disagree(topic: Topic) -> bool:
@@ -78,34 +117,64 @@ def disagree(topic: Topic) -> bool:
     )
 
 
-def _renewal(topic: Topic) -> list[str]:
-    """The remedy if an unknown type is sent."""
-    sent = {number for seen in topic.foreign for number in _sent_by(seen)} - {_NO_TYPE}
-    return ["same-lcm-files"] if any(not candidates(number) for number in sent) else []
-
-
-def _announced(topic: Topic) -> Iterator[Statement]:
-    for node, endpoint in topic.publishers:
-        yield state("publishes", node=node, types=endpoint.types)
-    for node, endpoint in topic.subscribers:
-        if endpoint.fingerprints:
-            yield state("expects", node=node, types=endpoint.types)
-
-
-def _seen(topic: Topic, names: Mapping[Sender | None, str]) -> Iterator[Statement]:
+def _users(topic: Topic, evidence: Evidence) -> Iterator[_User]:
+    for kind, ends in (("publishes", topic.publishers), ("expects", topic.subscribers)):
+        for node, end in ends:
+            if kind == "publishes" or end.fingerprints:
+                numbers = frozenset(end.fingerprints)
+                yield _User(kind, subject(node), numbers, _announced(end), _weight(node))
     for seen in topic.foreign:
         for number in _sent_by(seen):
-            yield state("sends", sender=_sender(seen, names), **_type(number, topic.types))
+            sender = _sender(seen, sender_names(evidence))
+            yield _User("sends", sender, frozenset({number}), _type(number, topic.types))
+
+
+def _weight(node: Node) -> float:
+    """A simulator's types are fixed, and those of a command were just typed."""
+    return 0.5 if node.tool else 1.5 if is_simulator(node) else 1.0
+
+
+def _judged(topic: Topic, users: Sequence[_User]) -> tuple[list[Statement], list[Statement | str]]:
+    """Which side is at fault, as far as that shows; and what to do."""
+    if any("difference" in user.type for user in users):
+        return list(_older(users)), ["same-lcm-files"]
+    unknown = [u for u in users if "fingerprint" in u.type]
+    weights: dict[int, float] = defaultdict(float)
+    for user in users:
+        for number in user.fingerprints:
+            weights[number] += user.weight
+    usual = max(weights, key=lambda number: weights[number])
+    is_usual = 2 * weights[usual] > sum(user.weight for user in users)
+    odd = [user for user in users if is_usual and usual not in user.fingerprints]
+    others = [user for user in users if user not in odd]
+    types = tuple(candidates(usual)[:1])
+    facts: list[Statement] = []
+    remedies: list[Statement | str] = ["same-lcm-files"] if unknown else []
+    if odd and types:
+        known = {"senders": [u.subject for u in odd], "programs": [u.subject for u in others]}
+        facts.append(state("odd-type", types=types, **known))
+        remedies += [user.remedy(topic.name, types) for user in odd]
+    takes_remaps = any(user.kind != "sends" for user in users)
+    kind = "remap-one" if takes_remaps else "rename-one"
+    return facts, [*remedies, state(kind, topic=topic.name)]
+
+
+def _older(users: Sequence[_User]) -> Iterator[Statement]:
+    """The users of the older version, as far as the fields that differ show it."""
+
+    def has(user: _User, words: str) -> bool:
+        return words in str(user.type.get("difference", ""))
+
+    older = [user.subject for user in users if has(user, _OLDER)]
+    if not older and any(str(user.type.get("difference", "")).startswith(_NEWER) for user in users):
+        older = [user.subject for user in users if "difference" not in user.type]
+    if older:
+        yield state("older-type", senders=older)
 
 
 def _sender(seen: Traffic, names: Mapping[Sender | None, str]) -> Subject:
     name = names.get(seen.sender, str(seen.sender))
     return Subject("sender", name, address=str(seen.sender or ""))
-
-
-def _names(evidence: Evidence) -> dict[Sender | None, str]:
-    """The senders for people."""
-    return {one.sender: one.name for one in evidence.senders}
 
 
 def _differ_in_name(topic: Topic) -> bool:
@@ -121,12 +190,35 @@ def _sent_by(traffic: Traffic) -> list[int]:
     return known or (list(traffic.fingerprints) if len(traffic.fingerprints) == 1 else [_NO_TYPE])
 
 
+def _announced(end: Endpoint) -> dict[str, Part]:
+    """The parts of a statement that describe an announced type."""
+    first = end.fingerprints[0] if end.fingerprints else _NO_TYPE
+    if len(end.types) != 1 or end.type in candidates(first):
+        return {"types": end.types}
+    if end.type in type_names():  # in another version than here
+        return {"name": end.type, **_type(first, (end.type,))}
+    return {"name": end.type, "fingerprint": f"{first:#018x}"}
+
+
+def _name(fingerprint: int, topic: Topic) -> dict[str, Part]:
+    """The parts that describe an announced type."""
+    ends = (end for _, end in topic.publishers + topic.subscribers)
+    return next((_announced(end) for end in ends if fingerprint in end.fingerprints), {})
+
+
+def _may_be_fingerprint(number: int) -> bool:
+    """Return whether it may be a hash: of plain numbers and zeros nothing is said."""
+    return (number & _BITS).to_bytes(8, "big").count(0) <= _MOST_ZEROS
+
+
 def _type(fingerprint: int, expected: tuple[str, ...]) -> dict[str, Part]:
     """The parts of a statement that describe a type."""
     if fingerprint == _NO_TYPE:
         return {}
     if known := candidates(fingerprint):
         return {"types": tuple(known)}
-    near = nearest_type(fingerprint, expected)
+    if not _may_be_fingerprint(fingerprint):
+        return {}
+    near = nearest_type(fingerprint, [name for name in expected if name in type_names()])
     hexadecimal: dict[str, Part] = {"fingerprint": f"{fingerprint:#018x}"}
     return hexadecimal | ({"like": near.name, "difference": near.difference} if near else {})

@@ -34,16 +34,17 @@ class LeftOut:
 
     def text(self) -> str:
         """Return it in one line, with the options that show it; "" if nothing is left out."""
-        tools = "observing commands" if self.tools > 1 else "observing command"
+        leaves, tools, hidden = self.leaf_topics, self.tools, self.hidden
         parts = {
-            f"{self.leaf_topics} topic{'s' * (self.leaf_topics > 1)} with one side only"
-            " (--leaf-topics)": self.leaf_topics,
-            f"{', '.join(self.quiet)} (--all)": self.quiet,
-            f"{self.tools} {tools} (--tools)": self.tools,
-            f"{self.hidden} hidden name{'s' * (self.hidden > 1)} (--all)": self.hidden,
+            f"{leaves} unused topic{'s' * (leaves > 1)}, without a publisher or without a"
+            " subscriber (add --leaf-topics)": leaves,
+            f"{', '.join(self.quiet)}, which nearly all nodes use (add --all)": self.quiet,
+            f"{tools} command{'s' * (tools > 1)} that observe{'s' * (tools == 1)} the bus"
+            " (add --tools)": tools,
+            f"{hidden} name{'s' * (hidden > 1)} with a part that begins with _ (add --all)": hidden,
         }
-        said = ", ".join(text for text, count in parts.items() if count)
-        return f"left out: {said}" if said else ""
+        said = "; ".join(text for text, count in parts.items() if count)
+        return f"not drawn: {said}" if said else ""
 
 
 def select(diagram: Diagram, wanted: Selection) -> tuple[Diagram, LeftOut]:

@@ -1,13 +1,20 @@
 """Checking a lab: the check of each program, on a test bench of its own."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
 
 from lcmtools.errors import UsageError
-from lcmtools.labs.catalogue import Lab, Role
-from lcmtools.labs.checks import dolly, husky, pioneer
-from lcmtools.labs.checks.programs import CheckResult, split_command
-from lcmtools.labs.checks.test_bench import TestBench
+from lcmtools.labs.catalogue import Lab, LabProgram
+from lcmtools.labs.checks import dolly, husky, path, pioneer
+from lcmtools.labs.checks.diagnosis import DIED, SAME, cause_of
+from lcmtools.labs.checks.observations import last_words
+from lcmtools.labs.checks.programs import split_command
+from lcmtools.labs.checks.results import Cause, CheckResult, Report
+from lcmtools.labs.checks.test_bench import TestBench, TimeLimitReached
+from lcmtools.packages.finding import find_node
+from lcmtools.packages.nodes import runnables
 
 Check = Callable[[TestBench, Sequence[str]], Iterator[CheckResult]]
 
@@ -16,58 +23,150 @@ CHECKS: Mapping[str, Check] = {
     "evaluator": husky.check_evaluator,
     "teleop": pioneer.check_teleop,
     "viewer": pioneer.check_viewer,
+    "path": path.check_path,
     "mover": dolly.check_mover,
     "reader": dolly.check_reader,
 }
-"""By the role's option."""
+"""By the program's option."""
 
 _FAST, _REAL = 4.0, 1.0  # simulated seconds per second
 _ALWAYS_FAST = ("mover", "reader", "evaluator")  # what is measured does not depend on it
+_NOTHING_SAID = "it printed nothing"
 
 
-def choose(lab: Lab, programs: Mapping[str, str]) -> list[tuple[Role, list[str], float]]:
-    """Return the roles to be checked, each with a command line and a simulator's rate.
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A program to be checked.
+
+    Attributes:
+        program: Which one of the lab it is.
+        command: Its command line.
+        rate: Simulated seconds per second that suit it.
+        is_answer: It is the model answer of lcmtools.
+        directory: Its working directory; "" for this process's.
+    """
+
+    program: LabProgram
+    command: Sequence[str]
+    rate: float
+    is_answer: bool = False
+    directory: str = ""
+
+
+def choose(lab: Lab, programs: Mapping[str, str], directory: str = "") -> list[Run]:
+    """Return the programs to be checked.
 
     A student's controller may go by the real clock, and gets real time; the model answers go by the
     odometry's. The lab's names are added unless a command line has some of its own.
 
     Args:
         lab: The lab.
-        programs: The student's command lines by role; of none, the model answers are checked.
+        programs: The student's command lines by option; of none, the nodes of the workspace that
+            have the names of the lab's are checked or, if there are none, the model answers.
+        directory: The programs' working directory; "" for this process's.
 
     Raises:
-        UsageError: A role is of another lab, or a command line is wrong.
+        UsageError: A program is of another lab, a command line is wrong, or a file of the workspace
+            is not declared as a node.
     """
-    known = {role.option: role for role in lab.roles}
-    if not programs:
-        return [(role, [*role.answer, *role.arguments], _FAST) for role in lab.roles]
+    known = {program.option: program for program in lab.programs}
+    nodes = {} if directory else _workspace_nodes(lab)
+    if not programs and not nodes:
+        return [Run(p, [*p.answer, *p.arguments], _FAST, is_answer=True) for p in lab.programs]
     chosen = []
+    programs = programs or {one: f"lcmtools run {node}" for one, node in nodes.items()}
     for option, text in programs.items():
         if option not in known:
             hint = ", ".join(f"--{name}" for name in known)
             raise UsageError(f"--{option} is no program of the lab {lab.name}", f"it has {hint}")
         words = split_command(text)
+        is_answer = tuple(words[:3]) == known[option].answer and option not in nodes
         if not any(":=" in word for word in words):
             words += known[option].arguments
-        chosen.append((known[option], words, _FAST if option in _ALWAYS_FAST else _REAL))
+        rate = _FAST if option in _ALWAYS_FAST else _REAL
+        chosen.append(Run(known[option], words, rate, is_answer, directory))
     return chosen
 
 
+def _workspace_nodes(lab: Lab) -> dict[str, str]:
+    """Return the nodes of the current workspace that have the names of a lab's, by option."""
+    found = {}
+    known, here = runnables(Path.cwd()), Path.cwd()
+    for program in lab.programs:
+        node, _ = find_node([program.node], known, here)
+        if node.folder:
+            found[program.option] = f"{node.package} {node.name}"
+    return found
+
+
 def check(
-    lab: Lab, programs: Mapping[str, str], rate: float | None = None
-) -> Iterator[tuple[Role, CheckResult]]:
-    """Check programs one after the other, each on a test bench of its own.
+    lab: Lab,
+    run: Run,
+    rate: float | None = None,
+    time_limit: float = float("inf"),
+    show: Callable[[CheckResult], object] = lambda _: None,
+) -> tuple[Report, Mapping[str, Any]]:
+    """Check a program on a test bench of its own.
 
     Args:
         lab: The lab.
-        programs: The student's command lines by role; of none, the model answers are checked.
-        rate: Simulated seconds per second; None for what suits each.
+        run: The program.
+        rate: Simulated seconds per second; None for what suits it.
+        time_limit: Real time for all of it [s].
+        show: Called with each result as it comes.
+
+    Returns:
+        The report, and the content of the world file.
 
     Raises:
-        UsageError: A role is of another lab, or a program cannot be started.
+        UsageError: The program cannot be started.
         LcmtoolsError: The simulator does not start.
     """
-    for role, words, suitable in choose(lab, programs):
-        with TestBench(lab, rate or suitable) as bench:
-            for result in CHECKS[role.option](bench, words):
-                yield role, replace(result, hint="") if result.is_ok else result
+    results = []
+    bench = TestBench(lab, run.program, rate or run.rate, run.directory, time_limit)
+    with bench:
+        explanation = Explanation(bench)
+        for result in _limited(CHECKS[run.program.option](bench, run.command), time_limit):
+            explained = explanation.of(result)
+            results.append(explained)
+            show(explained)
+            if explained.cause == DIED:
+                break  # nothing more can be asked of it
+        observed = bench.observe() if bench.program else None
+    report = Report(run.program.option, run.command, results, observed, run.is_answer)
+    return report, bench.world
+
+
+def _limited(results: Iterator[CheckResult], time_limit: float) -> Iterator[CheckResult]:
+    try:
+        yield from results
+    except TimeLimitReached:
+        wanted = f"within {time_limit:g} s"
+        hint = "the check of this program was broken off"
+        yield CheckResult("is checked in time", wanted, "it takes longer", is_ok=False, hint=hint)
+
+
+@dataclass
+class Explanation:
+    """The causes of the rows that are not ok: each is given once, at the first of its rows."""
+
+    bench: TestBench
+    _first: dict[str, str] = field(default_factory=dict)
+    _last: str = ""
+
+    def of(self, result: CheckResult) -> CheckResult:
+        """Return a row with its cause, or with the row that it follows from."""
+        if result.is_ok:
+            return replace(result, hint="", cause="")
+        observed = self.bench.observe()
+        cause = Cause(self._last, "") if result.cause == SAME else cause_of(result, observed)
+        first = self._first.setdefault(cause.key, result.what)
+        self._last = cause.key
+        if first != result.what:
+            hint = f"follows from: {first}"
+            return replace(result, hint=hint, cause=cause.key, follows=first)
+        said = last_words(observed.printed) or _NOTHING_SAID
+        is_first = len(self._first) == 1
+        findings = tuple(observed.look.findings) if is_first and observed.look else ()
+        hint = cause.text
+        return replace(result, hint=hint, cause=cause.key, said=said, findings=findings)

@@ -7,22 +7,27 @@ import time
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
+from lcmtools.labs.checks.diagnosis import misplaced
 from lcmtools.labs.checks.measures import BAND, fit_radius, is_within
-from lcmtools.labs.checks.programs import CheckedProgram, CheckResult
+from lcmtools.labs.checks.observations import Sample, Touch
+from lcmtools.labs.checks.programs import CheckedProgram
+from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.labs.checks.test_bench import TestBench
 from lcmtools.types.geometry_msgs import Twist
-from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import LaserScan
 
 _FORWARD, _TURN_RATE, _RATE = 0.5, 0.3, 2.0  # [m/s], [rad/s], [Hz]: as the lab specifies
 _RADIUS = _FORWARD / _TURN_RATE
-_VELOCITY, _TRUTH, _SCAN = "/dolly/cmd_vel", "/dolly/ground_truth", "/dolly/laser_scan"
+_VELOCITY, _SCAN = "/dolly/cmd_vel", "/dolly/laser_scan"
 _FIRST, _SOME = 10.0, 8  # [s], commands
 _ROUND = 2 * math.pi / _TURN_RATE  # [s] simulated
 _NUMBER = re.compile(r"(?<![\w.])\d+\.(\d+)(?![\w.])")
+_ANY_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+)?(?![\w.])")
+_ENOUGH = 3  # numbers
+_LONGEST_DRIVE = 25.0  # [s]
+_SILENCE = 2.0  # [s]
 _MOMENT = 0.5  # [s]
 _NOISE = 0.03  # [m]
-_HINT = "does it {}? lcmtools wtf beside it shows if it is connected"
 
 
 def check_mover(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
@@ -30,56 +35,110 @@ def check_mover(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResul
     times: list[float] = []
     bench.subscribe(Twist, _VELOCITY, lambda _: times.append(time.monotonic()))
     commands = bench.record(Twist, _VELOCITY)
-    path = bench.record(Odometry, _TRUTH)
+    bench.record_command(Twist)
     program = bench.start(command)
     bench.wait(lambda: commands or program.code is not None, _FIRST)
     if not commands:
-        hint = _HINT.format(f"publish on {_VELOCITY}")
+        hint = f"does it publish on {_VELOCITY}?"
         yield program.nothing_within(_FIRST, "commands the robot", "messages that come", hint)
         return
     bench.wait(lambda: len(times) >= _SOME, _SOME / _RATE * 2)
-    yield _rate(times)
+    yield _rate(times, time.monotonic())
     yield _velocity(commands[-1])
-    path.clear()
+    if program.code is not None:
+        yield program.early_end("circle that it drives")
+        return
     start = bench.time
-    bench.wait(lambda: bench.time - start > _ROUND or program.code is not None, 3 * _ROUND)
-    yield _circle(path)
+    longest = min(3 * _ROUND, _LONGEST_DRIVE)
+    bench.wait(lambda: bench.time - start > _ROUND or program.code is not None, longest)
+    path = [sample for sample in bench.motion if sample.time >= start]
+    touches = [touch for touch in bench.touches if touch.time >= start]
+    yield _circle(path, touches, commands[-1])
     yield program.check_ctrl_c()
 
 
-def _rate(times: Sequence[float]) -> CheckResult:
+def _rate(times: Sequence[float], now: float) -> CheckResult:
     gaps = [after - before for before, after in pairwise(times)]
     rate = 1 / statistics.fmean(gaps) if gaps else 0.0
+    cause = rate_cause(len(times), rate, now - times[-1])
     return CheckResult(
         "rate of commands",
         f"{_RATE:g} Hz within {BAND:.0%}",
         f"{rate:.2f} Hz",
         is_ok=is_within(rate, _RATE),
-        hint="a timer of 0.5 s that publishes once each time",
+        hint=cause.text,
+        cause=cause.key,
     )
+
+
+def rate_cause(count: int, rate: float, silent: float) -> Cause:
+    """Return why commands do not come at their rate, by count, rate [Hz] and last silence [s]."""
+    timer = "a timer of 0.5 s that publishes once each time"
+    if count == 1:
+        text = f"one command came, and no other in {silent:.1f} s: publish in the timer's callback"
+        return Cause("once", f"{text}; a period is in seconds, so that 500 ms are 0.5")
+    if silent > _SILENCE:
+        return Cause("stopped", f"{count} commands came, and then none in {silent:.1f} s: {timer}")
+    word = "seldom" if rate < _RATE else "often"
+    return Cause("rate", f"commands come too {word}, every {1 / rate:.2g} s: {timer}")
 
 
 def _velocity(twist: Twist) -> CheckResult:
     forward, turn_rate = twist.linear.x, twist.angular.z
+    cause = velocity_cause(twist)
+    is_alike = math.isclose(forward, _FORWARD) and math.isclose(turn_rate, _TURN_RATE)
     return CheckResult(
         "velocity commanded",
         f"{_FORWARD:g} m/s, {_TURN_RATE:g} rad/s",
         f"{forward:g} m/s, {turn_rate:g} rad/s",
-        is_ok=math.isclose(forward, _FORWARD) and math.isclose(turn_rate, _TURN_RATE),
-        hint="linear.x and angular.z; everything else stays 0",
+        is_ok=is_alike and not misplaced(twist),
+        hint=cause.text,
+        cause=cause.key,
     )
 
 
-def _circle(path: Sequence[Odometry]) -> CheckResult:
-    places = [odometry.pose.pose.position for odometry in path]
-    radius = fit_radius([(place.x, place.y) for place in places])
+def velocity_cause(twist: Twist) -> Cause:
+    """Return why the velocity commanded is wrong."""
+    forward, turn_rate = twist.linear.x, twist.angular.z
+    if odd := misplaced(twist):
+        return odd
+    if math.isclose(forward, -_FORWARD):
+        return Cause("speed-sign", "wrong sign of speed: forward is linear.x above 0")
+    if math.isclose(turn_rate, -_TURN_RATE):
+        return Cause("turn-sign", "wrong sign of turn: left is angular.z above 0")
+    if math.isclose(forward, _TURN_RATE) and math.isclose(turn_rate, _FORWARD):
+        return Cause("exchanged", "speed and turn rate are exchanged")
+    if math.isclose(turn_rate, math.radians(_TURN_RATE)) or turn_rate > math.pi:
+        return Cause("unit", "angular.z is in rad/s, not in degrees")
+    return Cause("velocity", "set linear.x and angular.z; everything else stays 0")
+
+
+def _circle(path: Sequence[Sample], touches: Sequence[Touch], twist: Twist) -> CheckResult:
+    radius = fit_radius([(place.x, place.y) for place in path])
+    cause = circle_cause(radius, touches, twist)
+    stuck = f", stuck on {touches[0]}" if touches else ""
     return CheckResult(
         "circle that it drives",
         f"{_RADIUS:.3f} m within {BAND:.0%}",
-        "none" if radius is None else f"{radius:.3f} m",
+        f"{'none' if radius is None else f'{radius:.3f} m'}{stuck}",
         is_ok=radius is not None and is_within(radius, _RADIUS),
-        hint="its radius is speed / turn rate; a command must come before the last one is too old",
+        hint=cause.text,
+        cause=cause.key,
     )
+
+
+def circle_cause(radius: float | None, touches: Sequence[Touch], twist: Twist) -> Cause:
+    """Return why the circle is wrong; the velocity commanded may explain it."""
+    velocity = velocity_cause(twist)
+    commanded = twist.linear.x / twist.angular.z if twist.angular.z else math.inf
+    if not is_within(commanded, _RADIUS):
+        return velocity
+    if touches:
+        return Cause("stuck", f"the robot is stuck on {touches[0]}")
+    if radius is None:
+        text = "the robot did not drive: do commands keep coming? It stops without new ones"
+        return Cause("no-drive", text)
+    return Cause("circle", "a command must come before the last one is too old")
 
 
 def check_reader(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
@@ -89,8 +148,8 @@ def check_reader(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
     bench.wait(lambda: _lines(program) > 1 or program.code is not None, _FIRST)
     bench.wait(lambda: program.code is not None, _MOMENT)  # several lines may be a crash
     what, wanted = "prints ranges", "ranges of the scan"
-    if not _lines(program) or program.code is not None:
-        hint = _HINT.format(f"print the messages on {_SCAN}")
+    if program.code is not None or not _lines(program):
+        hint = f"does it print the messages on {_SCAN}?"
         yield program.nothing_within(_FIRST, what, wanted, hint)
         return
     if not bench.wait(lambda: scans, 2.0):
@@ -98,12 +157,14 @@ def check_reader(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
         yield CheckResult(what, wanted, "no scan came", is_ok=False, hint=hint)
         return
     found = ranges_in(program.printed(), scans[-1].ranges)
+    cause = ranges_cause(program.printed(), scans[-1].ranges, found)
     yield CheckResult(
         what,
         wanted,
-        f"{', '.join(found[:3])} m" if found else f"none; its last line: {program.last_line()}",
+        f"{', '.join(found[:3])} m" if found else "none",
         is_ok=bool(found) and _lines(program) > 1,
-        hint="print some of scan.ranges with two decimals, again and again",
+        hint=cause.text,
+        cause=cause.key,
     )
     yield program.check_ctrl_c()
 
@@ -117,6 +178,18 @@ def ranges_in(text: str, ranges: Sequence[float]) -> list[str]:
         if any(abs(float(match[0]) - value) <= _tolerance(match[1]) for value in measured)
     }
     return sorted(found, key=float)
+
+
+def ranges_cause(printed: str, ranges: Sequence[float], found: Sequence[str]) -> Cause:
+    """Return why a program's output has no ranges, or one line of them only."""
+    if found:
+        return Cause("once", "it prints once only: print in the callback of each message")
+    for unit, factor in (("centimetres", 100.0), ("millimetres", 1000.0)):
+        scaled = " ".join(f"{float(n) / factor:.3f}" for n in _ANY_NUMBER.findall(printed))
+        if len(ranges_in(scaled, ranges)) >= _ENOUGH:
+            return Cause("unit", f"it prints {unit}: ranges are in metres, and are wanted so")
+    text = "print some of scan.ranges with two decimals, again and again"
+    return Cause("ranges", text)
 
 
 def _tolerance(decimals: str) -> float:

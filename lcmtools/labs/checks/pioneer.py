@@ -1,12 +1,17 @@
 """The Pioneer lab: the command of each key, and the picture of a depth camera."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+import PIL.Image
+
 from lcmtools.errors import DecodeError
+from lcmtools.labs.checks.diagnosis import misplaced
 from lcmtools.labs.checks.measures import GOOD, explained
-from lcmtools.labs.checks.programs import CheckedProgram, CheckResult
+from lcmtools.labs.checks.programs import CheckedProgram
+from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.labs.checks.test_bench import TestBench
 from lcmtools.labs.nodes.driving.motion import Motion
 from lcmtools.labs.nodes.picture.pixels import Kind, Picture, read_file, read_picture
@@ -17,10 +22,12 @@ PICTURE = "{picture}"
 """The placeholder in a viewer's command line for the name of the file to save."""
 _VELOCITY, _DEPTH = "/RosAria/cmd_vel", "/camera/depth/image_raw"
 _FIRST, _NEXT = 10.0, 2.0  # [s] until a key's command comes
-_PICTURE = 30.0  # [s] until a picture is whole: a program may take seconds for a PNG
+_PICTURE = 15.0  # [s] until a picture is whole: a program may take seconds for a PNG
+_STALE = 0.5  # [s] in which commands of the key before may still come
 _AGAIN = 0.5  # [s] the first key is pressed again: a program that starts may throw it away
 _COLUMNS, _ROWS = 160, 120  # so many pixels are compared
 _TOLERANCE = 0.01
+_FLIP = PIL.Image.Transpose
 
 DIRECTIONS = {
     "i": "forward",
@@ -49,23 +56,24 @@ Velocity = tuple[float, float]
 
 
 class _Keyboard:
-    """Presses keys, and records the commands that follow."""
+    """Presses keys, and watches the commands that follow."""
 
     def __init__(self, bench: TestBench, program: CheckedProgram) -> None:
         self._bench = bench
+        self._first = 0
+        self._patience = _NEXT
         self.program = program
-        self.commands: list[Twist] = bench.record(Twist, _VELOCITY)
+        bench.record_command(Twist)
 
-    def last(self) -> Velocity | None:
+    def last(self) -> Twist | None:
         """Return the newest command since the last key."""
-        if not self.commands:
-            return None
-        twist = self.commands[-1]
-        return twist.linear.x, twist.angular.z
+        commands = self._bench.commands
+        message = commands[-1].message if len(commands) > self._first else None
+        return message if isinstance(message, Twist) else None
 
     def press(self, key: str) -> None:
-        """Press a key."""
-        self.commands.clear()
+        """Press a key; what came before counts no longer."""
+        self._first = len(self._bench.commands)
         self.program.press(key)
 
     def is_answered(self, key: str) -> bool:
@@ -77,23 +85,34 @@ class _Keyboard:
         return self._moves()
 
     def receives(self, wanted: Velocity) -> bool:
-        """Return True if the wanted command comes in time."""
-        return self._bench.wait(lambda: is_alike(self.last(), wanted), _NEXT)
+        """Return True if the wanted command comes in time, or another one and not this."""
+        if not self._bench.wait(self.last, self._patience):
+            self._patience = _STALE  # for the other keys: there may be many that it does not know
+            return False
+        return self._bench.wait(lambda: is_alike(_velocity(self.last()), wanted), _STALE)
 
     def settled(self, key: str) -> Velocity:
         """Press a key; return its command, once no older command is under way."""
         self.press(key)
         self._bench.wait(self.last, _NEXT)
-        self._bench.wait(lambda: False, _AGAIN)
-        return self.last() or (0.0, 0.0)
+        self._bench.wait(lambda: False, _STALE)
+        return _velocity(self.last()) or (0.0, 0.0)
 
     def measured(self) -> str:
         """Return the newest command in words."""
-        velocity = self.last()
+        velocity = _velocity(self.last())
         return _text(velocity) if velocity else "nothing comes"
 
     def _moves(self) -> bool:
-        return any(self.last() or ())
+        return any(_velocity(self.last()) or ()) or bool(self._odd())
+
+    def _odd(self) -> Cause | None:
+        twist = self.last()
+        return misplaced(twist) if twist else None
+
+
+def _velocity(twist: Twist | None) -> Velocity | None:
+    return (twist.linear.x, twist.angular.z) if twist else None
 
 
 def is_alike(velocity: Velocity | None, wanted: Velocity) -> bool:
@@ -102,6 +121,53 @@ def is_alike(velocity: Velocity | None, wanted: Velocity) -> bool:
         math.isclose(value, target, rel_tol=_TOLERANCE, abs_tol=1e-6)
         for value, target in zip(velocity, wanted, strict=True)
     )
+
+
+@dataclass(frozen=True, slots=True)
+class KeyPress:
+    """A key that was pressed, the command that it is to bring, and the one that came, if any."""
+
+    key: str
+    wanted: Velocity
+    twist: Twist | None
+
+
+def key_cause(press: KeyPress, drives: Mapping[str, KeyPress]) -> Cause:
+    """Return why a key brought the wrong command, by what the keys that drive brought."""
+    key, wanted, got = press.key, press.wanted, _velocity(press.twist)
+    if press.twist is None or got is None:
+        text = f"nothing is published for '{key}': is each key read at once, and is it known?"
+        return Cause("unanswered", text)
+    if odd := misplaced(press.twist):
+        return odd
+    for index, name in enumerate(("speed", "turn")):
+        if _is_reversed(drives, index) and is_alike(got, _reversed(wanted, index)):
+            side = ("forward is linear.x above 0", "left is angular.z above 0")[index]
+            return Cause(f"{name}-sign", f"wrong sign of {name}: {side}")
+    other = next((k for k, one in drives.items() if k != key and is_alike(got, one.wanted)), "")
+    if not any(got):
+        text = f"'{key}' stops the robot: is it in the program's table of keys?"
+        return Cause(f"key-{key}", text)
+    if other:
+        pair = "".join(sorted((key, other)))
+        text = f"'{key}' does what '{other}' should do ({DIRECTIONS[other]})"
+        return Cause(f"key-{pair}", f"{text}: one key for another")
+    return Cause(f"key-{key}", f"compare '{key}' with the table of keys in the lab")
+
+
+def _is_reversed(drives: Mapping[str, KeyPress], index: int) -> bool:
+    """Return True if most keys bring the opposite of what they should, in speed or in turn."""
+    moving = [one for one in drives.values() if one.wanted[index]]
+    wrong = [
+        one
+        for one in moving
+        if one.twist and (_velocity(one.twist) or (0, 0))[index] * one.wanted[index] < 0
+    ]
+    return len(wrong) > len(moving) / 2
+
+
+def _reversed(velocity: Velocity, index: int) -> Velocity:
+    return (-velocity[0], velocity[1]) if index == 0 else (velocity[0], -velocity[1])
 
 
 def check_teleop(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
@@ -114,30 +180,62 @@ def check_teleop(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
         yield program.nothing_within(_FIRST, what, wanted, f"{hint} after each")
         return
     yield CheckResult(what, wanted, "it comes", is_ok=True)
-    speed, turn = keyboard.settled("i")[0], keyboard.settled("j")[1]
-    yield CheckResult(
-        "speeds of i and j",
-        "both above 0",
-        _text((speed, turn)),
-        is_ok=speed > 0 and turn > 0,
-        hint="i is linear.x above 0, j is angular.z above 0: to the left",
-    )
+    speed, turn = abs(keyboard.settled("i")[0]) or 0.5, abs(keyboard.settled("j")[1]) or 1.0
     motion = Motion(speed, turn)
+    drives = {}
+    for key in DIRECTIONS:  # all are pressed before one is judged: the others show the cause
+        motion = motion.after(key)
+        drives[key] = _pressed(keyboard, key, motion)
+    yield _speeds_result(drives)
     for key, meaning in DIRECTIONS.items():
-        yield _key_result(keyboard, key, f"{key}  {meaning}", motion.after(key))
+        yield _key_result(drives[key], f"{key}  {meaning}", drives)
+    if program.code is not None:
+        yield program.early_end("answers to all keys")
+        return
     for key, meaning in SPEED_CHANGES.items():
         motion = motion.after(key)
         program.press(key)
-        yield _key_result(keyboard, "u", f"u  after {key}, {meaning}", motion.after("u"))
+        motion = motion.after("u")
+        press = _pressed(keyboard, "u", motion)
+        yield _change_result(press, f"u  after {key}, {meaning}", drives)
+        speed, turn = map(abs, _velocity(press.twist) or (0.0, 0.0))
+        if speed and turn:  # one wrong change does not make the next ones wrong
+            motion = replace(motion, speed=speed, turn=turn)
     yield _stop_at_end(keyboard)
 
 
-def _key_result(keyboard: _Keyboard, key: str, what: str, motion: Motion) -> CheckResult:
+def _speeds_result(drives: Mapping[str, KeyPress]) -> CheckResult:
+    i, j = (_velocity(drives[key].twist) or (0.0, 0.0) for key in "ij")
+    speeds = i[0], j[1]
+    cause = key_cause(drives["i" if speeds[0] <= 0 else "j"], drives)
+    is_ok = min(speeds) > 0
+    what, wanted = "speeds of i and j", "both above 0"
+    return CheckResult(what, wanted, _text(speeds), is_ok, cause.text, cause.key)
+
+
+def _pressed(keyboard: _Keyboard, key: str, motion: Motion) -> KeyPress:
     wanted = motion.forward, motion.turn_rate
     keyboard.press(key)
-    is_ok = keyboard.receives(wanted)
-    hint = "compare with the table of keys in the lab"
-    return CheckResult(what, _text(wanted), keyboard.measured(), is_ok, hint)
+    keyboard.receives(wanted)
+    return KeyPress(key, wanted, keyboard.last())
+
+
+def _key_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) -> CheckResult:
+    got = _velocity(press.twist)
+    is_ok = is_alike(got, press.wanted) and not (press.twist and misplaced(press.twist))
+    cause = key_cause(press, drives)
+    measured = _text(got) if got else "nothing comes"
+    return CheckResult(what, _text(press.wanted), measured, is_ok, cause.text, cause.key)
+
+
+def _change_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) -> CheckResult:
+    """Return the result of 'u' after a key that changes a speed; 'u' itself may be wrong."""
+    result = _key_result(press, what, drives)
+    before = drives["u"]
+    if result.is_ok or not is_alike(_velocity(before.twist), before.wanted):
+        return result
+    text = f"'{what.split()[2].rstrip(',')}' is to change the speeds by 10 %, and keep the motion"
+    return replace(result, hint=text, cause=f"change-{what}")
 
 
 def _stop_at_end(keyboard: _Keyboard) -> CheckResult:
@@ -145,7 +243,7 @@ def _stop_at_end(keyboard: _Keyboard) -> CheckResult:
     if keyboard.program.code is not None:
         return keyboard.program.early_end(what)
     keyboard.settled("i")
-    keyboard.commands.clear()
+    keyboard.press("")
     keyboard.program.ends_on_interrupt()
     stops = keyboard.receives((0.0, 0.0))
     return CheckResult(
@@ -154,6 +252,7 @@ def _stop_at_end(keyboard: _Keyboard) -> CheckResult:
         "it comes" if stops else keyboard.measured(),
         is_ok=stops,
         hint="publish a last Twist of 0 in a finally: the robot keeps its last command",
+        cause="no-stop",
     )
 
 
@@ -190,14 +289,19 @@ def check_viewer(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
         yield program.nothing_within(_PICTURE, what, wanted, hint)
         return
     yield CheckResult(what, wanted, "{} x {} pixels".format(*seen[0].image.size), is_ok=True)
-    part = _likeness(truths[-1], seen[0]) if bench.wait(lambda: truths, _PICTURE) else 0.0
+    part, reason = 0.0, ""
+    if bench.wait(lambda: truths, _PICTURE):
+        part = _likeness(truths[-1], seen[0])
+        reason = picture_cause(truths[-1], seen[0]) if part < GOOD else ""
     yield CheckResult(
         "shows the depth",
         f"{GOOD:.0%} or more alike",
         f"{part:.0%}",
         is_ok=part >= GOOD,
-        hint="pixels of the same depth do not look the same: 16UC1 is two bytes a pixel, low byte"
+        hint=reason
+        or "pixels of the same depth do not look the same: 16UC1 is two bytes a pixel, low byte"
         " first, in mm, 0 for none; rows from the top",
+        cause="picture",
     )
     if program.code is None:
         yield program.check_ctrl_c()
@@ -219,6 +323,29 @@ def _likeness(truth: Image, picture: Picture) -> float:
         return explained(depths, [(value,) for value in shown.values()])
     channels = shown.image.tobytes()
     return explained(depths, list(zip(channels[::3], channels[1::3], channels[2::3], strict=True)))
+
+
+_TURNED: Mapping[str, Callable[[PIL.Image.Image], PIL.Image.Image]] = {
+    "upside down: rows go from the top": lambda i: i.transpose(_FLIP.FLIP_TOP_BOTTOM),
+    "mirrored: columns go from the left": lambda i: i.transpose(_FLIP.FLIP_LEFT_RIGHT),
+    "turned by 180 degrees: the first pixel is at the top left": lambda i: i.transpose(
+        _FLIP.ROTATE_180
+    ),
+    "turned by 90 degrees: data is row by row, not column by column": lambda i: i.transpose(
+        _FLIP.TRANSPOSE
+    ),
+}
+
+
+def picture_cause(truth: Image, picture: Picture) -> str:
+    """Return the way in which a picture is turned; "" if it is in no such way."""
+    if picture.image.getextrema() in ((0, 0), ((0, 0),) * 3):
+        return "the picture is all black: is it the data of a message, and in a visible range?"
+    for name, turn in _TURNED.items():
+        turned = Picture(turn(picture.image), picture.encoding, picture.kind)
+        if _likeness(truth, turned) >= GOOD:
+            return f"the picture is {name}"
+    return ""
 
 
 def _sampled(picture: Picture) -> Picture:

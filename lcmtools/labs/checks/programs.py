@@ -1,44 +1,24 @@
-"""Programs that are checked, whatever their language, and the results of a check.
+"""Programs that are checked, whatever their language.
 
 A program runs on the test bench's bus and is certain to end; what it prints goes into a file, and
 keys reach it through a terminal of its own.
 """
 
 import shlex
-import signal
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from shutil import which
 
 from lcmtools.errors import UsageError
+from lcmtools.labs.checks.diagnosis import DIED, SILENT
+from lcmtools.labs.checks.results import CheckResult
 from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
 from lcmtools.processes.process_guard import ProcessGuard
 
 _TIMEOUTS = StopTimeouts(4.0, 2.0)
 _TAIL_BYTES = 65_536
-_LONGEST_LINE = 200
 _MOST_BYTES = 1 << 28  # of a file: a program that prints without end must not fill the disk
-
-
-@dataclass(frozen=True, slots=True)
-class CheckResult:
-    """The result of checking one requirement.
-
-    Attributes:
-        what: The requirement, in a few words.
-        wanted: The value that the lab specifies, with its unit.
-        measured: The value that was measured, with its unit.
-        is_ok: True if the requirement is met.
-        hint: What to look at next if it is not.
-    """
-
-    what: str
-    wanted: str
-    measured: str
-    is_ok: bool
-    hint: str = ""
 
 
 class CheckedProgram(ChildProcess):
@@ -49,6 +29,7 @@ class CheckedProgram(ChildProcess):
         environment: Its variables.
         output: The file for what it prints.
         guard: Ends it with this process.
+        directory: Its working directory; "" for this process's.
         has_keys: Give it a terminal to read keys from.
 
     Raises:
@@ -61,14 +42,21 @@ class CheckedProgram(ChildProcess):
         environment: Mapping[str, str],
         output: Path,
         guard: ProcessGuard,
+        directory: str = "",
         *,
         has_keys: bool = False,
     ) -> None:
+        self.was_interrupted = False
         words = [which(command[0], path=environment.get("PATH")) or command[0], *command[1:]]
         if command[0] == "lcmtools":  # the one that runs now, wherever it is installed
             words[:1] = [sys.executable, "-m", "lcmtools"]
         start = Start(
-            words, environment, has_keyboard=has_keys, output=output, most_bytes=_MOST_BYTES
+            words,
+            environment,
+            directory,
+            has_keyboard=has_keys,
+            output=output,
+            most_bytes=_MOST_BYTES,
         )
         try:
             super().__init__(start, guard, _TIMEOUTS)
@@ -82,13 +70,9 @@ class CheckedProgram(ChildProcess):
         """Return what it has printed, the end of it where it is long."""
         return self.output(_TAIL_BYTES)
 
-    def last_line(self) -> str:
-        """Return the last line that it has printed, or ""."""
-        lines = [line.strip() for line in self.printed().splitlines() if line.strip()]
-        return lines[-1][:_LONGEST_LINE] if lines else ""
-
     def ends_on_interrupt(self) -> bool:
         """Press Ctrl-C; return True if it ends in time."""
+        self.was_interrupted = True
         return self.interrupt(_TIMEOUTS.interrupt)
 
     def check_ctrl_c(self) -> CheckResult:
@@ -102,21 +86,14 @@ class CheckedProgram(ChildProcess):
 
     def early_end(self, what: str, wanted: str = "it runs") -> CheckResult:
         """Return the failure of a program that has ended while it was needed."""
-        code = self.code or 0
-        how = (
-            f"was ended by {signal.Signals(-code).name}"
-            if code < 0
-            else f"ended with exit code {code}"
-        )
-        line = self.last_line()
-        hint = f"its last line: {line}" if line else "it printed nothing"
-        return CheckResult(what, wanted, f"it {how}", is_ok=False, hint=hint)
+        return CheckResult(what, wanted, "it has ended", is_ok=False, cause=DIED)
 
     def nothing_within(self, seconds: float, what: str, wanted: str, hint: str) -> CheckResult:
         """Return the failure of a program from which nothing has come in time."""
         if self.code is not None:
             return self.early_end(what, wanted)
-        return CheckResult(what, wanted, f"none within {seconds:g} s", is_ok=False, hint=hint)
+        measured = f"none within {seconds:g} s"
+        return CheckResult(what, wanted, measured, is_ok=False, hint=hint, cause=SILENT)
 
 
 def split_command(text: str) -> list[str]:

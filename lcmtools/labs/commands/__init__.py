@@ -1,1 +1,1 @@
-"""``lcmtools lab``: one file a verb."""
+"""``lcmtools lab``."""

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 from lcmtools.arguments import misspelt, split_arguments
 from lcmtools.errors import UsageError
+from lcmtools.names import did_you_mean
 
 _EVERY_NODE_TAKES = """\
 Every node also takes:
@@ -23,22 +24,39 @@ Every node also takes:
 def check_command_line(args: Sequence[str] | None, help_text: str) -> bool:
     """Check the command line of a node that has no arguments of its own, before there is a bus.
 
-    Args:
-        args: The command line without the program's name; None for ``sys.argv``.
-        help_text: The node's own help: its purpose, its topics, an example.
-
     Returns:
         True if the node is to run; False if ``--help`` was given, and the help printed.
 
     Raises:
         UsageError: An argument is wrong, or one that no node takes.
     """
+    unknown = own_arguments(args, help_text)
+    if unknown:
+        raise unknown_argument(args, unknown[0])
+    return unknown is not None
+
+
+def own_arguments(args: Sequence[str] | None, help_text: str) -> list[str] | None:
+    """Return the arguments that are not for every node; None if ``--help`` was one, and answered.
+
+    Args:
+        args: The command line without the program's name; None for ``sys.argv``.
+        help_text: The node's own help: its purpose, its topics, an example.
+
+    Raises:
+        UsageError: An argument for every node is wrong.
+    """
     words = sys.argv[1:] if args is None else args
     if "--help" in words or "-h" in words:
         print(help_text.strip(), _EVERY_NODE_TAKES, sep="\n\n")  # noqa: T201 - a node's own output
-        return False
-    _, unknown = split_arguments(words)
-    if unknown:
-        hint = misspelt(words, unknown[0]) or "--help shows what this node takes"
-        raise UsageError(f"unknown argument '{unknown[0]}'", hint)
-    return True
+        return None
+    return split_arguments(words)[1]
+
+
+def unknown_argument(
+    args: Sequence[str] | None, word: str, flags: Sequence[str] = ()
+) -> UsageError:
+    """Return the error of an argument that a node with these flags does not take."""
+    words = sys.argv[1:] if args is None else args
+    hint = misspelt(words, word) or did_you_mean(word, flags) or "--help shows what this node takes"
+    return UsageError(f"unknown argument '{word}'", hint)

@@ -1,14 +1,11 @@
 """The command lines of nodes that have arguments of their own, read before there is a bus."""
 
 import argparse
-import sys
 from collections.abc import Callable, Sequence
 from typing import NoReturn
 
-from lcmtools.arguments import misspelt, split_arguments
 from lcmtools.errors import UsageError
-from lcmtools.labs.nodes import check_command_line
-from lcmtools.names import did_you_mean
+from lcmtools.labs.nodes import own_arguments, unknown_argument
 
 
 class NodeParser(argparse.ArgumentParser):
@@ -32,17 +29,13 @@ def read_command_line(
     Raises:
         UsageError: An argument is wrong.
     """
-    words = list(sys.argv[1:] if args is None else args)
-    if "--help" in words or "-h" in words:
-        check_command_line(["--help"], help_text)
+    words = own_arguments(args, help_text)
+    if words is None:
         return None
-    options, unknown = parser.parse_known_args(split_arguments(words)[1])
+    options, unknown = parser.parse_known_args(words)
     if unknown:
         flags = [flag for action in parser._actions for flag in action.option_strings]  # noqa: SLF001 - argparse has no other way
-        hint = misspelt(words, unknown[0]) or did_you_mean(unknown[0], flags)
-        raise UsageError(
-            f"unknown argument '{unknown[0]}'", hint or "--help shows what this node takes"
-        )
+        raise unknown_argument(args, unknown[0], flags)
     return options
 
 

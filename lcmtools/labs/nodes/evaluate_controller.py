@@ -27,36 +27,13 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 
 
-class ErrorStatistics:
-    """Root mean square of the errors so far.
-
-    Attributes:
-        samples: Their number.
-        last: The newest.
-    """
-
-    def __init__(self) -> None:
-        self.samples = 0
-        self.last = 0.0
-        self._sum_of_squares = 0.0
-
-    def add(self, error: float) -> None:
-        """Count one more."""
-        self.samples += 1
-        self.last = error
-        self._sum_of_squares += error * error
-
-    def average(self) -> float:
-        """Return the square root of the mean of the squares; 0 when there are none."""
-        return math.sqrt(self._sum_of_squares / max(1, self.samples))
-
-
 class EvaluateController(Node):
     """Publishes the errors of a controller."""
 
     def __init__(self) -> None:
         super().__init__("evaluate_controller")
-        self._errors = ErrorStatistics()
+        self._samples = 0
+        self._sum_of_squares = 0.0
         self._desired: Twist | None = None
         self._stat = self.create_publisher(ControllerEvaluationStat, "evaluation_stat")
         # a deep queue: each message is one sample, also when the computer is busy for a second
@@ -73,14 +50,12 @@ class EvaluateController(Node):
         if not math.isfinite(error):  # one such error would spoil the average for ever
             self.get_logger().warning("a velocity is not finite: sample ignored", once=True)
             return
-        self._errors.add(error)
-        self._publish()
-
-    def _publish(self) -> None:
+        self._samples += 1
+        self._sum_of_squares += error * error
         message = ControllerEvaluationStat()
-        message.samples = self._errors.samples
-        message.last_error = self._errors.last
-        message.average_error = self._errors.average()
+        message.samples = self._samples
+        message.last_error = error
+        message.average_error = math.sqrt(self._sum_of_squares / self._samples)
         self._stat.publish(message)
 
 

@@ -17,8 +17,7 @@ from collections.abc import Sequence
 
 import lcmtools
 from lcmtools import Node
-from lcmtools.labs.nodes.command_line import read_command_line
-from lcmtools.labs.nodes.picture.viewer import Viewer, options_help, viewer_parser
+from lcmtools.labs.nodes.picture.viewer import Viewer, open_viewer
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
 
@@ -44,9 +43,8 @@ class ImageView(Node):
 
 def main(args: Sequence[str] | None = None) -> None:
     """Show pictures until Ctrl-C."""
-    options = read_command_line(args, options_help(__doc__), viewer_parser())
-    if options:
-        viewer = Viewer(options)
+    viewer = open_viewer(args, __doc__)
+    if viewer:
         lcmtools.init(args)
         node = ImageView(viewer)
         viewer.run(node, node.subscription.topic)

@@ -16,9 +16,7 @@ from collections.abc import Sequence
 
 import lcmtools
 from lcmtools import Node
-from lcmtools.labs.nodes.command_line import read_command_line
-from lcmtools.labs.nodes.picture.viewer import Viewer, options_help, viewer_parser
-from lcmtools.messages.registry import Message
+from lcmtools.labs.nodes.picture.viewer import Viewer, open_viewer
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
 
@@ -31,21 +29,16 @@ class KinectViewer(Node):
 
     def __init__(self, viewer: Viewer) -> None:
         super().__init__("kinect_viewer")
-        self._viewer = viewer
         # only the newest picture counts: an old one that waited would be shown too late
         self.subscription = self.create_subscription(
-            (Image, CompressedImage), "/camera/depth/image_raw", self._kinect_callback, 1
+            (Image, CompressedImage), "/camera/depth/image_raw", viewer.take, 1
         )
-
-    def _kinect_callback(self, image: Message) -> None:
-        self._viewer.take(image)
 
 
 def main(args: Sequence[str] | None = None) -> None:
     """Show pictures until Ctrl-C."""
-    options = read_command_line(args, options_help(__doc__), viewer_parser())
-    if options:
-        viewer = Viewer(options)
+    viewer = open_viewer(args, __doc__)
+    if viewer:
         lcmtools.init(args)
         node = KinectViewer(viewer)
         viewer.run(node, node.subscription.topic)

@@ -4,15 +4,6 @@ Publishes:
     /RosAria/cmd_vel   geometry_msgs/Twist   linear.x [m/s] and angular.z [rad/s]: at once for each
                                              key, at 10 Hz while it moves, 0 at the end
 
-Keys:
-    u i o    forward left, forward, forward right     q / z   both speeds 10 % more / less
-    j k l    turn left, stop, turn right              w / x   forward speed 10 % more / less
-    m , .    backward: clockwise, straight,           e / c   turn rate 10 % more / less
-             counter-clockwise
-    The arrows drive too; any other key stops. Capitals mean the same. Ctrl-C stops and ends.
-
-    Keys are also taken from a pipe: a number is a wait in seconds, # begins a comment.
-
 Parameters:
     speed   0.5   [m/s] at the start, at most 1.2
     turn    1.0   [rad/s] at the start, at most 5.2
@@ -27,7 +18,7 @@ from collections.abc import Sequence
 
 import lcmtools
 from lcmtools.labs.nodes import check_command_line
-from lcmtools.labs.nodes.driving.driver import Driver, drive
+from lcmtools.labs.nodes.driving.driver import Driver, drive, keys_help
 from lcmtools.labs.nodes.driving.motion import MOTION_HELP, Motion
 from lcmtools.types.geometry_msgs import Twist
 
@@ -60,7 +51,7 @@ class PioneerManualController(Driver):
 
 def main(args: Sequence[str] | None = None) -> None:
     """Drive until Ctrl-C, or until a script of keys is over."""
-    if check_command_line(args, __doc__):
+    if check_command_line(args, keys_help(__doc__, MOTION_HELP)):
         lcmtools.init(args)
         drive(PioneerManualController())
         lcmtools.shutdown()

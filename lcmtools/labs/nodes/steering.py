@@ -4,14 +4,6 @@ Publishes:
     TOPIC   geometry_msgs/Twist   linear.x [m/s] and angular.z [rad/s]: at once for each key, at
                                   10 Hz while it moves, 0 at the end; cmd_vel if none is given
 
-Keys:
-    up, down       forward speed 0.1 m/s more, less     w, s: 0.01     W, S: 0.1
-    left, right    turn rate 0.1 rad/s to that side     a, d: 0.01     A, D: 0.1
-    x, z           set the forward speed, the turn rate to 0
-    space          stop; any other key does so too. Ctrl-C stops and ends.
-
-    Keys are also taken from a pipe: a number is a wait in seconds, # begins a comment.
-
 Parameters:
     max_linear    1.0   [m/s]
     max_angular   3.0   [rad/s]
@@ -25,7 +17,7 @@ from collections.abc import Sequence
 
 import lcmtools
 from lcmtools.labs.nodes.command_line import NodeParser, read_command_line
-from lcmtools.labs.nodes.driving.driver import Driver, drive
+from lcmtools.labs.nodes.driving.driver import Driver, drive, keys_help
 from lcmtools.labs.nodes.driving.motion import SLIDERS_HELP, Sliders
 from lcmtools.types.geometry_msgs import Twist
 
@@ -58,7 +50,7 @@ def main(args: Sequence[str] | None = None) -> None:
     """Steer until Ctrl-C, or until a script of keys is over."""
     parser = NodeParser()
     parser.add_argument("topic", nargs="?", default="cmd_vel")
-    options = read_command_line(args, __doc__, parser)
+    options = read_command_line(args, keys_help(__doc__, SLIDERS_HELP), parser)
     if options:
         lcmtools.init(args)
         drive(Steering(options.topic))

@@ -4,15 +4,6 @@ Publishes:
     cmd_vel   geometry_msgs/Twist, or TwistStamped with --stamped: linear.x [m/s] and angular.z
               [rad/s]; at once for each key, at 10 Hz while it moves, 0 at the end
 
-Keys:
-    u i o    forward left, forward, forward right     q / z   both speeds 10 % more / less
-    j k l    turn left, stop, turn right              w / x   forward speed 10 % more / less
-    m , .    backward: clockwise, straight,           e / c   turn rate 10 % more / less
-             counter-clockwise
-    The arrows drive too; any other key stops. Capitals mean the same. Ctrl-C stops and ends.
-
-    Keys are also taken from a pipe: a number is a wait in seconds, # begins a comment.
-
 Options:
     --hold      drive only while a key is held down
     --stamped   publish TwistStamped
@@ -35,7 +26,7 @@ from collections.abc import Sequence
 import lcmtools
 from lcmtools.clock import split_stamp
 from lcmtools.labs.nodes.command_line import NodeParser, read_command_line
-from lcmtools.labs.nodes.driving.driver import Driver, drive
+from lcmtools.labs.nodes.driving.driver import Driver, drive, keys_help
 from lcmtools.labs.nodes.driving.motion import MOTION_HELP, HeldKey, Motion
 from lcmtools.types.geometry_msgs import Twist, TwistStamped
 
@@ -101,7 +92,7 @@ def main(args: Sequence[str] | None = None) -> None:
     parser = NodeParser()
     parser.add_argument("--hold", action="store_true")
     parser.add_argument("--stamped", action="store_true")
-    options = read_command_line(args, __doc__, parser)
+    options = read_command_line(args, keys_help(__doc__, MOTION_HELP), parser)
     if options:
         lcmtools.init(args)
         drive(Teleop(hold=options.hold, stamped=options.stamped))

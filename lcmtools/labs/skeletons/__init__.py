@@ -8,15 +8,21 @@ from pathlib import Path
 
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.names import did_you_mean
+from lcmtools.packages.nodes import ANSWERS
 
-NAMES = (
-    "evaluate_controller",
-    "kinect_viewer",
-    "moving_robot",
-    "pioneer_manual_controller",
-    "reading_laser",
-    "simple_controller",
-)
+NAMES = tuple(sorted((*ANSWERS, "listener", "talker")))
+
+
+def skeleton_text(name: str) -> str:
+    """Return a node's skeleton.
+
+    Raises:
+        UsageError: There is no skeleton of that name.
+    """
+    if name not in NAMES:
+        hint = did_you_mean(name, NAMES) or f"there are {', '.join(NAMES)}"
+        raise UsageError(f"there is no skeleton of '{name}'", hint)
+    return Path(__file__).with_name(f"{name}.py").read_text("utf-8")
 
 
 def copy_skeleton(name: str, folder: Path, *, overwrite: bool = False) -> Path:
@@ -26,12 +32,7 @@ def copy_skeleton(name: str, folder: Path, *, overwrite: bool = False) -> Path:
         UsageError: There is no skeleton of that name, or the file already exists.
         LcmtoolsError: It cannot be written.
     """
-    if name not in NAMES:
-        hint = did_you_mean(name, NAMES) or f"there are {', '.join(NAMES)}"
-        raise UsageError(f"there is no skeleton of '{name}'", hint)
-    from importlib.resources import files  # slow to import, and completion wants the names only
-
-    text = (files(__name__) / f"{name}.py").read_text(encoding="utf-8")
+    text = skeleton_text(name)
     path = folder / f"{name}.py"
     try:
         folder.mkdir(parents=True, exist_ok=True)

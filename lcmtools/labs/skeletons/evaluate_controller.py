@@ -4,6 +4,8 @@ python evaluate_controller.py __ns:=/husky0
 lcmtools echo /husky0/evaluation_stat
 """
 
+from collections.abc import Sequence
+
 import lcmtools
 from lcmtools import Node
 from lcmtools.types.air_lab0 import ControllerEvaluationStat
@@ -46,9 +48,9 @@ class EvaluateController(Node):
         del message, odometry  # remove this line
 
 
-def main() -> None:
+def main(args: Sequence[str] | None = None) -> None:
     """Run the node until Ctrl-C."""
-    lcmtools.init()
+    lcmtools.init(args)
     lcmtools.spin(EvaluateController())
     lcmtools.shutdown()
 

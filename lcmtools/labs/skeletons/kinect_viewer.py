@@ -4,9 +4,11 @@ Run it with   python kinect_viewer.py   while the simulator runs: lcmtools run s
 Compare with   lcmtools run image_view image:=/camera/depth/image_raw
 """
 
+from collections.abc import Sequence
+
 import lcmtools
 from lcmtools import Node
-from lcmtools.labs.nodes.picture.viewer import Viewer, viewer_parser
+from lcmtools.labs.nodes.picture.viewer import Viewer, open_viewer
 from lcmtools.types.sensor_msgs import Image
 
 TOPIC = "/camera/depth/image_raw"
@@ -27,12 +29,13 @@ class KinectViewer(Node):
         self.viewer.take(image)
 
 
-def main() -> None:
+def main(args: Sequence[str] | None = None) -> None:
     """Show pictures until Ctrl-C."""
-    viewer = Viewer(viewer_parser().parse_args([]))
-    lcmtools.init()
-    viewer.run(KinectViewer(viewer), TOPIC)
-    lcmtools.shutdown()
+    viewer = open_viewer(args, __doc__)  # by the command line: --save FILE, --once and more
+    if viewer:
+        lcmtools.init(args)
+        viewer.run(KinectViewer(viewer), TOPIC)
+        lcmtools.shutdown()
 
 
 if __name__ == "__main__":

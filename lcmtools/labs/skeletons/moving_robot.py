@@ -4,6 +4,8 @@ Run it with   python moving_robot.py   while the simulator runs: lcmtools run si
 Look at it with   lcmtools hz /dolly/cmd_vel   and   lcmtools echo /dolly/odom
 """
 
+from collections.abc import Sequence
+
 import lcmtools
 from lcmtools import Node
 from lcmtools.types.geometry_msgs import Twist
@@ -30,9 +32,9 @@ class MovingRobot(Node):
         del message  # remove this line
 
 
-def main() -> None:
+def main(args: Sequence[str] | None = None) -> None:
     """Run the node until Ctrl-C."""
-    lcmtools.init()
+    lcmtools.init(args)
     lcmtools.spin(MovingRobot())
     lcmtools.shutdown()
 

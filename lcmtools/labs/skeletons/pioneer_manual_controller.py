@@ -9,6 +9,8 @@ lcmtools run sim --world pioneer
              counter-clockwise
 """
 
+from collections.abc import Sequence
+
 import lcmtools
 from lcmtools import Node
 from lcmtools.labs.nodes.driving.keyboard import open_keyboard
@@ -45,9 +47,9 @@ class PioneerManualController(Node):
         self.publisher.publish(Twist())
 
 
-def main() -> None:
+def main(args: Sequence[str] | None = None) -> None:
     """Drive until Ctrl-C."""
-    lcmtools.init()
+    lcmtools.init(args)
     controller = PioneerManualController()
     try:
         with open_keyboard(controller.stop) as keyboard:

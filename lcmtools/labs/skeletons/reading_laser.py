@@ -4,6 +4,8 @@ Run it with   python reading_laser.py   while the simulator runs: lcmtools run s
 See the messages themselves with   lcmtools echo -n 1 /dolly/laser_scan
 """
 
+from collections.abc import Sequence
+
 import lcmtools
 from lcmtools import Node
 from lcmtools.types.sensor_msgs import LaserScan
@@ -31,9 +33,9 @@ class ReadingLaser(Node):
         del scan  # remove this line
 
 
-def main() -> None:
+def main(args: Sequence[str] | None = None) -> None:
     """Run the node until Ctrl-C."""
-    lcmtools.init()
+    lcmtools.init(args)
     lcmtools.spin(ReadingLaser())
     lcmtools.shutdown()
 

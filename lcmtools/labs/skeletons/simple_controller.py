@@ -8,6 +8,8 @@
 The topics' names have no slash in front: with __ns:=/husky0 they are below /husky0.
 """
 
+from collections.abc import Sequence
+
 import lcmtools
 from lcmtools import Node
 from lcmtools.types.geometry_msgs import Twist
@@ -53,9 +55,9 @@ class SimpleController(Node):
         self.publisher.publish(message)
 
 
-def main() -> None:
+def main(args: Sequence[str] | None = None) -> None:
     """Run the node until Ctrl-C."""
-    lcmtools.init()
+    lcmtools.init(args)
     controller = SimpleController()
     lcmtools.spin(controller)
     controller.publish_efforts(0.0, 0.0)  # or the robot goes on with the last ones

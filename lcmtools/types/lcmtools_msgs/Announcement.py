@@ -15,11 +15,11 @@ class Announcement(object):
     it leaves.
     """
 
-    __slots__ = ["ports_length", "endpoints_length", "name", "host", "pid", "start_time", "id", "state", "revision", "tool", "command", "answers", "ports", "endpoints", "sent", "busy"]
+    __slots__ = ["ports_length", "endpoints_length", "errors_length", "name", "host", "pid", "start_time", "id", "state", "revision", "tool", "command", "answers", "ports", "endpoints", "sent", "busy", "errors"]
 
-    __typenames__ = ["int32_t", "int32_t", "string", "string", "int32_t", "int64_t", "string", "int8_t", "int64_t", "boolean", "string", "int64_t", "int32_t", "lcmtools.types.lcmtools_msgs.Endpoint", "int64_t", "int64_t"]
+    __typenames__ = ["int32_t", "int32_t", "int32_t", "string", "string", "int32_t", "int64_t", "string", "int8_t", "int64_t", "boolean", "string", "int64_t", "int32_t", "lcmtools.types.lcmtools_msgs.Endpoint", "int64_t", "int64_t", "lcmtools.types.lcmtools_msgs.CallbackError"]
 
-    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, ["ports_length"], ["endpoints_length"], None, None]
+    __dimensions__ = [None, None, None, None, None, None, None, None, None, None, None, None, None, ["ports_length"], ["endpoints_length"], None, None, ["errors_length"]]
 
     ALIVE = 0
     """ a state: the node runs """
@@ -36,6 +36,12 @@ class Announcement(object):
         self.endpoints_length = 0
         """
         number of elements of endpoints
+        LCM Type: int32_t
+        """
+
+        self.errors_length = 0
+        """
+        number of elements of errors
         LCM Type: int32_t
         """
 
@@ -79,8 +85,8 @@ class Announcement(object):
         self.revision = 0
         """
         differs when anything of the node has changed but answers, sent, busy and the counters of
-        its endpoints (messages, bytes, drops, last_time, calls, busy, longest), so that who knows
-        it need not decode more; a hash of all that, at the same place behind id in every
+        its endpoints (messages, bytes, drops, last_time, calls, busy, longest) and errors (message,
+        count, last_time), so that who knows it need not decode more; a hash of all that, at the same place behind id in every
         announcement
         LCM Type: int64_t
         """
@@ -129,6 +135,12 @@ class Announcement(object):
         LCM Type: int64_t
         """
 
+        self.errors = []
+        """
+        different exceptions that the node's callbacks have raised since the start, the newest five
+        LCM Type: lcmtools.types.lcmtools_msgs.CallbackError[errors_length]
+        """
+
 
     def encode(self):
         buf = BytesIO()
@@ -137,7 +149,7 @@ class Announcement(object):
         return buf.getvalue()
 
     def _encode_one(self, buf):
-        buf.write(struct.pack(">ii", self.ports_length, self.endpoints_length))
+        buf.write(struct.pack(">iii", self.ports_length, self.endpoints_length, self.errors_length))
         __name_encoded = self.name.encode('utf-8')
         buf.write(struct.pack('>I', len(__name_encoded)+1))
         buf.write(__name_encoded)
@@ -162,6 +174,9 @@ class Announcement(object):
             assert self.endpoints[i0]._get_packed_fingerprint() == lcmtools.types.lcmtools_msgs.Endpoint._get_packed_fingerprint()
             self.endpoints[i0]._encode_one(buf)
         buf.write(struct.pack(">qq", self.sent, self.busy))
+        for i0 in range(self.errors_length):
+            assert self.errors[i0]._get_packed_fingerprint() == lcmtools.types.lcmtools_msgs.CallbackError._get_packed_fingerprint()
+            self.errors[i0]._encode_one(buf)
 
     @staticmethod
     def decode(data: bytes):
@@ -176,7 +191,7 @@ class Announcement(object):
     @staticmethod
     def _decode_one(buf):
         self = Announcement()
-        self.ports_length, self.endpoints_length = struct.unpack(">ii", buf.read(8))
+        self.ports_length, self.endpoints_length, self.errors_length = struct.unpack(">iii", buf.read(12))
         __name_len = struct.unpack('>I', buf.read(4))[0]
         self.name = buf.read(__name_len)[:-1].decode('utf-8', 'replace')
         __host_len = struct.unpack('>I', buf.read(4))[0]
@@ -194,13 +209,16 @@ class Announcement(object):
         for i0 in range(self.endpoints_length):
             self.endpoints.append(lcmtools.types.lcmtools_msgs.Endpoint._decode_one(buf))
         self.sent, self.busy = struct.unpack(">qq", buf.read(16))
+        self.errors = []
+        for i0 in range(self.errors_length):
+            self.errors.append(lcmtools.types.lcmtools_msgs.CallbackError._decode_one(buf))
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if Announcement in parents: return 0
         newparents = parents + [Announcement]
-        tmphash = (0x2cffef9ddbf0b1f7+ lcmtools.types.lcmtools_msgs.Endpoint._get_hash_recursive(newparents)) & 0xffffffffffffffff
+        tmphash = (0x54f384206c1897a2+ lcmtools.types.lcmtools_msgs.Endpoint._get_hash_recursive(newparents)+ lcmtools.types.lcmtools_msgs.CallbackError._get_hash_recursive(newparents)) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import ClassVar, Final
 
+from lcmtools.types.lcmtools_msgs.CallbackError import CallbackError
 from lcmtools.types.lcmtools_msgs.Endpoint import Endpoint
 
 class Announcement:
@@ -13,6 +14,7 @@ class Announcement:
     LEAVING: Final = 1
     ports_length: int
     endpoints_length: int
+    errors_length: int
     name: str
     host: str
     pid: int
@@ -27,6 +29,7 @@ class Announcement:
     endpoints: list[Endpoint]
     sent: int
     busy: int
+    errors: list[CallbackError]
     def __init__(self) -> None: ...
     def encode(self) -> bytes: ...
     @staticmethod

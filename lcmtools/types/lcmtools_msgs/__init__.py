@@ -5,6 +5,7 @@ lcm-gen 1.5.3
 """
 
 from .Announcement import Announcement as Announcement
+from .CallbackError import CallbackError as CallbackError
 from .Endpoint import Endpoint as Endpoint
 from .Parameter import Parameter as Parameter
 from .Parameters_Request import Parameters_Request as Parameters_Request

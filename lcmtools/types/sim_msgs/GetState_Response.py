@@ -45,7 +45,7 @@ class GetState_Response(object):
 
         self.pose = lcmtools.types.geometry_msgs.Pose()
         """
-        of its base_link in the world [m]
+        of its base_footprint in the world, as SetPose takes it [m]
         LCM Type: lcmtools.types.geometry_msgs.Pose
         """
 

@@ -8,10 +8,10 @@ turns 1.25 / 0.6 times as fast as commanded; ``gazebo_quirks: true`` in a world 
 from dataclasses import replace
 
 from lcmtools_sim.geometry import Pose
-from lcmtools_sim.robots.model import ON_ITS_SIDE, Body, CommandTopic, Drive, RobotModel
+from lcmtools_sim.robots.model import Body, CommandTopic, Drive, RobotModel, wheel
 from lcmtools_sim.sensors.laser import LaserSettings
 from lcmtools_sim.sensors.sensor import SensorMount
-from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part
+from lcmtools_sim.shapes import Color, Cuboid, Part
 
 WHEEL_RADIUS = 0.15
 TRACK = 0.6
@@ -30,14 +30,7 @@ _INERTIA = (0.06, 0.13, 0.19)
 """[kg m^2] A box of 1 kg with two wheels of 0.5 kg beside it."""
 
 _WHITE: Color = (0.9, 0.9, 0.88)
-_BLACK: Color = (0.15, 0.15, 0.15)
-
-
-def _wheel(side: int) -> Part:
-    """The shape of a wheel (left 1, right -1), a little above the ground."""
-    wheel = Cylinder(WHEEL_RADIUS - 0.005, 0.05)
-    return Part(wheel, (0.0, side * TRACK / 2, WHEEL_RADIUS), ON_ITS_SIDE, _BLACK)
-
+_WHEELS = tuple(wheel(WHEEL_RADIUS, 0.05, track) for track in (TRACK, -TRACK))
 
 _LASER = LaserSettings(200, -1.0, 1.0, 0.05, 10.0)
 _DRIVE = Drive(
@@ -58,7 +51,7 @@ DOLLY = RobotModel(
         inertia=_INERTIA,
         centre_of_mass=0.18,
         base_height=_HEIGHT,
-        parts=(Part(Cuboid(_CHASSIS), (-_AXLE, 0.0, _HEIGHT), color=_WHITE), _wheel(1), _wheel(-1)),
+        parts=(Part(Cuboid(_CHASSIS), (-_AXLE, 0.0, _HEIGHT), color=_WHITE), *_WHEELS),
         feet=((0.0, TRACK / 2), (0.0, -TRACK / 2), (-2 * _AXLE, 0.0), (0.17, 0.0)),
         foot_radius=0.025,  # within the outline, so that it never touches first
     ),

@@ -8,10 +8,15 @@ from dataclasses import dataclass
 
 from lcmtools_sim.geometry import IDENTITY, Quaternion, Vector
 from lcmtools_sim.sensors.sensor import SensorMount
-from lcmtools_sim.shapes import Part
+from lcmtools_sim.shapes import Color, Cylinder, Part
 
-ON_ITS_SIDE: Quaternion = (0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
-"""The rotation of a cylinder that is a wheel."""
+BLACK: Color = (0.15, 0.15, 0.15)
+_ON_ITS_SIDE: Quaternion = (0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
+
+
+def wheel(radius: float, width: float, track: float) -> Part:
+    """The shape of a wheel [m], a little above the ground; on the right with a track below 0."""
+    return Part(Cylinder(radius - 0.005, width), (0.0, track / 2, radius), _ON_ITS_SIDE, BLACK)
 
 
 @dataclass(frozen=True, slots=True)

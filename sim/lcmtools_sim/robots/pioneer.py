@@ -6,9 +6,9 @@ the robot's ROS driver (RosAria) and of the Kinect's (openni).
 """
 
 from lcmtools_sim.geometry import Pose
-from lcmtools_sim.robots.model import ON_ITS_SIDE, Body, CommandTopic, Drive, RobotModel
+from lcmtools_sim.robots.model import Body, CommandTopic, Drive, RobotModel, wheel
 from lcmtools_sim.sensors.sensor import SensorMount
-from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part
+from lcmtools_sim.shapes import Color, Cuboid, Part
 
 WHEEL_RADIUS = 0.0975
 TRACK = 0.33
@@ -27,14 +27,7 @@ _KINECT = (0.10, 0.0, 0.25)
 """[m] The position of the Kinect in base_link, on the deck."""
 
 _RED: Color = (0.7, 0.1, 0.1)
-_BLACK: Color = (0.15, 0.15, 0.15)
-
-
-def _wheel(side: int) -> Part:
-    """The shape of a wheel (left 1, right -1), a little above the ground."""
-    wheel = Cylinder(WHEEL_RADIUS - 0.005, 0.04)
-    return Part(wheel, (0.0, side * TRACK / 2, WHEEL_RADIUS), ON_ITS_SIDE, _BLACK)
-
+_WHEELS = tuple(wheel(WHEEL_RADIUS, 0.04, track) for track in (TRACK, -TRACK))
 
 PIONEER = RobotModel(
     name="pioneer",
@@ -49,8 +42,7 @@ PIONEER = RobotModel(
                 (_CENTRE, 0.0, (_TOP + _BOTTOM) / 2),
                 color=_RED,
             ),
-            _wheel(1),
-            _wheel(-1),
+            *_WHEELS,
         ),
         feet=((0.0, TRACK / 2), (0.0, -TRACK / 2), (_CASTER, 0.0), (0.1, 0.0)),
         foot_radius=0.02,  # within the outline, so that it never touches first

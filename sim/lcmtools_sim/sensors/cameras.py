@@ -17,20 +17,13 @@ from lcmtools_sim.sensors.sensor import (
     fill_header,
     number,
 )
+from lcmtools_sim.vision import messages
 from lcmtools_sim.vision.camera import Camera, optical
 from lcmtools_sim.vision.color import Pixels, color_image
-from lcmtools_sim.vision.messages import (
-    METRES,
-    MILLIMETRES,
-    cloud_message,
-    color_message,
-    compressed_message,
-    depth_message,
-    in_millimetres,
-)
-from lcmtools_sim.vision.noise import DepthNoise, noisy
+from lcmtools_sim.vision.noise import noisy
 from lcmtools_sim.vision.render import Rendering, render
 from lcmtools_sim.vision.solids import Solids, joined, solids_of
+from lcmtools_sim.vision.surfaces import Floats32
 
 RAW = "image_raw"
 COMPRESSED = "image_raw/compressed"
@@ -103,11 +96,12 @@ class _MountedCamera:
 
     def _solids(self) -> Solids:
         """All shapes around; the immovable ones are prepared once."""
-        world, ground = self._context.world, self._context.ground_color
+        context, world = self._context, self._context.world
         parts = world.fixed_parts()
         if self._fixed is None or parts is not self._fixed_parts:
-            self._fixed, self._fixed_parts = solids_of(parts, ground), parts
-        moving = world.moving_parts(self._context.body)
+            self._fixed = solids_of(parts, context.ground_color, context.lines)
+            self._fixed_parts = parts
+        moving = world.moving_parts(context.body)
         return joined(self._fixed, solids_of(moving)) if moving else self._fixed
 
 
@@ -175,11 +169,15 @@ class DepthCameraSensor:
     def __init__(self, mount: SensorMount, context: SensorContext) -> None:
         settings = cast("DepthCameraSettings", mount.settings or DepthCameraSettings())
         self._settings = settings
+        self._errors = {
+            "spread": settings.noise,
+            "step": settings.step,
+            "dropout": settings.dropout,
+        }
         self._mounted = _MountedCamera(
             settings.camera, mount, context, "camera_depth_optical_frame"
         )
-        self._noise = DepthNoise(settings.noise, settings.step, settings.dropout)
-        self._random = context.random(mount)
+        self._noise = context.noise(mount)
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The pictures of one step; the view that they share is rendered once."""
@@ -187,7 +185,9 @@ class DepthCameraSensor:
         if _PICTURES.intersection(wanted):
             view = self._mounted.view(state)
             color = color_image(view) if _COLORED.intersection(wanted) else None
-            made |= self._depth_messages(view, color, wanted)
+            random = self._noise.at(state.time)
+            depth = noisy(view.depth, random, **self._errors)
+            made |= self._depth_messages(depth, color, wanted)
             if color is not None:
                 made |= _color_messages(color, COLOR_RAW, COLOR_COMPRESSED, wanted)
         info = self._mounted.camera.info
@@ -195,26 +195,27 @@ class DepthCameraSensor:
         return self._mounted.encoded(made, state)
 
     def _depth_messages(
-        self, view: Rendering, color: Pixels | None, wanted: Collection[str]
+        self, depth: Floats32, color: Pixels | None, wanted: Collection[str]
     ) -> _Made:
         near, far = self._settings.near, self._settings.far
-        depth = noisy(view.depth, self._noise, self._random)
         made: _Made = {}
         if DEPTH_RAW in wanted:
-            made[DEPTH_RAW] = depth_message(depth, MILLIMETRES, near, far)
+            made[DEPTH_RAW] = messages.depth_message(depth, messages.MILLIMETRES, near, far)
         if DEPTH_METRES in wanted:
-            made[DEPTH_METRES] = depth_message(depth, METRES, near, far)
+            made[DEPTH_METRES] = messages.depth_message(depth, messages.METRES, near, far)
         if DEPTH_COMPRESSED in wanted:
-            made[DEPTH_COMPRESSED] = compressed_message(in_millimetres(depth, near, far))
+            made[DEPTH_COMPRESSED] = messages.compressed_message(
+                messages.in_millimetres(depth, near, far)
+            )
         if POINTS in wanted:
-            made[POINTS] = cloud_message(depth, view.camera, near, far, color)
+            made[POINTS] = messages.cloud_message(depth, self._mounted.camera, near, far, color)
         return made
 
 
 def _color_messages(color: Pixels, raw: str, compressed: str, wanted: Collection[str]) -> _Made:
     made: _Made = {}
     if raw in wanted:
-        made[raw] = color_message(color)
+        made[raw] = messages.color_message(color)
     if compressed in wanted:
-        made[compressed] = compressed_message(color)
+        made[compressed] = messages.compressed_message(color)
     return made

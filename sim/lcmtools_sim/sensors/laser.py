@@ -58,7 +58,7 @@ class LaserSensor:
         self._pose = mount.pose
         self._context = context
         self._settings = settings = cast("LaserSettings", mount.settings or LaserSettings())
-        self._random = context.random(mount)
+        self._noise = context.noise(mount)
         angles = np.linspace(settings.first_angle, settings.last_angle, settings.rays)
         self._scanner = Scanner(angles, settings.longest)
         self._prepared: dict[int, tuple[tuple[Part, ...], Solids]] = {}
@@ -81,7 +81,7 @@ class LaserSensor:
         settings = self._settings
         ranges = self._scanner.scan(*state.sensor_frame(self._pose), self._bodies())
         if settings.noise:
-            ranges += self._random.normal(0.0, settings.noise, len(ranges))
+            ranges += self._noise.at(state.time).normal(0.0, settings.noise, len(ranges))
             ranges[ranges > settings.longest] = np.inf
         ranges[ranges < settings.shortest] = -np.inf
         return ranges

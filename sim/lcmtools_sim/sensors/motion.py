@@ -29,7 +29,6 @@ from lcmtools_sim.sensors.sensor import (
     SensorContext,
     SensorMount,
     Settings,
-    Sides,
     deviation,
 )
 
@@ -59,7 +58,7 @@ class WheelStatesSensor:
 
     def __init__(self, mount: SensorMount, context: SensorContext) -> None:
         self._settings = cast("WheelStatesSettings", mount.settings or WheelStatesSettings())
-        self._random = context.random(mount)
+        self._noise = context.noise(mount)
         message = JointState()
         message.header.frame_id = context.frame("base_link")
         message.name = ["left", "right"]
@@ -70,12 +69,10 @@ class WheelStatesSensor:
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The message of one step."""
         del wanted
-        angles = self._disturbed(state.wheel_angles, self._settings.angle_noise)
-        speeds = self._disturbed(state.wheel_speeds, self._settings.speed_noise)
+        settings, noise, time = self._settings, self._noise, state.time
+        angles = noise.added_to(state.wheel_angles, settings.angle_noise, time)
+        speeds = noise.added_to(state.wheel_speeds, settings.speed_noise, time, stream=1)
         return {"": self._fill(state.stamp, angles, speeds, state.efforts)}
-
-    def _disturbed(self, values: Sides, noise: float) -> Sides:
-        return Sides(*self._random.normal(values, noise).tolist()) if noise else values
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,8 +102,8 @@ class OdometrySensor:
 
     def __init__(self, mount: SensorMount, context: SensorContext) -> None:
         settings = cast("OdometrySettings", mount.settings or OdometrySettings())
-        self._noise = settings.speed_noise, settings.turning_noise
-        self._random = context.random(mount)
+        self._deviations = settings.speed_noise, settings.turning_noise
+        self._noise = context.noise(mount)
         message = Odometry()
         message.header.frame_id = context.frame("odom")
         message.child_frame_id = context.frame("base_link")
@@ -118,8 +115,9 @@ class OdometrySensor:
         """The message of one step."""
         del wanted
         forward, turn_rate = state.odometry_speed
-        if any(self._noise):
-            forward, turn_rate = self._random.normal((forward, turn_rate), self._noise).tolist()
+        if any(self._deviations):
+            random = self._noise.at(state.time)
+            forward, turn_rate = random.normal((forward, turn_rate), self._deviations).tolist()
         return {"": self._fill(state.stamp, _planar_pose(state), (forward,), (turn_rate,))}
 
 
@@ -191,7 +189,7 @@ class ImuSensor:
         self._axes = axes(mount.pose.rotation)
         self._gravity = context.gravity
         self._settings = settings = cast("ImuSettings", mount.settings or ImuSettings())
-        self._random = context.random(mount)
+        self._noise = context.noise(mount)
         message = Imu()
         message.header.frame_id = context.add_frame(mount, "imu_link", mount.pose.rotation)
         message.angular_velocity_covariance = _covariance(settings.turning_noise)
@@ -202,12 +200,18 @@ class ImuSensor:
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The measurement of one step."""
         del wanted
+        settings, noise, time = self._settings, self._noise, state.time
         rotation = multiply(state.rotation, self._rotation)
-        angular_velocity = components(state.angular_velocity, self._axes)
+        turning = components(state.angular_velocity, self._axes)
         acceleration = components(self._proper_acceleration(state), self._axes)
-        angular_velocity = self._disturbed(angular_velocity, self._settings.turning_noise)
-        acceleration = self._disturbed(acceleration, self._settings.acceleration_noise)
-        return {"": self._fill(state.stamp, rotation, angular_velocity, acceleration)}
+        return {
+            "": self._fill(
+                state.stamp,
+                rotation,
+                noise.added_to(turning, settings.turning_noise, time),
+                noise.added_to(acceleration, settings.acceleration_noise, time, stream=1),
+            )
+        }
 
     def _proper_acceleration(self, state: RobotState) -> Vector:
         """The proper acceleration of the sensor, in base_link [m/s^2].
@@ -221,12 +225,6 @@ class ImuSensor:
         )
         reaction = scaled(upwards(state.rotation), self._gravity)
         return add(add(state.acceleration, of_lever), reaction)
-
-    def _disturbed(self, vector: Vector, noise: float) -> Vector:
-        if not noise:
-            return vector
-        x, y, z = self._random.normal(vector, noise).tolist()
-        return x, y, z
 
 
 def _covariance(noise: float) -> tuple[float, ...]:
@@ -259,7 +257,7 @@ class GroundTruthSensor:
         self._settings = settings = cast(
             "GroundTruthSettings", mount.settings or GroundTruthSettings()
         )
-        self._random = context.random(mount)
+        self._noise = context.noise(mount)
         place, turn = settings.position_noise**2, settings.heading_noise**2
         message = Odometry()
         message.header.frame_id = "world"
@@ -273,15 +271,15 @@ class GroundTruthSensor:
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The message of one step."""
         del wanted
-        place, turn = self._disturbed(state.position, state.rotation)
+        place, turn = self._disturbed(state)
         return {"": self._fill(state.stamp, place, turn, state.velocity, state.angular_velocity)}
 
-    def _disturbed(self, position: Vector, rotation: Quaternion) -> tuple[Vector, Quaternion]:
-        """A pose with noise: moved, and turned about the vertical."""
+    def _disturbed(self, state: RobotState) -> tuple[Vector, Quaternion]:
+        """The pose with noise: moved, and turned about the vertical."""
         settings = self._settings
         if not (settings.position_noise or settings.heading_noise):
-            return position, rotation
-        x, y, z, yaw = self._random.normal(size=4).tolist()
+            return state.position, state.rotation
+        x, y, z, yaw = self._noise.at(state.time).normal(size=4).tolist()
         error = scaled((x, y, z), settings.position_noise)
         turn = from_euler(0.0, 0.0, yaw * settings.heading_noise)
-        return add(position, error), multiply(turn, rotation)
+        return add(state.position, error), multiply(turn, state.rotation)

@@ -6,7 +6,7 @@ bus, no engine and no schedule.
 """
 
 import zlib
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol, TypeVar
 
@@ -16,7 +16,7 @@ from lcmtools.clock import split_stamp
 from lcmtools.messages.registry import Message
 from lcmtools.types.std_msgs import Header
 from lcmtools_sim.geometry import ORIGIN, Frame, Pose, Quaternion, Vector
-from lcmtools_sim.shapes import Color, Part
+from lcmtools_sim.shapes import Color, Line, Part
 
 Number = TypeVar("Number", int, float)
 
@@ -152,6 +152,35 @@ class WorldView(Protocol):
         ...
 
 
+class Noise:
+    """The random numbers of a sensor's noise, by the world's seed, its name and the sample's time.
+
+    They do not depend on the samples before, and so not on when somebody began to listen.
+    """
+
+    def __init__(self, seed: int, name: str) -> None:
+        # Philox (J. Salmon et al., Parallel random numbers: as easy as 1, 2, 3, 2011) can begin
+        # anywhere at once; a new generator for each sample would take ten times as long.
+        self._bits = np.random.Philox(key=[seed, zlib.crc32(name.encode())])
+        self._state = self._bits.state
+        self._generator = np.random.Generator(self._bits)
+
+    def at(self, time: int, stream: int = 0) -> np.random.Generator:
+        """The random numbers of the sample at a time [ns]; each stream has others."""
+        self._state["state"]["counter"][:] = 0, time, stream, 0
+        self._bits.state = self._state
+        return self._generator
+
+    def added_to(
+        self, values: Sequence[float], deviation: float, time: int, stream: int = 0
+    ) -> Sequence[float]:
+        """The values with white noise of this standard deviation."""
+        if not deviation:
+            return values
+        disturbed: list[float] = self.at(time, stream).normal(values, deviation).tolist()
+        return disturbed
+
+
 @dataclass(frozen=True, slots=True)
 class SensorContext:
     """The robot that carries a sensor, as far as sensors need to know it.
@@ -161,6 +190,7 @@ class SensorContext:
         body: The robot's body in the world.
         world: The view of the world.
         ground_color: The colour of the plane z = 0.
+        lines: Painted on it.
         gravity: [m/s^2]
         seed: The world's.
         frames: The frames in base_link of the sensors mounted so far, by their prefixed names.
@@ -170,6 +200,7 @@ class SensorContext:
     body: int
     world: WorldView
     ground_color: Color
+    lines: tuple[Line, ...]
     gravity: float
     seed: int
     frames: dict[str, Frame] = field(default_factory=dict)
@@ -195,9 +226,9 @@ class SensorContext:
         self.frames[name] = frame
         return name
 
-    def random(self, mount: SensorMount) -> np.random.Generator:
-        """The random numbers of one sensor; see ``random_numbers``."""
-        return random_numbers(self.seed, f"{self.namespace}/{mount.kind}/{mount.topic}")
+    def noise(self, mount: SensorMount) -> Noise:
+        """The noise of one sensor."""
+        return Noise(self.seed, f"{self.namespace}/{mount.kind}/{mount.topic}")
 
 
 class Sensor(Protocol):

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from lcmtools_sim.shapes import Color
 from lcmtools_sim.vision.camera import PixelBounds
+from lcmtools_sim.vision.marks import NOTHING, Marks, marks_of
 from lcmtools_sim.vision.render import GROUND, Rendering
 from lcmtools_sim.vision.solids import CUBOID, CYLINDER, Floats
 from lcmtools_sim.vision.surfaces import evaluate, surfaces
@@ -31,6 +32,8 @@ def color_image(view: Rendering, sky: Color = SKY_COLOR) -> Pixels:
     packed = picture.view(np.uint32)[:, :, 0]
     floor = _lit(np.array(view.solids.ground or sky), _UP)
     packed[:] = np.where(view.solid == GROUND, _packed(floor), _packed(np.array(sky)))
+    if lines := marks_of(view.solids.lines):
+        _draw_lines(packed, view, lines)
     for bounds in view.bounds:
         area = slice(bounds.top, bounds.bottom), slice(bounds.left, bounds.right)
         mask = view.solid[area] == bounds.number
@@ -41,6 +44,19 @@ def color_image(view: Rendering, sky: Color = SKY_COLOR) -> Pixels:
         else:
             picture[area][mask] = _bytes(_round(view, bounds, mask))
     return np.ascontiguousarray(picture[:, :, :3])
+
+
+def _draw_lines(packed: npt.NDArray[np.uint32], view: Rendering, lines: Marks) -> None:
+    """Give the ground's pixels that see a line its colour."""
+    rows, columns = np.nonzero(view.solid == GROUND)
+    x, y = view.camera.slopes()
+    rays = np.stack((x[columns], y[rows], np.ones(len(rows))), axis=-1)
+    depth = view.depth[rows, columns]
+    places = np.array(view.eye[:2]) + (rays @ view.turn[:2].T) * depth[:, None]
+    numbers = lines.at(places)
+    colors = _bytes(_lit(lines.colors, np.broadcast_to(_UP, lines.colors.shape))).view(np.uint32)
+    seen = numbers != NOTHING
+    packed[rows[seen], columns[seen]] = colors[numbers[seen], 0]
 
 
 def _cuboid(view: Rendering, bounds: PixelBounds) -> npt.NDArray[np.uint32]:

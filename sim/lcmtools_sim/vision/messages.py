@@ -94,7 +94,10 @@ def cloud_message(
     """
     names = ("x", "y", "z") if color is None else ("x", "y", "z", "rgb")
     data = np.empty((*depth.shape, len(names)), "<f4")
-    _fill(data, in_metres(depth, near, far), camera)
+    x, y = (slopes.astype(np.float32) for slopes in camera.slopes())
+    metres = data[:, :, 2] = in_metres(depth, near, far)
+    np.multiply(metres, x, out=data[:, :, 0])
+    np.multiply(metres, y[:, None], out=data[:, :, 1])
     if color is not None:
         red, green, blue = np.moveaxis(color.astype(np.uint32), -1, 0)
         data.view("<u4")[:, :, 3] = red << 16 | green << 8 | blue
@@ -124,14 +127,6 @@ def _image(pixels: npt.NDArray[np.generic], encoding: str) -> Image:
     message.data_length = len(message.data)
     message.step = message.data_length // message.height
     return message
-
-
-def _fill(result: Floats32, depth: Floats32, camera: Camera) -> None:
-    """Set x, y and z of each point: the pixel's ray times the depth."""
-    x, y = (slopes.astype(np.float32) for slopes in camera.slopes())
-    np.multiply(depth, x, out=result[:, :, 0])
-    np.multiply(depth, y[:, None], out=result[:, :, 1])
-    result[:, :, 2] = depth
 
 
 def _field(name: str, offset: int) -> PointField:

@@ -5,18 +5,26 @@ Depth Data for Indoor Mapping Applications, Sensors 12(2), 2012: the random erro
 square of the depth, 1.4 mm at 1 m and about 4 cm at 5 m; so does the resolution, 2.85 mm at 1 m.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from lcmtools_sim.vision.surfaces import Floats32
 
 
-@dataclass(frozen=True, slots=True)
-class DepthNoise:
-    """The errors of readings; all zero is exact.
+def noisy(
+    depth: Floats32,
+    random: np.random.Generator,
+    *,
+    spread: float = 0.0,
+    step: float = 0.0,
+    dropout: float = 0.0,
+) -> Floats32:
+    """Depth [m] with the errors; inf stays inf, a dropped reading is NaN.
 
-    Attributes:
+    The count of random numbers depends on the picture's size only, so that runs are repeatable.
+
+    Args:
+        depth: Exact [m].
+        random: The random numbers.
         spread: Standard deviation at 1 m [m]; at z metres it is z^2 times that.
         step: Distance of two neighbouring readings at 1 m [m]; at z metres it is z^2 times that,
             for the sensor counts steps of disparity, which is 1/z. With 0 depth is continuous, and
@@ -24,31 +32,15 @@ class DepthNoise:
             both adds z^2 step / sqrt(12) to it, in quadrature.
         dropout: Share of the pixels without a reading, 0 to 1.
     """
-
-    spread: float = 0.0
-    step: float = 0.0
-    dropout: float = 0.0
-
-
-EXACT = DepthNoise()
-KINECT = DepthNoise(spread=1.4e-3)
-KINECT_STEP = 2.85e-3
-
-
-def noisy(depth: Floats32, noise: DepthNoise, random: np.random.Generator) -> Floats32:
-    """Depth [m] with the errors; inf stays inf, a dropped reading is NaN.
-
-    The count of random numbers depends on the picture's size only, so that runs are repeatable.
-    """
-    if noise.spread:
-        error = random.standard_normal(depth.shape, np.float32) * np.float32(noise.spread)
+    if spread:
+        error = random.standard_normal(depth.shape, np.float32) * np.float32(spread)
         with np.errstate(invalid="ignore"):
             depth = np.where(np.isinf(depth), depth, depth + depth * depth * error)
-    if noise.step:
-        step = np.float32(noise.step)
+    if step:
+        size = np.float32(step)
         with np.errstate(divide="ignore"):
-            depth = np.float32(1) / (np.rint(1 / (depth * step)) * step)
-    if noise.dropout:
-        lost = random.random(depth.shape, np.float32) < noise.dropout
+            depth = np.float32(1) / (np.rint(1 / (depth * size)) * size)
+    if dropout:
+        lost = random.random(depth.shape, np.float32) < dropout
         depth = np.where(lost, np.float32(np.nan), depth)
     return depth

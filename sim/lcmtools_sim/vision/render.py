@@ -33,6 +33,7 @@ class Rendering:
         turn: Rotation matrix of the optical frame in the world.
         depth: (height, width) float32 along the optical axis [m]; inf for the sky.
         solid: (height, width) int16, the number of the visible solid, GROUND or SKY.
+        eye: The position of the camera in the world [m].
     """
 
     camera: Camera
@@ -41,16 +42,13 @@ class Rendering:
     turn: Floats
     depth: Floats32
     solid: npt.NDArray[np.int16]
+    eye: Vector
 
 
 # Rays that miss a round side make NaN, and so does a body that the engine has lost.
 @np.errstate(invalid="ignore", divide="ignore", over="ignore")
 def render(
-    solids: Solids,
-    camera: Camera,
-    position: Vector,
-    rotation: Quaternion,
-    far: float = np.inf,
+    solids: Solids, camera: Camera, position: Vector, rotation: Quaternion, far: float = np.inf
 ) -> Rendering:
     """Render solids and the ground.
 
@@ -71,7 +69,7 @@ def render(
         seen = surfaces(local, bounds.number)
         if seen is not None:
             picture.draw(bounds, seen)
-    return Rendering(camera, local, in_view, turn, picture.depth(), picture.solid)
+    return Rendering(camera, local, in_view, turn, picture.depth(), picture.solid, position)
 
 
 class _DepthBuffer:

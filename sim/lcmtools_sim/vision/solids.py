@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcmtools_sim.geometry import Quaternion, Vector, axes
-from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part, Shape, Sphere
+from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Line, Part, Shape, Sphere
 
 Floats = npt.NDArray[np.float64]
 
@@ -30,6 +30,7 @@ class Solids:
         half_sizes: (n, 3) [m] from the centre to the sides along its axes.
         colors: (n, 3) red, green, blue, 0 to 1.
         ground: The colour of the plane z = 0, which is solid below; None for no ground.
+        lines: Painted on the ground, in the world.
     """
 
     kinds: npt.NDArray[np.int8]
@@ -38,6 +39,7 @@ class Solids:
     half_sizes: Floats
     colors: Floats
     ground: Color | None = None
+    lines: tuple[Line, ...] = ()
 
     def __len__(self) -> int:
         """Return the number of solids, without the ground."""
@@ -64,7 +66,9 @@ class Solids:
         )
 
 
-def solids_of(parts: Sequence[Part], ground: Color | None = None) -> Solids:
+def solids_of(
+    parts: Sequence[Part], ground: Color | None = None, lines: tuple[Line, ...] = ()
+) -> Solids:
     """A group of parts, in their order."""
     kinds, sizes = (
         zip(*(_measure(part.shape) for part in parts), strict=True) if parts else ((), ())
@@ -76,6 +80,7 @@ def solids_of(parts: Sequence[Part], ground: Color | None = None) -> Solids:
         half_sizes=_array(sizes, 3),
         colors=_array([part.color for part in parts], 3),
         ground=ground,
+        lines=lines,
     )
 
 
@@ -88,6 +93,7 @@ def joined(*groups: Solids) -> Solids:
         half_sizes=np.concatenate([group.half_sizes for group in groups]),
         colors=np.concatenate([group.colors for group in groups]),
         ground=next((group.ground for group in groups if group.ground is not None), None),
+        lines=next((group.lines for group in groups if group.lines), ()),
     )
 
 

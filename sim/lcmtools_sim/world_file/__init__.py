@@ -1,7 +1,7 @@
 """Reading world files: strict YAML, and through it URDF and SDF files.
 
-Keys and values that are unknown, missing, given twice or out of bounds are errors with file, line
-and reason. No engine and no bus are known here.
+Keys and values that are unknown, missing, given twice or out of bounds raise InvalidFile, with
+file, line and reason, in all modules here. No engine and no bus are known.
 """
 
 from dataclasses import replace
@@ -9,13 +9,13 @@ from pathlib import PurePath
 
 from lcmtools.names import check_base_name
 from lcmtools_sim.scene import Ground, Scene
-from lcmtools_sim.world_file.document import Item, load
 from lcmtools_sim.world_file.objects import read_objects
+from lcmtools_sim.world_file.paths import read_paths
 from lcmtools_sim.world_file.robots import read_robots
-from lcmtools_sim.world_file.sdf import read_sdf_scene
-from lcmtools_sim.world_file.values import checked_name, color, friction, number, value
+from lcmtools_sim.world_file.sdf import read_sdf
+from lcmtools_sim.world_file.values import Item, checked_name, color, friction, load, number, value
 
-_KEYS = ("node", "seed", "dt", "gravity", "ground", "objects", "robots")
+_KEYS = ("node", "seed", "dt", "gravity", "ground", "objects", "robots", "paths")
 
 
 def read_scene(text: str, source: str) -> Scene:
@@ -27,19 +27,20 @@ def read_scene(text: str, source: str) -> Scene:
         InvalidFile: Anything is wrong with it, with file, line and reason.
     """
     if text.lstrip("\ufeff \t\r\n").startswith("<"):
-        return read_sdf_scene(text, source)
+        return read_sdf(text, source)
     notes: list[str] = []
     keys = load(text, source, "world").fields(_KEYS)
     plain = Scene("")
     scene = Scene(
         name=PurePath(source).stem,
-        node=value(keys, "node", checked_name(_node_name), plain.node),
+        node=value(keys, "node", checked_name(check_base_name), plain.node),
         seed=value(keys, "seed", lambda item: item.integer(0, 2**63 - 1), plain.seed),
         dt=value(keys, "dt", number(1e-4, 0.02), plain.dt),
         gravity=value(keys, "gravity", number(0, 100), plain.gravity),
         ground=value(keys, "ground", _ground, plain.ground),
         objects=value(keys, "objects", lambda item: read_objects(item, notes), ()),
         robots=value(keys, "robots", lambda item: read_robots(item, notes), ()),
+        paths=value(keys, "paths", read_paths, ()),
     )
     return replace(scene, notes=(*notes, *_too_fast(scene)))
 
@@ -54,11 +55,6 @@ def _too_fast(scene: Scene) -> list[str]:
         for mount in robot.model.sensors
         if mount.rate > steps * (1 + 1e-9)
     ]
-
-
-def _node_name(text: str) -> str:
-    check_base_name(text)
-    return text
 
 
 def _ground(item: Item) -> Ground:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from lcmtools.formats import strict_xml
 from lcmtools_sim.geometry import Vector
+from lcmtools_sim.shapes import Color
 
 _LARGEST = 1e6
 """Of all lengths, masses and angles."""
@@ -68,11 +69,7 @@ class Element(strict_xml.Element):
     def numbers(
         self, name: str, counts: Sequence[int], *, lowest: float = -_LARGEST
     ) -> list[float]:
-        """Return finite numbers in an attribute ("" for the element itself), one of ``counts``.
-
-        Raises:
-            InvalidFile: They are missing, too many or too few, no numbers or out of bounds.
-        """
+        """Return finite numbers in an attribute ("" for the element itself), one of ``counts``."""
         text = self.attribute(name) if name else self.words()
         what = f"'{name}' of {self}" if name else f"{self}"
         words = text.split()
@@ -80,6 +77,11 @@ class Element(strict_xml.Element):
             wanted = " or ".join(map(str, counts))
             raise self.error(f"{what} must be {wanted} numbers, not '{text}'")
         return [self._number(word, what, lowest) for word in words]
+
+    def color(self, name: str = "") -> Color:
+        """Return red, green and blue, 0 to 1; what follows them (the opacity) is left out."""
+        red, green, blue, *_ = self.numbers(name, (4,) if name else (3, 4), lowest=0.0)
+        return min(red, 1.0), min(green, 1.0), min(blue, 1.0)
 
     def __str__(self) -> str:
         """Return the element as errors call it: with its name if it has one."""

@@ -16,19 +16,9 @@ from lcmtools_sim.shapes import (
     centre_of_mass,
     inertials_of,
 )
-from lcmtools_sim.world_file.document import Item
+from lcmtools_sim.world_file import values
 from lcmtools_sim.world_file.sdf import read_sdf
-from lcmtools_sim.world_file.values import (
-    color,
-    friction,
-    length,
-    named_file,
-    number,
-    one_of,
-    pose,
-    triple,
-    value,
-)
+from lcmtools_sim.world_file.values import Item, value
 
 _COMMON_KEYS = ("type", "name", "pose", "mass", "friction", "color")
 _LEG = 0.05
@@ -38,23 +28,19 @@ _TOP = 0.03
 
 
 def read_objects(item: Item, notes: list[str]) -> tuple[SceneObject, ...]:
-    """All entries of ``objects``; notes on ignored content of their files are added to ``notes``.
-
-    Raises:
-        InvalidFile: Anything is wrong with an entry, with file, line and reason.
-    """
+    """All entries of ``objects``; ``notes`` gets those on ignored content of their files."""
     return tuple(found for entry in item.items() for found in _read(entry, notes))
 
 
 def _read(item: Item, notes: list[str]) -> Sequence[SceneObject]:
-    read = one_of(item.field("type"), {**_READERS, "sdf": None}, "type")
+    read = values.one_of(item.field("type"), {**_READERS, "sdf": None}, "type")
     return read(item) if read else _sdf(item, notes)
 
 
 def _sdf(item: Item, notes: list[str]) -> Sequence[SceneObject]:
     """The content of a Gazebo file, about the pose."""
     keys = item.fields(("type", "file", "pose"), required=["file"])
-    found = read_sdf(*named_file(keys["file"]), value(keys, "pose", pose, ORIGIN))
+    found = read_sdf(*values.named_file(keys["file"]), value(keys, "pose", values.pose, ORIGIN))
     notes += [note for note in found.notes if note not in notes]
     return found.objects
 
@@ -65,26 +51,26 @@ def _fields(item: Item, *required: str) -> dict[str, Item]:
 
 def _box(item: Item) -> list[SceneObject]:
     keys = _fields(item, "size")
-    size = triple(length)(keys["size"])
+    size = values.triple(values.length)(keys["size"])
     return [_solid(keys, item, Cuboid(size), size[2])]
 
 
 def _cylinder(item: Item) -> list[SceneObject]:
     keys = _fields(item, "radius", "height")
-    height = length(keys["height"])
-    return [_solid(keys, item, Cylinder(length(keys["radius"]), height), height)]
+    height = values.length(keys["height"])
+    return [_solid(keys, item, Cylinder(values.length(keys["radius"]), height), height)]
 
 
 def _sphere(item: Item) -> list[SceneObject]:
     keys = _fields(item, "radius")
-    radius = length(keys["radius"])
+    radius = values.length(keys["radius"])
     return [_solid(keys, item, Sphere(radius), 2 * radius)]
 
 
 def _solid(keys: Mapping[str, Item], item: Item, shape: Shape, height: float) -> SceneObject:
     """An object of one part; a pose of three numbers stands it on the ground."""
-    part = Part(shape, color=value(keys, "color", color, WOOD))
-    return _object(keys, item, (part,), pose(keys["pose"], height / 2))
+    part = Part(shape, color=value(keys, "color", values.color, WOOD))
+    return _object(keys, item, (part,), values.pose(keys["pose"], height / 2))
 
 
 def _object(
@@ -94,8 +80,8 @@ def _object(
         name=value(keys, "name", Item.text, item.name),
         parts=parts,
         pose=place,
-        mass=value(keys, "mass", number(0, 1e5), 0.0),
-        friction=value(keys, "friction", friction, FRICTION),
+        mass=value(keys, "mass", values.number(0, 1e5), 0.0),
+        friction=value(keys, "friction", values.friction, FRICTION),
         where=f"{item.source}:{item.line}",
     )
 
@@ -103,17 +89,17 @@ def _object(
 def _table(item: Item) -> list[SceneObject]:
     """A table: a top and four legs as one body; the pose is that of its middle."""
     keys = _fields(item, "size")
-    long, wide, high = triple(length)(keys["size"])
+    long, wide, high = values.triple(values.length)(keys["size"])
     if min(long, wide) < 2 * _LEG or high <= _TOP:
         raise keys["size"].error(f"'size' is too small for a table with legs of {_LEG} m")
-    look = value(keys, "color", color, WOOD)
+    look = value(keys, "color", values.color, WOOD)
     top = Part(Cuboid((long, wide, _TOP)), (0.0, 0.0, (high - _TOP) / 2), color=look)
     leg = Cuboid((_LEG, _LEG, high - _TOP))
     x, y = (long - _LEG) / 2, (wide - _LEG) / 2
     corners = ((x, y), (x, -y), (-x, y), (-x, -y))
     parts = (top, *(Part(leg, (*corner, -_TOP / 2), color=look) for corner in corners))
     centre = Frame(centre_of_mass(inertials_of(parts, 1.0))[1])
-    place = pose(keys["pose"], high / 2).frame.place(centre)
+    place = values.pose(keys["pose"], high / 2).frame.place(centre)
     inside = centre.inverse()
     return [_object(keys, item, tuple(part.placed(*inside) for part in parts), place.pose())]
 
@@ -129,10 +115,10 @@ def _walls(item: Item) -> list[SceneObject]:
     if value(keys, "closed", Item.flag, default=False):
         pairs.append((corners[-1], corners[0]))
     name = value(keys, "name", Item.text, item.name)
-    height = value(keys, "height", number(1e-2, 1e3), 1.0)
-    thickness = value(keys, "thickness", number(1e-2, 1e3), 0.2)
-    rough = value(keys, "friction", friction, FRICTION)
-    look = value(keys, "color", color, GREY)
+    height = value(keys, "height", values.number(1e-2, 1e3), 1.0)
+    thickness = value(keys, "thickness", values.number(1e-2, 1e3), 0.2)
+    rough = value(keys, "friction", values.friction, FRICTION)
+    look = value(keys, "color", values.color, GREY)
     found = []
     for start, end in pairs:
         long, place = _piece(start, end, height)

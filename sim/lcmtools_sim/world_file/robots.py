@@ -11,10 +11,10 @@ from lcmtools_sim.robots.model import CommandTopic, RobotModel
 from lcmtools_sim.scene import RobotPlacement
 from lcmtools_sim.sensors import SENSORS
 from lcmtools_sim.sensors.sensor import SensorKind, SensorMount, Settings
-from lcmtools_sim.world_file.document import Item
 from lcmtools_sim.world_file.urdf import read_urdf
 from lcmtools_sim.world_file.urdf_robot import urdf_model
 from lcmtools_sim.world_file.values import (
+    Item,
     checked_name,
     given_twice,
     named_file,
@@ -33,11 +33,7 @@ _MOUNT_KEYS = ("type", "topic", "rate", "pose", "frame", "always", "off")
 
 
 def read_robots(item: Item, notes: list[str]) -> tuple[RobotPlacement, ...]:
-    """All entries of ``robots``; notes on ignored content of their files are added to ``notes``.
-
-    Raises:
-        InvalidFile: Anything is wrong with an entry, with file, line and reason.
-    """
+    """All entries of ``robots``; ``notes`` gets those on ignored content of their files."""
     robots: list[RobotPlacement] = []
     for element in item.items():
         robot = _robot(element, notes)
@@ -188,7 +184,7 @@ def _mount(keys: dict[str, Item], kind: SensorKind, known: SensorMount) -> Senso
         known,
         rate=value(keys, "rate", number(1e-3, 1e4), known.rate),
         pose=value(keys, "pose", pose, known.pose),
-        frame=value(keys, "frame", checked_name(_frame), known.frame),
+        frame=value(keys, "frame", checked_name(check_legal), known.frame),
         always=value(keys, "always", Item.flag, known.always),
         settings=_settings(keys, kind, known.settings),
     )
@@ -228,9 +224,3 @@ def _setting(item: Item, setting: Field[float]) -> float:
 
 def _setting_names(settings: type[Settings] | None) -> list[str]:
     return [one.name for one in fields(settings)] if settings else []  # type: ignore[arg-type]
-
-
-def _frame(text: str) -> str:
-    """A frame's name, of one part or several, without the robot's."""
-    check_legal(text)
-    return text

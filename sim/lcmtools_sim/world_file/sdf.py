@@ -10,8 +10,8 @@ from collections import Counter
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from lcmtools_sim.geometry import Frame, Pose
-from lcmtools_sim.scene import Ground, Scene, SceneObject
+from lcmtools_sim.geometry import ORIGIN, Frame, Pose
+from lcmtools_sim.scene import Scene, SceneObject
 from lcmtools_sim.shapes import Inertial, centre_of_mass
 from lcmtools_sim.world_file.markup import Element, load_markup
 from lcmtools_sim.world_file.sdf_links import SdfLink, read_link, read_pose
@@ -25,60 +25,26 @@ _WORLD = "world"
 _JOINTED = "movement of a joint"
 
 
-@dataclass(frozen=True, slots=True)
-class SdfContents:
-    """The content of a file.
+def read_sdf(text: str, source: str, pose: Pose = ORIGIN) -> Scene:
+    """Read an SDF file's text as a world without robots, at a pose of its origin in the world.
 
-    Attributes:
-        objects: In the world.
-        ground: The plane z = 0; None if the file has none.
-        gravity: [m/s^2] downwards; None if the file has none.
-        notes: The elements that were left out, one line.
-    """
-
-    objects: tuple[SceneObject, ...]
-    ground: Ground | None
-    gravity: float | None
-    notes: tuple[str, ...]
-
-
-def read_sdf(text: str, source: str, pose: Pose | None = None) -> SdfContents:
-    """Read an SDF file's text, at a pose of its origin in the world.
-
-    ``source`` is its path, for messages and for files beside it.
-
-    Raises:
-        InvalidFile: Anything is wrong with it, with file, line and reason.
+    ``source`` is its path, for messages and for files beside it. Its notes name the elements that
+    were left out.
     """
     root = load_markup(text, source, "sdf", _NO_WORLD)
-    worlds, reader = root.all("world"), _Reader([Path(source).resolve()])
+    worlds, reader, plain = root.all("world"), _Reader([Path(source).resolve()]), Scene("")
     if not worlds and not root.all("model"):
         raise root.error("the file holds no <world> and no <model>")
     holder = worlds[0] if worlds else root
-    reader.read(holder, pose.frame if pose else Frame())
-    return SdfContents(
-        objects=tuple(reader.objects),
-        ground=next((link.ground for link in reader.links if link.ground), None),
-        gravity=_gravity(holder),
-        notes=reader.notes(source),
-    )
-
-
-def read_sdf_scene(text: str, source: str) -> Scene:
-    """A whole world from an SDF file, without robots.
-
-    Raises:
-        InvalidFile: Anything is wrong with it, with file, line and reason.
-    """
-    found, plain = read_sdf(text, source), Scene("")
-    return replace(
-        plain,
+    reader.read(holder, pose.frame)
+    gravity = _gravity(holder)
+    return Scene(
         name=Path(source).stem,
         node="gazebo",
-        gravity=plain.gravity if found.gravity is None else found.gravity,
-        ground=found.ground or plain.ground,
-        objects=found.objects,
-        notes=found.notes,
+        gravity=plain.gravity if gravity is None else gravity,
+        ground=next((link.ground for link in reader.links if link.ground), plain.ground),
+        objects=tuple(reader.objects),
+        notes=reader.notes(source),
     )
 
 

@@ -67,11 +67,7 @@ class SdfLink:
 def read_link(
     element: Element, outer: Frame, name: str, left_out: Counter[str], *, static: bool
 ) -> SdfLink:
-    """One link of a model at ``outer`` in the world.
-
-    Raises:
-        InvalidFile: Anything is wrong with it, with file, line and reason.
-    """
+    """One link of a model at ``outer`` in the world."""
     frame = outer.place(read_pose(element, {"__model__"}))
     own = element.attributes.get("name", "")
     parts: list[Part] = []
@@ -101,11 +97,7 @@ def read_link(
 
 
 def read_pose(element: Element, parents: Collection[str]) -> Frame:
-    """The frame of an element in its parent, which may have the names ``parents``.
-
-    Raises:
-        InvalidFile: The pose is wrong, or relative to another frame.
-    """
+    """The frame of an element in its parent, which may have the names ``parents``."""
     pose = element.child("pose")
     if pose is None or not pose.text.strip():
         return Frame()
@@ -189,7 +181,6 @@ def _same(one: Element | None, other: Element | None) -> bool:
 def _material(visual: Element) -> Color | None:
     for kind in ("diffuse", "ambient"):
         if found := visual.path("material", kind):
-            red, green, blue, *_ = found.numbers("", (3, 4), lowest=0.0)
-            return min(red, 1.0), min(green, 1.0), min(blue, 1.0)
+            return found.color()
     script = visual.path("material", "script", "name")
     return _SCRIPTS.get(script.text.strip().rpartition("/")[2]) if script else None

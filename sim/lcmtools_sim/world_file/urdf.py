@@ -67,11 +67,7 @@ class Urdf:
 
 
 def read_urdf(text: str, source: str) -> Urdf:
-    """Read a URDF file's text; ``source`` is its name, for messages.
-
-    Raises:
-        InvalidFile: Anything is wrong with it, with file, line and reason.
-    """
+    """Read a URDF file's text; ``source`` is its name, for messages."""
     _refuse_xacro(text, source)
     root = load_markup(text, source, "robot")
     elements = _by_name(root, "link")
@@ -79,7 +75,11 @@ def read_urdf(text: str, source: str) -> Urdf:
     frames = _frames(root, elements, joints)
     colors = _colors(root)
     links = {name: _link(elements[name], frame, colors) for name, frame in frames.items()}
-    notes = tuple(note for element in elements.values() for note in _left_out(element, source))
+    notes = tuple(
+        f"{link.place}: link '{name}' is left out: it is a mesh"
+        for name, link in elements.items()
+        if not link.all("collision") and any(v.path("geometry", "mesh") for v in link.all("visual"))
+    )
     return Urdf(root, root.attribute("name"), links, joints, notes)
 
 
@@ -156,13 +156,11 @@ def _link(element: Element, frame: Frame, colors: dict[str, Color]) -> Link:
     shapes = element.all("collision") or [
         visual for visual in element.all("visual") if not visual.path("geometry", "mesh")
     ]
-    parts = tuple(_part(element, shape, color).placed(*frame) for shape in shapes)
+    parts = tuple(
+        Part(_shape(element, one.needed("geometry")), *_origin(one), color).placed(*frame)
+        for one in shapes
+    )
     return Link(element, frame, parts, _inertial(element, frame))
-
-
-def _part(link: Element, element: Element, color: Color) -> Part:
-    """One collision or visual of a link, in the link's frame."""
-    return Part(_shape(link, element.needed("geometry")), *_origin(element), color)
 
 
 def _shape(link: Element, geometry: Element) -> Shape:
@@ -206,14 +204,12 @@ def _origin(element: Element) -> Frame:
 
 def _colors(root: Element) -> dict[str, Color]:
     """The colours of all named materials."""
-    materials = root.all("material")
-    for link in root.all("link"):
-        materials += [material for v in link.all("visual") for material in v.all("material")]
+    visuals = [visual for link in root.all("link") for visual in link.all("visual")]
     found: dict[str, Color] = {}
-    for material in materials:
-        color = _rgb(material)
-        if color and material.attributes.get("name"):
-            found.setdefault(material.attributes["name"], color)
+    for material in (m for holder in (root, *visuals) for m in holder.all("material")):
+        name, color = material.attributes.get("name"), _rgb(material)
+        if name and color:
+            found.setdefault(name, color)
     return found
 
 
@@ -229,14 +225,4 @@ def _look(link: Element, colors: dict[str, Color]) -> Color:
 
 def _rgb(material: Element) -> Color | None:
     color = material.child("color")
-    if color is None:
-        return None
-    red, green, blue, _ = color.numbers("rgba", (4,), lowest=0.0)
-    return min(red, 1.0), min(green, 1.0), min(blue, 1.0)
-
-
-def _left_out(link: Element, source: str) -> list[str]:
-    """Notes on a visual mesh without any collision shape."""
-    if link.all("collision") or not any(v.path("geometry", "mesh") for v in link.all("visual")):
-        return []
-    return [f"{source}:{link.line}: link '{link.attribute('name')}' is left out: it is a mesh"]
+    return color.color("rgba") if color else None

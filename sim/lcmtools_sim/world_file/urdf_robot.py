@@ -14,9 +14,8 @@ from lcmtools_sim.geometry import Vector, axes, rotate, scaled
 from lcmtools_sim.robots.model import Body, Drive, RobotModel
 from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.shapes import Cylinder, Part, Sphere, centre_of_mass, moments
-from lcmtools_sim.world_file.document import Item
 from lcmtools_sim.world_file.urdf import Joint, Urdf
-from lcmtools_sim.world_file.values import friction, given_twice, length, number, value
+from lcmtools_sim.world_file.values import Item, friction, given_twice, length, number, value
 
 _DRIVE_KEYS = (
     *("left", "right", "max_speed", "max_turn_rate", "max_acceleration", "time_constant"),
@@ -51,11 +50,7 @@ class _Wheel:
 
 
 def urdf_model(urdf: Urdf, item: Item) -> tuple[RobotModel, tuple[str, ...]]:
-    """The robot of a URDF, driven as ``item`` says, and notes about it.
-
-    Raises:
-        InvalidFile: The joints do not fit, or the robot could not stand on its wheels.
-    """
+    """The robot of a URDF, driven as ``item`` says, and notes about it."""
     keys = item.fields(_DRIVE_KEYS, required=["left", "right"])
     left, right = (
         [_wheel(urdf, joint) for joint in keys[side].items()] for side in ("left", "right")

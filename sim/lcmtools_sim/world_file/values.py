@@ -1,20 +1,165 @@
-"""The small values of world files: poses, colours, names, other files."""
+"""The values of world files with the types that their readers expect, and other files.
 
+Every error names the file and the line. Must not know what the keys mean, worlds and robots.
+"""
+
+import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
 from lcmtools.errors import InvalidFile, InvalidName
+from lcmtools.formats import strict_yaml
+from lcmtools.formats.strict_yaml import Node
 from lcmtools.names import did_you_mean
 from lcmtools_sim.geometry import Pose, Vector
-from lcmtools_sim.world_file.document import Item
 
 _LARGEST_BYTES = 20_000_000
 _SCHEME = "model://"
 _PATHS = ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH")
 
+Number = TypeVar("Number", int, float)
 Value = TypeVar("Value")
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One value of the document: a scalar, a list or a mapping.
+
+    Its readers raise InvalidFile, with file and line, for a value of another kind.
+
+    Attributes:
+        name: Its place in the document, for errors ("pose", "size[2]").
+        source: The file that it comes from, for errors.
+        node: The value as read.
+    """
+
+    name: str
+    source: str
+    node: Node
+
+    @property
+    def line(self) -> int:
+        """The line in which the value begins, from 1."""
+        return self.node.line
+
+    def error(self, reason: str, hint: str = "") -> InvalidFile:
+        """Return the error for this value, to be raised by the caller."""
+        return InvalidFile(f"{self.source}:{self.line}: {reason}", hint)
+
+    def text(self) -> str:
+        """Return the scalar as it is written."""
+        if not isinstance(self.node.value, str):
+            raise self.error(f"'{self.name}' must be one word or number, not a {self._kind()}")
+        text = " ".join(self.node.value.split())  # it may be written over several lines
+        if not text:
+            raise self.error(f"'{self.name}' has no value")
+        if not text.isprintable():
+            raise self.error(f"'{self.name}' has characters that cannot be shown")
+        return text
+
+    def number(self, minimum: float = -1e5, maximum: float = 1e5) -> float:
+        """Return a finite number within the bounds; a fraction such as 1/240 is one too."""
+        return self._bounded(self._parsed(_parse_number, "a number"), minimum, maximum)
+
+    def angle(self, minimum: float = -1e5, maximum: float = 1e5) -> float:
+        """Return an angle [rad] within the bounds; "90 deg" is one too."""
+        if not self.text().endswith("deg"):
+            return self.number(minimum, maximum)
+        return self._bounded(self._parsed(_parse_degrees, "an angle"), minimum, maximum)
+
+    def integer(self, minimum: int, maximum: int) -> int:
+        """Return a whole number within the bounds."""
+        return self._bounded(self._parsed(int, "a whole number"), minimum, maximum)
+
+    def flag(self) -> bool:
+        """Return True or False."""
+        text = self.text()
+        if text.lower() not in ("true", "false"):
+            raise self.error(f"'{self.name}' must be true or false, not '{text}'")
+        return text.lower() == "true"
+
+    def items(self, *lengths: int) -> list["Item"]:
+        """Return the elements of a list, of one of these lengths, if any are given."""
+        nodes = self.node.value
+        if not isinstance(nodes, list):
+            raise self.error(f"'{self.name}' must be a list, not a {self._kind()}")
+        if lengths and len(nodes) not in lengths:
+            wanted = " or ".join(map(str, lengths))
+            raise self.error(f"'{self.name}' must have {wanted} elements, not {len(nodes)}")
+        return [Item(f"{self.name}[{i}]", self.source, node) for i, node in enumerate(nodes)]
+
+    def fields(self, known: Collection[str], required: Collection[str] = ()) -> dict[str, "Item"]:
+        """Return the values of a mapping by key, in the order of the file."""
+        mapping = self._mapping()
+        for written, node in mapping.items():
+            key = Item("key", self.source, Node(written, node.key_line))
+            if (name := key.text()) not in known:
+                raise key.error(f"unknown key '{name}' in '{self.name}'", _key_hint(name, known))
+        for name in required:
+            if name not in mapping:
+                raise self.error(f"'{self.name}' lacks the key '{name}'")
+        return {name: Item(name, self.source, node) for name, node in mapping.items()}
+
+    def field(self, name: str) -> "Item":
+        """Return one value of a mapping; the others are not checked."""
+        mapping = self._mapping()
+        if name not in mapping:
+            raise self.error(f"'{self.name}' lacks the key '{name}'")
+        return Item(name, self.source, mapping[name])
+
+    def _mapping(self) -> dict[str, Node]:
+        if not isinstance(self.node.value, dict):
+            raise self.error(f"'{self.name}' must be a mapping (key: value), not a {self._kind()}")
+        return self.node.value
+
+    def _parsed(self, parse: Callable[[str], Number], kind: str) -> Number:
+        text = self.text()
+        try:
+            return parse(text)
+        except (ValueError, ZeroDivisionError):
+            raise self.error(f"'{self.name}' must be {kind}, not '{text}'") from None
+
+    def _bounded(self, value: Number, minimum: float, maximum: float) -> Number:
+        if minimum <= value <= maximum:  # refuses NaN too
+            return value
+        raise self.error(
+            f"'{self.name}' must be between {minimum:g} and {maximum:g}, not {value:g}"
+        )
+
+    def _kind(self) -> str:
+        kinds: dict[type, str] = {list: "list", dict: "mapping"}
+        return kinds.get(type(self.node.value), "single value")
+
+
+def _key_hint(name: str, known: Collection[str]) -> str:
+    """The keys that a name is a part of ("noise"), else the nearest one, else all."""
+    if longer := [key for key in known if name in key.split("_")]:
+        return f"did you mean {' or '.join(longer)}?"
+    return did_you_mean(name, known) or f"known keys: {', '.join(known)}"
+
+
+def load(text: str, source: str, name: str) -> Item:
+    """Return the root of a YAML document; errors name it ``name``.
+
+    Raises:
+        InvalidFile: The text is no YAML, or holds no or several documents.
+    """
+    node = strict_yaml.read_file(text, source)
+    if node is None:
+        raise InvalidFile(f"{source}:1: the file is empty")
+    return Item(name, source, node)
+
+
+def _parse_number(text: str) -> float:
+    numerator, slash, denominator = text.partition("/")
+    return float(numerator) / float(denominator) if slash else float(text)
+
+
+def _parse_degrees(text: str) -> float:
+    return math.radians(float(text.removesuffix("deg")))
 
 
 def value(
@@ -59,12 +204,12 @@ color = triple(number(0, 1))
 """Reads red, green and blue, 0 to 1."""
 
 
-def checked_name(check: Callable[[str], Value]) -> Callable[[Item], Value]:
-    """A reader of names: the result of a check that raises InvalidName."""
+def checked_name(check: Callable[[str], str | None]) -> Callable[[Item], str]:
+    """A reader of names: those that a check returns, or does not refuse with InvalidName."""
 
-    def read(item: Item) -> Value:
+    def read(item: Item) -> str:
         try:
-            return check(item.text())
+            return check(item.text()) or item.text()
         except InvalidName as error:
             raise item.error(error.what, error.hint) from None
 
@@ -72,11 +217,7 @@ def checked_name(check: Callable[[str], Value]) -> Callable[[Item], Value]:
 
 
 def one_of(item: Item, known: Mapping[str, Value], what: str) -> Value:
-    """The value of a word in a table.
-
-    Raises:
-        InvalidFile: It is unknown; the hint has the nearest known word.
-    """
+    """The value of a word in a table; the hint for an unknown one is the nearest known one."""
     word = item.text()
     if word not in known:
         hint = did_you_mean(word, known) or f"known {what}s: {', '.join(known)}"
@@ -90,11 +231,7 @@ def given_twice(names: Sequence[str]) -> str | None:
 
 
 def named_file(item: Item) -> tuple[str, str]:
-    """The text of a file whose path is relative to this one, and its name for messages.
-
-    Raises:
-        InvalidFile: It cannot be read.
-    """
+    """The text of a file whose path is relative to this one, and its name for messages."""
     path = _beside(item.source, item.text())
     try:
         return read_file(path), str(path)

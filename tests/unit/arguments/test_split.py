@@ -138,6 +138,10 @@ def test_any_argument_list_is_refused_or_keeps_its_own_words_in_order(words: lis
         ("--fast=1", "--fast=1", ""),
         (":=b", ":=b", ""),
         ("--", "--", ""),
+        ("image_view image:=/camera", "image_view", ""),
+        ("x= image:=/camera", "x=", ""),
+        ("a: --hold", "a:", ""),
+        ("name value", "name", ""),
         ("--ros-args a:=b", "--ros-args", "names and remaps need none: leave it out"),
     ],
 )

@@ -1,8 +1,9 @@
 """The fake bus keeps the promises of the real one."""
 
 import pytest
+from fixtures.fake_bus import FakeBus
 
-from lcmtools.bus.base import Bus, FakeBus
+from lcmtools.bus.base import Bus
 from lcmtools.errors import BusError, InvalidName
 
 

@@ -1,12 +1,14 @@
 """Reading the process and socket tables."""
 
 import os
+import socket
 import subprocess
 import sys
 
 import pytest
 
 from lcmtools.bus import processes
+from lcmtools.bus.kernel import joined_interfaces, receive_buffers
 from lcmtools.bus.processes import Process, UdpSocket, process_of
 
 
@@ -20,13 +22,38 @@ def test_a_row_of_the_socket_table_is_read() -> None:
     )
 
 
+def test_sockets_of_java_which_are_of_ipv6_are_found() -> None:
+    with socket.socket(socket.AF_INET6, socket.SOCK_DGRAM) as dual:
+        dual.bind(("::", 0))
+        port = dual.getsockname()[1]
+        (row,) = [one for one in processes.udp_sockets() if one.port == port]
+        assert (row.address, row.inode) == ("0.0.0.0", os.fstat(dual.fileno()).st_ino)  # noqa: S104
+        assert receive_buffers()[row.inode] > 0
+
+
+def test_the_interfaces_on_which_a_socket_is_in_a_group_are_known() -> None:
+    group = "239.255.77.77"
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as member:
+        inode = os.fstat(member.fileno()).st_ino
+        assert joined_interfaces(os.getpid(), inode, group) == ()
+        joined = socket.inet_aton(group) + socket.inet_aton("127.0.0.1")
+        member.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, joined)
+        assert joined_interfaces(os.getpid(), inode, group) == ("lo",)
+        assert joined_interfaces(os.getpid(), inode, "239.255.77.78") == ()
+        assert joined_interfaces(os.getpid(), 1, group) == ()
+
+
 @pytest.mark.parametrize(
     ("command", "called"),
     [
         ("lcm-sink -v", "lcm-sink -v"),
         ("/opt/a/very/long/way/to/bin/lcm-sink -v", "lcm-sink -v"),
         ("/usr/bin/python3 /home/ada/robots/drive.py --fast", "python3 drive.py --fast"),
-        ("/usr/bin/ some-words-that-are-more-than-there-is-room", "/usr/bin/ some-words-that"),
+        ("/usr/bin/python3 -u /home/ada/drive.py /gps", "python3 -u drive.py /gps"),
+        ("/opt/a/very/long/way/to/sender /gps", "sender /gps"),
+        ("/opt/a/long/way/to/sender --speed 0.3", "sender --speed 0.3"),
+        ("sender --channels /gps /imu --speed 0.3", "sender --channels /gps …"),
+        ("/usr/bin/ some-words-that-are-more-than-there-is-room", "/usr/bin/ …"),
     ],
 )
 def test_a_long_command_loses_its_folders_first(command: str, called: str) -> None:
@@ -73,5 +100,5 @@ def test_an_address_of_this_computer_is_known(address: str, *, local: bool) -> N
 
 
 def test_a_port_that_nobody_has_leads_to_no_process() -> None:
-    assert processes.senders_of_port(0).only is None
+    assert processes.senders_from(0, [], {}).only is None
     assert processes.owners([]) == {}

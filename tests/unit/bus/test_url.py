@@ -149,9 +149,10 @@ _ALL = {"LCM_DEFAULT_URL": "udpm://239.0.0.2:2", "LCMTOOLS_DOMAIN": "4"}
     ("url", "domain", "environment", "port", "source"),
     [
         ("udpm://239.0.0.1:1", "3", _ALL, 1, "--lcm-url"),
-        (None, "3", _ALL, 2, "LCM_DEFAULT_URL"),
-        ("", "3", _ALL, 2, "LCM_DEFAULT_URL"),
-        (None, "3", {**_ALL, "LCM_DEFAULT_URL": ""}, 7670, "--domain"),
+        (None, "3", _ALL, 7670, "--domain"),
+        ("", "3", _ALL, 7670, "--domain"),
+        (None, "", _ALL, 2, "LCM_DEFAULT_URL"),
+        (None, None, {**_ALL, "LCM_DEFAULT_URL": ""}, 7671, "LCMTOOLS_DOMAIN"),
         (None, None, {"LCMTOOLS_DOMAIN": "4"}, 7671, "LCMTOOLS_DOMAIN"),
         (None, "", {"LCMTOOLS_DOMAIN": "4"}, 7671, "LCMTOOLS_DOMAIN"),
         (None, "0", {"LCMTOOLS_DOMAIN": "4"}, 7667, "--domain"),

@@ -6,8 +6,8 @@ import pytest
 from lcmtools.cli.completion.completer import Completer, Source
 from lcmtools.cli.completion.situation import FILES, Situation, candidates
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.messages.message_template import draft_from_values
 from lcmtools.messages.registry import fingerprint, message_class
-from lcmtools.messages.yaml_input import message_from_values
 
 PUBLISHED = [
     ("/chatter", "std_msgs/String"),
@@ -139,7 +139,7 @@ def test_a_prototype_is_one_word_that_pub_accepts() -> None:
     assert text == "{linear: {x: 0.0, y: 0.0, z: 0.0}, angular: {x: 0.0, y: 0.0, z: 0.0}}"
     kind = message_class("nav_msgs/Odometry")
     (text,) = complete("messages:prototypes", type_="nav_msgs/Odometry")
-    message_from_values(kind, [text])
+    draft_from_values(kind, [text])
 
 
 def test_there_is_no_prototype_behind_a_value_or_a_file_or_for_an_unknown_type() -> None:

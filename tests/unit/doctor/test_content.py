@@ -5,13 +5,14 @@ import math
 import pytest
 
 from lcmtools.doctor.content import _field, oddities
+from lcmtools.doctor.evidence import LogLine
 from lcmtools.doctor.listening import Listening
 from lcmtools.messages.codec import encode
 from lcmtools.messages.fields import Field
 from lcmtools.messages.registry import Message, message_class, type_names
 from lcmtools.types.geometry_msgs import PoseStamped, Twist
 from lcmtools.types.nav_msgs import Odometry
-from lcmtools.types.rosgraph_msgs import Clock
+from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.types.sensor_msgs import Imu, JointState, LaserScan, NavSatFix
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Packet, Sender
@@ -134,6 +135,16 @@ def test_stamps_in_the_future_and_of_long_ago() -> None:
     assert heard(("/p", old), ("/p", old)) == [("old", "header.stamp is 3600.0 s old", 2)]
 
 
+def test_old_stamps_that_advance_as_the_clock_does_are_of_a_log_that_is_played() -> None:
+    listening = Listening(lambda _: ())
+    for seconds in range(4):
+        for channel, stamp in (("/played", seconds - 86400), ("/stuck", -86400)):
+            message = encode(stamped(NOW / 1e9 + stamp))
+            listening.take(Packet(channel, message, NOW + seconds * 10**9, ALICE))
+    kinds = {odd.topic: odd.kind for odd in listening.oddities(str)}
+    assert kinds == {"/played": "replayed", "/stuck": "old"}
+
+
 def test_simulated_stamps_are_judged_by_the_clock_and_only_by_it() -> None:
     clock = Clock()
     clock.clock.sec = 100
@@ -152,3 +163,12 @@ def test_what_cannot_be_decoded_is_odd_once() -> None:
         listening.take(Packet("/a", encode(String())[:-3], NOW, ALICE))
     (odd,) = listening.oddities(str)
     assert (odd.kind, odd.count) == ("undecodable", 3)
+
+
+def test_warnings_and_errors_on_rosout_are_counted() -> None:
+    listening = Listening(lambda _: ())
+    for level, text in ((Log.INFO, "fine"), (Log.WARN, "slow\nmore"), (Log.WARN, "slow\nother")):
+        message = Log()
+        message.name, message.level, message.msg = "/arm", level, text
+        listening.take(Packet("/rosout", encode(message), NOW, ALICE))
+    assert listening.logs() == (LogLine("/arm", "warning", "slow", 2),)

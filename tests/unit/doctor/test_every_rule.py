@@ -1,6 +1,7 @@
 """Every rule's finding can be had from evidence in a file, without a process or a bus."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from fixtures.judging import judge
@@ -11,19 +12,22 @@ from lcmtools.doctor.evidence import (
     HostClock,
     LcmProcess,
     Listener,
+    LogLine,
     Oddity,
     SenderFacts,
     SimulatedClock,
     Stream,
 )
+from lcmtools.doctor.findings import Severity
 from lcmtools.doctor.near_types import fingerprint_of
 from lcmtools.doctor.rules import RULES
 from lcmtools.doctor.words import commands
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
+from lcmtools.graph.model import CallbackError, Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import fingerprint, message_class
 from lcmtools.wire.packet import Sender
 
+ROOT = Path(__file__).parents[3]
 SECOND = 1_000_000_000
 OLD_POSE = fingerprint_of(fields(message_class("geometry_msgs/Pose2D"))[:2])
 NOW = 1_000_000 * SECOND
@@ -75,6 +79,9 @@ BUSY = having(EAR, messages=10, calls=10, busy=SECOND, last_time=SECOND)
 EVIDENCE = {
     "bandwidth": replace(GOOD, streams=(replace(EVEN, bytes=90_000_000),)),
     "bus": replace(EMPTY, bus_problem="no route", bus_remedy="type: sudo ip route add x"),
+    "callback-errors": graph(
+        replace(TALKER, errors=(CallbackError("/x", "KeyError", "'a'", "my.py:3", 2, NOW),)), EAR
+    ),
     "clocks": replace(GOOD, clocks=(HostClock("h", "10.0.0.2", -3, ("/far",)),)),
     "competing-publishers": replace(
         GOOD, streams=(EVEN, replace(EVEN, sender=BOB, name="bob", pid=3))
@@ -89,6 +96,8 @@ EVIDENCE = {
     "irregular": replace(GOOD, streams=(GAP,)),
     "kernel-drops": replace(GOOD, listeners=(Listener("l", 1, 0, drops=5, is_node=True),)),
     "large-messages": host(large_bytes=300_000, large_problem="part 1 is lost"),
+    "link": host(has_link=False),
+    "logged": replace(GOOD, logs=(LogLine("/talker", "warning", "odd", 2),)),
     "loopback-route": host(interface="lo", joined=("lo",)),
     "loss": replace(GOOD, senders=(SenderFacts(ALICE, "alice", messages=90, lost=10, ttl=1),)),
     "malformed": replace(GOOD, malformed=(("10.0.0.1:4000", "starts with b'{'"),)),
@@ -142,10 +151,24 @@ def test_there_is_evidence_for_every_rule() -> None:
     assert judge(GOOD) == []
 
 
+def test_the_table_in_the_documents_has_each_rule_with_its_text() -> None:
+    lines = (ROOT / "docs/wtf.md").read_text().splitlines()
+    rows = [line.strip("| ").split(" | ") for line in lines if line.startswith("| `")]
+    assert [row[0] for row in rows] == [f"`{rule.id}`" for rule in RULES]
+    for (_, evidence, _, example), rule in zip(rows, RULES, strict=True):
+        assert evidence
+        (found,) = judge(EVIDENCE[rule.id])
+        cases = [item.strip(" *") for item in found.items]
+        shown = cases[: 1 + cases[0].endswith(":")] if cases else []
+        assert example == " ".join([found.severity.name, found.text, *shown]), rule.id
+
+
 @pytest.mark.parametrize("rule", EVIDENCE)
 def test_a_fault_is_found_and_nothing_else(rule: str) -> None:
     (found,) = judge(EVIDENCE[rule])
     assert found.rule == rule
     assert found.finding.subjects() or found.finding.facts or found.finding.title.parts
+    is_note = found.severity is Severity.NOTE
+    assert found.remedies or is_note
     typed = [command for remedy in found.finding.remedies for command in commands(remedy)]
     assert all(command in "\n".join(found.remedies) for command in typed)

@@ -91,7 +91,7 @@ def test_kernel_drops_name_the_slow_program_and_its_buffer() -> None:
     host = replace(HEALTHY.host, most_receive_buffer=212992)
     finding = only(replace(HEALTHY, listeners=(slow, tool), host=host))
     assert finding.rule == "kernel-drops"
-    assert finding.items == (" * slow.py (pid 7): 5, its buffer holds 212992 bytes",)
+    assert finding.items == (" * slow.py (pid 7): 5, its receive buffer holds 212992 bytes",)
     assert finding.remedies == (
         ("start it with LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304'"),
         "sudo sysctl -w net.core.rmem_max=8388608",
@@ -122,7 +122,10 @@ def test_a_message_larger_than_a_buffer_is_told_before_it_is_lost() -> None:
     evidence = replace(HEALTHY, streams=streams, listeners=listeners)
     finding = only(evidence)
     assert finding.rule == "small-buffer"
-    assert finding.text == "CAM from cam (pid 3) has 300000 bytes, too many for:"
+    assert (
+        finding.text
+        == "'CAM' from cam (pid 3) has 300000 bytes, too many for the receive buffers of:"
+    )
     assert finding.items == (" * small (pid 7): holds 212992 bytes",)
     assert finding.remedies[0].endswith("&recv_buf_size=600000'")
     paced = (SenderFacts(ALICE, "cam", paces=True),)
@@ -158,6 +161,19 @@ def test_two_programs_that_send_at_once_compete() -> None:
     assert finding.rule == "competing-publishers"
     assert finding.text == "2 programs publish on /cmd at the same time:"
     assert finding.items == (" * alice: /cmd", " * bob: /cmd")
+
+
+@pytest.mark.parametrize("messages", [0, 1])
+def test_a_command_that_has_sent_and_still_runs_competes(messages: int) -> None:
+    ends = (Endpoint("/cmd", Role.PUBLISHER, messages=messages),)
+    pub = Node("/_pub", "p", "h", 8, sender=BOB, endpoints=ends, tool=True)
+    evidence = replace(
+        HEALTHY, streams=(stream("/cmd", 10),), graph=replace(HEALTHY.graph, nodes=(pub,))
+    )
+    findings = found(evidence)
+    assert ("competing-publishers" in findings) is bool(messages)
+    if messages:
+        assert findings["competing-publishers"].items == (" * alice: /cmd", " * /_pub: /cmd")
 
 
 def test_alternatives_of_one_input_are_one_topic() -> None:
@@ -200,7 +216,7 @@ def test_a_stream_that_ends_while_wtf_listens_is_a_note() -> None:
     ended = stream("A", 20, 20)
     later = replace(HEALTHY.graph, time=NOW + SECOND)
     assert found(replace(HEALTHY, streams=(ended,), graph=later))["silent"].items == (
-        " * alice: A, 1.0 s ago, 20 Hz before",
+        " * alice: 'A', 1.0 s ago, 20 Hz before",
     )
 
 
@@ -217,7 +233,7 @@ def test_a_stream_with_a_gap_is_irregular() -> None:
     uneven = replace(even, times=(*(t - SECOND for t in even.times[:25]), *even.times[25:]))
     finding = only(replace(HEALTHY, streams=(uneven,)))
     assert finding.rule == "irregular"
-    assert finding.items == (" * alice: A, 1.02 s without a message, usually 20 ms",)
+    assert finding.items == (" * alice: 'A', 1.02 s without a message, usually 20 ms",)
 
 
 def test_a_full_queue_names_node_topic_and_depth() -> None:
@@ -254,7 +270,7 @@ def test_names_that_few_can_use_and_names_that_look_alike() -> None:
     streams = (stream("\udcff", 1, 3), stream("POSE", 1, 3), stream("Pose", 1, 3))
     findings = [f for f in judge(replace(HEALTHY, streams=streams)) if f.rule == "names"]
     assert [finding.severity for finding in findings] == [Severity.WARNING, Severity.NOTE]
-    assert findings[1].items == (" * POSE from alice, and Pose from alice",)
+    assert findings[1].items == (" * 'POSE' from alice, and 'Pose' from alice",)
     long = found(replace(HEALTHY, streams=(stream("a" * 61, 1, 3),)))["names"]
     assert long.severity is Severity.NOTE
 
@@ -262,6 +278,23 @@ def test_names_that_few_can_use_and_names_that_look_alike() -> None:
 def test_numbered_names_do_not_look_alike() -> None:
     streams = (stream("/husky0/odom", 1, 3), stream("/husky1/odom", 1, 3))
     assert found(replace(HEALTHY, streams=streams)) == {}
+
+
+def test_listeners_on_another_interface_are_named_where_that_is_known() -> None:
+    host = replace(HEALTHY.host, interface="eth0", joined=("eth0", "lo"))
+    listeners = (Listener("a (pid 7)", 7, 0, joined=("lo",)), Listener("b", 8, 0, joined=("eth0",)))
+    assert only(replace(HEALTHY, host=host, listeners=listeners)).items == (" * a (pid 7): on lo",)
+    unknown = (Listener("a (pid 7)", 7, 0),)
+    assert only(replace(HEALTHY, host=host, listeners=unknown)).items == (" * on lo",)
+
+
+def test_what_the_strict_filter_has_dropped_is_a_warning() -> None:
+    strict = replace(HEALTHY.host, interface="eth0", rp_filter=1, others=("eth1",))
+    dropped = replace(strict, rp_filter_drops=7)
+    assert found(replace(HEALTHY, ttl=1, host=strict))["rp-filter"].severity is Severity.NOTE
+    finding = found(replace(HEALTHY, ttl=1, host=dropped))["rp-filter"]
+    assert finding.severity is Severity.WARNING
+    assert finding.text.startswith("rp_filter dropped 7 datagrams")
 
 
 def test_ttl_0_where_other_computers_take_part() -> None:
@@ -273,6 +306,36 @@ def test_ttl_0_where_other_computers_take_part() -> None:
     assert finding.rule == "ttl"
     assert finding.text == "Other computers (10.0.0.2) cannot receive from the following (ttl=0):"
     assert finding.items == (" * /talker",)
+
+
+def test_a_camera_may_stay_at_home_on_purpose() -> None:
+    senders = (
+        SenderFacts(ALICE, "/camera", ttl=0),
+        SenderFacts(ALICE, "/talker", ttl=1),
+        SenderFacts(BOB, "10.0.0.2:5000", is_local=False, ttl=1),
+    )
+    evidence = replace(HEALTHY, senders=senders, streams=(stream("/image", 30, name="/camera"),))
+    assert found(evidence) == {}
+    ear = Node("/ear", "far", "bob", 1, endpoints=(Endpoint("/image", Role.SUBSCRIBER),))
+    wanted = replace(evidence, graph=replace(evidence.graph, nodes=(ear,)), remote={"far"})
+    finding = found(wanted)["ttl"]
+    assert (finding.severity, finding.items) == (Severity.WARNING, (" * /camera",))
+
+
+def test_a_program_that_has_nothing_to_send_makes_an_empty_bus_a_note() -> None:
+    empty = replace(HEALTHY, graph=Graph())
+    assert only(empty).severity is Severity.WARNING
+    finding = only(replace(empty, processes=(LcmProcess(7, "beacon"),)))
+    assert (finding.rule, finding.severity) == ("no-traffic", Severity.NOTE)
+    assert finding.items == (" * beacon (pid 7) uses LCM, and may publish seldom",)
+
+
+def test_a_subscription_that_was_fed_of_late_is_connected() -> None:
+    ear = Endpoint("/a", Role.SUBSCRIBER, messages=10, last_time=NOW - 4 * SECOND)
+    graph = Graph((Node("/ear", "2", "h", 2, NOW - 54 * SECOND, endpoints=(ear,)),), SOMEBODY, NOW)
+    assert found(replace(HEALTHY, graph=graph)) == {}
+    later = replace(graph, time=NOW + 60 * SECOND)
+    assert "unconnected-subscriptions" in found(replace(HEALTHY, graph=later))
 
 
 def test_ttl_above_1_leaves_the_network() -> None:
@@ -303,7 +366,12 @@ def test_an_empty_bus_names_the_buses_where_ones_programs_are() -> None:
     finding = found(evidence)["other-buses"]
     assert finding.items == (" * pid 9 on 239.255.76.67:7670 (LCMTOOLS_DOMAIN=3): talker",)
     assert finding.remedies == ("export LCM_DEFAULT_URL='udpm://239.255.76.67:7670?ttl=0'",)
-    assert found(replace(HEALTHY, processes=(other,))) == {}
+    beside = only(replace(HEALTHY, processes=(other, LcmProcess(7, "x", "tcpq://127.0.0.1:7700"))))
+    assert (beside.rule, beside.severity) == ("other-buses", Severity.NOTE)
+    assert beside.items[1] == " * pid 7 on tcpq://127.0.0.1:7700: x"
+    assert beside.remedies == (
+        f"if they should be on this one, start them with LCM_DEFAULT_URL='{HEALTHY.url}'",
+    )
 
 
 def test_nearly_all_files_open_is_a_warning() -> None:
@@ -332,7 +400,7 @@ def test_a_bus_that_fills_the_network() -> None:
     streams = (stream("CAM", 30, 30, bytes=9_000_000),)
     wired = replace(_host(interface="eth0", joined=(), speed_mbit=100), ttl=1, streams=streams)
     assert only(wired).rule == "bandwidth"
-    assert only(wired).items == (" * CAM from alice: 9.00 MB/s",)
+    assert only(wired).items == (" * 'CAM' from alice: 9.00 MB/s",)
     assert found(replace(wired, ttl=0)) == {}
     gigabit = replace(wired, host=replace(wired.host, speed_mbit=1000))
     assert found(gigabit) == {}
@@ -364,7 +432,7 @@ def test_what_a_nodes_filter_drops_is_no_slowness() -> None:
 
 def test_a_stream_that_nobody_has_subscribed_to_may_rest() -> None:
     def rules(*nodes: Node) -> dict[str, Judged]:
-        times = tuple(NOW - (5 if n < 50 else 1) * SECOND + n for n in range(100))
+        times = tuple(NOW - (9 if n < 50 else 7) * SECOND + n for n in range(100))
         resting = stream("/imu", 1, times=times)
         return found(replace(HEALTHY, streams=(resting,), graph=Graph(nodes, time=NOW)))
 

@@ -71,6 +71,16 @@ def test_a_remap_with_a_slip_is_written_again() -> None:
 @pytest.mark.parametrize(
     ("one", "other", "near"),
     [
+        ("/husky0/velocty_comand", "/husky0/velocity_command", True),
+        ("/husky0/velocty_comand", "/husky0/velocity_cmd", True),
+        ("/husky0/velocity_command", "/husky0/velocity_cmd", True),
+        ("/husky0/odomerty", "/husky0/odometry", True),
+        ("/huksy0/odometry", "/husky0/odometry", True),
+        ("/husky/odometry", "/husky0/odometry", True),
+        ("/desired_velocity", "/measured_velocity", False),
+        ("/left_camera", "/right_camera", False),
+        ("/imu_data", "/image_data", False),
+        ("/front_laser", "/rear_laser", False),
         ("/chatter", "/chater", True),
         ("/chatter", "/chattre", True),
         ("/chatter", "/chatters", True),
@@ -139,7 +149,9 @@ def test_a_command_is_told_where_to_publish() -> None:
 
 def test_a_command_is_not_told_to_publish_something_else() -> None:
     publisher = replace(node("/_pub", Role.PUBLISHER, "/husky0/wish"), tool=True)
-    assert remedies(publisher, node("/gazebo", Role.SUBSCRIBER, "/husky0/cmd_vel")) == ()
+    assert remedies(publisher, node("/gazebo", Role.SUBSCRIBER, "/husky0/cmd_vel")) == (
+        "start what publishes /husky0/cmd_vel; what is there: lcmtools list -v",
+    )
 
 
 def test_a_remap_that_leads_away_from_what_is_published_is_taken_back() -> None:
@@ -162,7 +174,9 @@ def test_others_go_by_the_names_of_a_simulator() -> None:
 def test_a_simulator_is_not_connected_with_another_one() -> None:
     speed = Endpoint("/robot/speed", Role.PUBLISHER, ("geometry_msgs/Twist",), TWIST)
     command = Endpoint("/robot/command", Role.SUBSCRIBER, ("geometry_msgs/Twist",), TWIST)
-    assert remedies(simulator("/morse", speed), simulator("/morse", command)) == ()
+    assert remedies(simulator("/morse", speed), simulator("/morse", command)) == (
+        "start what publishes /robot/command; what is there: lcmtools list -v",
+    )
 
 
 @pytest.mark.parametrize(
@@ -237,6 +251,48 @@ def test_another_type_in_another_namespace_is_named_with_both_types() -> None:
             "/a publishes /robot/cmd_vel, but as std_msgs/Int32, and /driver expects"
             " geometry_msgs/Twist"
         ),
+    )
+
+
+def test_a_slash_at_the_start_that_leaves_the_namespace_is_removed() -> None:
+    robot = node("/morse", Role.PUBLISHER, "/husky0/odometry")
+    controller = node("/husky0/controller", Role.SUBSCRIBER, "/odometry")
+    assert remedies(robot, controller) == (
+        (
+            "/husky0/odometry is published: let /husky0/controller use 'odometry' in place of"
+            " '/odometry': the slash at its start keeps it out of the namespace /husky0"
+        ),
+    )
+    output = node("/husky0/controller", Role.PUBLISHER, "/velocity_cmd")
+    assert remedies(output, node("/morse", Role.SUBSCRIBER, "/husky0/velocity_cmd")) == (
+        (
+            "/husky0/controller publishes /velocity_cmd: let /husky0/controller use 'velocity_cmd'"
+            " in place of '/velocity_cmd': the slash at its start keeps it out of the namespace"
+            " /husky0"
+        ),
+    )
+    mapped = replace(controller, command="run controller __ns:=/husky0 odometry:=/odometry")
+    assert remedies(robot, mapped) == (
+        "/husky0/odometry is published: start /husky0/controller without odometry:=/odometry",
+    )
+
+
+def test_a_command_in_a_namespace_that_is_mistyped_is_to_use_the_near_topic() -> None:
+    command = replace(node("/_pub", Role.PUBLISHER, "/husky/desired_velocity"), tool=True)
+    controller = node("/husky0/controller", Role.SUBSCRIBER, "/husky0/desired_velocity")
+    assert remedies(command, controller) == (
+        "/_pub publishes /husky/desired_velocity: let it publish on '/husky0/desired_velocity'",
+    )
+
+
+def test_a_node_with_another_topic_connected_is_in_the_right_namespace() -> None:
+    robot = node("/husky0/robot", Role.PUBLISHER, "/husky0/odometry")
+    pilot = node("/husky/pilot", Role.PUBLISHER, "/husky/desired_velocity")
+    controller = node("/husky0/controller", Role.SUBSCRIBER, "/husky0/desired_velocity")
+    odometry = replace(controller.endpoints[0], topic="/husky0/odometry")
+    controller = replace(controller, endpoints=(*controller.endpoints, odometry))
+    assert said_of(robot, pilot, controller)["unconnected-subscriptions"].remedies == (
+        "/husky/pilot publishes /husky/desired_velocity: start /husky/pilot with __ns:=/husky0",
     )
 
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 import pytest
 from fixtures.judging import Judged, judge
 
-from lcmtools.doctor.evidence import Evidence
+from lcmtools.doctor.evidence import Evidence, LogLine, Stream
 from lcmtools.doctor.findings import Severity
 from lcmtools.doctor.rules import RULES
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
+from lcmtools.graph.model import CallbackError, Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.messages.registry import fingerprint, message_class
 from lcmtools.wire.packet import Sender
 
@@ -97,7 +97,9 @@ def test_a_topic_published_in_another_namespace_suggests_that_namespace() -> Non
 
 def test_a_node_is_not_told_to_listen_to_itself() -> None:
     robot = node("/morse", sub("/cmd", JOINTS), pub("/joints", JOINTS))
-    assert findings(robot)["unconnected-subscriptions"].remedies == ()
+    assert findings(robot)["unconnected-subscriptions"].remedies == (
+        "start what publishes /cmd; what is there: lcmtools list -v",
+    )
 
 
 def test_an_unheard_output_of_the_right_type_suggests_a_remap() -> None:
@@ -202,9 +204,64 @@ def test_a_plain_program_that_sends_another_type_is_named_by_its_sender() -> Non
     )
 
 
-def test_data_that_is_no_lcm_message_is_no_mismatch_by_itself() -> None:
-    raw = Traffic("EXAMPLE", Sender("127.0.0.1", 40001), (1, 2, 3, 4), 100, 800, 0, 0)
+def test_of_zeros_nothing_is_said() -> None:
+    raw = Traffic("EXAMPLE", Sender("127.0.0.1", 40001), (0,), 100, 800, 0, 0)
     assert findings(traffic=[raw]) == {}
+
+
+@pytest.mark.parametrize(
+    ("fingerprints", "likely", "said"),
+    [
+        ((0x1021324354657687, 0x2132435465768710), "", "data that is no LCM message"),
+        ((), "JSON", "JSON"),
+        ((5,), "text", "text"),
+    ],
+)
+def test_data_that_is_no_lcm_message_is_a_note(
+    fingerprints: tuple[int, ...], likely: str, said: str
+) -> None:
+    sender = Sender("127.0.0.1", 40001)
+    raw = Traffic("EXAMPLE", sender, fingerprints, 100, 800, 0, 0)
+    streams = (Stream("EXAMPLE", sender, "x", (1,), format=likely),)
+    (finding,) = judge(Evidence("udpm://x", graph=Graph((), (raw,)), streams=streams))
+    assert (finding.rule, finding.severity) == ("unknown-type", Severity.NOTE)
+    assert finding.text == "The following are no LCM messages:"
+    assert finding.items == (f" * 'EXAMPLE' from 127.0.0.1:40001: {said}",)
+    assert finding.remedies
+
+
+def raising(last_time: int) -> Evidence:
+    error = CallbackError("/odometry", "AttributeError", "no 'pos'", "mine.py:35", 340, last_time)
+    controller = replace(node("/husky0/controller"), errors=(error,))
+    graph = Graph((controller,), time=100_000_000_000)
+    line = LogLine("/husky0/controller", "error", "callback raised AttributeError: no 'pos'")
+    return Evidence("udpm://x", graph=graph, logs=(line,))
+
+
+def test_an_exception_of_a_callback_is_told_with_its_line_and_not_again_as_a_log() -> None:
+    (finding,) = judge(raising(99_000_000_000))
+    assert (finding.rule, finding.severity) == ("callback-errors", Severity.ERROR)
+    assert finding.items == (
+        (
+            " * /husky0/controller raised AttributeError 340 times, mine.py:35: no 'pos'"
+            " (in the callback of /odometry)"
+        ),
+    )
+    assert finding.remedies == ("correct mine.py:35, and start /husky0/controller again",)
+
+
+def test_an_exception_of_some_time_ago_is_a_warning() -> None:
+    (finding,) = judge(raising(50_000_000_000))
+    assert finding.severity is Severity.WARNING
+
+
+def test_warnings_in_a_nodes_log_are_told() -> None:
+    line = LogLine("/morse", "warning", "no wheel is called l", 7)
+    evidence = Evidence("udpm://x", graph=Graph((node("/morse"),)), logs=(line,))
+    (finding,) = judge(evidence)
+    assert (finding.rule, finding.severity) == ("logged", Severity.WARNING)
+    assert finding.items == (" * /morse: warning: no wheel is called l (7 messages)",)
+    assert finding.remedies == ("read the whole log: lcmtools echo /rosout",)
 
 
 def test_data_that_is_no_lcm_message_is_a_mismatch_for_who_expects_one() -> None:
@@ -338,9 +395,74 @@ def test_a_mismatch_with_an_older_type_tells_the_field_that_differs() -> None:
     assert "but without the field child_frame_id" in finding.items[1]
 
 
-def test_types_of_which_nothing_is_known_are_nobodys_fault() -> None:
-    seen = Traffic("OWN", Sender("10.0.0.1", 4000), (0x0001020304050607,), 5, 500, 0, 1)
-    assert findings(traffic=[seen]) == {}
+def test_types_of_which_nothing_is_known_are_a_note_with_what_to_do() -> None:
+    seen = Traffic("OWN", Sender("10.0.0.1", 4000), (0x1021324354657687,), 5, 500, 0, 1)
+    finding = findings(traffic=[seen])["unknown-type"]
+    assert finding.severity is Severity.NOTE
+    assert finding.items == (" * 'OWN' from 10.0.0.1:4000: an unknown type (0x1021324354657687)",)
+    assert finding.remedies == (
+        "name the folder of their .lcm files: export LCMTOOLS_TYPE_PATH=FOLDER",
+    )
+
+
+def test_an_unknown_type_that_a_node_announces_has_its_name() -> None:
+    state = Endpoint("/state", Role.PUBLISHER, ("my_msgs/State",), (0x1021324354657687,))
+    sender = Sender("10.0.0.1", 4000)
+    seen = Traffic("/state", sender, state.fingerprints, 5, 500, 0, 1)
+    finding = findings(replace(node("/n", state), sender=sender), traffic=[seen])["unknown-type"]
+    assert finding.items == (" * /state from 10.0.0.1:4000: my_msgs/State (0x1021324354657687)",)
+
+
+@pytest.mark.parametrize(
+    ("ends", "odd", "remedy"),
+    [
+        (
+            (pub("/t", STRING), sub("/t", STRING), sub("/t", TWIST)),
+            "/n2: /n0 and /n1 use std_msgs/String",
+            "let /n2 subscribe to /t as std_msgs/String",
+        ),
+        (
+            (pub("/t", TWIST), pub("/t", STRING), sub("/t", STRING)),
+            "/n0: /n1 and /n2 use std_msgs/String",
+            "let /n0 publish /t as std_msgs/String",
+        ),
+    ],
+)
+def test_a_mismatch_says_which_side_is_odd(
+    ends: tuple[Endpoint, ...], odd: str, remedy: str
+) -> None:
+    finding = findings(*(node(f"/n{number}", end) for number, end in enumerate(ends)))[
+        "type-mismatch"
+    ]
+    assert finding.items[-1] == f" * the odd one is {odd}"
+    assert finding.remedies[0] == remedy
+
+
+def test_of_a_command_and_a_node_the_command_is_odd() -> None:
+    command = node("/_lcmtools_pub_1", pub("/t", STRING), tool=True)
+    finding = findings(command, node("/driver", sub("/t", TWIST)))["type-mismatch"]
+    assert finding.items[-1] == (
+        " * the odd one is /_lcmtools_pub_1: /driver uses geometry_msgs/Twist"
+    )
+
+
+def test_one_against_one_neither_is_odd() -> None:
+    finding = findings(node("/a", pub("/t", STRING)), node("/b", sub("/t", TWIST)))["type-mismatch"]
+    assert finding.items == (
+        " * /a publishes std_msgs/String",
+        " * /b expects geometry_msgs/Twist",
+    )
+    assert finding.remedies == ("remap one of them to another topic, for example /t:=/t_2",)
+
+
+def test_versions_of_one_type_name_the_field_and_the_older_side() -> None:
+    older = Endpoint("/odom", Role.PUBLISHER, (ODOMETRY,), (older_odometry(),))
+    finding = findings(node("/old", older), node("/ear", sub("/odom", ODOMETRY)))["type-mismatch"]
+    assert finding.items[0].endswith("but without the field child_frame_id)")
+    assert finding.items[-1] == " * the older version is probably that of /old"
+    assert finding.remedies == (
+        "generate the code of both sides from the same .lcm files: lcm-gen",
+    )
 
 
 def test_simulated_time_needs_somebody_who_publishes_it() -> None:

@@ -162,6 +162,20 @@ def test_plain_programs_that_only_listen_make_the_empty_bus_a_note() -> None:
     assert finding.items == (" * listens.py (pid 7) listens",)
 
 
+def test_what_clears_of_a_finding_is_named() -> None:
+    one, two = (node(f"/{n}", i, sub(f"/{n}", STRING)) for i, n in enumerate(("one", "two"), 1))
+    talker = pilot(3, "/three")
+    looks = iter([system(talker, one, two), system(talker, two)])
+    _, changes = islice(report.watch(lambda: next(looks), RULES), 2)
+    (_, cleared), (change, _) = changes
+    assert report.cleared_text(cleared) == [
+        "CLEARED The following node subscriptions are unconnected:",
+        " * /one:",
+        "   * /one",
+    ]
+    assert change == "changed"
+
+
 def test_watch_reports_what_appears_changes_and_clears() -> None:
     one, two = (node(f"/{n}", i, sub(f"/{n}", STRING)) for i, n in enumerate(("one", "two"), 1))
     talker = pilot(3, "/three")

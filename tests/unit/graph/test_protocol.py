@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import CallbackError, Endpoint, Node, Role
 from lcmtools.graph.protocol import (
     Announcement,
     Probe,
@@ -52,6 +52,10 @@ _NODE = Node(
     ),
     busy=1 << 43,
     sent=1_700_000_000_000_000_003,
+    errors=(
+        CallbackError("/odometry", "KeyError", "'l'", "simple_controller.py:35", 340, 1 << 60),
+        CallbackError("timer 0.1 s", "ValueError", "", "moving_robot.py:1", 1, 2),
+    ),
 )
 
 
@@ -173,6 +177,20 @@ def test_counters_and_clocks_change_no_revision() -> None:
     assert _revision(replace(_NODE, endpoints=endpoints, sent=9, busy=9)) == _revision(_NODE)
     changed = (_NODE.endpoints[0], replace(counted, depth=9), *_NODE.endpoints[2:])
     assert _revision(replace(_NODE, endpoints=changed)) != _revision(_NODE)
+
+
+def test_another_error_of_a_callback_changes_the_revision_and_its_count_does_not() -> None:
+    first, second = _NODE.errors
+    counted = replace(first, message="'r'", count=341, last_time=9)
+    assert _revision(replace(_NODE, errors=(second, counted))) == _revision(_NODE)
+    assert _revision(replace(_NODE, errors=(first,))) != _revision(_NODE)
+
+
+def test_no_more_than_the_newest_five_errors_are_announced() -> None:
+    errors = tuple(replace(_NODE.errors[0], place=f"a.py:{line}") for line in range(9))
+    got = decode_announcement(encode_announcement(Announcement(replace(_NODE, errors=errors))))
+    assert got is not None
+    assert got.node.errors == errors[-5:]
 
 
 def test_an_announcement_is_sent_at_a_time() -> None:

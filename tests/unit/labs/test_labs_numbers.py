@@ -1,6 +1,8 @@
 """The numbers behind the labs' checks: step responses, circles, keys, likeness, ranges."""
 
 import math
+import shutil
+from pathlib import Path
 from random import Random
 
 import pytest
@@ -12,6 +14,7 @@ from lcmtools.labs.checks.dolly import ranges_in
 from lcmtools.labs.checks.measures import GOOD, analyse, explained, fit_radius
 from lcmtools.labs.checks.pioneer import DIRECTIONS, SPEED_CHANGES, is_alike, viewer_command
 from lcmtools.labs.nodes.driving import motion
+from lcmtools.packages.create import NewPackage, create
 
 
 def first_order(target: float, time_constant: float) -> list[tuple[float, float]]:
@@ -87,16 +90,35 @@ def test_a_viewer_gets_the_files_name_where_it_wants_it() -> None:
     assert viewer_command(["v"], "a.png") == ["v", "--save", "a.png"]
 
 
-def test_every_role_has_a_check_and_belongs_to_one_lab() -> None:
-    roles = [role.option for lab in LABS.values() for role in lab.roles]
-    assert sorted(roles) == sorted(CHECKS)
+def test_every_program_has_a_check_and_belongs_to_one_lab() -> None:
+    programs = [program.option for lab in LABS.values() for program in lab.programs]
+    assert sorted(programs) == sorted(CHECKS)
     assert all(find_lab(name) is lab for name, lab in LABS.items())
 
 
 def test_names_are_added_unless_the_command_line_has_its_own() -> None:
-    ((_, words, _),) = choose(LABS["husky"], {"controller": "python 'my node.py'"})
-    assert words == ["python", "my node.py", "__ns:=/husky0", "controlled_velocity:=velocity_cmd"]
-    ((_, words, _),) = choose(LABS["husky"], {"controller": "./node __ns:=/husky0"})
-    assert words == ["./node", "__ns:=/husky0"]
+    (run,) = choose(LABS["husky"], {"controller": "python 'my node.py'"})
+    names = ["__ns:=/husky0", "controlled_velocity:=velocity_cmd"]
+    assert run.command == ["python", "my node.py", *names]
+    (run,) = choose(LABS["husky"], {"controller": "./node __ns:=/husky0"})
+    assert run.command == ["./node", "__ns:=/husky0"]
+    assert not run.is_answer
+    assert all(run.is_answer for run in choose(LABS["husky"], {}))
     with pytest.raises(UsageError, match="no program of the lab dolly"):
         choose(LABS["dolly"], {"viewer": "x"})
+
+
+def test_nodes_of_the_workspace_are_checked_in_place_of_the_model_answers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    create(NewPackage("mine", "simple_controller"), tmp_path / "mine")
+    monkeypatch.chdir(tmp_path)
+    (run,) = choose(LABS["husky"], {})
+    assert run.command[:4] == ["lcmtools", "run", "mine", "simple_controller"]
+    assert not run.is_answer
+    typed = {"controller": "lcmtools run simple_controller"}
+    assert not choose(LABS["husky"], typed)[0].is_answer
+    assert all(run.is_answer for run in choose(LABS["dolly"], {}))
+    shutil.copy(tmp_path / "mine/mine/simple_controller.py", tmp_path / "mine/mine/moving_robot.py")
+    with pytest.raises(UsageError, match=r"mine/mine/moving_robot\.py is no node yet"):
+        choose(LABS["dolly"], {})

@@ -7,7 +7,7 @@ import pytest
 
 from lcmtools.launch.file import read_file
 from lcmtools.launch.plan import Plan
-from lcmtools.launch.reading import Given, make_plan
+from lcmtools.launch.reading import make_plan
 
 
 @pytest.fixture
@@ -27,8 +27,8 @@ def plan(folder: Path) -> Callable[..., Plan]:
     def make(text: str, namespace: str = "/", suffix: str = ".launch", **arguments: str) -> Plan:
         path = folder / f"a{suffix}"
         path.write_text(text)
-        given = Given(arguments, namespace, {"HOME": "/home/me", "ROBOT": "dolly"})
-        return make_plan([read_file(path)], given)
+        environment = {"HOME": "/home/me", "ROBOT": "dolly"}
+        return make_plan([read_file(path)], arguments, namespace, environment)
 
     return make
 

@@ -140,10 +140,37 @@ def test_nodes_of_the_workspace_are_found_from_here_and_from_the_files_folder(
     launch = workspace("air_lab0", "launch/a.launch") / "launch"
     expected = ("lcmtools", "run", "air_lab0", "drive")
     assert find_executable("air_lab0", "drive.py", folder) == Executable(expected)
-    assert find_typed(["air_lab0", "drive", "x"], folder) == (Executable(expected), ["x"])
+    assert find_typed(["air_lab0", "drive", "x"], folder) == Executable(expected, arguments=("x",))
     monkeypatch.chdir("/")
     assert find_executable("air_lab0", "drive", launch) == Executable(expected, str(launch))
-    assert find_typed(["drive"], launch)[0].directory == str(launch)
+    assert find_typed(["drive"], launch).directory == str(launch)
+
+
+def test_a_package_of_the_workspace_is_never_replaced_by_lcmtools_own(
+    workspace: Make, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package = workspace("air_lab0", "air_lab0/moving_robot.py", "launch/robot.yaml")
+    with pytest.raises(UsageError, match="no node 'simple_controller' in the package air_lab0; it"):
+        find_executable("air_lab0", "simple_controller", folder)
+    with pytest.raises(UsageError, match=r"moving_robot\.py is no node yet; give it a"):
+        find_executable("air_lab0", "moving_robot", folder)
+    with pytest.raises(InvalidFile, match=r"simple_controller\.launch in the package air_lab0; it"):
+        find_files(["simple_controller.launch"])
+    (package / "launch" / "simple_controller.launch").touch()
+    assert find_files(["simple_controller"]) == [package / "launch" / "simple_controller.launch"]
+    monkeypatch.chdir("/")
+    assert find_files(["simple_controller"])[0].is_relative_to(LABS)
+
+
+def test_lcmtools_own_node_keeps_its_meaning_where_the_workspace_has_one_of_that_name(
+    workspace: Make, folder: Path
+) -> None:
+    project = workspace("mine", "mine/sim.py") / "pyproject.toml"
+    project.write_text(project.read_text().replace("drive", "sim"))
+    assert find_typed(["sim"], folder).command == ("lcmtools", "run", "sim")
+    own = ("lcmtools", "run", "lcmtools", "sim")
+    assert find_executable("lcmtools", "sim", folder).command == own
+    assert find_executable("gazebo_ros", "gzserver", folder).command == own
 
 
 def test_executable_file_of_a_package_is_its_node(workspace: Make) -> None:

@@ -34,7 +34,9 @@ def test_labs_file_becomes_one_node_with_its_remap(xml: Make) -> None:
         " controlled_velocity:=velocity_cmd"
     )
     assert node.place == "a.launch:3"
-    assert plan.notes == ()
+    assert plan.notes == (
+        "a.launch:3: this is lcmtools' own simple_controller, the lab's model answer",
+    )
 
 
 def test_attributes_of_a_node_are_read(xml: Make) -> None:
@@ -262,6 +264,8 @@ def test_names_behind_two_dashes_would_not_be_taken_and_stand_before_them(xml: M
         (TALKER.replace("/>", ' if="1" unless="0"/>'), 2, "node has both 'if' and 'unless'"),
         (f"{TALKER}\n{TALKER}", 3, "the node /t is already defined by a.launch:2"),
         ('<remap from="a"/>', 2, "'to' is missing in remap"),
+        ('<node package="a" type="b" name="c"/>', 2, "in node; there is no attribute 'package'"),
+        ('<node pkg="a" exec="b" name="c"/>', 2, "the program of pkg is named by type"),
         ('<remap from="a b" to="c"/>', 2, "'a b' is not a legal name"),
         ('<arg name="a"/>', 2, "the argument 'a' has no value; type a:=VALUE"),
         ('<arg name="a" value="1" default="2"/>', 2, "has both 'value' and 'default'"),
@@ -291,11 +295,18 @@ def test_file_that_includes_itself_in_many_groups_is_refused(xml: Make) -> None:
         xml("<group>" * 45 + inside + "</group>" * 45)
 
 
+BAD = "not XML: not well-formed (invalid token)"
+
+
 @pytest.mark.parametrize(
     ("text", "error"),
     [
         ("", "a.launch:1: the file is empty"),
-        ("<launch>\n<node\n</launch>", "a.launch:3: not XML: not well-formed (invalid token)"),
+        ("<launch>\n<node\n</launch>", f"a.launch:3: {BAD}; is the tag of line 2 closed by '>'?"),
+        ("<launch>\n<node a=b/>\n</launch>", f"a.launch:2: {BAD}; write values in quotes, as in"),
+        ('<launch>\n<node a="b && c"/>\n</launch>', f"a.launch:2: {BAD}; write & as &amp;"),
+        ('<launch>\n<node a="b<c"/>\n</launch>', f"a.launch:2: {BAD}; write < in a value as &lt;"),
+        ('<launch>\n<!-- a -- b -->\n<n a="--x"/></launch>', f"a.launch:2: {BAD}; a comment can"),
         ("<launch>", "a.launch:1: not XML: no element found; is the <launch> of line 1 closed?"),
         (
             "<launch>\n<node>\n</launch>",

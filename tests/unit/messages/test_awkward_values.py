@@ -8,12 +8,12 @@ import pytest
 
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.fields import Field, fields, visible_fields
+from lcmtools.messages.message_template import draft_from_values, drafts_from_lines
 from lcmtools.messages.path import Path, select
-from lcmtools.messages.plain import NOTHING, plain_selection, to_json
+from lcmtools.messages.plain import plain_value, to_json
 from lcmtools.messages.registry import Message, message_class, type_names
 from lcmtools.messages.scalars import INTEGERS
 from lcmtools.messages.text import FREE, format_message
-from lcmtools.messages.yaml_input import drafts_from_lines, message_from_values
 
 _DEEPEST = 3
 _FLOATS = [math.nan, math.inf, -math.inf, -0.0, 1e-7, 0.1, 1e16, -1.0]
@@ -66,10 +66,11 @@ def test_all_that_echo_prints_is_taken_back_to_the_bit(name: str) -> None:
     for start in range(0, 77, 7):
         payload = encode(awkward_message(cls, count(start)))
         message = decode(cls, payload, keep_stray=True)
-        plain = plain_selection(select(message, Path()), NOTHING)
+        found = select(message, Path())
+        plain = plain_value(found.value, found.target)
         written = (format_message(message), FREE.block(plain), FREE.flow(plain), to_json(message))
         for text in written:
-            assert encode(message_from_values(cls, [text])) == payload, text
+            assert encode(draft_from_values(cls, [text]).message) == payload, text
 
 
 @pytest.mark.parametrize("text", AWKWARD["string"])

@@ -6,8 +6,8 @@ import pytest
 
 from lcmtools.messages.codec import encode
 from lcmtools.messages.definition import definition, prototype
+from lcmtools.messages.message_template import draft_from_values
 from lcmtools.messages.registry import message_class, type_names
-from lcmtools.messages.yaml_input import message_from_values
 
 
 def test_nested_types_are_expanded_and_lengths_hidden() -> None:
@@ -99,10 +99,10 @@ def test_a_type_without_fields_is_an_empty_mapping() -> None:
 
 def test_pub_takes_every_prototype_as_the_default_message() -> None:
     for kind in map(message_class, type_names()):
-        assert encode(message_from_values(kind, [prototype(kind)])) == encode(kind()), kind
+        assert encode(draft_from_values(kind, [prototype(kind)]).message) == encode(kind()), kind
 
 
 @pytest.mark.parametrize("name", ["Nothing", "Shapes", "Shared", "Tree", "Limits", "Many", "Flat"])
 def test_pub_takes_prototypes_of_odd_types_too(name: str, odd: ModuleType) -> None:
     kind = getattr(odd, name)
-    assert encode(message_from_values(kind, [prototype(kind)])) == encode(kind())
+    assert encode(draft_from_values(kind, [prototype(kind)]).message) == encode(kind())

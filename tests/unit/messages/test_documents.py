@@ -27,6 +27,13 @@ def test_a_document_is_whole_at_the_dashes_behind_it() -> None:
     ]
 
 
+def test_empty_documents_are_kept_where_each_is_a_message_without_fields() -> None:
+    documents = Documents(keeps_empty=True)
+    lines = ["", "---", "# /start", "", "---", "---", "{}", "---", ""]
+    found = [document.value for line in lines for document in documents.take(line)]
+    assert [*found, *documents.end()] == [{}, {}, {}]
+
+
 def test_a_document_is_whole_at_three_dots() -> None:
     assert steps("data: a", "...", "...", "b") == [[], [{"data": "a"}], [], [], ["b"]]
 

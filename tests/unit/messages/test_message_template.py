@@ -4,9 +4,9 @@ import pytest
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import decode
+from lcmtools.messages.message_template import draft_from_values
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import message_class
-from lcmtools.messages.yaml_input import draft_from_values
 
 NOW = 1_795_244_479_000_000_005
 

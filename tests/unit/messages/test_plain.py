@@ -9,8 +9,8 @@ import pytest
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import encode
 from lcmtools.messages.fill import fill
+from lcmtools.messages.message_template import draft_from_values
 from lcmtools.messages.plain import Cell, Plain, cells, to_json, to_plain
-from lcmtools.messages.yaml_input import message_from_values
 from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs
 
 
@@ -41,7 +41,7 @@ def test_plain_values_keep_infinities_and_json_writes_them_as_text() -> None:
     assert to_plain(message)["ranges"] == [math.inf, -math.inf, 1.5]
     loaded = json.loads(to_json(message))
     assert (loaded["ranges"], loaded["range_max"]) == (["inf", "-inf", 1.5], "nan")
-    again = message_from_values(sensor_msgs.LaserScan, [to_json(message)])
+    again = draft_from_values(sensor_msgs.LaserScan, [to_json(message)]).message
     assert again.ranges == message.ranges
     assert math.isnan(again.range_max)
 
@@ -60,7 +60,7 @@ def test_json_is_yaml_too(text: str) -> None:
     message.data = f"a{text}b"
     line = to_json(message)
     assert json.loads(line)["data"] == message.data
-    assert message_from_values(std_msgs.String, [line]).data == message.data
+    assert draft_from_values(std_msgs.String, [line]).message.data == message.data
 
 
 def test_a_message_is_filled_from_numbers_and_booleans_too() -> None:

@@ -58,6 +58,15 @@ def test_a_type_is_found_however_its_name_is_written(name: str) -> None:
             "unknown type 'Tme'; did you mean builtin_interfaces/Time or std_msgs/Time?",
         ),
         ("Zzzzzz", "unknown type 'Zzzzzz'; see: lcmtools msg list"),
+        (
+            "geometry_msgs/",
+            (
+                "unknown type 'geometry_msgs/'; it is a package: lcmtools msg package geometry_msgs"
+                " lists its types"
+            ),
+        ),
+        ("lab/Foo.msg", "unknown type 'lab/Foo.msg'; write a type as lab/Foo"),
+        ("{x: 1}", "unknown type '{x: 1}'; write a type as geometry_msgs/Twist"),
         ("", "unknown type ''; see: lcmtools msg list"),
         ("a/b/c/Twisted_", "unknown type 'a/b/c/Twisted_'; did you mean geometry_msgs/Twist?"),
         ("Time", "several types are called 'Time'; write builtin_interfaces/Time or std_msgs/Time"),

@@ -10,7 +10,7 @@ from lcmtools.messages.plain import (
     View,
     cells,
     plain_json,
-    plain_selection,
+    plain_value,
     to_plain,
 )
 from lcmtools.messages.registry import Message, message_class, type_names
@@ -22,7 +22,8 @@ from lcmtools.types.visualization_msgs import Marker
 
 
 def shown(message: Message, path: str = "", view: View = NOTHING) -> Plain:
-    return plain_selection(select(message, parse_path(path)), view)
+    found = select(message, parse_path(path))
+    return plain_value(found.value, found.target, view)
 
 
 @pytest.fixture
@@ -38,7 +39,8 @@ def joints() -> JointState:
 def test_a_whole_message_looks_the_same_as_plain_value_and_as_message(name: str) -> None:
     cls = message_class(name)
     message = decode(cls, encode(cls()))
-    plain = plain_selection(select(message, Path()), NOTHING)
+    found = select(message, Path())
+    plain = plain_value(found.value, found.target)
     assert plain == to_plain(message)
     assert FREE.block(plain).splitlines() == format_message(message).splitlines()
 
@@ -89,6 +91,11 @@ def test_longer_arrays_and_strings_are_cut(joints: JointState) -> None:
     assert FREE.block(shown(joints, "name[1:]", view)) == "- ri..."
     assert plain_json(shown(joints, "position", view)) == '[1.0,2.0,"..."]'
     assert FREE.block(shown(joints, "position", View(longest=3))) == "[1.0, 2.0, 3.0]"
+    few = View(most_elements=1, ellipsis="... {} more")
+    assert FREE.block(shown(joints, "position", few)) == "[1.0, ... 2 more]"
+    two = View(longest=2, most_elements=1, ellipsis="... {} more")
+    assert FREE.block(shown(joints, "position", two)) == "[1.0, 2.0, ...]"
+    assert shown(joints, "position", View(longest=3, most_elements=1)) == [1.0, 2.0, 3.0]
     joints.name = ["a", "b", "c"]
     assert FREE.block(shown(joints, "name", view)) == "- a\n- b\n- ..."
     assert FREE.flow(shown(joints, "name", view)) == '["a", "b", ...]'

@@ -6,16 +6,17 @@ from types import ModuleType
 import pytest
 
 from lcmtools.messages.codec import encode
+from lcmtools.messages.documents import parse_values
+from lcmtools.messages.message_template import draft_from_values, drafts_from_lines
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import message_class
-from lcmtools.messages.yaml_input import drafts_from_lines, message_from_values, parse_values
 from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs
 from lcmtools.types.builtin_interfaces import Time
 from lcmtools.types.nav_msgs import Path
 
 
 def twist(*texts: str) -> list[float]:
-    message = message_from_values(geometry_msgs.Twist, texts)
+    message = draft_from_values(geometry_msgs.Twist, texts).message
     return [getattr(vector, axis) for vector in (message.linear, message.angular) for axis in "xyz"]
 
 
@@ -67,13 +68,13 @@ def test_fields_are_given_by_name_or_in_order(texts: list[str], expected: list[f
     ],
 )
 def test_numbers_are_read_as_people_write_them(text: str, number: float) -> None:
-    data = message_from_values(std_msgs.Float64, [text]).data
+    data = draft_from_values(std_msgs.Float64, [text]).message.data
     assert (data, math.copysign(1, data)) == (number, math.copysign(1, number))
 
 
 @pytest.mark.parametrize("text", ["nan", ".nan", "NaN", ".NAN"])
 def test_nan_is_a_number(text: str) -> None:
-    assert math.isnan(message_from_values(std_msgs.Float64, [text]).data)
+    assert math.isnan(draft_from_values(std_msgs.Float64, [text]).message.data)
 
 
 @pytest.mark.parametrize(
@@ -92,12 +93,12 @@ def test_nan_is_a_number(text: str) -> None:
     ],
 )
 def test_integers_are_read_as_people_write_them(text: str, number: int) -> None:
-    assert message_from_values(std_msgs.Int8, [text]).data == number
+    assert draft_from_values(std_msgs.Int8, [text]).message.data == number
 
 
 @pytest.mark.parametrize("number", [-(1 << 63), (1 << 63) - 1, 123456789012345678])
 def test_large_integers_lose_nothing(number: int) -> None:
-    assert message_from_values(std_msgs.Int64, [str(number)]).data == number
+    assert draft_from_values(std_msgs.Int64, [str(number)]).message.data == number
 
 
 @pytest.mark.parametrize(
@@ -108,7 +109,7 @@ def test_large_integers_lose_nothing(number: int) -> None:
     ],
 )
 def test_booleans_are_read_as_people_write_them(text: str, value: bool) -> None:  # noqa: FBT001 - what is tested
-    assert message_from_values(std_msgs.Bool, [text]).data is value
+    assert draft_from_values(std_msgs.Bool, [text]).message.data is value
 
 
 @pytest.mark.parametrize(
@@ -142,7 +143,7 @@ def test_booleans_are_read_as_people_write_them(text: str, value: bool) -> None:
     ],
 )
 def test_text_stays_as_it_is_written(text: str, value: str) -> None:
-    assert message_from_values(std_msgs.String, [text]).data == value
+    assert draft_from_values(std_msgs.String, [text]).message.data == value
 
 
 @pytest.mark.parametrize(
@@ -158,7 +159,7 @@ def test_text_stays_as_it_is_written(text: str, value: str) -> None:
     ],
 )
 def test_bytes_are_numbers_text_or_base64(text: str, value: bytes) -> None:
-    assert message_from_values(sensor_msgs.CompressedImage, [text]).data == value
+    assert draft_from_values(sensor_msgs.CompressedImage, [text]).message.data == value
 
 
 @pytest.mark.parametrize(
@@ -166,13 +167,13 @@ def test_bytes_are_numbers_text_or_base64(text: str, value: bytes) -> None:
     ["{sec: 1, nsec: 2}", "{secs: 1, nsecs: 2}", "{sec: 1, nanosec: 2}", "[1, 2]"],
 )
 def test_times_have_the_names_of_ros_1_and_ros_2(text: str) -> None:
-    assert to_plain(message_from_values(std_msgs.Time, [text])) == {"sec": 1, "nsec": 2}
-    assert to_plain(message_from_values(Time, [text])) == {"sec": 1, "nanosec": 2}
+    assert to_plain(draft_from_values(std_msgs.Time, [text]).message) == {"sec": 1, "nsec": 2}
+    assert to_plain(draft_from_values(Time, [text]).message) == {"sec": 1, "nanosec": 2}
 
 
 def test_arrays_of_messages_are_lists_of_mappings_or_lists() -> None:
     text = "poses: [{pose: {position: {x: 1}}}, [{frame_id: map}, [[2, 0, 0], [0, 0, 0, 1]]]]"
-    first, second = message_from_values(Path, [text]).poses
+    first, second = draft_from_values(Path, [text]).message.poses
     assert first.pose.position.x == 1.0
     assert (second.header.frame_id, second.pose.position.x, second.pose.orientation.w) == (
         "map",
@@ -183,15 +184,17 @@ def test_arrays_of_messages_are_lists_of_mappings_or_lists() -> None:
 
 def test_an_array_may_be_given_alone_where_it_is_the_only_field(odd: ModuleType) -> None:
     transforms = "[{child_frame_id: a}, {child_frame_id: b}]"
-    message = message_from_values(message_class("tf2_msgs/TFMessage"), [transforms])
+    message = draft_from_values(message_class("tf2_msgs/TFMessage"), [transforms]).message
     assert [t["child_frame_id"] for t in to_plain(message)["transforms"]] == ["a", "b"]  # type: ignore[call-overload,index,union-attr] # a list of dicts
-    assert len(message_from_values(odd.Many, ["[{}, {}]"]).items) == 2
+    assert len(draft_from_values(odd.Many, ["[{}, {}]"]).message.items) == 2
     for text in ("[[1, 2], [3, 4]]", "[[1, 2]]"):
-        assert message_from_values(odd.Flat, [text]).grid[0] == [1.0, 2.0]
+        assert draft_from_values(odd.Flat, [text]).message.grid[0] == [1.0, 2.0]
 
 
 def test_bytes_of_several_dimensions_may_be_text(odd: ModuleType) -> None:
-    message = message_from_values(odd.Shapes, ["{keys: [abc, [1, 2, 3]], key: [], grid: [a, b]}"])
+    message = draft_from_values(
+        odd.Shapes, ["{keys: [abc, [1, 2, 3]], key: [], grid: [a, b]}"]
+    ).message
     assert message.keys == [b"abc", b"\x01\x02\x03"]
     assert message.key == bytes(4)
     assert message.grid == [b"a", b"b"]
@@ -230,6 +233,6 @@ def test_a_pause_between_lines_is_handed_on() -> None:
 
 
 def test_a_value_that_fits_can_be_encoded() -> None:
-    message = message_from_values(sensor_msgs.JointState, ["{name: [a], position: [1]}"])
+    message = draft_from_values(sensor_msgs.JointState, ["{name: [a], position: [1]}"]).message
     assert encode(message)
     assert (message.name_length, message.position_length) == (1, 1)

@@ -8,13 +8,9 @@ from hypothesis import strategies as st
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import encode
+from lcmtools.messages.documents import parse_values
+from lcmtools.messages.message_template import draft_from_values, drafts_from_lines
 from lcmtools.messages.registry import message_class
-from lcmtools.messages.yaml_input import (
-    draft_from_values,
-    drafts_from_lines,
-    message_from_values,
-    parse_values,
-)
 from lcmtools.types import std_msgs
 
 
@@ -105,7 +101,38 @@ TWIST, VECTOR = "geometry_msgs/Twist", "geometry_msgs/Vector3"
             ["speed:1"],
             "geometry_msgs/Twist: expected fields (linear, angular), got 'speed:1'",
         ),
-        (TWIST, ["x: 1"], "x: geometry_msgs/Twist has no field 'x' (fields: linear, angular)"),
+        (
+            TWIST,
+            ["x: 1"],
+            (
+                "x: geometry_msgs/Twist has no field 'x' (fields: linear, angular);"
+                " write {linear: {x: ...}}"
+            ),
+        ),
+        (
+            TWIST,
+            ["linear.x: 1"],
+            (
+                "linear.x: geometry_msgs/Twist has no field 'linear.x' (fields: linear, angular);"
+                " write {linear: {x: ...}}"
+            ),
+        ),
+        (
+            TWIST,
+            ["{angular: {z: 0,5}}"],
+            (
+                "angular.5: geometry_msgs/Vector3 has no field '5' (fields: x, y, z);"
+                " numbers have a decimal point, no comma: 0.5"
+            ),
+        ),
+        (
+            TWIST,
+            ["{Linear: {X: 1}}"],
+            (
+                "Linear: geometry_msgs/Twist has no field 'Linear' (fields: linear, angular);"
+                " did you mean 'linear'?"
+            ),
+        ),
         (
             TWIST,
             ["{linear:1}"],
@@ -187,7 +214,7 @@ TWIST, VECTOR = "geometry_msgs/Twist", "geometry_msgs/Vector3"
 )
 def test_what_does_not_fit_is_named_with_its_path(name: str, texts: list[str], line: str) -> None:
     with pytest.raises(ValueMismatch) as caught:
-        message_from_values(message_class(name), texts)
+        draft_from_values(message_class(name), texts)
     assert str(caught.value) == line
 
 
@@ -378,4 +405,4 @@ def test_what_the_shell_has_taken_apart_is_recognised(
 )
 def test_whatever_is_typed_gives_a_message_or_a_value_mismatch(name: str, texts: list[str]) -> None:
     with contextlib.suppress(ValueMismatch):
-        encode(message_from_values(message_class(name), texts))
+        encode(draft_from_values(message_class(name), texts).message)

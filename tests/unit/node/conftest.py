@@ -5,11 +5,11 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 
 import pytest
+from fixtures.fake_bus import FakeBus
 
 import lcmtools.node.process
 from lcmtools import Node
 from lcmtools.arguments import split_arguments
-from lcmtools.bus.base import FakeBus
 from lcmtools.bus.records import NodeRecords
 from lcmtools.node.context import Context
 from lcmtools.types.std_srvs import SetBool

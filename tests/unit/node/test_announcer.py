@@ -7,9 +7,9 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
+from fixtures.fake_bus import FakeBus
 
 from lcmtools import Node
-from lcmtools.bus.base import FakeBus
 from lcmtools.errors import BusError, ServiceTimeout
 from lcmtools.graph import model
 from lcmtools.graph.protocol import (

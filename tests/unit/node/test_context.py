@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.fake_bus import FakeBus
 
 import lcmtools
 from lcmtools import Node
-from lcmtools.bus.base import FakeBus
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import InvalidName, LcmtoolsError

@@ -5,14 +5,14 @@ import re
 from collections.abc import Callable
 
 import pytest
+from fixtures.fake_bus import FakeBus
 
 import lcmtools
 from lcmtools import Node
-from lcmtools.bus.base import FakeBus
 from lcmtools.clock import ManualClock
 from lcmtools.messages.codec import decode
 from lcmtools.node.context import Context
-from lcmtools.node.logger import LogEntry, Logger, Severity
+from lcmtools.node.logger import Logger
 from lcmtools.types.rosgraph_msgs import Log
 
 Begin = Callable[..., Context]
@@ -23,7 +23,7 @@ class _Desk:
 
     def __init__(self) -> None:
         self.stream = io.StringIO()
-        self.entries: list[LogEntry] = []
+        self.entries: list[Log] = []
         self.clock = ManualClock(1_700_000_000_000_000_042)
         self.logger = Logger("/husky0/driver", self.clock, self.entries.append, self.stream)
 
@@ -49,14 +49,14 @@ def test_a_line_looks_as_in_ros(desk: _Desk) -> None:
 def test_each_severity_is_labelled(desk: _Desk, method: str, label: str, severity: int) -> None:
     getattr(desk.logger, method)("x")
     assert desk.lines[0].startswith(f"[{label}] [")
-    assert desk.entries[0].severity == severity
+    assert desk.entries[0].level == severity
 
 
 def test_debug_is_forwarded_and_printed_on_demand(desk: _Desk) -> None:
     desk.logger.debug("quiet")
     assert desk.lines == []
-    assert [entry.severity for entry in desk.entries] == [Severity.DEBUG]
-    desk.logger.threshold = Severity.DEBUG
+    assert [entry.level for entry in desk.entries] == [Log.DEBUG]
+    desk.logger.threshold = Log.DEBUG
     desk.logger.debug("loud")
     assert desk.lines == ["[DEBUG] [1700000000.000000042] [/husky0/driver]: loud"]
 
@@ -92,7 +92,7 @@ def test_a_throttled_place_waits_its_period(desk: _Desk, monkeypatch: pytest.Mon
 def test_a_line_of_several_is_one_entry(desk: _Desk) -> None:
     desk.logger.error("a\nb")
     assert desk.stream.getvalue().endswith(": a\nb\n")
-    assert [entry.text for entry in desk.entries] == ["a\nb"]
+    assert [entry.msg for entry in desk.entries] == ["a\nb"]
 
 
 def test_a_nodes_log_goes_to_standard_error_and_rosout(

@@ -9,12 +9,7 @@ from lcmtools import Node
 from lcmtools.errors import LcmtoolsError, ServiceError, ServiceTimeout, UsageError
 from lcmtools.node.context import Context
 from lcmtools.node.parameters import Parameter, ParameterValue, SetParametersResult
-from lcmtools.publish.parameters import (
-    Parameters,
-    RefusedParameters,
-    parameter_client,
-    request_parameters,
-)
+from lcmtools.publish.parameters import Parameters, RefusedParameters, request_parameters
 
 Begin = Callable[..., Context]
 Serve = Callable[[Node], None]
@@ -36,7 +31,7 @@ def node(begin: Begin) -> Node:
 def remote(node: Node, serve: Serve) -> Remote:
     """The same node's parameters, seen from another one."""
     serve(node)
-    return partial(request_parameters, parameter_client(Node("other", tool=True), "/driver"))
+    return partial(request_parameters, Node("other", tool=True), "/driver")
 
 
 def test_a_changed_parameter_is_what_get_gives(node: Node) -> None:
@@ -155,9 +150,8 @@ def test_a_callback_that_raises_is_told_to_who_asked_and_logged(
 
 
 def test_a_node_that_does_not_spin_does_not_answer(node: Node) -> None:
-    client = parameter_client(Node("other", tool=True), node.name)
     with pytest.raises(ServiceTimeout, match=r"/driver did not answer within 0\.05 s") as caught:
-        request_parameters(client, 0.05)
+        request_parameters(Node("other", tool=True), node.name, 0.05)
     assert caught.value.exit_code == 4
 
 

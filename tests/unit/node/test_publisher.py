@@ -3,10 +3,10 @@
 from collections.abc import Callable
 
 import pytest
+from fixtures.fake_bus import FakeBus
 
 import lcmtools
 from lcmtools import Node
-from lcmtools.bus.base import FakeBus
 from lcmtools.errors import BusError, InvalidName, ValueMismatch
 from lcmtools.graph.model import Endpoint, Role
 from lcmtools.graph.model import Node as GraphNode
@@ -40,7 +40,7 @@ def test_a_message_goes_out_encoded_on_its_topic(begin: Begin, bus: FakeBus) -> 
 
 @pytest.mark.parametrize(
     ("message", "name"),
-    [(Int32(), "Int32"), ("hello", "str"), (None, "NoneType"), (String, "type"), ({}, "dict")],
+    [(Int32(), "std_msgs/Int32"), ("hello", "'hello'"), (None, "None"), ({}, "a mapping")],
 )
 def test_a_message_of_another_type_is_refused(begin: Begin, message: object, name: str) -> None:
     begin()
@@ -53,7 +53,7 @@ def test_a_message_of_another_type_is_refused(begin: Begin, message: object, nam
 def test_a_type_with_the_same_fields_is_another_type_all_the_same(begin: Begin) -> None:
     begin()
     publisher = Node("a").create_publisher(Point, "p")
-    with pytest.raises(ValueMismatch, match="expected geometry_msgs/Point, got Vector3"):
+    with pytest.raises(ValueMismatch, match="Point, got geometry_msgs/Vector3"):
         publisher.publish(Vector3())
 
 

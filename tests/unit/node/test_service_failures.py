@@ -4,10 +4,10 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from fixtures.fake_bus import FakeBus
 
 import lcmtools
 from lcmtools import Node
-from lcmtools.bus.base import FakeBus
 from lcmtools.errors import BusError, LcmtoolsError, ServiceError, ValueMismatch
 from lcmtools.messages.codec import decode, encode
 from lcmtools.node.context import Context

@@ -3,10 +3,10 @@
 from collections.abc import Callable
 
 import pytest
+from fixtures.fake_bus import FakeBus
 
 import lcmtools
 from lcmtools import Node
-from lcmtools.bus.base import FakeBus
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     SHUTDOWN_CHANNEL,

@@ -67,9 +67,10 @@ def test_a_third_of_a_second_is_kept_to_the_nanosecond() -> None:
 
 
 @pytest.mark.parametrize("seconds", [0, 0.0, -1, float("nan"), float("inf"), -float("inf")])
-def test_a_period_that_is_none_is_refused(seconds: float) -> None:
+def test_a_period_that_is_none_is_refused(begin: Begin, seconds: float) -> None:
+    begin()
     with pytest.raises(UsageError, match="period must be positive and finite"):
-        Timer(seconds, print, _at(0))
+        Node("a").create_timer(seconds, print)
 
 
 def test_a_cancelled_timer_calls_no_more_until_it_is_reset() -> None:
@@ -127,8 +128,9 @@ def test_a_timer_that_raises_is_logged_and_called_again(
         clock[0] = second * _S
         lcmtools.spin_once(node)
     log = capsys.readouterr().err
-    assert log.count("[ERROR]") == 2
-    assert "timer raised ZeroDivisionError: division by zero" in log
+    assert log.count("[ERROR]") == 1
+    assert node.describe().errors[0].count == 2
+    assert "timer 1 s raised ZeroDivisionError: division by zero" in log
     assert "Traceback" in log
 
 

@@ -4,11 +4,11 @@ from collections.abc import Callable, Iterator
 from typing import TypeVar
 
 import pytest
+from fixtures.fake_bus import FakeBus
 
 import lcmtools
 import lcmtools.node.process
 from lcmtools.arguments import split_arguments
-from lcmtools.bus.base import FakeBus
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Message
 from lcmtools.node.context import Context

@@ -3,16 +3,16 @@
 import pytest
 
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
-from lcmtools.observe import computers
-from lcmtools.observe.computers import Computers, by_computer
+from lcmtools.observe import describe
+from lcmtools.observe.describe import Computers, by_computer
 from lcmtools.wire.packet import Sender
 
 
 @pytest.fixture(autouse=True)
 def _here(monkeypatch: pytest.MonkeyPatch) -> None:
     """This computer is "here", and 10.0.0.9 is its address."""
-    monkeypatch.setattr(computers.socket, "gethostname", lambda: "here")
-    monkeypatch.setattr(computers, "is_local", lambda address: address == "10.0.0.9")
+    monkeypatch.setattr(describe.socket, "gethostname", lambda: "here")
+    monkeypatch.setattr(describe, "is_local", lambda address: address == "10.0.0.9")
 
 
 def _node(host: str, address: str | None, topic: str = "/a") -> Node:

@@ -1,5 +1,7 @@
 """The rows of ``echo --csv``: columns that stay where they are."""
 
+import pytest
+
 from lcmtools.messages.plain import Plain, cells
 from lcmtools.observe.formatter import CsvTable
 
@@ -30,6 +32,14 @@ def test_values_without_a_column_are_left_out_and_that_is_said() -> None:
 def test_text_is_quoted_where_it_must_be() -> None:
     table = CsvTable(lambda *_: None)
     assert row(table, 1, 'a, "b"\nc') == '%time,field\n1,"a, ""b""\nc"'
+
+
+@pytest.mark.parametrize("end", ["\n", "\r", "\r\n"])
+def test_a_line_break_in_text_is_quoted_so_that_a_row_stays_a_row(end: str) -> None:
+    table = CsvTable(lambda *_: None)
+    assert row(table, 1, {"a": f"two{end}lines", "b": 3}) == (
+        f'%time,field.a,field.b\n1,"two{end}lines",3'
+    )
 
 
 def test_messages_of_another_type_are_left_out_and_that_is_said() -> None:

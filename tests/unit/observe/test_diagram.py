@@ -120,7 +120,7 @@ def test_a_command_that_publishes_is_no_onlooker() -> None:
     whole = diagram_of(Graph((pub, echo), ()), [], None)
     shown, left = select(whole, Selection(leaf_topics=True))
     assert [(member.name, notes(member)) for member in shown.members] == [("/_lcmtools_pub_1", [])]
-    assert left.text() == "left out: 1 observing command (--tools)"
+    assert left.text() == "not drawn: 1 command that observes the bus (add --tools)"
 
 
 def test_tools_are_marked_and_what_they_hear_is_known() -> None:

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from lcmtools.errors import UsageError
-from lcmtools.packages.nodes import Runnable, find_node, runnables
+from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.packages.finding import find_node
+from lcmtools.packages.nodes import Runnable, runnables
 from lcmtools.packages.workspace import workspace
 
 Write = Callable[..., Path]
@@ -77,9 +78,79 @@ def test_nodes_come_from_the_workspace_and_from_what_is_installed(write: Write) 
     assert {("a", "go"), ("lcmtools", "talker"), ("lcmtools", "sim")} <= found
 
 
-def test_a_node_that_is_no_function_is_left_out(write: Write) -> None:
-    root = write({"a/pyproject.toml": NODES.format("a", 'go = "a.go"\nstop = "a:stop"')})
-    assert [node.name for node in runnables(root) if node.package == "a"] == ["stop"]
+def test_a_node_that_is_no_function_says_so_when_it_is_loaded(write: Write) -> None:
+    root = write({"a/pyproject.toml": NODES.format("a", 'go = "a/go.py"\nstop = "a:stop"')})
+    go, stop = (node for node in runnables(root) if node.package == "a")
+    assert (go.name, stop.name) == ("go", "stop")
+    with pytest.raises(
+        LcmtoolsError, match=r"'a/go\.py' is no function; write  go = \"a\.go:main\" "
+    ):
+        go.load()
+
+
+MAIN = "def main(args=None):\n    pass\n"
+
+
+def said_of(*words: str) -> str:
+    """Return what the user reads who types these words in the current folder."""
+    here = Path.cwd()
+    with pytest.raises(UsageError) as caught:
+        find_node(words, runnables(here), here)
+    return str(caught.value)
+
+
+def test_nodes_of_the_workspace_have_precedence_over_lcmtools_own(
+    write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    files = {
+        "ws/a/pyproject.toml": NODES.format("a", 'talker = "a.talker:main"'),
+        "ws/b/pyproject.toml": NODES.format("b", 'sim = "b:main"'),
+        "elsewhere/x": "",
+    }
+    root = write(files)
+    for folder, package in (("ws", "a"), ("ws/b", "a"), ("elsewhere", "lcmtools")):
+        monkeypatch.chdir(root / folder)
+        node, rest = find_node(["talker", "x"], runnables(Path.cwd()), Path.cwd())
+        assert (node.package, rest) == (package, ["x"])
+    monkeypatch.chdir(root / "ws")
+    for words in (["lcmtools", "sim"], ["listener"]):
+        assert find_node(words, runnables(Path.cwd()), Path.cwd())[0].package == "lcmtools"
+
+
+def test_a_file_that_is_no_node_yet_is_named_with_the_line_that_is_missing(
+    write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    root = write(
+        {
+            "a/pyproject.toml": NODES.format("a", 'go = "a:main"'),
+            "a/a/talker.py": MAIN,
+            "a/a/listener.py": "TEXTS = 3\n",
+            "b/pyproject.toml": NODES.format("b", 'go = "b:main"'),
+            "b/src/b/drive.py": MAIN,
+        }
+    )
+    monkeypatch.chdir(root)
+    table = '[project.entry-points."lcmtools.nodes"]'
+    missing = (
+        f'a/a/talker.py is no node yet; write  talker = "a.talker:main"  in {table}'
+        " of a/pyproject.toml, or type: lcmtools pkg add-node talker"
+    )
+    assert said_of("talker") == said_of("a", "talker") == said_of("a", "talker.py") == missing
+    assert said_of("drive").startswith("b/src/b/drive.py is no node yet; write  drive = ")
+    assert said_of("a", "listener").startswith(
+        "a/a/listener.py is no node yet; give it a function main(args=None), and write  listener ="
+    )
+    node, _ = find_node(["listener"], runnables(root), root)
+    assert node.package == "lcmtools", "a module beside that is no program hides nothing"
+
+
+def test_a_file_in_a_package_with_a_broken_description_is_not_passed_over(
+    write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    root = write({"a/pyproject.toml": "[tool.lcmtools]\n[project\n", "a/a/talker.py": MAIN})
+    monkeypatch.chdir(root)
+    broken = "a/a/talker.py is no node yet; "
+    assert said_of("talker").startswith(f"{broken}{root}/a/pyproject.toml:2: this is not TOML")
 
 
 KNOWN = [

@@ -2,13 +2,15 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
-from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
+from lcmtools.processes.child import ChildProcess, Start, StopTimeouts, is_gone
 from lcmtools.processes.process_guard import ProcessGuard
 
 TIMEOUTS = StopTimeouts(20.0, 20.0)
@@ -34,7 +36,7 @@ def run(guard: ProcessGuard, script: str, tmp_path: Path, **options: int) -> str
 def test_it_has_the_given_environment_and_signals_and_no_descriptors(
     guard: ProcessGuard, tmp_path: Path
 ) -> None:
-    script = "env | grep -v -e ^_= -e ^PWD= -e ^SHLVL= -e ^OLDPWD=; ls /proc/self/fd; "
+    script = "env | grep -v -E '^(LCMTOOLS_GUARD|_|PWD|SHLVL|OLDPWD)='; ls /proc/self/fd; "
     script += "grep -e SigIgn -e SigBlk /proc/self/status"
     names, *rest = run(guard, script, tmp_path).split("\n0\n")
     assert names == f"PATH={os.environ['PATH']}"
@@ -49,9 +51,15 @@ def test_what_cannot_be_started_raises_the_systems_error(
     broken = tmp_path / "broken"
     broken.write_bytes(b"\x7fELF nothing more")
     broken.chmod(0o755)
-    for command, error in ((["./there_is_none"], FileNotFoundError), ([str(broken)], OSError)):
+    missing = ["./there_is_none"]
+    for start, error in (
+        (Start(missing, ENVIRONMENT), FileNotFoundError),
+        (Start(missing, ENVIRONMENT, has_keyboard=True), FileNotFoundError),
+        (Start([__file__], ENVIRONMENT, has_keyboard=True), PermissionError),
+        (Start([str(broken)], ENVIRONMENT), OSError),
+    ):
         with pytest.raises(error):
-            ChildProcess(Start(command, ENVIRONMENT), guard, TIMEOUTS)
+            ChildProcess(start, guard, TIMEOUTS)
 
 
 def test_lines_come_from_both_streams(guard: ProcessGuard) -> None:
@@ -72,7 +80,17 @@ def test_keys_come_through_a_controlling_terminal(guard: ProcessGuard, tmp_path:
 
 
 def test_files_that_it_writes_are_limited(guard: ProcessGuard, tmp_path: Path) -> None:
-    assert len(run(guard, "yes", tmp_path, most_bytes=5000)) == 5000
+    start = Start(
+        ["sh", "-c", "read line; yes"],
+        ENVIRONMENT,
+        has_keyboard=True,
+        output=tmp_path / "output",
+        most_bytes=5000,
+    )
+    with ChildProcess(start, guard, TIMEOUTS) as child:
+        child.press("\n")
+        assert child.wait(20)
+        assert len(child.output(10_000)) == 5000
 
 
 def test_it_is_started_while_other_threads_run(guard: ProcessGuard, tmp_path: Path) -> None:
@@ -104,3 +122,26 @@ def test_the_guard_ends_what_is_left(tmp_path: Path, wait_until: Callable[..., N
         child = ChildProcess(start, guard, TIMEOUTS)
     wait_until(lambda: child.code is not None)
     child.release()
+
+
+_KILLED_BEFORE_ITS_REPORT = """
+import os, signal
+from lcmtools.processes.process_guard import ProcessGuard
+
+class Killed(ProcessGuard):
+    def _tell(self, text):
+        if text != "+":
+            os.kill(os.getpid(), signal.SIGKILL)
+        super()._tell(text)
+
+Killed().start(["sh", "-c", "echo $$ > pid; sleep 1000"], os.environ, "", (None, None, None))
+"""
+
+
+def test_a_child_ends_whose_parent_is_killed_before_it_can_report_the_start(
+    tmp_path: Path, wait_until: Callable[..., None]
+) -> None:
+    command = [sys.executable, "-c", _KILLED_BEFORE_ITS_REPORT]
+    assert subprocess.run(command, cwd=tmp_path, check=False).returncode == -signal.SIGKILL
+    wait_until(lambda: (tmp_path / "pid").is_file() and (tmp_path / "pid").read_text())
+    wait_until(lambda: is_gone(int((tmp_path / "pid").read_text())))

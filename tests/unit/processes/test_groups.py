@@ -5,7 +5,8 @@ import signal
 import subprocess
 from collections.abc import Callable
 
-from lcmtools.processes.groups import is_gone, send
+from lcmtools.processes.child import is_gone
+from lcmtools.processes.reaper import send
 
 
 def test_group_is_gone_when_only_what_has_ended_is_left(wait_until: Callable[..., None]) -> None:

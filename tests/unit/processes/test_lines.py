@@ -1,6 +1,6 @@
 """Bytes of a process, as lines."""
 
-from lcmtools.processes.lines import LONGEST, Lines
+from lcmtools.processes.child import LONGEST, Lines
 
 
 def test_lines_come_when_they_are_whole_and_the_rest_at_the_end() -> None:

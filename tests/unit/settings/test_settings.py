@@ -153,7 +153,7 @@ def test_the_bus_of_the_file_comes_after_all_else() -> None:
     assert choose_url(None, None, {}, domain)[1] == "/f:2"
     assert choose_url(None, "4", {}, both)[1] == "--domain"
     assert choose_url(None, None, {"LCMTOOLS_DOMAIN": "4"}, both)[1] == "LCMTOOLS_DOMAIN"
-    assert choose_url(None, "5", {"LCM_DEFAULT_URL": url}, both)[1] == "LCM_DEFAULT_URL"
+    assert choose_url(None, "5", {"LCM_DEFAULT_URL": url}, both)[1] == "--domain"
 
 
 def test_a_wrong_bus_in_the_file_is_named_with_its_line() -> None:

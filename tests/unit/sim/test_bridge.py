@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 import pytest
 
 from lcmtools.errors import ValueMismatch
+from lcmtools.graph.model import Endpoint, Graph, Role
+from lcmtools.graph.model import Node as GraphNode
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import Twist
@@ -46,6 +48,8 @@ class FakeNode:
         self.publishers: dict[str, FakePublisher] = {}
         self.subscriptions: dict[str, FakeSubscription] = {}
         self.warnings: list[str] = []
+        self.repeated: list[str] = []
+        self.publishing: tuple[str, ...] = ()
         self.heard: frozenset[str] = frozenset()
         self.overheard = False
         self.overheard_of_late = False
@@ -77,6 +81,16 @@ class FakeNode:
     def warning(self, text: str) -> None:
         """Keep it."""
         self.warnings.append(text)
+
+    def repeat(self, text: str) -> None:
+        """Keep it."""
+        self.repeated.append(text)
+
+    def graph(self) -> Graph:
+        """One topic's publishers, by their names."""
+        wheels = Endpoint("/husky0/wheel_cmd", Role.PUBLISHER)
+        nodes = (GraphNode(name, name, "here", 1, endpoints=(wheels,)) for name in self.publishing)
+        return Graph(tuple(nodes))
 
     def subscribed_topics(self) -> frozenset[str]:
         """The test's value."""
@@ -203,6 +217,46 @@ def test_a_bad_command_is_warned_of_once_until_a_good_one_comes(
     assert node.warnings == [warning] * 2
 
 
+@pytest.mark.usefixtures("bridge")
+def test_a_command_beyond_the_limits_is_warned_of_once_for_each_sender(
+    node: FakeNode, simulation: FakeSimulation, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = [100.0]
+    monkeypatch.setattr("lcmtools_sim.bridge.time.monotonic", lambda: now[0])
+    command = node.subscriptions["/husky0/wheel_cmd"].callback
+
+    for publishing in ((), ("/a",), ("/a",), ("/a", "/b")):
+        node.publishing = publishing
+        for value in (5, 0.5, 6):
+            command(efforts(value, 0))
+        now[0] += 1.0
+
+    warning = "/husky0/wheel_cmd: command reduced: effort[0] is 5, the limit 1"
+    assert node.warnings == [warning, f"{warning} (from /a or /b)"]
+    assert node.repeated == [f"{warning} (from /a)"] * 2  # it had not been announced at first
+    assert simulation.robots[0].targets == (1, 0)
+
+
+@pytest.mark.usefixtures("bridge")
+def test_what_is_wrong_with_commands_is_repeated_for_those_who_look_later(
+    node: FakeNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = [100.0]
+    monkeypatch.setattr("lcmtools_sim.bridge.time.monotonic", lambda: now[0])
+    node.publishing = ("/student",)
+    message = efforts(1, 1)
+    message.name = ["l", "r"]
+
+    for _ in range(100):
+        node.subscriptions["/husky0/wheel_cmd"].callback(message)
+        now[0] += 0.02
+
+    (warning,) = node.warnings
+    assert warning.startswith("/husky0/wheel_cmd: command ignored: unknown wheel 'l'; known names:")
+    assert warning.endswith(" (from /student)")
+    assert node.repeated == [warning] * 3
+
+
 def test_samples_go_out_on_their_topics(bridge: Bridge, node: FakeNode) -> None:
     payload = encode(Clock())
 
@@ -275,3 +329,17 @@ def test_a_clock_with_subscribers_comes_with_the_steps_alone(
     bridge.receive()
 
     assert node.publishers["/clock"].sent == []
+
+
+def test_the_clock_is_published_once_for_each_time(
+    node: FakeNode, simulation: FakeSimulation, bridge: Bridge
+) -> None:
+    simulation.time = 1
+    bridge.publish([simulation.tick()])
+    bridge.publish_clock()
+    simulation.time = 2
+    bridge.publish_clock()
+    bridge.publish_clock()
+
+    sent = [decode(Clock, payload).clock.nsec for payload in node.publishers["/clock"].sent]
+    assert sent == [1, 2]

@@ -9,7 +9,7 @@ from lcmtools.errors import ValueMismatch
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.std_msgs import String
-from lcmtools_sim.command import interpret
+from lcmtools_sim.command import interpret, out_of_range
 from lcmtools_sim.drive import body_velocity
 from lcmtools_sim.robots.husky import HUSKY
 
@@ -117,3 +117,25 @@ def test_what_cannot_be_meant_is_refused_with_the_reason(
         interpret(message, HUSKY)
 
     assert str(caught.value) == reason
+
+
+@pytest.mark.parametrize(
+    ("message", "reason"),
+    [
+        (joints(effort=[1, -1]), ""),
+        (joints(effort=[1.0000001, 0]), ""),
+        (joints(effort=[0, 5]), "effort[1] is 5, the limit 1"),
+        (joints(effort=[-1.5, 0]), "effort[0] is -1.5, the limit 1"),
+        (joints(velocity=[6, 6]), ""),
+        (joints(velocity=[50, 50]), "the speed of the wheels is 8.255 m/s, the limit 1 m/s"),
+        (
+            joints(velocity=[-50, 50]),
+            "the turn rate of the wheels is 15.43 rad/s, the limit 2 rad/s",
+        ),
+        (twist(1, -2), ""),
+        (twist(-5, 0), "linear.x is -5 m/s, the limit 1 m/s"),
+        (twist(0.5, 2.5), "angular.z is 2.5 rad/s, the limit 2 rad/s"),
+    ],
+)
+def test_what_is_beyond_the_limits_is_named(message: JointState | Twist, reason: str) -> None:
+    assert out_of_range(message, HUSKY) == reason

@@ -3,7 +3,7 @@
 import pytest
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools_sim.native import check_display
+from lcmtools_sim.engines.native import check_display
 
 
 @pytest.mark.parametrize("environment", [{}, {"DISPLAY": ""}])

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from lcmtools_sim.drive import (
     STOPPED,
     Drivetrain,
-    Encoders,
     SideSpeeds,
     body_velocity,
     dead_reckoning,
@@ -150,7 +149,7 @@ def test_noisy_encoders_read_another_speed_in_each_step_but_not_at_rest() -> Non
         drawn.append(count)
         return [1.0, 1.0]
 
-    train = Drivetrain(DRIVE, DT, Encoders(0.01, random, DT))
+    train = Drivetrain(DRIVE, DT, 0.01, random)
     for _ in range(2000):
         train.step(SideSpeeds(0.5, 0.5))
     moving = len(drawn)

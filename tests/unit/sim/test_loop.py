@@ -47,6 +47,10 @@ class Log:
         """Write it down."""
         self.lines.append(f"publish {len(samples)}")
 
+    def publish_clock(self) -> None:
+        """Write it down."""
+        self.lines.append("clock")
+
     def warn(self, text: str) -> None:
         """Write it down."""
         self.lines.append(f"warn: {text}")
@@ -136,9 +140,9 @@ def test_a_pause_ends_the_wait_for_a_slow_step() -> None:
     assert sum(slept) < 1.0
 
 
-def test_it_finds_subscribers_before_requested_steps() -> None:
+def test_it_finds_subscribers_before_requested_steps_and_publishes_the_clock_after_them() -> None:
     log = Log()
 
     Loop(Steps(log.lines), log, no_wait(), go_on=lambda: True).step(2)
 
-    assert log.lines == ["look", *["step", "publish 0"] * 2]
+    assert log.lines == ["look", *["step", "publish 0"] * 2, "clock"]

@@ -7,8 +7,9 @@ from typing import cast
 
 import pytest
 
+from lcmtools_sim.engines.engine import Appearance
+from lcmtools_sim.engines.mesh_display import MeshDisplay
 from lcmtools_sim.geometry import Quaternion, Vector, from_euler, rotate
-from lcmtools_sim.mesh_display import MeshDisplay
 from lcmtools_sim.robots.model import Mesh
 
 ROBOT, OTHER = 1, 2
@@ -36,19 +37,19 @@ class Engine:
         """The pose of the last body with a look."""
         return self.poses[self.looks[mesh.file]]
 
-    def getBasePositionAndOrientation(self, body: int, _: int) -> tuple[Vector, Quaternion]:  # noqa: N802
+    def getBasePositionAndOrientation(self, body: int) -> tuple[Vector, Quaternion]:  # noqa: N802
         """As pybullet's."""
         return self.poses[body]
 
     def resetBasePositionAndOrientation(  # noqa: N802
-        self, body: int, position: Vector, rotation: Quaternion, _: int
+        self, body: int, position: Vector, rotation: Quaternion
     ) -> None:
         """As pybullet's."""
         self.poses[body] = position, rotation
 
-    def removeBody(self, body: int, *, physicsClientId: int) -> None:  # noqa: N802, N803
+    def removeBody(self, body: int) -> None:  # noqa: N802
         """As pybullet's."""
-        del physicsClientId, self.poses[body]
+        del self.poses[body]
 
 
 @pytest.fixture
@@ -60,14 +61,14 @@ def engine() -> Engine:
 
 @pytest.fixture
 def view(engine: Engine) -> MeshDisplay:
-    return MeshDisplay(cast("ModuleType", engine), 0, engine.make)
+    return MeshDisplay(cast("ModuleType", engine), engine.make)
 
 
 def test_they_stand_where_the_robot_has_them_and_each_side_turns_by_its_own_angle(
     engine: Engine, view: MeshDisplay
 ) -> None:
     angles = SimpleNamespace(now=(0.0, 0.0))
-    view.add(ROBOT, MESHES, CENTRE, lambda: angles.now)
+    view.add(ROBOT, Appearance(MESHES, CENTRE, lambda: angles.now))
     assert engine.of(LEFT)[0] == pytest.approx((4.75, 1.3, 0.15))
     assert engine.of(RIGHT)[0] == pytest.approx((5.25, 1.3, 0.15))
 
@@ -85,7 +86,7 @@ def test_they_stand_where_the_robot_has_them_and_each_side_turns_by_its_own_angl
 def test_what_does_not_turn_keeps_its_own_rotation_on_the_robot(
     engine: Engine, view: MeshDisplay
 ) -> None:
-    view.add(ROBOT, MESHES, CENTRE, lambda: (1.0, 1.0))
+    view.add(ROBOT, Appearance(MESHES, CENTRE, lambda: (1.0, 1.0)))
 
     place, turned = engine.of(REAR_BUMPER)
 
@@ -96,7 +97,7 @@ def test_what_does_not_turn_keeps_its_own_rotation_on_the_robot(
 def test_they_go_with_their_robot_and_the_others_stay(engine: Engine, view: MeshDisplay) -> None:
     engine.poses[OTHER] = (0.0, 0.0, CENTRE), from_euler(0, 0, 0)
     for robot in (ROBOT, OTHER):
-        view.add(robot, (LEFT, RIGHT), CENTRE, lambda: (0.0, 0.0))
+        view.add(robot, Appearance((LEFT, RIGHT), CENTRE, lambda: (0.0, 0.0)))
 
     view.hide_all()
     assert engine.poses.keys() == {ROBOT, OTHER}

@@ -41,7 +41,8 @@ def test_the_number_of_times_is_exact_over_any_whole_second(rate: int, dt: float
 def test_a_rate_does_not_drift_in_a_day() -> None:
     timetable: Timetable[None] = Timetable(1 / 240)
 
-    assert timetable._step(50 * 86_400, 50) == 240 * 86_400
+    assert timetable._count(240 * 86_400, 50) == 50 * 86_400
+    assert timetable._count(240 * 86_400 - 1, 50) == 50 * 86_400 - 1
 
 
 def test_items_due_together_come_in_the_order_of_adding() -> None:

@@ -5,7 +5,7 @@ import sys
 
 SCRIPT = """
 import ctypes, os, sys
-from lcmtools_sim.native import suppressed_output
+from lcmtools_sim.engines.native import suppressed_output
 libc = ctypes.CDLL(None)
 print("before")
 with suppressed_output():

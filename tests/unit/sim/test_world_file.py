@@ -23,7 +23,7 @@ MISTAKES = {
     "gravety: 9.81": "yard.yaml:1: unknown key 'gravety' in 'world'; did you mean gravity?",
     "\nfoo: 1": (
         "yard.yaml:2: unknown key 'foo' in 'world';"
-        " known keys: node, seed, dt, gravity, ground, objects, robots"
+        " known keys: node, seed, dt, gravity, ground, objects, robots, paths"
     ),
     "seed: 1\n\nseed: 2": ("yard.yaml:3: not YAML: 'seed' is given twice; leave one of them out"),
     "objects: [&a {type: sphere, radius: 1, pose: [0, 0, 0]}, {<<: *a}]": (
@@ -116,7 +116,7 @@ HUSKY_MISTAKES = {
         "'first_angle' must be between -6.28319 and 6.28319, not 6.98132"
     ),
     "sensors: [{type: laser, angle: 1}]": (
-        "unknown key 'angle' in 'sensors[0]'; did you mean last_angle?"
+        "unknown key 'angle' in 'sensors[0]'; did you mean first_angle or last_angle?"
     ),
     "sensors: [{type: laser, shortest: 5, longest: 2}]": (
         "'shortest' (5) must be less than 'longest' (2)"

@@ -23,8 +23,8 @@ EXPECTED_NAMES = {
         TransformStamped Twist TwistStamped TwistWithCovariance TwistWithCovarianceStamped
         Vector3 Vector3Stamped Wrench WrenchStamped""",
     "lcmtools_msgs": """
-        Announcement Endpoint Parameter Parameters_Request Parameters_Response Probe ServiceReply
-        ServiceRequest Shutdown""",
+        Announcement CallbackError Endpoint Parameter Parameters_Request Parameters_Response Probe
+        ServiceReply ServiceRequest Shutdown""",
     "nav_msgs": "GridCells MapMetaData OccupancyGrid Odometry Path",
     "rosgraph_msgs": "Clock Log TopicStatistics",
     "sensor_msgs": """

@@ -3,10 +3,9 @@
 import asyncio
 import os
 import signal
-from collections.abc import Callable
 from contextlib import suppress
 from io import TextIOWrapper
-from typing import Any, ClassVar, Protocol, TextIO, cast
+from typing import Any, ClassVar, TextIO, cast
 
 from rich.text import Text
 from textual.app import App, ComposeResult
@@ -18,27 +17,12 @@ from textual.screen import ModalScreen
 from textual.widgets import Static
 
 from lcmtools.cli.ending import BY_SIGNAL, INTERRUPTED
-from lcmtools.cli.spy.columns import COLUMNS, View
-from lcmtools.cli.spy.live.detail import Detail
+from lcmtools.cli.spy.columns import COLUMNS, TableView
 from lcmtools.cli.spy.live.overview import Overview
 from lcmtools.cli.spy.live.rows import Page
 from lcmtools.observe.channels import ChannelSelection
-from lcmtools.observe.feed import Feed, Snapshot
+from lcmtools.observe.feed import Feed
 from lcmtools.observe.monitor import BusMonitor
-from lcmtools.observe.study import Study
-from lcmtools.wire.packet import Packet
-
-
-class Source(Protocol):
-    """The source of what is shown: a ``Feed``."""
-
-    @property
-    def latest(self) -> Snapshot: ...
-
-    def clear(self) -> None: ...
-
-    def follow(self, channel: str, take: Callable[[Packet], None]) -> Callable[[], None]: ...
-
 
 _HELP = f"""\
 Enter         the channel's message, decoded; there: a number's
@@ -136,10 +120,10 @@ class SpyApp(App[int]):
         Binding("ctrl+z", "suspend", "To the shell", show=False, priority=True),
     ]
 
-    def __init__(self, bus: str, source: Source, view: View) -> None:
+    def __init__(self, bus: str, feed: Feed, view: TableView) -> None:
         super().__init__(driver_class=TerminalDriver, ansi_color=True)
-        self._source = source
-        self.overview = Overview(bus, view, lambda: source.latest, self._look)
+        self._feed = feed
+        self.overview = Overview(bus, view, feed)
 
     def on_mount(self) -> None:
         self.push_screen(self.overview)
@@ -158,7 +142,7 @@ class SpyApp(App[int]):
             self.push_screen(HelpScreen())
 
     def action_clear(self) -> None:
-        self._source.clear()
+        self._feed.clear()
 
     def action_leave(self) -> None:
         self.exit(0)
@@ -171,19 +155,8 @@ class SpyApp(App[int]):
         if os.getpgrp() != os.getsid(0):
             self.action_suspend_process()
 
-    def _look(self, channel: str) -> None:
-        row = self._source.latest.row(channel)
-        study = Study(channel, row.types if row.is_announced else ())
-        self.push_screen(
-            Detail(
-                study,
-                lambda: self._source.latest.row(channel),
-                lambda study: self._source.follow(study.channel, study.take),
-            )
-        )
 
-
-def show(monitor: BusMonitor, selection: ChannelSelection, view: View) -> int:
+def show(monitor: BusMonitor, selection: ChannelSelection, view: TableView) -> int:
     """Show the live view until it is left; return the exit code."""
     feed = Feed(monitor, selection)
     app = SpyApp(str(monitor.url), feed, view)

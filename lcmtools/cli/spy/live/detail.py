@@ -19,7 +19,7 @@ from lcmtools.cli.spy.details import (
 )
 from lcmtools.cli.spy.live.rows import Cell, Cells, CurveCell, LivePage, RowTable
 from lcmtools.graph.drawing.labels import printable
-from lcmtools.observe.channels import Row
+from lcmtools.observe.feed import Feed
 from lcmtools.observe.study import Study, curve
 
 _BESIDE = 54  # characters of a number and its range, beside its curve
@@ -28,7 +28,7 @@ _USUAL = 3
 
 
 class Detail(LivePage):
-    """One channel; ``follow`` makes the study take messages, and returns what ends that."""
+    """One channel."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,q,left", "back", "Back"),
@@ -37,14 +37,13 @@ class Detail(LivePage):
         Binding("f1,h,question_mark", "app.explain", "Help"),
     ]
 
-    def __init__(
-        self, study: Study, row: Callable[[], Row], follow: Callable[[Study], Callable[[], None]]
-    ) -> None:
+    def __init__(self, channel: str, feed: Feed) -> None:
         super().__init__()
-        self.study = study
-        self._row, self._read_row, self._follow = row(), row, follow
+        self._feed = feed
+        self._row = feed.latest.row(channel)
+        self.study = Study(channel, self._announced_types())
         self._unfollow: Callable[[], None] = lambda: None
-        self._state = study.state()
+        self._state = self.study.state()
         self._lines: dict[str, DetailLine] = {}
         self.table = RowTable("message")
 
@@ -55,7 +54,7 @@ class Detail(LivePage):
         yield Footer()
 
     def on_mount(self) -> None:  # and its base's
-        self._unfollow = self._follow(self.study)
+        self._unfollow = self._feed.follow(self.study.channel, self.study.take)
         self.table.focus()
 
     def on_unmount(self) -> None:
@@ -63,13 +62,16 @@ class Detail(LivePage):
 
     def update(self) -> None:
         if not self.is_paused:
-            self._row = self._read_row()
-            self.study.announced(self._row.types if self._row.is_announced else ())
+            self._row = self._feed.latest.row(self.study.channel)
+            self.study.announced(self._announced_types())
             self._state = self.study.state()
             self.draw()
 
     def action_clear(self) -> None:
         self.study.clear()
+
+    def _announced_types(self) -> tuple[str, ...]:
+        return self._row.types if self._row.is_announced else ()
 
     def on_data_table_row_selected(self, event: DataTable.RowSelected) -> None:
         line = self._lines.get(event.row_key.value or "")

@@ -1,6 +1,5 @@
 """The table of channels on the screen, and its keys."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import ClassVar
 
@@ -11,12 +10,13 @@ from textual.screen import ModalScreen
 from textual.widgets import DataTable, Footer, Input, OptionList
 from textual.widgets.option_list import Option
 
-from lcmtools.cli.spy.columns import COLUMNS, Column, View, bandwidth_text, heading, rate_text
+from lcmtools.cli.spy.columns import COLUMNS, Column, TableView, bandwidth_text, heading, rate_text
+from lcmtools.cli.spy.live.detail import Detail
 from lcmtools.cli.spy.live.rows import Cell, Cells, LivePage, Page, RowTable
-from lcmtools.cli.spy.table import Layout, layout, natural_widths
+from lcmtools.cli.spy.table import ColumnLayout, layout, natural_widths
 from lcmtools.graph.drawing.labels import printable
 from lcmtools.observe.channels import Row
-from lcmtools.observe.feed import Snapshot
+from lcmtools.observe.feed import Feed, Snapshot
 
 _MUCH_LOSS = 0.01  # of what is sent
 _SEARCH, _FILTER = "Search", "Filter"
@@ -43,17 +43,14 @@ class Overview(LivePage):
         Binding("q", "app.leave", "Quit", show=False),
     ]
 
-    def __init__(
-        self, bus: str, view: View, latest: Callable[[], Snapshot], look: Callable[[str], None]
-    ) -> None:
+    def __init__(self, bus: str, view: TableView, feed: Feed) -> None:
         super().__init__()
         self.view = view
         self._bus = bus
-        self._latest = latest
-        self._look = look
+        self._feed = feed
         self._snapshot = Snapshot()
         self._rows: list[Row] = []
-        self._layout = Layout((), (), "")
+        self._layout = ColumnLayout((), (), "")
         self._widest: dict[str, int] = {}
         self._purpose = ""
         self.table = RowTable("table")
@@ -73,7 +70,7 @@ class Overview(LivePage):
         self.draw()
 
     def update(self) -> None:
-        latest = self._latest()
+        latest = self._feed.latest
         is_seen = self.is_active or self.app.screen.is_modal
         if latest is not self._snapshot and is_seen and (not self.is_paused or latest.is_over):
             self._snapshot = latest
@@ -125,7 +122,7 @@ class Overview(LivePage):
 
     def on_data_table_row_selected(self, event: DataTable.RowSelected) -> None:
         if self.is_active and event.row_key.value is not None:
-            self._look(event.row_key.value)
+            self.app.push_screen(Detail(event.row_key.value, self._feed))
 
     def on_data_table_header_selected(self, event: DataTable.HeaderSelected) -> None:
         self.action_sort(self._layout.columns[event.column_index].name)
@@ -137,7 +134,7 @@ class Overview(LivePage):
         self.prompt.value = text
         self.prompt.focus()
 
-    def _show(self, view: View) -> None:
+    def _show(self, view: TableView) -> None:
         self.view = view
         self.draw()
 
@@ -198,6 +195,9 @@ class Overview(LivePage):
     def _remarks(self) -> Text | None:
         if self._snapshot.trouble:
             return Text(self._snapshot.trouble, "bold red")
+        if errors := self._snapshot.callback_errors:
+            more = f" (and {len(errors) - 1} more; see lcmtools wtf)" if len(errors) > 1 else ""
+            return Text(f"{printable(errors[0])}{more}", "bold red")
         programs = self._snapshot.plain_listeners
         verb = "listens" if len(programs) == 1 else "listen"
         return Text(f"{', '.join(programs)} {verb} as no node", "dim") if programs else None

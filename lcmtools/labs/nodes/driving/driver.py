@@ -6,6 +6,7 @@ It commands at once for each key, ten times a second while the robot moves, and 
 import contextlib
 import shutil
 import sys
+import textwrap
 import time
 from abc import ABC, abstractmethod
 from typing import Protocol
@@ -22,6 +23,8 @@ STOPS = 3
 _STOP_GAP = 0.01
 _KEY_TIME = 0.02
 """Longest wait for a key [s], after which timers have their turn."""
+
+_PIPE_HELP = "Keys are also taken from a pipe: a number is a wait in seconds, # begins a comment."
 
 
 class _DrivingState(Protocol):
@@ -95,6 +98,12 @@ class Driver(Node, ABC):
         elif self._stops_to_send > 0:
             self._stops_to_send -= 1
             self.send(0.0, 0.0)
+
+
+def keys_help(help_text: str, keys: str) -> str:
+    """Return a node's help with the meaning of its keys in it."""
+    keys = textwrap.indent(f"{keys}\n\n{_PIPE_HELP}", "    ")
+    return f"{help_text.strip()}\n\nKeys:\n{keys}"
 
 
 def drive(driver: Driver) -> None:

@@ -17,13 +17,11 @@ SPEED_CHANGES = {
 }  # fmt: skip
 """By key: factors of the speed and of the turn rate."""
 MOTION_HELP = """\
-drive:   u i o      forward to the left, forward, forward to the right
-         j k l      turn left, stop, turn right
-         m , .      backward: clockwise, straight, counter-clockwise
-speed:   q / z      both 10 % more / less
-         w / x      forward speed only
-         e / c      turn rate only
-arrows drive too; any other key stops; Ctrl-C stops and ends"""
+u i o    forward left, forward, forward right     q / z   both speeds 10 % more / less
+j k l    turn left, stop, turn right              w / x   forward speed 10 % more / less
+m , .    backward: clockwise, straight,           e / c   turn rate 10 % more / less
+         counter-clockwise
+The arrows drive too; any other key stops. Capitals mean the same. Ctrl-C stops and ends."""
 
 _STEPS = {
     UP: (0.1, 0.0), DOWN: (-0.1, 0.0), LEFT: (0.0, 0.1), RIGHT: (0.0, -0.1),

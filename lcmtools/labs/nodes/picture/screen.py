@@ -1,8 +1,12 @@
-"""Pictures on a terminal's screen, which is restored; textual-image draws them."""
+"""Pictures on a terminal's screen, which is restored; textual-image draws them by its graphics."""
 
 import os
+import re
+import select
 import shutil
 import sys
+import time
+from unittest.mock import patch
 
 from rich.console import Console, ConsoleDimensions
 from rich.text import Text
@@ -12,17 +16,31 @@ from lcmtools.labs.nodes.driving.keyboard import TerminalKeys
 from lcmtools.labs.nodes.driving.keys import ESCAPE
 from lcmtools.labs.nodes.picture.colors import ColoredPicture, ColorOptions, colored, mix
 from lcmtools.labs.nodes.picture.display import Display
-from lcmtools.labs.nodes.picture.graphics import (
-    GRAPHICS,
-    CellSize,
-    HalfcellImage,
-    ImageRenderable,
-    UnicodeImage,
-    query,
-)
 from lcmtools.labs.nodes.picture.pixels import Picture
 from lcmtools.labs.nodes.terminal import Terminal, is_terminal
 
+with patch.object(sys, "__stdout__", None):
+    # With a terminal there, the import would send queries and wait for the answers for 0.1 s only:
+    # later ones, as over a network, would be taken for keys. ``_query`` below waits properly.
+    from textual_image._terminal import CellSize, get_cell_size
+    from textual_image.renderable import HalfcellImage, SixelImage, TGPImage, UnicodeImage
+    from textual_image.renderable._protocol import ImageRenderable
+
+GRAPHICS: dict[str, type[ImageRenderable]] = {
+    "blocks": HalfcellImage,
+    "sixel": SixelImage,
+    "kitty": TGPImage,
+}
+"""By the value of --graphics."""
+
+_KITTY_QUERY, _KITTY_YES = "\x1b_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\x1b\\", b"\x1b_Gi=31;OK"
+_CELL_QUERY, _CELL = "\x1b[16t", re.compile(rb"\x1b\[6;(\d+);(\d+)t")
+# Primary device attributes, which every terminal answers; 4 among them are sixels (xterm, Control
+# Sequences). Sent last: with their answer all others are there.
+_ATTRIBUTES_QUERY, _ATTRIBUTES = "\x1b[c", re.compile(rb"\x1b\[\?([0-9;]*)c")
+_SIXEL_ATTRIBUTE = b"4"
+_TIMEOUT = 0.5  # [s] for the answers, which may come over a network
+_USUAL_CELL = CellSize(8, 16)
 _OTHER_SCREEN, _OWN_SCREEN = "\x1b[?1049h\x1b[2J", "\x1b[?1049l"
 _HIDE_CURSOR, _SHOW_CURSOR = "\x1b[?25l", "\x1b[?25h"
 _HOME, _CLEAR, _CLEAR_LINE, _CLEAR_BELOW = "\x1b[H", "\x1b[2J", "\x1b[K", "\x1b[J"
@@ -61,7 +79,7 @@ class ScreenDisplay(Display):
         self._keys = TerminalKeys(self._terminal)
         self._size = _screen_size()
         self._title = ""
-        self._cell = CellSize(8, 16)
+        self._cell = _USUAL_CELL
         self._shown: Picture | str = ""
         self._drawn: ImageRenderable | None = None
 
@@ -69,7 +87,7 @@ class ScreenDisplay(Display):
         """Set up the terminal."""
         self._title = title
         self._terminal.__enter__()
-        best, self._cell = query(answers=self._has_keys)
+        best, self._cell = _query(answers=self._has_keys)
         chosen = best if self._graphics == "auto" else self._graphics
         self._drawing = GRAPHICS[chosen]
         if chosen == "blocks" and not self._has_color:
@@ -169,3 +187,50 @@ def _screen_size() -> ConsoleDimensions:
         return ConsoleDimensions(*map(max, os.get_terminal_size(sys.stdout.fileno()), (1, 1)))
     except (OSError, ValueError):
         return ConsoleDimensions(*shutil.get_terminal_size())
+
+
+def _query(*, answers: bool) -> tuple[str, CellSize]:
+    """Query the terminal at standard input and output for its graphics.
+
+    It must hand over keys one by one; what is typed meanwhile is lost.
+
+    Args:
+        answers: False for a terminal that cannot be read from: blocks are for all.
+
+    Returns:
+        The best of GRAPHICS that it has, and the size of a character [pixels].
+    """
+    answer = b""
+    if answers:
+        sys.stdout.write(f"{_KITTY_QUERY}{_CELL_QUERY}{_ATTRIBUTES_QUERY}")
+        sys.stdout.flush()
+        answer = _read_answer()
+    cell = _cell_size(answer)
+    get_cell_size._result = cell  # type: ignore[attr-defined] # noqa: SLF001 - so that it sends no query
+    return graphics_in(answer), cell
+
+
+def graphics_in(answer: bytes) -> str:
+    """Return the best graphics that a terminal's answers name."""
+    if _KITTY_YES in answer:
+        return "kitty"
+    attributes = _ATTRIBUTES.search(answer)
+    return "sixel" if attributes and _SIXEL_ATTRIBUTE in attributes[1].split(b";") else "blocks"
+
+
+def _cell_size(answer: bytes) -> CellSize:
+    if found := _CELL.search(answer):
+        return CellSize(max(1, int(found[2])), max(1, int(found[1])))
+    return _USUAL_CELL
+
+
+def _read_answer() -> bytes:
+    deadline = time.monotonic() + _TIMEOUT
+    answer = b""
+    while not _ATTRIBUTES.search(answer) and (left := deadline - time.monotonic()) > 0:
+        if select.select([sys.stdin.fileno()], [], [], left)[0]:
+            data = os.read(sys.stdin.fileno(), 4096)
+            if not data:
+                break
+            answer += data
+    return answer

@@ -4,11 +4,12 @@ import argparse
 import os
 import sys
 import time
+from collections.abc import Sequence
 
 import lcmtools
 from lcmtools import Node
 from lcmtools.errors import DecodeError, MissingExtra, NothingReceived, UsageError
-from lcmtools.labs.nodes.command_line import NodeParser, at_least, one_of
+from lcmtools.labs.nodes.command_line import NodeParser, at_least, one_of, read_command_line
 from lcmtools.labs.nodes.picture.colors import COLOR_MAPS, ColorOptions
 from lcmtools.labs.nodes.picture.display import Display, LineDisplay
 from lcmtools.labs.nodes.picture.pixels import read_picture
@@ -19,6 +20,10 @@ from lcmtools.types.sensor_msgs import CompressedImage, Image
 _TURN = 0.03
 """Longest time between two calls of the display's ``attend`` [s]."""
 _RATE, _LINES_RATE = 10.0, 1.0
+_ANSWERED = 0.3
+"""Time that nodes have to say what they publish [s]."""
+_PICTURES = {"sensor_msgs/Image", "sensor_msgs/CompressedImage"}
+_MOST = 3  # topics that a hint names
 _GRAPHICS = ("auto", "blocks", "sixel", "kitty")
 
 
@@ -40,6 +45,18 @@ def viewer_parser() -> argparse.ArgumentParser:
     return parser
 
 
+def open_viewer(args: Sequence[str] | None, help_text: str) -> "Viewer | None":
+    """Return a viewer by a node's command line; None if ``--help`` was given, and answered.
+
+    Raises:
+        UsageError: An argument is wrong, or two contradict each other.
+        MissingExtra: A package for the display is not installed.
+    """
+    help_text = f"{help_text.strip()}\n\n{_OPTIONS_HELP}"
+    options = read_command_line(args, help_text, viewer_parser())
+    return Viewer(options) if options else None
+
+
 class Viewer:
     """Shows the newest of the pictures that it takes.
 
@@ -59,12 +76,14 @@ class Viewer:
         self._timeout: float | None = options.timeout
         self._newest: Image | CompressedImage | None = None
         self._next_time = self._last_time = 0.0
+        self._is_waiting = True  # for the first one
         self.is_over = False
 
     def take(self, message: Message) -> None:
         """Have an Image or CompressedImage shown, if no newer one comes before it is due."""
         assert isinstance(message, Image | CompressedImage)
         self._newest = message
+        self._is_waiting = False
         self._last_time = time.monotonic()
 
     def run(self, node: Node, topic: str) -> None:
@@ -75,14 +94,18 @@ class Viewer:
             DecodeError: The only one that is wanted cannot be shown.
         """
         self._last_time = time.monotonic()
+        if self._is_single:
+            node.context.note = ""  # the picture is all that is wanted
         node.warn_of_unknown_parameters()
         with ended_by_signals(node):
             try:
                 self._display.open(topic)
+                node.graph()  # the first call asks the nodes, for _tell_if_unpublished
                 while lcmtools.ok() and not (self.is_over or self._display.is_over):
                     lcmtools.spin_once(node, _TURN)
                     self._display.attend()
                     self._show_if_due()
+                    self._tell_if_unpublished(node, topic)
                     self._check_time(topic)
             finally:
                 self._display.close()
@@ -102,6 +125,20 @@ class Viewer:
             return
         self._display.show(picture)
         self.is_over = self._is_single
+
+    def _tell_if_unpublished(self, node: Node, topic: str) -> None:
+        """Say it once, where no node publishes the topic, with the topics that have pictures."""
+        if not self._is_waiting or time.monotonic() - self._last_time < _ANSWERED:
+            return
+        self._is_waiting = False
+        topics = [one for one in node.graph().topics() if one.publishers]
+        if topic in [one.name for one in topics]:
+            return
+        others = [one.name for one in topics if not _PICTURES.isdisjoint(one.types)]
+        hint = (
+            f"pictures are on {', '.join(others[:_MOST])}" if others else "lcmtools list shows all"
+        )
+        self._display.show_text(f"no node publishes {topic}; {hint}")
 
     def _check_time(self, topic: str) -> None:
         waited = time.monotonic() - self._last_time
@@ -135,11 +172,6 @@ def _choose_display(options: argparse.Namespace) -> Display:
             "install the extra 'view' of lcmtools-robotics, or use --save FILE or --json",
         ) from error
     return ScreenDisplay(colors, options.graphics, is_single=options.once)
-
-
-def options_help(text: str) -> str:
-    """Return a node's help with the options of its viewer in it."""
-    return f"{text.strip()}\n\n{_OPTIONS_HELP}"
 
 
 _OPTIONS_HELP = """\

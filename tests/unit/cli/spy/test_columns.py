@@ -4,7 +4,7 @@ import pytest
 
 from lcmtools.cli.spy.columns import (
     COLUMNS,
-    View,
+    TableView,
     age_text,
     jitter_text,
     loss_text,
@@ -160,24 +160,24 @@ MIXED = (
 )
 
 
-def shown(view: View, *, steady: bool = False) -> list[str]:
+def shown(view: TableView, *, steady: bool = False) -> list[str]:
     return [row.channel for row in view.rows(MIXED, steady=steady)]
 
 
 def test_numbers_are_sorted_from_the_largest_and_what_has_none_is_last_either_way() -> None:
-    assert shown(View("rate")) == ["/d", "/b", "/c", "/a"]
-    assert shown(View("rate", inverted=True)) == ["/c", "/b", "/d", "/a"]
-    assert shown(View("messages")) == ["/c", "/b", "/a", "/d"]
+    assert shown(TableView("rate")) == ["/d", "/b", "/c", "/a"]
+    assert shown(TableView("rate", inverted=True)) == ["/c", "/b", "/d", "/a"]
+    assert shown(TableView("messages")) == ["/c", "/b", "/a", "/d"]
 
 
 def test_texts_are_sorted_from_a() -> None:
-    assert shown(View()) == ["/a", "/b", "/c", "/d"]
-    assert shown(View("type")) == ["/d", "/c", "/a", "/b"]
-    assert shown(View("channel", inverted=True)) == ["/d", "/c", "/b", "/a"]
+    assert shown(TableView()) == ["/a", "/b", "/c", "/d"]
+    assert shown(TableView("type")) == ["/d", "/c", "/a", "/b"]
+    assert shown(TableView("channel", inverted=True)) == ["/d", "/c", "/b", "/a"]
 
 
 def test_what_hardly_differs_keeps_its_place_on_the_screen() -> None:
-    assert shown(View("rate"), steady=True) == ["/b", "/d", "/c", "/a"]
+    assert shown(TableView("rate"), steady=True) == ["/b", "/d", "/c", "/a"]
 
 
 def test_a_filter_looks_at_channel_type_sender_and_listener_ignoring_case() -> None:
@@ -185,17 +185,17 @@ def test_a_filter_looks_at_channel_type_sender_and_listener_ignoring_case() -> N
         text: [r.channel for r in matching(MIXED, text)] for text in ("STD", "talk", "moni", "/b")
     }
     assert found == {"STD": ["/c", "/d"], "talk": ["/c"], "moni": ["/b"], "/b": ["/b", "/d"]}
-    assert shown(View(text="nothing has this")) == []
+    assert shown(TableView(text="nothing has this")) == []
 
 
 def test_the_same_column_again_turns_the_order_round_and_another_begins_as_usual() -> None:
-    view = View().sorted_by("rate")
+    view = TableView().sorted_by("rate")
     assert (view.column, view.inverted) == ("rate", False)
     assert view.sorted_by("rate").inverted
     assert not view.sorted_by("rate").sorted_by("loss").inverted
 
 
 def test_next_and_previous_columns_go_round() -> None:
-    assert View().moved(1).column == "type"
-    assert View().moved(-1).column == "listeners"
-    assert View("listeners").moved(1).column == "channel"
+    assert TableView().moved(1).column == "type"
+    assert TableView().moved(-1).column == "listeners"
+    assert TableView("listeners").moved(1).column == "channel"

@@ -28,7 +28,10 @@ def test_a_topic_with_one_side_and_no_message_is_left_out_and_counted(draw: Draw
     found, left = select(diagram, Selection())
     assert [channel.name for channel in found.channels] == ["/t1"]
     assert [(edge.source, edge.target) for edge in found.edges] == [("n1", "t1"), ("t1", "n2")]
-    assert left.text() == "left out: 2 topics with one side only (--leaf-topics)"
+    assert left.text() == (
+        "not drawn: 2 unused topics, without a publisher or without a subscriber"
+        " (add --leaf-topics)"
+    )
     assert shown(diagram, leaf_topics=True) == {"/a", "/b", "/t1", "/t2", "/t3"}
 
 
@@ -48,7 +51,9 @@ def test_topics_bring_along_who_uses_them_alone(draw: Draw) -> None:
 def test_clock_and_rosout_are_quiet(draw: Draw) -> None:
     diagram = draw("/a > /t > /b", changes={"/t": {"name": "/rosout", "messages": 9}})
     assert shown(diagram) == {"/a", "/b"}
-    assert select(diagram, Selection())[1].text() == "left out: /rosout (--all)"
+    assert select(diagram, Selection())[1].text() == (
+        "not drawn: /rosout, which nearly all nodes use (add --all)"
+    )
     assert "/rosout" in shown(diagram, everything=True)
     assert "/rosout" in shown(diagram, topics=("/rosout",))
 
@@ -66,7 +71,11 @@ def test_tools_and_what_only_they_hear_are_left_out(draw: Draw) -> None:
 def test_hidden_names_are_left_out(draw: Draw) -> None:
     diagram = draw("/_h > /t > /b", "/b > /_x/t > /b")
     assert shown(diagram, leaf_topics=True) == {"/b", "/t"}
-    assert select(diagram, Selection())[1].text().endswith("2 hidden names (--all)")
+    assert (
+        select(diagram, Selection())[1]
+        .text()
+        .endswith("; 2 names with a part that begins with _ (add --all)")
+    )
     assert shown(diagram, everything=True) == {"/_h", "/t", "/b", "/_x/t"}
 
 

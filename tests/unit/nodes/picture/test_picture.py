@@ -18,9 +18,8 @@ from lcmtools.labs.nodes.picture.colors import (
     sentence,
 )
 from lcmtools.labs.nodes.picture.display import numbered, values_of
-from lcmtools.labs.nodes.picture.graphics import graphics_in
 from lcmtools.labs.nodes.picture.pixels import Picture, read_picture
-from lcmtools.labs.nodes.picture.screen import ScreenDisplay
+from lcmtools.labs.nodes.picture.screen import ScreenDisplay, graphics_in
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
 WARM = ColorOptions(COLOR_MAPS["warm"])

@@ -1,0 +1,90 @@
+"""The bus, and the names on it, that the command line means."""
+
+import os
+import signal
+from typing import TYPE_CHECKING
+
+import click
+
+from lcmtools.cli.options import bus_choice
+from lcmtools.cli.output import talk
+from lcmtools.names import Pattern, Resolver, has_wildcard, resolve_namespace, spellings
+from lcmtools.settings import read_user_file, usual_namespace
+
+if TYPE_CHECKING:  # lcmtools --help and usage errors do without the bus
+    from lcmtools.bus.url import BusUrl
+    from lcmtools.graph.model import Graph
+    from lcmtools.observe.monitor import BusMonitor
+
+
+def chosen_url() -> "BusUrl":
+    """Return the bus that the command line and the environment select."""
+    from lcmtools.bus.url import choose_url
+
+    choice = bus_choice()
+    url, source = choose_url(choice.url, choice.domain, os.environ, read_user_file(os.environ))
+    if choice.domain and source != "--domain":
+        talk(f"lcmtools: --domain {choice.domain} has no effect: {source} wins")
+    return url
+
+
+def open_monitor(tool: str, *, whole: bool = False, plays: bool = False) -> "BusMonitor":
+    """Open the bus or the log that the command line selects, for the command ``tool``.
+
+    Large messages come as a whole, or only their heads; a log is played at its own speed, or read
+    at once. A request to shut down ends the command as SIGTERM does.
+    """
+    from lcmtools.observe.monitor import BusMonitor
+
+    return BusMonitor(
+        chosen_url(),
+        tool,
+        os.environ,
+        whole=whole,
+        plays=plays,
+        on_outage=lambda text: talk(f"lcmtools {tool}: {text}"),
+        on_shutdown=lambda: signal.raise_signal(signal.SIGTERM),
+    )
+
+
+def look(tool: str, *, foreign: bool = False) -> "tuple[Graph, BusUrl]":
+    """Return the graph of the bus that the command line selects, and which bus it is.
+
+    ``foreign``: wait for programs that are no nodes, too.
+    """
+    with open_monitor(tool) as monitor:
+        return monitor.settle(foreign=foreign), monitor.url
+
+
+def notify(text: str) -> None:
+    """Tell the person something in the name of the command that runs."""
+    talk(f"{click.get_current_context().command_path}: {text}")
+
+
+def looking_names() -> Resolver:
+    """The names of a command that looks: its namespace and its remaps."""
+    said = bus_choice().names
+    namespace = usual_namespace(os.environ) if said.namespace is None else said.namespace
+    return Resolver(resolve_namespace(namespace), remaps=tuple(said.remaps))
+
+
+def looking_pattern(text: str, *, hidden: bool) -> Pattern:
+    """A topic, namespace or pattern as a looking command reads it."""
+    names = looking_names()
+    word = text if has_wildcard(text) else in_names(text)
+    return Pattern(word, names.namespace, hidden=hidden)
+
+
+def in_names(word: str) -> str:
+    """A node, service, namespace or pattern as the command line's own ``--ns`` and remaps have it.
+
+    Where neither is given the word stays as it is, for it may be a name's last part or a pid.
+    """
+    said, names = bus_choice().names, looking_names()
+    if not word or not (said.namespace or said.remaps):
+        return word
+    found = names.spellings(word)[-1]
+    if said.namespace and has_wildcard(word) and not word.startswith("/"):
+        return f"{names.namespace.rstrip('/')}/{word}"
+    is_remapped = found != spellings(word, names.namespace)[-1]
+    return found if said.namespace or is_remapped else word

@@ -1,0 +1,139 @@
+"""Commands of ROS and catkin that are typed behind ``lcmtools``, and what takes their place.
+
+Imported only where a command is unknown.
+"""
+
+import shlex
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from lcmtools.cli.output import talk
+from lcmtools.errors import UsageError
+from lcmtools.names import did_you_mean
+
+_NO_BUILD = "lcmtools run NODE starts a node as it is; lcmtools pkg build checks its messages"
+_RECORD = "lcm-logger FILE records, lcm-logplayer FILE plays, lcmtools echo -b FILE --all prints"
+_LOOK = "lcmtools run sim --gui shows the world, run image_view a camera's images, spy all topics"
+_PANELS = "lcmtools spy shows and plots topics, graph draws nodes, run image_view shows a camera"
+_NOT_MESSAGES = ("roscpp", "rospy", "rclcpp", "rclpy", "message_generation", "message_runtime")
+
+
+def _create_package(words: Sequence[str]) -> list[str]:
+    """As catkin_create_pkg NAME roscpp rospy std_msgs: of the dependencies those with messages."""
+    from lcmtools.messages.registry import packages
+
+    name, *others = [word for word in words if not word.startswith("-")] or [""]
+    known = [word for word in others if word in packages()]
+    if unknown := [word for word in others if word not in (*known, *_NOT_MESSAGES)]:
+        talk(f"lcmtools pkg create: no messages in {', '.join(unknown)}, which is left out")
+    return ["pkg", "create", *([name] if name else []), *(["--deps", *known] if known else [])]
+
+
+def _build(words: Sequence[str]) -> list[str]:
+    """As catkin build NAME, catkin_make: options of compilers have no use."""
+    names = [word for word in words if word[:1].isalpha()]
+    return ["pkg", "build", *names[:1]]
+
+
+def _catkin(words: Sequence[str]) -> list[str]:
+    verb, rest = words[0] if words else "", words[1:]
+    if verb == "build":
+        return _build(rest)
+    if verb == "create":  # catkin create pkg NAME
+        return _create_package(rest[1:])
+    raise UsageError(f"a workspace needs no catkin {verb}".rstrip(), _NO_BUILD)
+
+
+def _run(words: Sequence[str]) -> list[str]:
+    """As rosrun PACKAGE NODE; a package that is not there may be ROS's own with a node of ours."""
+    from lcmtools.packages.nodes import OWN, runnables
+
+    known = runnables(Path.cwd())
+    own = {node.name for node in known if node.package == OWN}
+    packages = {node.package for node in known}
+    is_own = len(words) > 1 and words[0] not in packages and words[1] in own
+    return ["run", *words[is_own:]]
+
+
+def _image_view(words: Sequence[str]) -> list[str]:
+    return ["run", "image_view", *(w if ":=" in w else f"image:={w}" for w in words)]
+
+
+Instead = str | tuple[str, ...] | Callable[[Sequence[str]], list[str]]
+"""A hint where there is no such command; or the words in its place, or a function of the rest."""
+
+_INSTEAD: Mapping[str, Instead] = {
+    "bag": _RECORD,
+    "catkin": _catkin,
+    "catkin_create_pkg": _create_package,
+    "catkin_init_workspace": _NO_BUILD,
+    "catkin_make": _build,
+    "catkin_make_isolated": _build,
+    "colcon": lambda words: _build(words[1:]),
+    "gazebo": _LOOK,
+    "gzclient": _LOOK,
+    "gzserver": "lcmtools run sim starts the simulator",
+    "image_view": _image_view,
+    "param delete": "a node has its parameters for as long as it runs; param set gives one another"
+    " value",
+    "ros2": lambda words: list(words) or ["help"],
+    "rosbag": _RECORD,
+    "roscd": 'cd "$(lcmtools pkg find NAME)"',
+    "rosclean": "each launch keeps its logs in ~/.local/state/lcmtools/log",
+    "roscore": "LCM has no master: start the nodes, for example lcmtools run sim",
+    "rosdep": "a package's Python dependencies are in its pyproject.toml; pip installs them",
+    "roslaunch": ("launch",),
+    "rosmaster": "LCM has no master: start the nodes, for example lcmtools run sim",
+    "rosmsg": ("msg",),
+    "rosnode": ("node",),
+    "rospack": ("pkg",),
+    "rosparam": ("param",),
+    "rosrun": _run,
+    "rosservice": ("service",),
+    "rossrv": ("srv",),
+    "rostest": "pytest runs a package's tests; lcmtools lab check checks the programs of a lab",
+    "rostopic": ("topic",),
+    "rosversion": "lcmtools --version",
+    "roswtf": ("wtf",),
+    "rqt": _PANELS,
+    "rqt_bag": _RECORD,
+    "rqt_console": ("echo", "/rosout"),
+    "rqt_graph": ("graph",),
+    "rqt_gui": _PANELS,
+    "rqt_image_view": _image_view,
+    "rqt_plot": "lcmtools spy: Enter on a topic, then Enter on a number shows its curve",
+    "rqt_reconfigure": "lcmtools param list -v shows the parameters, param set changes one",
+    "rqt_robot_steering": "lcmtools run steering TOPIC",
+    "rqt_topic": ("spy",),
+    "rviz": _LOOK,
+    "rviz2": _LOOK,
+    "service uri": "lcmtools service info NAME shows the node, its host and its process",
+    "source": "nothing is to be sourced: lcmtools finds packages from the folder that you are in",
+    "teleop_twist_keyboard": ("run", "teleop"),
+    "tf_echo": "lcmtools echo /tf",
+    "turtlesim": "lcmtools run sim starts a simulated robot, lcmtools lab list shows the labs",
+}
+_PREFIXES = ("ament", "catkin", "colcon", "gz", "ros", "rqt", "rviz", "tf2_")
+
+
+def instead(group: str, words: Sequence[str]) -> list[str]:
+    """Return the words that take the place of a command of ROS; none for what is no such command.
+
+    Args:
+        group: The group that it is typed in, such as "param"; "" for ``lcmtools`` itself.
+        words: The command and its arguments.
+
+    Raises:
+        UsageError: There is no such command here; with what takes its place.
+    """
+    name, *rest = words
+    found = _INSTEAD.get(f"{group} {name}".strip())
+    if found is None:
+        if group or not name.startswith(_PREFIXES):
+            return []
+        found = did_you_mean(name, _INSTEAD) or "lcmtools --help lists the commands"
+    if isinstance(found, str):
+        raise UsageError(f"no such command '{name}'", found)
+    replaced = [*found, *rest] if isinstance(found, tuple) else found(rest)
+    talk(f"{name} is here: lcmtools {shlex.join(replaced)}")
+    return replaced

@@ -1,0 +1,57 @@
+"""The publishers that earlier looks of ``wtf --watch`` have seen. Evidence in, evidence out."""
+
+from collections import deque
+from dataclasses import replace
+from itertools import pairwise
+
+from lcmtools.doctor.evidence import Evidence, Publication, Stream
+from lcmtools.names import is_hidden
+from lcmtools.wire.packet import Sender
+
+_KEPT, _LATEST = 200, 20  # times of arrival
+_ENOUGH, _SPAN = 5, 900_000_000  # times, and [ns] between them, that tell a rate
+_UNKNOWN = 60.0  # [s] that a sender is remembered whose process is not known
+
+_Key = tuple[str, Sender | None]
+
+
+class Memory:
+    """The publishers of earlier looks, with the fastest rates that they had."""
+
+    def __init__(self) -> None:
+        self._times: dict[_Key, deque[int]] = {}
+        self._known: dict[_Key, Publication] = {}
+
+    def recall(self, evidence: Evidence) -> Evidence:
+        """Return the evidence with the publishers that are remembered and have not ended."""
+        running = {process.pid for process in evidence.processes}
+        running |= {listener.pid for listener in evidence.listeners if listener.pid}
+        running |= {node.pid for node in evidence.own_nodes() if not node.stale}
+        nodes = {node.name for node in evidence.graph.nodes if not node.stale}
+        ended = {(one.channel, one.sender) for one in evidence.streams if one.has_ended}
+
+        def is_there(one: Publication) -> bool:
+            age = (evidence.graph.time - one.last_time) / 1e9
+            is_known = one.pid in running if one.pid else one.name in nodes or age < _UNKNOWN
+            return is_known and (one.topic, one.sender) not in ended
+
+        self._known = {key: one for key, one in self._known.items() if is_there(one)}
+        self._times = {key: times for key, times in self._times.items() if key not in ended}
+        return replace(evidence, remembered=tuple(self._known.values()))
+
+    def learn(self, evidence: Evidence) -> None:
+        """Remember the publishers of a look."""
+        for stream in evidence.streams:
+            if not (is_hidden(stream.channel) or stream.has_ended):
+                self._learn(stream)
+
+    def _learn(self, stream: Stream) -> None:
+        key = stream.channel, stream.sender
+        times = self._times.setdefault(key, deque(maxlen=_KEPT))
+        times.extend(stream.times[-_KEPT:])
+        span = times[-1] - times[0] if times else 0
+        if len(times) >= _ENOUGH and span >= _SPAN:
+            before = self._known[key].rate if key in self._known else 0.0
+            rate = max(before, (len(times) - 1) * 1e9 / span)
+            gap = max(b - a for a, b in pairwise(list(times)[-_LATEST:])) / 1e9
+            self._known[key] = Publication(*key, stream.name, stream.pid, rate, gap, times[-1])

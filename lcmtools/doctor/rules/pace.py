@@ -1,0 +1,260 @@
+"""Rules about the pace of publishers: silent, slower than they were, irregular."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from statistics import median
+
+from lcmtools.doctor.evidence import Evidence, Stream
+from lcmtools.doctor.findings import Finding, Observed, Severity, Statement, found, rule, state
+from lcmtools.doctor.rules.callbacks import busy_nodes
+from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.names import is_hidden
+from lcmtools.observe.counters import average_rate
+
+SHARED = frozenset({"/rosout", "/tf", "/tf_static", "/diagnostics"})
+"""Topics that are meant for many publishers."""
+_STOPPED = frozenset({"T", "t"})
+_SILENCE = 3.0  # [s]
+_PERIODS = 10  # without a message are silence
+_ENOUGH = 10  # messages to speak of a usual rate
+_SURE = 8  # messages that should have come, to say that a rate has fallen
+_FALLEN = 0.5
+_LATE = 3  # periods without a message are a reason to look longer
+_BURSTS = 3.0  # [s] between two bursts that are no silence
+_LONGEST = 5.0  # [s] of a look that goes on to be sure
+_AGE = 5.0  # [s] of a process whose average rate means something
+_UNEVEN = 8  # times the usual interval
+_BLAME = 0.6  # of a gap: a program that waited so long for a processor is not to blame for it
+_SHORTEST = 0.1  # [s] an interval that is worth reporting
+
+
+@dataclass(frozen=True, slots=True)
+class _Pace:
+    """A publisher's messages during the look, beside its usual rate."""
+
+    fact: str  # the kind of the fact that tells of it
+    publisher: Observed
+    name: str  # of the publisher, for people
+    topic: str  # "" for all of them together
+    usual: float  # [Hz]
+    sent: int  # messages
+    span: float  # [s] in which they were sent
+    age: float | None = None  # [s] of the newest message; None where not known
+    gap: float = 0.0  # [s] the longest between the messages before it
+
+    @property
+    def expected(self) -> float:
+        """The messages that should have come."""
+        return self.usual * self.span
+
+    @property
+    def has_fallen(self) -> bool:
+        return self.sent < _FALLEN * self.expected
+
+    @property
+    def rate(self) -> float:
+        """The rate now [Hz]; where no message came, the fastest that it may be."""
+        return self.sent / self.span if self.sent else 1 / max(self.span, self.age or 0.0)
+
+    def doubt(self) -> float:
+        """The duration of a look [s] that would show whether the rate has fallen; 0 for no doubt.
+
+        One or two messages less than expected are no reason to look longer.
+        """
+        is_late = self.age is not None and self.age > max(_LATE / self.usual, 0.5)
+        is_suspicious = is_late or (self.has_fallen and self.expected >= _LATE)
+        lasts = 1.5 * _SURE / self.usual
+        return lasts if is_suspicious and self.expected < _SURE and lasts <= _LONGEST else 0.0
+
+
+@rule("silent", "check the node's log, and that its inputs still arrive")
+def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
+    """Publishers that published often still do.
+
+    By their own counters, by the traffic during the look, and with --watch by earlier looks. Many
+    have a reason: no commands, or no subscribers.
+    """
+    facts: dict[tuple[str, str], Statement] = {}  # each publisher once, by the surest evidence
+    for kind, by, name, topic, age, rate in _silent(evidence):
+        fact = state(kind, publisher=by, topic=topic, seconds=age, rate=rate)
+        facts.setdefault((name, topic), fact)
+    yield from found("silent", facts.values(), severity=Severity.NOTE)
+    yield from _stopped(evidence)
+
+
+def _silent(evidence: Evidence) -> Iterator[tuple[str, Observed, str, str, float, float]]:
+    """Of each silence: kind of fact, publisher, its name, topic, duration [s], rate before [Hz]."""
+    for node, endpoint in _subscribed_publications(evidence):
+        rate = average_rate(node, endpoint)
+        age = (evidence.graph.time - endpoint.last_time) / 1e9
+        if endpoint.messages >= _ENOUGH and rate and age > max(_SILENCE, _PERIODS / rate):
+            yield "silent-node", node, node.name, endpoint.topic, age, rate
+    for stream in _wanted_streams(evidence):
+        interval = usual_interval(stream)
+        # of what wtf itself was too slow for, or had to leave out, the last time is not known
+        if interval and not (stream.is_cut or stream.has_ended or evidence.own_drops):
+            age = (evidence.graph.time - stream.times[-1]) / 1e9
+            is_late = age * _BLAME > evidence.processor_wait
+            gap = max(later - earlier for earlier, later in pairwise(stream.times)) / 1e9
+            if is_late and age > max(_PERIODS * interval, _LATE * gap, 0.5):
+                yield "silent-stream", stream, stream.name, stream.channel, age, 1 / interval
+    for pace in _remembered(evidence):
+        if pace.age is not None and pace.age > max(_PERIODS / pace.usual, _LATE * pace.gap, 0.5):
+            yield "silent-stream", pace.publisher, pace.name, pace.topic, pace.age, pace.usual
+
+
+def _stopped(evidence: Evidence) -> Iterator[Finding]:
+    # of nodes and listeners other rules report it
+    nodes = {node.pid for node in evidence.own_nodes()} | {x.pid for x in evidence.listeners}
+    stopped = [
+        process
+        for process in evidence.processes
+        if process.state in _STOPPED and not (process.bus or process.pid in nodes)
+    ]
+    remedies = (state("wake-or-end", pid=one.pid) for one in stopped)
+    facts = (state("process", process=one) for one in stopped)
+    return found("stopped-programs", facts, *remedies)
+
+
+@rule(
+    "slow-rate",
+    "see what the node or its computer is busy with: lcmtools node info, top",
+    Severity.NOTE,
+)
+def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
+    """Publishers are as fast as they were.
+
+    Nodes count their messages, LCM numbers those of other programs: both give the average rate
+    since the start. With --watch the rates of earlier looks count, too.
+    """
+    silent = {(name, topic) for _, _, name, topic, _, _ in _silent(evidence)}
+    facts: dict[tuple[str, str], Statement] = {}
+    for pace in _paces(evidence):
+        key = pace.name, pace.topic
+        if pace.has_fallen and pace.expected >= _SURE and key not in silent:
+            by, about = pace.publisher, {"topic": pace.topic} if pace.topic else {}
+            parts = {"node": by} if isinstance(by, Node) else {"sender": by}
+            fact = state(pace.fact, **parts, **about, rate=pace.rate, usual=pace.usual)
+            facts.setdefault(key, fact)
+    return found("slow-rate", facts.values())
+
+
+def doubt(evidence: Evidence) -> float:
+    """The duration of a look [s] that would show which rates have fallen; 0 for no doubt.
+
+    What has just stopped may come in bursts.
+    """
+    stops = any(isinstance(by, Stream) for _, by, *_ in _silent(evidence))
+    return max(_BURSTS if stops else 0.0, *(pace.doubt() for pace in _paces(evidence)), 0.0)
+
+
+@rule(
+    "irregular",
+    "lcmtools hz TOPIC shows the intervals; find the call that blocks the node",
+    Severity.NOTE,
+)
+def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
+    """Frequent messages come evenly: a gap may be a callback that blocks, or a busy computer."""
+    facts = []
+    for stream in _wanted_streams(evidence):
+        interval = usual_interval(stream)
+        if interval and len(stream.times) >= 2 * _ENOUGH and not is_hidden(stream.channel):
+            longest = max(later - earlier for earlier, later in pairwise(stream.times)) / 1e9
+            # a program that had to wait for a processor is not to blame
+            is_late = longest * _BLAME > evidence.processor_wait
+            if is_late and longest > max(_SHORTEST, _UNEVEN * interval):
+                times = {"longest": longest, "usual": interval}
+                facts.append(state("gap", sender=stream, topic=stream.channel, **times))
+    return found("irregular", facts)
+
+
+def usual_interval(stream: Stream) -> float | None:
+    """The median interval between the messages of a stream [s]; None where there are few."""
+    if len(stream.times) < 5 or is_hidden(stream.channel):  # noqa: PLR2004 - too few
+        return None
+    return median(later - earlier for earlier, later in pairwise(stream.times)) / 1e9 or None
+
+
+def _paces(evidence: Evidence) -> Iterator[_Pace]:
+    """The publishers whose usual rate is known, whatever it is known by."""
+    yield from _remembered(evidence)
+    before = {
+        (node.id, endpoint.topic): (node, endpoint)
+        for node in evidence.before.nodes
+        for endpoint in node.having(Role.PUBLISHER)
+    }
+    for node, endpoint in _subscribed_publications(evidence):
+        was, earlier = before.get((node.id, endpoint.topic), (node, endpoint))
+        usual = average_rate(was, earlier) if earlier.messages >= _ENOUGH else None
+        span = (node.sent - was.sent) / 1e9 if was.sent < node.sent else evidence.listened
+        if usual and span and earlier is not endpoint:
+            sent, age = endpoint.messages - earlier.messages, node.time_there(evidence.graph.time)
+            age_s = (age - endpoint.last_time) / 1e9
+            yield _Pace("slower", node, node.name, endpoint.topic, usual, sent, span, age_s)
+    nodes = {sender for node in evidence.graph.nodes for sender in node.senders()}
+    for one in evidence.senders:
+        if one.average_rate and one.process_age > _AGE and one.sender not in nodes:
+            sent = one.messages + one.lost
+            yield _Pace(
+                "slower-program", one, one.name, "", one.average_rate, sent, evidence.listened
+            )
+
+
+def _remembered(evidence: Evidence) -> Iterator[_Pace]:
+    """The publishers that earlier looks of --watch have seen."""
+    streams = {(stream.channel, stream.sender): stream for stream in evidence.streams}
+    wanted, excused = _wanted_topics(evidence), _resting(evidence) | busy_nodes(evidence)
+    excused |= {node.name for node in evidence.graph.nodes if node.stale}
+    stopped = {process.pid for process in evidence.processes if process.state in _STOPPED}
+    for one in evidence.remembered:
+        if one.name not in excused and one.pid not in stopped and wanted(one.topic):
+            stream = streams.get((one.topic, one.sender))
+            times = stream.times if stream else ()
+            age = (evidence.graph.time - (times[-1] if times else one.last_time)) / 1e9
+            gap = max(one.gap, (times[0] - one.last_time) / 1e9) if times else one.gap
+            if not (stream and stream.is_cut) and not evidence.own_drops:
+                seen = len(times), evidence.listened, age, gap
+                yield _Pace("slower-stream", one, one.name, one.topic, one.rate, *seen)
+
+
+def _resting(evidence: Evidence) -> set[str]:
+    """The names of simulators that publish no time now, and so no measurements."""
+    ticking = {s.name for s in evidence.streams if s.channel == "/clock"}
+    clocks = {node.name for node, _ in evidence.graph.topic("/clock").publishers}
+    return clocks - ticking
+
+
+def _subscribed_publications(evidence: Evidence) -> Iterator[tuple[Node, Endpoint]]:
+    """The publications of nodes that have subscribers, but for simulators that rest."""
+    taken = {
+        endpoint.topic
+        for node in evidence.graph.nodes
+        if not node.stale
+        for endpoint in node.having(Role.SUBSCRIBER)
+    }
+    resting = _resting(evidence)
+    for node in evidence.graph.nodes:
+        for endpoint in node.having(Role.PUBLISHER):
+            usual = not is_hidden(endpoint.topic) and endpoint.topic not in SHARED
+            is_silent_on_purpose = node.name in resting or node.stale or node.tool
+            if usual and endpoint.topic in taken and not is_silent_on_purpose:
+                yield node, endpoint
+
+
+def _wanted_topics(evidence: Evidence) -> Callable[[str], bool]:
+    """Return a function that tells topics whose publishers have a reason to publish.
+
+    Nodes without subscribers may rest as they like: a simulator measures for them while anything
+    listens to all topics, as wtf does.
+    """
+    ends = [(e, node) for node in evidence.graph.nodes if not node.stale for e in node.endpoints]
+    published = {e.topic for e, _ in ends if e.role is Role.PUBLISHER}
+    subscribed = {e.topic for e, node in ends if e.role is Role.SUBSCRIBER and not node.tool}
+    return lambda topic: topic in subscribed or topic not in published
+
+
+def _wanted_streams(evidence: Evidence) -> list[Stream]:
+    """The streams of publishers that have a reason to publish."""
+    wanted, busy = _wanted_topics(evidence), busy_nodes(evidence)  # reported by another rule
+    return [s for s in evidence.streams if wanted(s.channel) and s.name not in busy]

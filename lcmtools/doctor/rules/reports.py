@@ -1,0 +1,69 @@
+"""Rules about what nodes report themselves: exceptions of their callbacks, and their logs."""
+
+from collections.abc import Iterator
+
+from lcmtools.doctor.evidence import Evidence, LogLine
+from lcmtools.doctor.findings import Finding, Severity, Subject, found, rule, state
+from lcmtools.graph.model import CallbackError, Node
+
+_RECENT = 10.0  # [s]
+
+
+@rule("callback-errors", "correct the line that is named, and start the node again", Severity.ERROR)
+def callbacks_do_not_raise(evidence: Evidence) -> Iterator[Finding]:
+    """Callbacks raise no exceptions.
+
+    A node goes on after one, but leaves out the rest of the callback, such as its answer to a
+    message. A warning where the last one is some time ago.
+    """
+    pairs = [
+        (node, error)
+        for node in evidence.graph.nodes
+        if not (node.tool or node.stale)
+        for error in node.errors
+    ]
+    for severity in (Severity.ERROR, Severity.WARNING):
+        chosen = [
+            (node, error)
+            for node, error in pairs
+            if (_age(evidence, node, error) < _RECENT) == (severity is Severity.ERROR)
+        ]
+        facts = (
+            state(
+                "raised",
+                node=node,
+                exception=error.exception,
+                count=error.count,
+                place=error.place,
+                message=error.message,
+                callback=error.callback,
+            )
+            for node, error in chosen
+        )
+        remedies = (state("correct", node=node, place=error.place) for node, error in chosen)
+        yield from found("callback-errors", facts, *remedies, severity=severity)
+
+
+@rule("logged", "read the whole log: lcmtools echo /rosout")
+def nodes_log_no_errors(evidence: Evidence) -> Iterator[Finding]:
+    """Nodes log neither warnings nor errors on /rosout during the look.
+
+    A simulator, for example, warns of wheels that it does not have. Exceptions of callbacks, which
+    are logged too, are reported by another rule.
+    """
+    raising = {node.name: node.errors for node in evidence.graph.nodes if node.errors}
+    facts = [
+        state("logged", node=Subject("node", line.node), **_words(line))
+        for line in evidence.logs
+        if not any(error.exception in line.text for error in raising.get(line.node, ()))
+    ]
+    return found("logged", facts, "read-log")
+
+
+def _age(evidence: Evidence, node: Node, error: CallbackError) -> float:
+    """The time since an exception, by its own computer's clock [s]."""
+    return (node.time_there(evidence.graph.time) - error.last_time) / 1e9
+
+
+def _words(line: LogLine) -> dict[str, str | int]:
+    return {"level": line.level, "text": line.text, "messages": line.count}

@@ -1,0 +1,102 @@
+"""A look at the check's own bus: what it shows of the program under check, and what wtf finds.
+
+Only findings about this program are of use to a person, with the remedies at its own end, and no
+command: from another terminal it would look at another bus.
+"""
+
+import os
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+from lcmtools.bus.url import parse_url
+from lcmtools.doctor.collect import collect
+from lcmtools.doctor.evidence import Evidence
+from lcmtools.doctor.findings import Finding, Severity, Statement
+from lcmtools.doctor.rules import examine
+from lcmtools.doctor.words import describe
+from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.labs.checks.observations import BusLook, Failure, Wire
+
+_LISTEN = 1.0  # [s]
+_OF_PACE = ("queue-drops", "kernel-drops", "slow-callbacks", "irregular", "slow-rate", "loss")
+"""Rules that judge a pace: here the simulator is faster than real time."""
+
+
+def look_at_bus(url: str, group: int) -> BusLook:
+    """Look at a bus for a second, for the programs of one process group."""
+    return program_on(collect(parse_url(url), os.environ, _LISTEN), group)
+
+
+def program_on(evidence: Evidence, group: int) -> BusLook:
+    """Return what evidence shows of the programs of one process group."""
+    nodes = [node for node in evidence.graph.nodes if _is_of(node.pid, group)]
+    names = {node.name for node in nodes}
+    ends = [end for node in nodes for end in node.endpoints]
+    publications = [_wire(end) for end in ends if end.role is Role.PUBLISHER]
+    announced = {wire.topic for wire in publications}
+    publications += [
+        Wire(stream.channel, messages=len(stream.times))
+        for stream in evidence.streams
+        if stream.pid and _is_of(stream.pid, group) and stream.channel not in announced
+    ]
+    return BusLook(
+        nodes=sorted(names),
+        publications=[wire for wire in publications if not _is_own_affair(wire.topic)],
+        subscriptions=[
+            _wire(end)
+            for end in ends
+            if end.role is Role.SUBSCRIBER and not _is_own_affair(end.topic)
+        ],
+        runs_callbacks=any(node.busy > 0 for node in nodes) or any(end.calls for end in ends),
+        failures=[
+            Failure(one.exception, one.message, one.place, one.count, one.callback)
+            for node in nodes
+            for one in node.errors
+        ],
+        findings=list(_texts(examine(evidence), nodes, group)),
+    )
+
+
+def _is_of(pid: int, group: int) -> bool:
+    try:
+        return os.getpgid(pid) == group
+    except OSError:  # it has ended
+        return False
+
+
+def _is_own_affair(topic: str) -> bool:
+    """Return True for what every node has."""
+    return topic in ("/rosout", "/clock") or "/_" in topic
+
+
+def _wire(end: Endpoint) -> Wire:
+    return Wire(end.topic, end.type, end.messages, end.calls, end.longest / 1e9)
+
+
+def _texts(findings: Iterable[Finding], nodes: Iterable[Node], group: int) -> Iterator[str]:
+    """Return the findings about these nodes, each in one line with its remedies."""
+    names = {node.name for node in nodes}
+
+    def is_about(statement: Statement) -> bool:
+        return any(
+            one.name in names or (one.pid is not None and _is_of(one.pid, group))
+            for one in statement.subjects()
+        )
+
+    def is_at_this_end(remedy: Statement) -> bool:
+        others = {one.name for one in remedy.subjects() if one.kind in ("node", "process")}
+        return others <= names
+
+    for finding in findings:
+        facts = tuple(fact for fact in finding.facts if is_about(fact))
+        if (
+            finding.severity is Severity.NOTE
+            or finding.rule in _OF_PACE
+            or not (facts or is_about(finding.title))
+        ):
+            continue
+        remedies = tuple(filter(is_at_this_end, finding.remedies))
+        words = describe(replace(finding, facts=facts, remedies=remedies))
+        items = ", ".join(item.strip(" *") for item in words.items).replace(":,", ":")
+        wanted = [text for text in words.remedies if "lcmtools " not in text]
+        yield " -> ".join((f"{words.title} {items}".strip(), *wanted))

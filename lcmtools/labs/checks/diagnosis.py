@@ -1,0 +1,188 @@
+"""Diagnosis: from what was observed of a program to the cause of a row that is not ok.
+
+Pure functions of the record. What is common to all labs is here; a lab's own values are judged
+beside its checks.
+"""
+
+import math
+import signal
+from collections.abc import Mapping, Sequence
+
+from lcmtools.doctor.renaming import are_near
+from lcmtools.labs.checks.observations import BusLook, Observations, last_failure, last_words
+from lcmtools.labs.checks.results import Cause, CheckResult
+from lcmtools.messages.registry import Message
+from lcmtools.names import base_name_of, namespace_of
+from lcmtools.types.geometry_msgs import Twist
+
+DIED = "died"
+SILENT = "silent"
+SAME = "same"
+"""Keys of rows: the program has ended; nothing came of it; the row before is the cause."""
+
+_LONG_CALL = 1.0  # [s]
+_SMALL = 1e-6
+_NO_SPIN = "does it call lcmtools.spin(node), or often spin_once?"
+
+
+def cause_of(result: CheckResult, observed: Observations) -> Cause:
+    """Return the cause of a row that is not ok."""
+    given = Cause(result.cause or result.what, result.hint)
+    if result.cause == DIED or (observed.code not in (None, 0)):
+        return died(observed)
+    found = raised(observed) or ignored(observed)
+    if not found and result.cause == SILENT:
+        found = disconnected(observed, result.hint)
+    return found or given
+
+
+def died(observed: Observations) -> Cause:
+    """Return the cause of a program that has ended while it was needed."""
+    words = last_words(observed.printed) or "it printed nothing"
+    code = observed.code or 0
+    how = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}"
+    end = "; a node runs as long as it spins: lcmtools.spin(node)" if code == 0 else ""
+    return Cause(DIED, f"the program died: it {how}: {words}{end}")
+
+
+def raised(observed: Observations) -> Cause | None:
+    """Return the exception that its callbacks raise, if they do."""
+    failures = list(observed.look.failures) if observed.look else []
+    if not failures and (printed := last_failure(observed.printed)):
+        failures = [printed]
+    if not failures:
+        return None
+    failure = max(failures, key=lambda one: one.count)
+    times = f" {failure.count} times" if failure.count > 1 else ""
+    where = f"its callback of {failure.callback}" if failure.callback else "it"
+    return Cause("raised", f"{where} raised{times} {failure}")
+
+
+def ignored(observed: Observations) -> Cause | None:
+    """Return why the simulator ignores its commands, if it does."""
+    for text in observed.warnings:
+        topic, found, reason = text.partition(": command ignored: ")
+        if found:
+            return Cause("ignored", f"the robot ignores its commands on {topic}: {reason}")
+    return None
+
+
+def disconnected(observed: Observations, hint: str = "") -> Cause | None:
+    """Return why nothing comes of a program that runs, as far as the bus shows it; else a hint."""
+    look, program = observed.look, observed.program
+    if look is None:
+        return None
+    if not (look.nodes or look.publications):
+        text = "nothing of it is on the check's bus, no node and no message: does it make its node,"
+        return Cause("no-node", f"{text} and take the bus from LCM_DEFAULT_URL?")
+    wrong = _elsewhere(look, program.publishes, program.types)
+    wrong = wrong or _not_subscribed(look, program.subscribes)
+    if wrong or program.has_keys:
+        return wrong
+    return _not_running(look) or _not_publishing(look, program.publishes, hint)
+
+
+def _elsewhere(look: BusLook, wanted: Sequence[str], types: Sequence[str]) -> Cause | None:
+    """Return the wrong topic or type that it publishes."""
+    if not wanted:
+        return None
+    here = [wire for wire in look.publications if wire.topic in wanted]
+    odd = next((wire for wire in here if wire.type and wire.type not in types), None)
+    if odd:
+        expected = " or ".join(types)
+        text = f"it publishes {odd.type} on {odd.topic}, where {expected} is expected"
+        return Cause("type", text)
+    if here:
+        return None
+    others = [w for w in look.publications if w.type in types or _is_near(w.topic, wanted)]
+    if not others:
+        return None
+    other = max(others, key=lambda wire: (_is_near(wire.topic, wanted), wire.messages))
+    target = next((name for name in wanted if _is_near(other.topic, [name])), wanted[0])
+    return Cause(
+        "topic",
+        f"it publishes on {other.topic}, and not on {target}:"
+        f" {_renaming(look, other.topic, target)}",
+    )
+
+
+def _not_subscribed(look: BusLook, wanted: Sequence[str]) -> Cause | None:
+    """Return the topic that it does not subscribe to; plain LCM programs announce none."""
+    have = [wire.topic for wire in look.subscriptions]
+    for topic in wanted if look.nodes else ():
+        if topic in have:
+            continue
+        others = [name for name in have if name not in wanted]
+        near = [name for name in others if _is_near(name, [topic])]
+        if not others:
+            return Cause("subscription", f"it does not subscribe to {topic}")
+        other = (near or others)[0]
+        text = f"it subscribes to {other}, and not to {topic}: {_renaming(look, other, topic)}"
+        return Cause("subscription", text)
+    return None
+
+
+def _not_running(look: BusLook) -> Cause | None:
+    """Return why its callbacks do not run, if they do not."""
+    slow = next((one for one in look.subscriptions if one.longest > _LONG_CALL), None)
+    if slow:
+        text = f"its callback of {slow.topic} runs for {slow.longest:.1f} s: it must return at once"
+        return Cause("busy", text)
+    if look.nodes and not look.runs_callbacks:
+        return Cause("spin", f"no callback of its node was ever called: {_NO_SPIN}")
+    return None
+
+
+def _not_publishing(look: BusLook, wanted: Sequence[str], hint: str) -> Cause | None:
+    if not look.nodes:
+        return None
+    calls = max((wire.calls for wire in look.subscriptions), default=0)
+    runs = f"its callbacks run ({calls} calls), but " if calls else ""
+    if not wanted:
+        return Cause("output", f"{runs}nothing comes of them: {hint}") if calls else None
+    if any(wire.topic in wanted for wire in look.publications):
+        return Cause("publish", f"{runs}publish() is never called for {wanted[0]}")
+    return Cause("publisher", f"{runs}it makes no publisher of {wanted[0]}")
+
+
+def _is_near(topic: str, wanted: Sequence[str]) -> bool:
+    return any(
+        are_near(topic, name) or are_near(base_name_of(topic), base_name_of(name))
+        or base_name_of(topic) == base_name_of(name)
+        for name in wanted
+    )  # fmt: skip
+
+
+def _renaming(look: BusLook, old: str, new: str) -> str:
+    """Return the remedy at the program's end of the wire."""
+    spaces = {namespace_of(name) for name in look.nodes}
+    if spaces == {namespace_of(old)} == {namespace_of(new)}:
+        old, new = base_name_of(old), base_name_of(new)
+    return f"change the name in it, or start it with {old}:={new}"
+
+
+def misplaced(twist: Twist) -> Cause | None:
+    """Return the fields of a Twist that a robot on wheels does not obey, if some are set."""
+    values = {
+        f"{part}.{axis}": getattr(getattr(twist, part), axis)
+        for part in ("linear", "angular")
+        for axis in "xyz"
+    }
+    wrong = [n for n, v in values.items() if abs(v) > _SMALL and n not in ("linear.x", "angular.z")]
+    if not wrong:
+        return None
+    text = f"it sets {' and '.join(wrong)}: forward is linear.x, a turn to the left is angular.z"
+    return Cause("field", text)
+
+
+def velocity_of(message: Message) -> tuple[float, float] | None:
+    """Return the forward speed and turn rate of a Twist; None for another message."""
+    return (message.linear.x, message.angular.z) if isinstance(message, Twist) else None
+
+
+def explain_number(measured: float, formulas: Mapping[str, float]) -> str:
+    """Return the formula whose value was measured; "" if there is none."""
+    return next(
+        (name for name, value in formulas.items() if math.isclose(measured, value, rel_tol=0.02)),
+        "",
+    )

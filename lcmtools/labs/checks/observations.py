@@ -1,0 +1,173 @@
+"""The record of one program's run: what it sent, how the robot moved, and what the program said.
+
+Plain values. The test bench fills them; diagnoses, reports and plots read nothing else.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from lcmtools.labs.catalogue import LabProgram
+from lcmtools.messages.registry import Message
+
+_TRACEBACK = "Traceback (most recent call last):"
+_FRAME = re.compile(r'\s+File "(?P<file>.+)", line (?P<line>\d+)')
+_EXCEPTION = re.compile(r"(?P<name>[A-Za-z_][\w.]*)(: (?P<message>.*))?$")
+_NOT_THEIRS = re.compile(r"/site-packages/|/lcmtools/|/lib/python|^<")
+_LONGEST_LINE = 200
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A message of the program on a topic that it is to publish, with its simulated time [s]."""
+
+    time: float
+    topic: str
+    message: Message
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """The robot's true state: simulated time [s], place [m], velocity [m/s] and [rad/s]."""
+
+    time: float
+    x: float
+    y: float
+    forward: float
+    turn_rate: float
+
+
+@dataclass(frozen=True, slots=True)
+class Desire:
+    """A velocity that is desired from a simulated time on: [s], [m/s], [rad/s]."""
+
+    time: float
+    forward: float
+    turn_rate: float
+
+
+@dataclass(frozen=True, slots=True)
+class Touch:
+    """A contact of the robot: simulated time [s], what it touches, and where [m]."""
+
+    time: float
+    body: str
+    x: float
+    y: float
+
+    def __str__(self) -> str:
+        """Return the body and the place."""
+        return f"{self.body}, at ({round(self.x, 1) + 0.0:.1f}, {round(self.y, 1) + 0.0:.1f}) m"
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """An exception of the program: its name, message, "file.py:35", and how often; 0 for unknown.
+
+    ``callback`` is what it was raised in: "/odometry", "timer 0.1 s"; "" where not known.
+    """
+
+    exception: str
+    message: str = ""
+    place: str = ""
+    count: int = 0
+    callback: str = ""
+
+    def __str__(self) -> str:
+        """Return it in one line."""
+        text = f"{self.exception}: {self.message}" if self.message else self.exception
+        return f"{text} ({self.place})" if self.place else text
+
+
+@dataclass(frozen=True, slots=True)
+class Wire:
+    """A topic that the program publishes or subscribes to.
+
+    Attributes:
+        topic: Its name.
+        type: The type's name; "" where not known.
+        messages: Number of messages.
+        calls: Calls of the callback; of a publisher, 0.
+        longest: The longest call [s].
+    """
+
+    topic: str
+    type: str = ""
+    messages: int = 0
+    calls: int = 0
+    longest: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class BusLook:
+    """The program as a look at the bus shows it.
+
+    Attributes:
+        nodes: The names of its nodes.
+        publications: The topics on which it publishes.
+        subscriptions: Those that it has subscribed to.
+        runs_callbacks: A callback of it has been called, a timer's too.
+        failures: Exceptions that its nodes announce.
+        findings: What wtf finds of it, with the remedies.
+    """
+
+    nodes: Sequence[str] = ()
+    publications: Sequence[Wire] = ()
+    subscriptions: Sequence[Wire] = ()
+    runs_callbacks: bool = False
+    failures: Sequence[Failure] = ()
+    findings: Sequence[str] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Observations:
+    """Everything that was observed of one program's run.
+
+    Attributes:
+        program: Which program of the lab it is.
+        commands: Messages on the topics that it is to publish.
+        desired: The velocities that were desired of it.
+        motion: The robot's true motion.
+        touches: The robot's contacts.
+        warnings: What the simulator warned of.
+        printed: What it printed, the end of it where it is long.
+        code: Its exit code if it ended by itself, negative for a signal; None while it runs.
+        look: What the bus shows of it; None before that was looked at.
+        path: The path that the robot is to follow [m]; empty where there is none.
+    """
+
+    program: LabProgram
+    commands: Sequence[Command] = ()
+    desired: Sequence[Desire] = ()
+    motion: Sequence[Sample] = ()
+    touches: Sequence[Touch] = ()
+    warnings: Sequence[str] = ()
+    printed: str = ""
+    code: int | None = None
+    look: BusLook | None = None
+    path: Sequence[tuple[float, float]] = ()
+
+
+def last_failure(printed: str) -> Failure | None:
+    """Return the last exception of which a traceback was printed; None if there is none."""
+    _, found, traceback = printed.rpartition(_TRACEBACK)
+    if not found:
+        return None
+    place = ""
+    for line in traceback.splitlines()[1:]:
+        if frame := _FRAME.match(line):
+            if not place or not _NOT_THEIRS.search(frame["file"]):
+                place = f"{frame['file'].rpartition('/')[2]}:{frame['line']}"
+        elif line and not line[0].isspace() and (match := _EXCEPTION.match(line)):
+            message = (match["message"] or "")[:_LONGEST_LINE]
+            return Failure(match["name"].rpartition(".")[2], message, place)
+    return None
+
+
+def last_words(printed: str) -> str:
+    """Return a program's last exception, else its last line, else ""."""
+    failure = last_failure(printed)
+    if failure and failure.exception != "KeyboardInterrupt":
+        return str(failure)
+    lines = [line.strip() for line in printed.splitlines() if line.strip()]
+    return lines[-1][:_LONGEST_LINE] if lines else ""

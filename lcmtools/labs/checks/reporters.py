@@ -1,0 +1,122 @@
+"""Reports of checks: lines of text, plain values for JSON, and JUnit's XML. Pure."""
+
+import dataclasses
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
+from xml.etree import ElementTree as ET
+
+from lcmtools.labs.checks.check import Run
+from lcmtools.labs.checks.results import CheckResult, Report, as_specified
+
+_LINE = "  {:6}  {:34}  {:24}  {}"
+_BELOW = " " * 10
+
+
+def heading(run: Run) -> list[str]:
+    """Return the lines above a program's rows: whose program it is, and the columns."""
+    whose = "the model answer of lcmtools" if run.is_answer else "your program"
+    title = _LINE.format("", f"{run.program.option}:", "wanted", "measured")
+    return ["", f"checking {whose}: {shlex.join(run.command)}", title]
+
+
+def result_lines(result: CheckResult) -> list[str]:
+    """Return a row, and below one that is not ok its cause and what else is known."""
+    verdict = "ok" if result.is_ok else "NOT OK"
+    rows = [_LINE.format(verdict, result.what, result.wanted, result.measured)]
+    if result.hint:
+        rows.append(f"{_BELOW}-> {result.hint}")
+    if result.said and result.said not in result.hint:
+        is_quote = not result.said.startswith("it printed nothing")
+        rows.append(f"{_BELOW}   {'it printed last: ' if is_quote else ''}{result.said}")
+    return [*rows, *(f"{_BELOW}   wtf: {finding}" for finding in result.findings)]
+
+
+def summary(reports: Sequence[Report]) -> list[str]:
+    """Return the number of rows that are ok, and the first cause of those that are not."""
+    total = sum(len(report.results) for report in reports)
+    rows = [f"{sum(r.passed for r in reports)} of {total} are as the lab specifies"]
+    first = next((report for report in reports if report.first_cause), None)
+    if first is None or sum(len(r.results) - r.passed for r in reports) == 1:
+        return rows
+    return [*rows, f"first of all, {first.program}: {first.first_cause}"]
+
+
+def rows_of(reports: Sequence[Report]) -> list[dict[str, object]]:
+    """Return the rows for JSON."""
+    return [
+        {"program": report.program, **plain, "ok": plain.pop("is_ok")}
+        for report in reports
+        for plain in map(dataclasses.asdict, report.results)
+    ]
+
+
+def record(lab: str, reports: Sequence[Report]) -> dict[str, object]:
+    """Return the reports of a lab for JSON."""
+    return {
+        "lab": lab,
+        "ok": as_specified(reports),
+        "programs": {
+            report.program: {
+                "command": shlex.join(report.command),
+                "model_answer": report.is_answer,
+            }
+            for report in reports
+        },
+        "rows": rows_of(reports),
+    }
+
+
+def junit(lab: str, submissions: Mapping[str, Sequence[Report]]) -> str:
+    """Return JUnit's XML: a suite for each program of a submission, a case for each row.
+
+    Rows that follow from another one are skipped cases. Source of the format: the schema that
+    Jenkins and GitLab read.
+    """
+    root = ET.Element("testsuites", name=f"lab {lab}")
+    for name, reports in submissions.items():
+        for report in reports:
+            failed = [r for r in report.results if not r.is_ok and not r.follows]
+            suite = ET.SubElement(
+                root,
+                "testsuite",
+                name=".".join(filter(None, (name, report.program))),
+                tests=str(len(report.results)),
+                failures=str(len(failed)),
+                skipped=str(sum(bool(r.follows) for r in report.results)),
+            )
+            for result in report.results:
+                _add_case(suite, f"{lab}.{report.program}", result)
+    ET.indent(root)
+    return f'<?xml version="1.0" encoding="utf-8"?>\n{ET.tostring(root, "unicode")}\n'
+
+
+def _add_case(suite: ET.Element, group: str, result: CheckResult) -> None:
+    case = ET.SubElement(suite, "testcase", classname=group, name=result.what)
+    if result.follows:
+        ET.SubElement(case, "skipped", message=result.hint)
+    elif not result.is_ok:
+        message = f"{result.measured}: {result.hint}" if result.hint else result.measured
+        failure = ET.SubElement(case, "failure", message=_legal(message))
+        failure.text = _legal("\n".join(result_lines(result)))
+
+
+def _legal(text: str) -> str:
+    """Return a text without the characters that XML cannot contain."""
+    return "".join(c if c.isprintable() or c in "\n\t" else "?" for c in text)
+
+
+def _cause(report: Report) -> str:
+    return f"{report.program}: {report.first_cause}" if report.program else report.first_cause
+
+
+def table(submissions: Mapping[str, Sequence[Report]]) -> Iterator[str]:
+    """Return a line for each submission: rows that are ok of each program, and the first cause."""
+    programs = (r.program for reports in submissions.values() for r in reports if r.program)
+    options = list(dict.fromkeys(programs))
+    width = max(len("submission"), *map(len, submissions))
+    yield "  ".join((f"{'submission':{width}}", *(f"{o:10}" for o in options), "first cause"))
+    for name, reports in submissions.items():
+        passed = {r.program: f"{r.passed} of {len(r.results)}" for r in reports}
+        causes = (_cause(report) for report in reports if report.first_cause)
+        cells = (f"{passed.get(option, '-'):10}" for option in options)
+        yield "  ".join((f"{name:{width}}", *cells, next(causes, ""))).rstrip()

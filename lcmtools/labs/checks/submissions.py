@@ -1,0 +1,95 @@
+"""A class's submissions: the programs in a folder, and the copy that each is run in."""
+
+import re
+import shlex
+import shutil
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from lcmtools.errors import UsageError
+from lcmtools.labs.catalogue import Lab, LabProgram
+
+PROGRAM = "{program}"
+"""The placeholder in a command line for a submission's path."""
+_MOST_BYTES = 1 << 20  # of a source that is searched for names of topics
+
+
+def submissions_in(folder: Path) -> list[Path]:
+    """Return the submissions in a folder: each file or folder in it is one.
+
+    Raises:
+        UsageError: There is none.
+    """
+    try:
+        found = sorted(path for path in folder.iterdir() if path.name[0] not in "._")
+    except OSError as error:
+        raise UsageError(f"{folder}: {error.strerror}", "--programs takes a folder") from None
+    if not found:
+        raise UsageError(f"{folder} is empty", "put each submission into it, a file or a folder")
+    return found
+
+
+def copy_submission(submission: Path, folder: Path) -> None:
+    """Copy a submission, a file or what is in a folder, into a folder of its own."""
+    if submission.is_dir():
+        shutil.copytree(submission, folder, symlinks=True, dirs_exist_ok=True)
+    else:
+        shutil.copy2(submission, folder)
+
+
+def programs_of(lab: Lab, folder: Path, commands: Mapping[str, str]) -> dict[str, str]:
+    """Return the command lines of a submission's programs by option, to be run in its folder.
+
+    With command lines given, those, with the only file, or else the folder, in place of {program}.
+    Otherwise programs are found by name (simple_controller.py) or, where no name fits, by the
+    lab's topics in a source.
+    """
+    files = list(_files(folder))
+    if commands:
+        path = shlex.quote(str(files[0].relative_to(folder)) if len(files) == 1 else ".")
+        return {option: text.replace(PROGRAM, path) for option, text in commands.items()}
+    programs = {path: text for path in files if (text := _command(path, folder))}
+    chosen = {program.option: _best(lab, program, list(programs)) for program in lab.programs}
+    return {option: programs[path] for option, path in chosen.items() if path}
+
+
+def _files(folder: Path) -> Iterator[Path]:
+    for path in sorted(folder.rglob("*")):
+        inside = path.relative_to(folder).parts
+        if path.is_file() and not any(part[0] in "._" for part in inside):
+            yield path
+
+
+def _command(path: Path, folder: Path) -> str:
+    """Return the command line of a program; "" for another file."""
+    name = str(path.relative_to(folder))
+    if path.suffix == ".py":
+        return shlex.join((Path(sys.executable).name, name))
+    is_program = path.stat().st_mode & 0o111 and path.suffix in ("", ".sh", ".bin", ".out")
+    return shlex.quote(f"./{name}") if is_program else ""
+
+
+def _best(lab: Lab, program: LabProgram, files: list[Path]) -> Path | None:
+    """Return the program's file: by its name, else by the topics in its source."""
+    for name in (program.node, program.option):
+        for path in files:
+            if name in path.stem.lower():
+                return path
+    others = [name for one in lab.programs for name in (one.node, one.option)]
+    unnamed = [path for path in files if not any(name in path.stem.lower() for name in others)]
+    return next((path for path in unnamed if _likeliest(lab, path) is program), None)
+
+
+def _likeliest(lab: Lab, path: Path) -> LabProgram | None:
+    """Return the program whose topics and types a source names most; None if it names none."""
+    with path.open("rb") as stream:
+        text = stream.read(_MOST_BYTES).decode(errors="replace")
+
+    def score(program: LabProgram) -> int:
+        topics = [topic.rpartition("/")[2] for topic in program.publishes + program.subscribes]
+        words = {*topics, *(name.rpartition("/")[2] for name in program.types)}
+        return sum(re.search(rf"\b{word}\b", text) is not None for word in words)
+
+    best = max(lab.programs, key=score)
+    return best if score(best) else None

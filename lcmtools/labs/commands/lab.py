@@ -1,0 +1,107 @@
+"""``lcmtools lab list``, ``start`` and ``skeleton``."""
+
+from pathlib import Path
+
+import click
+
+from lcmtools.cli.bus import open_monitor
+from lcmtools.cli.declare import CONTEXT, argument, option, subcommand
+from lcmtools.cli.options import bus_options, json_option
+from lcmtools.cli.output import document, lines, talk
+from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.labs.catalogue import LABS, Lab, find_lab
+from lcmtools.labs.skeletons import NAMES, copy_skeleton
+
+
+@subcommand("list")
+@json_option
+def list_labs(*, as_json: bool) -> None:
+    """List the labs.
+
+    \b
+    Examples:
+      lcmtools lab list
+      lcmtools lab list --json
+    """
+    if as_json:
+        document([_plain(lab) for lab in LABS.values()])
+        return
+    width = max(map(len, LABS))
+    lines(f"{lab.name:{width}}  {lab.title}" for lab in LABS.values())
+
+
+def _plain(lab: Lab) -> dict[str, object]:
+    programs = {
+        program.option: " ".join((*program.answer, *program.arguments)) for program in lab.programs
+    }
+    plain = {"name": lab.name, "title": lab.title, "world": lab.world}
+    return {**plain, "programs": programs, "steps": [*lab.steps]}
+
+
+@click.command("start", context_settings={**CONTEXT, "ignore_unknown_options": True})
+@bus_options
+@argument("name", completer="lcmtools.labs.commands.completion:labs")
+@argument(
+    "arguments",
+    nargs=-1,
+    type=click.UNPROCESSED,
+    completer="lcmtools.labs.commands.completion:simulator_arguments",
+)
+@click.pass_context
+def start(ctx: click.Context, name: str, arguments: tuple[str, ...]) -> int:
+    """Run a lab's simulator until Ctrl-C, and show what to type next.
+
+    ARGUMENTS are passed to the simulator: --rate 4, --gui; see lcmtools run sim --help.
+
+    \b
+    Examples:
+      lcmtools lab start husky
+      lcmtools lab start pioneer --gui
+    """
+    from lcmtools.cli import run
+
+    lab = find_lab(name)
+    with open_monitor("lab_start") as monitor:
+        nodes = {node.name for node in monitor.settle(foreign=False).nodes if not node.stale}
+    if lab.simulator in nodes:
+        raise LcmtoolsError(
+            f"{lab.simulator} runs on this bus already",
+            "end it with Ctrl-C where it runs, or take a bus of your own: --domain 3",
+        )
+    steps = "\n".join(f"  {step}" for step in lab.steps)
+    talk(f"{lab.title}\nIn a second terminal, type:\n{steps}\nCtrl-C ends the simulator.")
+    words = ("sim", "--world", lab.world, *arguments)
+    own = {"name": "lcmtools", "arguments": words}
+    return int(ctx.invoke(run.command, **own, show_list=False, as_json=False))
+
+
+@subcommand("skeleton")
+@option("-l", "--list", "show_list", is_flag=True, help="List the skeletons.")
+@option("--force", is_flag=True, help="Overwrite an existing file.")
+@json_option
+@argument("name", required=False, completer="lcmtools.labs.commands.completion:skeletons")
+@argument("folder", metavar="DIR", default=".", type=click.Path(path_type=Path))
+def skeleton(
+    name: str | None, folder: Path, *, show_list: bool, force: bool, as_json: bool
+) -> None:
+    """Copy a lab's node with TODOs into DIR (else here), to complete.
+
+    It runs unchanged, with python; its first lines show the command.
+
+    \b
+    Examples:
+      lcmtools lab skeleton simple_controller
+      lcmtools lab skeleton kinect_viewer my_lab
+    """
+    if show_list and name:
+        raise UsageError("--list takes no skeleton's name", "leave out one of them")
+    if show_list:
+        document(list(NAMES)) if as_json else lines(NAMES)
+        return
+    if not name:
+        raise UsageError(
+            "the skeleton's name is missing", "lcmtools lab skeleton --list shows them"
+        )
+    path = copy_skeleton(name, folder, overwrite=force)
+    document({"file": str(path)}) if as_json else lines([str(path)])
+    talk(f"fill in its TODOs, and run it: python {path}")

@@ -1,0 +1,228 @@
+"""Wrong uses of the Python API, each explained in one line: what was expected, what came.
+
+Belongs here: looking at arguments, and the words. Must not know nodes, the bus or the log. Each
+check raises a UsageError that says what to write.
+"""
+
+import inspect
+import math
+from collections.abc import Callable, Sequence
+from types import ModuleType
+from typing import cast
+
+from lcmtools.errors import UsageError, ValueMismatch
+from lcmtools.messages.fields import visible_fields
+from lcmtools.messages.layout import is_generated
+from lcmtools.messages.registry import Message, message_class, service_class, type_name
+from lcmtools.messages.scalars import given
+
+_ROS_SPELLINGS = {
+    **dict.fromkeys(("get_name", "get_fully_qualified_name"), "node.name"),
+    "get_namespace": "node.namespace",
+    "advertise": "node.create_publisher(Type, 'topic')",
+    "subscribe": "node.create_subscription(Type, 'topic', callback)",
+    "create_wall_timer": "node.create_timer(seconds, callback)",
+    "spin": "lcmtools.spin(node)",
+    "declare_parameters": "node.declare_parameter('name', default) for each",
+    "get_param": "node.get_parameter('name').value",
+    "set_parameter": "node.set_parameters([lcmtools.Parameter('name', value)])",
+    **dict.fromkeys(("get_topic_names_and_types", "get_node_names"), "node.graph()"),
+}
+"""Methods of ROS's nodes that a newcomer calls, with what takes their place."""
+_LONGEST_USUAL_PERIOD = 60.0  # [s]; a longer one is more often meant in milliseconds
+
+
+def check_text(call: str, what: str, value: object) -> None:
+    """Make sure that a name is a text."""
+    if not isinstance(value, str):
+        hint = "the callback comes after it" if inspect.isroutine(value) else ""
+        raise UsageError(f"{call}: the {what} is a text, got {described(value)}", hint)
+
+
+def check_endpoint(call: str, kinds: Sequence[object], topic: object, depth: object) -> None:
+    """Make sure that these are message classes, a topic, and the depth of a queue."""
+    for kind in kinds:
+        if not (isinstance(kind, type) and is_generated(kind)):
+            raise _type_fault(call, kind, topic)
+    if not kinds:
+        raise UsageError(f"{call}: there is no type")
+    check_text(call, "topic", topic)
+    if not hasattr(depth, "__index__"):
+        got = described(depth)
+        raise UsageError(f"{call}: the depth is a number of messages, such as 10; got {got}")
+
+
+def check_service_type(call: str, kind: object, name: object) -> None:
+    """Make sure that these are a service's class and name."""
+    if not (isinstance(kind, type) and is_generated(getattr(kind, "Request", int))):
+        raise _type_fault(call, kind, name, is_service=True)
+    check_text(call, "service's name", name)
+
+
+def check_callback(call: str, callback: object, *arguments: str) -> None:
+    """Make sure that a callback can be called with so many arguments, named for the error."""
+    if callback is None or inspect.iscoroutine(callback):
+        got = "None"
+        if inspect.iscoroutine(callback):
+            got = "a coroutine"
+            callback.close()  # it would complain that it was never awaited
+        raise UsageError(
+            f"{call}: the callback is {got}, perhaps the result of a call",
+            "give the function without parentheses: self.tick, not self.tick()",
+        )
+    if not callable(callback):
+        raise UsageError(f"{call}: the callback is {described(callback)}, not a function")
+    name = getattr(callback, "__name__", type(callback).__name__)
+    if inspect.iscoroutinefunction(callback):
+        raise UsageError(f"{call}: the callback {name} is async", f"write def {name}, not async")
+    try:
+        signature = inspect.signature(callback)
+    except (TypeError, ValueError):  # some built-in functions have none
+        return
+    try:
+        signature.bind(*arguments)
+    except TypeError:
+        raise _arity_fault(call, name, list(signature.parameters), arguments) from None
+
+
+def check_period(call: str, seconds: object) -> str:
+    """Make sure that this is a period; return a warning if it is suspiciously long, else ""."""
+    if callable(seconds):
+        raise UsageError(f"{call} takes the period first", f"write {call}(0.1, self.tick)")
+    if isinstance(seconds, (str, bool)) or not hasattr(seconds, "__float__"):
+        got = described(seconds)
+        raise UsageError(f"{call}: the period is a number of seconds, got {got}")
+    period = float(seconds)
+    if not 0 < period < math.inf:
+        raise UsageError(f"a timer's period must be positive and finite, got {seconds} s")
+    if period <= _LONGEST_USUAL_PERIOD:
+        return ""
+    return f"{call}: a period of {period:g} s; if {period:g} ms are meant, write {period / 1000:g}"
+
+
+def period_of(frequency: object) -> float:
+    """Return the period of a rate [s]."""
+    is_number = isinstance(frequency, (int, float)) and not isinstance(frequency, bool)
+    if not is_number or not 0 < cast("float", frequency) < math.inf:
+        raise UsageError(f"create_rate takes a positive number of Hz, got {described(frequency)}")
+    return 1 / cast("float", frequency)
+
+
+def check_words(args: object) -> None:
+    """Make sure that these are the words of a command line."""
+    if isinstance(args, str):
+        raise UsageError(
+            f"lcmtools.init takes the command line as a list of words, got {args!r}",
+            f"write lcmtools.init() and lcmtools.Node({args!r})",
+        )
+
+
+def misfit(where: str, expected: str, kind: type, value: object) -> ValueMismatch:
+    """Return the error for a value in place of a message of a class.
+
+    Args:
+        where: The topic or service.
+        expected: The class, as the error is to name it.
+        kind: The class.
+        value: The value that came.
+    """
+    name = expected.rpartition("/")[2]
+    fields = [field.name for field in visible_fields(kind)]
+    is_scalar = isinstance(value, (bool, int, float, str))
+    hint = ""
+    if value is kind or isinstance(value, dict):
+        hint = f"write message = {name}(), and fill it: message.{fields[0]} = ..." if fields else ""
+    elif is_scalar and len(fields) == 1:
+        hint = f"write message = {name}(); message.{fields[0]} = {described(value)}"
+    return ValueMismatch(f"{where}: expected {expected}, got {described(value)}", hint)
+
+
+def missing_attribute(node: object, name: str) -> Exception:
+    """Return the error for an attribute that a node has not."""
+    cls = type(node).__name__
+    if name.startswith(("_Node__", "_Parametric__")) or name in ("name", "namespace"):
+        first = f"begin it with: super().__init__('{cls.lower()}')"
+        return UsageError(f"{cls}.__init__ has not called that of Node before", first)
+    hint = f"; write {_ROS_SPELLINGS[name]}" if name in _ROS_SPELLINGS else ""
+    return AttributeError(f"'{cls}' object has no attribute '{name}'{hint}", name=name, obj=node)
+
+
+def _type_fault(call: str, kind: object, name: object, *, is_service: bool = False) -> UsageError:
+    """Return the error for something in place of a message's or a service's class."""
+    what = "service" if is_service else "message"
+    find: Callable[[str], type] = service_class if is_service else message_class
+    if isinstance(kind, str) and (isinstance(name, type) or _is_known(find, name)):
+        second = name if isinstance(name, type) else find(str(name))
+        rest = ", callback" if call in ("create_subscription", "create_service") else ""
+        return UsageError(
+            f"{call} takes the type first", f"write {call}({second.__name__}, {kind!r}{rest})"
+        )
+    if isinstance(kind, str):
+        return UsageError(
+            f"{call}: the type is a class, not the text {kind!r}", f"write {_import(find(kind))}"
+        )
+    if isinstance(kind, type):
+        return _class_fault(call, kind, what, find)
+    if is_generated(type(kind)):
+        own = type(kind).__name__
+        return UsageError(f"{call}: the type is the class {own}, not a message", f"write {own}")
+    example = find("std_srvs/Trigger" if is_service else "std_msgs/String")
+    return UsageError(
+        f"{call}: the type is a {what} class, got {described(kind)}", f"write {_import(example)}"
+    )
+
+
+def _class_fault(call: str, kind: type, what: str, find: Callable[[str], type]) -> UsageError:
+    """Return the error for a class that is no message's, or no service's."""
+    if is_generated(kind):
+        whole = type_name(kind).partition("_Re")[0]
+        hint = f"write {_import(service_class(whole))}" if _is_known(service_class, whole) else ""
+        return UsageError(f"{call}: {type_name(kind)} is a message, not a service", hint)
+    if is_generated(getattr(kind, "Request", int)):
+        return UsageError(
+            f"{call}: {kind.__name__} is a service, not a message", "see create_service"
+        )
+    package = kind.__module__.partition(".")[0]
+    known = f"{package}/{kind.__name__}"
+    hint = f"write {_import(find(known))}" if _is_known(find, known) else ""
+    return UsageError(f"{call}: {described(kind)} is no {what} type of LCM", hint)
+
+
+def _is_known(find: Callable[[str], type], name: object) -> bool:
+    try:
+        return isinstance(name, str) and bool(find(name))
+    except UsageError:
+        return False
+
+
+def _import(kind: type) -> str:
+    """Return the line that imports a class."""
+    package = kind.__module__.rpartition(".")[0]
+    if package.startswith("lcmtools.types"):
+        return f"from {package} import {kind.__name__}"
+    return f"lcmtools.message_class({type_name(kind)!r})"
+
+
+def _arity_fault(
+    call: str, name: str, takes: Sequence[str], arguments: Sequence[str]
+) -> UsageError:
+    called = f"{name}({', '.join(arguments)})"
+    hint = f"write def {name}({', '.join(('self', *arguments))}) in a class"
+    if takes[:1] == ["self"]:
+        hint = f"give the method of an object: self.{name}"
+    return UsageError(
+        f"{call}: the callback {name}({', '.join(takes)}) is called as {called}", hint
+    )
+
+
+def described(value: object) -> str:
+    """Return a short description of a value in an error."""
+    if isinstance(value, type):
+        return f"the class {type_name(value) if is_generated(value) else value.__qualname__}"
+    if is_generated(type(value)):
+        return type_name(cast("Message", value))
+    if isinstance(value, ModuleType):
+        return f"the module {value.__name__}"
+    if inspect.isroutine(value):
+        return f"the function {value.__name__}"
+    return "None" if value is None else given(value)

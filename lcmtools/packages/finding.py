@@ -1,0 +1,120 @@
+"""The node that a person means by one word or two.
+
+Belongs here: precedence, and the reasons why there is no such node. A node of the workspace has
+precedence over lcmtools' own, and a file of its name that is not declared is never passed over.
+"""
+
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from lcmtools.errors import UsageError
+from lcmtools.messages.type_source import shown
+from lcmtools.names import did_you_mean
+from lcmtools.packages.nodes import ANSWERS, OWN, TABLE, Runnable, entry
+from lcmtools.packages.workspace import package_folders, workspace
+
+_MAIN = re.compile(r"^(async )?def main\b|^main\b.*=", re.MULTILINE)
+
+
+def find_node(
+    words: Sequence[str], known: Sequence[Runnable], *starts: Path
+) -> tuple[Runnable, list[str]]:
+    """The node that ``PACKAGE NODE ...`` or ``NODE ...`` means, and the words after it.
+
+    Raises:
+        UsageError: There is no such node, or several packages have it, or a file of that name in
+            the workspaces of ``starts`` is not declared as a node.
+    """
+    try:
+        node, rest = _named(words, known)
+    except UsageError as error:
+        if file := undeclared(words, known, starts):
+            raise file from None
+        for problem in workspace(*starts).problems:  # the missing node may be in there
+            raise UsageError(error.what, str(problem)) from error
+        raise
+    is_alone = words[0] == node.name and node.folder is None
+    if is_alone and (file := undeclared(words[:1], known, starts, with_main=True)):
+        raise file
+    return node, rest
+
+
+def has_main(file: Path) -> bool:
+    """Return True if a file of Python has a function main."""
+    try:
+        return bool(_MAIN.search(file.read_text("utf-8", "replace")))
+    except OSError:
+        return False
+
+
+def own_answer(node: Runnable) -> str:
+    """The sentence that lcmtools' answer is run where a user may mean their own; else ""."""
+    is_answer = node.package == OWN and node.name in ANSWERS
+    return f"this is lcmtools' own {node.name}, the lab's model answer" if is_answer else ""
+
+
+def _named(words: Sequence[str], known: Sequence[Runnable]) -> tuple[Runnable, list[str]]:
+    first, rest = words[0], list(words[1:])
+    of_package = {node.name: node for node in known if node.package == first}
+    named = [node for node in known if node.name == first]
+    if of_package and rest and rest[0] in of_package:
+        return of_package[rest[0]], rest[1:]
+    if of_package and not named:
+        wrong = rest[0] if rest else ""
+        hint = did_you_mean(wrong, of_package) or f"it has {', '.join(of_package)}"
+        raise UsageError(f"the package {first} has no node '{wrong}'", hint)
+    own = [node for node in named if node.package == OWN]
+    chosen = [node for node in named if node.folder] or own or named
+    if len(chosen) > 1:
+        hint = " or ".join(f"{node.package} {node.name}" for node in chosen)
+        raise UsageError(f"several packages have a node '{first}'", f"write {hint}")
+    if chosen:
+        return chosen[0], rest
+    raise _unknown(first, rest, known)
+
+
+def undeclared(
+    words: Sequence[str],
+    known: Sequence[Runnable],
+    starts: Sequence[Path],
+    *,
+    with_main: bool = False,
+) -> UsageError | None:
+    """The error of a file that is there, but not declared as a node; None if there is none."""
+    space = workspace(*starts)
+    packages = {package.folder: package for package in space.packages}
+    for folder in package_folders(*starts):
+        package = packages.get(folder)
+        is_named = package is not None and package.name == words[0]
+        word = words[1] if is_named and len(words) > 1 else words[0]
+        name = word.removesuffix(".py")
+        for file in (*folder.glob(f"*/{name}.py"), *folder.glob(f"src/*/{name}.py")):
+            is_complete = has_main(file)
+            if not name.isidentifier() or (with_main and not is_complete):
+                continue
+            if package is None:
+                problem = next((p for p in space.problems if str(folder) in str(p)), "")
+                return UsageError(f"{shown(file)} is no node yet", str(problem))
+            node = Runnable(package.name, name, "", folder)
+            if file.parent.name == package.name and not _is_known(node, known):
+                main = "" if is_complete else "give it a function main(args=None), and "
+                hint = f"{main}write  {entry(node)}  in {TABLE} of {shown(folder)}/pyproject.toml"
+                hint += f", or type: lcmtools pkg add-node {name}" if is_complete else ""
+                return UsageError(f"{shown(file)} is no node yet", hint)
+    return None
+
+
+def _is_known(node: Runnable, known: Sequence[Runnable]) -> bool:
+    return any((one.package, one.name) == (node.package, node.name) for one in known)
+
+
+def _unknown(first: str, rest: Sequence[str], known: Iterable[Runnable]) -> UsageError:
+    names = {node.name for node in known}
+    packages = {node.package for node in known}
+    hint = did_you_mean(first, names | packages) or "lcmtools run --list shows them"
+    if rest and rest[0] in names:
+        homes = [node.package for node in known if node.name == rest[0]]
+        near = did_you_mean(first, packages) or f"{' and '.join(homes)} has such a node"
+        return UsageError(f"there is no package '{first}'", near)
+    return UsageError(f"there is no node '{first}'", hint)

@@ -1,0 +1,193 @@
+"""ROS's .msg and .srv files as LCM source, line for line: lcm-gen's errors have the right lines.
+
+Belongs here: the syntax of ROS 1 and ROS 2, and what LCM cannot say of it. Must not know lcm-gen,
+nor which types there are. As in the types that lcmtools ships, an array of variable size has a
+length field NAME_length, all of them come first, and unsigned numbers travel as signed ones of the
+same width. A bound (``<=5``) is not checked.
+"""
+
+import re
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from lcmtools.errors import InvalidFile
+from lcmtools.messages.scalars import INTEGERS
+from lcmtools.messages.type_source import Problem
+from lcmtools.names import closest
+from lcmtools.packages.workspace import package_name
+
+SUFFIXES = (".msg", ".srv")
+
+_PRIMITIVES = {
+    "bool": "boolean",
+    **dict.fromkeys(("uint8", "char"), "byte"),
+    "byte": "int8_t",
+    **{f"{sign}int{bits}": f"int{bits}_t" for sign in ("", "u") for bits in (16, 32, 64)},
+    "int8": "int8_t",
+    "float32": "float",
+    "float64": "double",
+    **dict.fromkeys(("string", "wstring"), "string"),
+    "time": "std_msgs.Time",
+    "duration": "std_msgs.Duration",
+    "Header": "std_msgs.Header",
+}
+_MEANT = {
+    **dict.fromkeys(("double", "float64_t"), "float64"),
+    **dict.fromkeys(("float", "float32_t"), "float32"),
+    **dict.fromkeys(("int", "integer", "long"), "int32 or int64"),
+    **dict.fromkeys(("uint", "unsigned"), "uint32"),
+    **dict.fromkeys(("boolean", "Bool"), "bool"),
+    **dict.fromkeys(("str", "String"), "string"),
+    **{f"{sign}int{bits}_t": f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)},
+}
+"""Other languages' names, and those of ROS."""
+_RANGES = {
+    **INTEGERS,
+    **{f"uint{bits}": (0, (1 << bits) - 1) for bits in (16, 32, 64)},
+    "byte": INTEGERS["int8"],
+    "char": INTEGERS["uint8"],
+    "bool": (0, 1),
+}
+_BOOLEANS = {"true": "1", "false": "0"}
+
+_NAME = r"[A-Za-z]\w*"
+_LEGAL = re.compile(_NAME, re.ASCII)
+_TEXT = re.compile(rf"\s*w?string(?:<=\d+)?\s+({_NAME})\s*=(.*)", re.ASCII)
+_ENTRY = re.compile(
+    rf"({_NAME}(?:/{_NAME}){{0,2}})(?:<=\d+)?(?:\[(<=)?(\d*)\])?\s+({_NAME})\s*(.*)", re.ASCII
+)
+_FOLDERS = ("msg", "srv")  # in a package, in which these files usually lie
+_EXAMPLE = "write  float64[] values  or  int32 LIMIT=5"
+
+
+@dataclass(slots=True)
+class LcmSource:
+    """A .msg or .srv file as the text of a .lcm file with the same lines."""
+
+    text: str
+    problems: list[Problem]
+    texts: dict[str, dict[str, str]]  # by type: constants that are text, which LCM has not
+
+
+@dataclass(slots=True)
+class _Struct:
+    """One message while its lines are read."""
+
+    name: str
+    lines: list[str] = field(default_factory=list)
+    lengths: list[str] = field(default_factory=list)
+    texts: dict[str, str] = field(default_factory=dict)
+
+    def add(self, line: str) -> None:
+        """Add a line; raise InvalidFile for one that is no ROS, or that LCM cannot say."""
+        if constant := _TEXT.fullmatch(line):
+            text = constant[2].strip()
+            is_quoted = len(text) > 1 and text[0] == text[-1] and text[0] in "'\""
+            self.texts[constant[1]] = text[1:-1] if is_quoted else text
+            self.lines.append("")
+            return
+        bare = line.partition("#")[0].strip()
+        self.lines.append(self._entry(bare) if bare else "")
+
+    def _entry(self, bare: str) -> str:
+        entry = _ENTRY.fullmatch(bare)
+        if bare.endswith(";"):
+            raise InvalidFile(f"'{bare}' ends in ';'", "lines of ROS have none")
+        if not entry:
+            raise InvalidFile(f"cannot read '{bare}'", _EXAMPLE)
+        kind, bound, size, name, rest = entry.groups()
+        if rest.startswith("="):
+            return _constant(kind, name, rest[1:].strip())
+        if rest:
+            what = f"{name} has a default value, which LCM cannot say"
+            raise InvalidFile(what, "leave it out: a new message has zeros")
+        if size is None:
+            return f"{_lcm_type(kind)} {name};"
+        if not size or bound:
+            size = f"{name}_length"
+            self.lengths.append(f"int32_t {size};")
+        return f"{_lcm_type(kind)} {name}[{size}];"
+
+    def text(self) -> str:
+        head = " ".join((f"struct {self.name} {{", *self.lengths))
+        return f"{head} " + "\n".join(self.lines) + " }"
+
+
+def package_of(path: Path) -> str:
+    """Return the package of a .msg or .srv file: it is in its folder, or in ``msg`` or ``srv``."""
+    folder = path.parent.parent if path.parent.name in _FOLDERS else path.parent
+    with suppress(OSError):
+        found = re.search(r"<name>\s*(\w+)\s*</name>", (folder / "package.xml").read_text("utf-8"))
+        if found:
+            return found[1]
+    with suppress(InvalidFile):
+        return package_name(folder)
+    return folder.name
+
+
+def to_lcm(path: Path, content: bytes, package: str) -> LcmSource:
+    """Translate a .msg or .srv file; where there are problems, the text is of no use."""
+    structs = [_Struct(path.stem if path.suffix == ".msg" else f"{path.stem}_Request")]
+    problems = list(_names(path, package))
+    try:
+        lines = content.decode().splitlines() or [""]
+    except UnicodeDecodeError:
+        return LcmSource("", [Problem(str(path), 1, "it is not UTF-8 text")], {})
+    for number, line in enumerate(lines, 1):
+        if path.suffix == ".srv" and line.startswith("---") and len(structs) == 1:
+            structs.append(_Struct(f"{path.stem}_Response", [""]))
+            continue
+        try:
+            structs[-1].add(line)
+        except InvalidFile as error:  # each line for itself
+            problems.append(Problem(str(path), number, error.what, error.hint))
+    if path.suffix == ".srv" and len(structs) == 1:
+        what = "a line of --- between request and response is missing"
+        problems.append(Problem(str(path), len(lines), what))
+    text = ("\n" if structs[0].lines else " ").join(one.text() for one in structs)
+    texts = {f"{package}/{one.name}": one.texts for one in structs}
+    return LcmSource(f"package {package}; {text}\n", problems, texts)
+
+
+def _names(path: Path, package: str) -> Iterator[Problem]:
+    for name, what in ((path.stem, "message type"), (package, "package")):
+        if not _LEGAL.fullmatch(name):
+            hint = "letters, digits and '_', a letter first"
+            yield Problem(str(path), 0, f"'{name}' is no name of a {what}", hint)
+
+
+def _lcm_type(kind: str) -> str:
+    if kind in _MEANT:
+        raise InvalidFile(f"unknown type '{kind}'", f"did you mean {_MEANT[kind]}?")
+    if kind not in _PRIMITIVES and kind.islower() and (near := closest(kind, _PRIMITIVES)):
+        raise InvalidFile(f"unknown type '{kind}'", f"did you mean {near[0]}?")
+    return _PRIMITIVES.get(kind, re.sub(r"/(?:(?:msg|srv)/)?", ".", kind))
+
+
+def _constant(kind: str, name: str, text: str) -> str:
+    """A constant of LCM: of the smallest type that holds it."""
+    try:
+        if kind in ("float32", "float64"):
+            return f"const double {name} = {_finite(text)!r};"
+        value = int(_BOOLEANS.get(text.lower(), text), 0)
+        low, high = _RANGES[kind]
+    except KeyError:
+        _lcm_type(kind)
+        raise InvalidFile(f"a constant cannot be of the type {kind}") from None
+    except ValueError:
+        raise InvalidFile(f"'{text}' is no value for a {kind}, which {name} is") from None
+    if not low <= value <= high:
+        raise InvalidFile(f"{value} does not fit {kind} ({low}..{high})")
+    for bits in (8, 16, 32, 64):
+        least, most = INTEGERS[f"int{bits}"]
+        if least <= value <= most:
+            return f"const int{bits}_t {name} = {value};"
+    raise InvalidFile(f"{name} is larger than LCM's numbers, which end at 2^63 - 1")
+
+
+def _finite(text: str) -> float:
+    if not abs(float(text)) < float("inf"):
+        raise ValueError
+    return float(text)

@@ -1,0 +1,74 @@
+"""Physics engines behind one protocol (engine.py), and the choice between them."""
+
+import os
+from importlib.util import find_spec
+
+from lcmtools.errors import MissingExtra, UsageError
+from lcmtools.names import did_you_mean
+from lcmtools_sim.engines.engine import Engine
+from lcmtools_sim.engines.native import suppressed_output
+
+ENGINES = ("bullet", "mujoco")
+"""In the order of preference."""
+VARIABLE = "LCMTOOLS_ENGINE"
+
+_PACKAGES = {"bullet": "pybullet", "mujoco": "mujoco"}
+_HINT = "type: pip install '.[sim]' in a checkout of lcmtools"
+
+
+def chosen_engine(wanted: str = "") -> str:
+    """The name of the engine to take: the one wanted, that of $LCMTOOLS_ENGINE, or the first there.
+
+    Nothing is imported.
+
+    Raises:
+        UsageError: No engine is called that.
+        MissingExtra: It is not installed, or numpy or Pillow is not.
+    """
+    name, source = wanted or os.environ.get(VARIABLE, ""), "--engine" if wanted else VARIABLE
+    if name and name not in ENGINES:
+        hint = did_you_mean(name, ENGINES) or f"engines: {', '.join(ENGINES)}"
+        raise UsageError(f"{source}: unknown engine '{name}'", hint)
+    there = [*filter(is_installed, ENGINES)]
+    if not there or not find_spec("PIL"):
+        raise MissingExtra("the simulator needs numpy, pillow, and pybullet or mujoco", _HINT)
+    if name and name not in there:
+        raise MissingExtra(
+            f"{source}: the engine {name} is not installed",
+            f"type: pip install {_PACKAGES[name]}; or take {there[0]}",
+        )
+    return name or there[0]
+
+
+def is_installed(name: str) -> bool:
+    """Return if an engine's package is there, without importing it."""
+    return find_spec(_PACKAGES[name]) is not None
+
+
+def engine_version(name: str) -> str:
+    """An engine's name and version, for people ("pybullet 3.2.7")."""
+    from importlib.metadata import packages_distributions, version
+
+    package = _PACKAGES[name]
+    distributions = packages_distributions().get(package, [package])
+    return f"{package} {version(distributions[0])}"
+
+
+def start_engine(name: str, *, window: bool = False) -> Engine:
+    """An empty world of an engine.
+
+    Raises:
+        MissingExtra: It is not installed.
+        UsageError: It has no window.
+    """
+    try:
+        if name == "bullet":
+            with suppressed_output():  # the import prints a line
+                from lcmtools_sim.engines.bullet import Bullet
+            return Bullet(window=window)
+        from lcmtools_sim.engines.mujoco import Mujoco
+    except ImportError as error:
+        raise MissingExtra(f"the engine {name} cannot be imported: {error}", _HINT) from None
+    if window:
+        raise UsageError("--gui needs pybullet's window", "leave out --gui, or --engine mujoco")
+    return Mujoco()

@@ -1,0 +1,239 @@
+"""Bullet, by pybullet: its plain rigid bodies, and its window."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from importlib import import_module
+from typing import Any
+
+import pybullet
+from pybullet_utils.bullet_client import BulletClient
+
+from lcmtools_sim.engines.engine import ContactPoint, Motion, RigidBody
+from lcmtools_sim.engines.mesh_display import MeshDisplay
+from lcmtools_sim.engines.native import suppressed_output
+from lcmtools_sim.geometry import (
+    IDENTITY,
+    ZERO,
+    Quaternion,
+    Vector,
+    add,
+    axes,
+    scaled,
+    subtract,
+)
+from lcmtools_sim.robots.model import Mesh
+from lcmtools_sim.scene import Scene
+from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Shape, Sphere
+
+_RECOVERY = 12.0
+"""[1/s] The rate at which bodies that overlap separate; a higher one shakes a pushed body aside."""
+_NO_COLLISION = -1
+_RIM = 0.002
+"""[m] Length of the discs at a cylinder's ends."""
+_RECESS = 0.0002
+"""[m] By which the cylinder between them is thinner."""
+
+
+class Bullet:
+    """One world of Bullet (see engine.Engine).
+
+    A ``window`` needs a display (see native.py: without one, Bullet ends the process).
+    """
+
+    def __init__(self, *, window: bool = False) -> None:
+        with suppressed_output():
+            self._bullet: Any = BulletClient(pybullet.GUI if window else pybullet.DIRECT)
+        self._client: int = self._bullet._client  # noqa: SLF001 - for what each step calls, unbound
+        self._window = window
+
+    def begin(self, scene: Scene) -> None:
+        """Empty the world, and take on a scene's gravity, dt and ground."""
+        bullet = self._bullet
+        with suppressed_output():
+            bullet.resetSimulation()
+        bullet.setGravity(0.0, 0.0, -scene.gravity)
+        bullet.setTimeStep(scene.dt)
+        bullet.setPhysicsEngineParameter(
+            # By default, bodies that start on the ground fall into the engine's slop, and bounce.
+            contactSlop=0.0,
+            contactERP=_RECOVERY * scene.dt,
+            # The engine's defaults are so coarse that crates at rest creep.
+            solverResidualThreshold=1e-12,
+            warmStartingFactor=1.0,
+        )
+        if self._window:
+            bullet.configureDebugVisualizer(bullet.COV_ENABLE_GUI, 0)
+        self._meshes = MeshDisplay(bullet, self._mesh) if self._window else None
+        plane = bullet.createCollisionShape(bullet.GEOM_PLANE)
+        self.ground = self._make(0.0, plane, ZERO, IDENTITY)
+        bullet.changeDynamics(self.ground, -1, lateralFriction=scene.ground.friction)
+        bullet.changeVisualShape(self.ground, -1, rgbaColor=(*scene.ground.color, 1.0))
+
+    def add(self, body: RigidBody) -> int:
+        """Add a body and return its number.
+
+        In a window a robot with meshes is invisible but for them.
+        """
+        with self._without_rendering():
+            number = self._add(body)
+            if self._meshes and body.appearance:
+                self._meshes.add(number, body.appearance)
+                self._look_at(body.position)
+        return number
+
+    def remove(self, body: int) -> None:
+        """Remove a robot."""
+        with self._without_rendering():
+            if self._meshes:
+                self._meshes.hide_all()
+            self._bullet.removeBody(body)
+            if self._meshes:
+                self._meshes.forget(body)
+                self._meshes.show_all()
+
+    def step(self) -> None:
+        """Simulate one dt."""
+        pybullet.stepSimulation(self._client)
+        if self._meshes:
+            self._meshes.step()
+
+    def motion(self, body: int) -> Motion:
+        """The present motion of a body."""
+        place = pybullet.getBasePositionAndOrientation(body, self._client)
+        return Motion._make(place + pybullet.getBaseVelocity(body, self._client))
+
+    def place(self, body: int, position: Vector, rotation: Quaternion) -> None:
+        """Put a body's centre of mass at a pose, at rest."""
+        self._bullet.resetBasePositionAndOrientation(body, position, rotation)
+        self.set_velocity(body, ZERO, ZERO)
+        if self._meshes:
+            self._meshes.show(body)
+
+    def set_velocity(self, body: int, velocity: Vector, angular_velocity: Vector) -> None:
+        """Set a body's velocity [m/s] and angular velocity [rad/s], in the world frame."""
+        pybullet.resetBaseVelocity(body, velocity, angular_velocity, self._client)
+
+    def detect_contacts(self) -> None:
+        """Find the contacts at the present poses, without a step."""
+        self._bullet.performCollisionDetection()
+
+    def contacts(self, body: int) -> list[ContactPoint]:
+        """The contacts of a body, of the last step or ``detect_contacts``."""
+        return [
+            ContactPoint(point[2], point[5], point[7], point[9], -point[8])
+            for point in self._bullet.getContactPoints(body)
+        ]
+
+    def is_open(self) -> bool:
+        """Return False once the user has closed the window, which takes the engine away."""
+        return not self._window or bool(self._bullet.isConnected())
+
+    def close(self) -> None:
+        """Disconnect from the engine; the window closes."""
+        with suppressed_output():
+            if self._bullet.isConnected():
+                self._bullet.disconnect()
+
+    def _add(self, body: RigidBody) -> int:
+        parts = _with_rims(body.parts) if body.mass and not body.appearance else body.parts
+        number = self._make(body.mass, self._compound(parts), body.position, body.rotation)
+        self._bullet.changeDynamics(number, -1, lateralFriction=body.friction)
+        if body.mass:
+            self._bullet.changeDynamics(
+                number,
+                -1,
+                mass=body.mass,  # without it the engine takes the mass away
+                localInertiaDiagonal=body.inertia,
+                linearDamping=0.0,
+                angularDamping=0.0,
+            )
+        if body.mass and not body.appearance:
+            # A body that moves farther than its own size in a step would pass through a wall.
+            radius = min(part.shape.least_radius for part in body.parts) / 2
+            self._bullet.changeDynamics(number, -1, ccdSweptSphereRadius=radius)
+        opacity = 0.0 if body.appearance and body.appearance.meshes else 1.0
+        color = (*body.parts[0].color, opacity)  # the engine has one for each body
+        self._bullet.changeVisualShape(number, -1, rgbaColor=color)
+        return number
+
+    def _make(
+        self, mass: float, shape: int, position: Vector, rotation: Quaternion, visual: int = -1
+    ) -> int:
+        number = self._bullet.createMultiBody(
+            mass,
+            shape,
+            visual,
+            basePosition=position,
+            baseOrientation=rotation,
+            useMaximalCoordinates=True,
+        )
+        return int(number)
+
+    def _mesh(self, mesh: Mesh) -> int:
+        """A mesh in the window, as a body without mass and collision."""
+        folder = import_module("pybullet_data").getDataPath()
+        visual = self._bullet.createVisualShape(
+            self._bullet.GEOM_MESH, fileName=f"{folder}/{mesh.file}", rgbaColor=(*mesh.color, 1.0)
+        )
+        return self._make(0.0, _NO_COLLISION, ZERO, IDENTITY, visual)
+
+    def _compound(self, parts: Sequence[Part]) -> int:
+        """The collision shape of several parts, in one frame."""
+        bullet, shapes = self._bullet, [part.shape for part in parts]
+        kinds = {
+            Cuboid: bullet.GEOM_BOX,
+            Cylinder: bullet.GEOM_CYLINDER,
+            Sphere: bullet.GEOM_SPHERE,
+        }
+        number = bullet.createCollisionShapeArray(
+            shapeTypes=[kinds[type(shape)] for shape in shapes],
+            halfExtents=[_half_extents(shape) for shape in shapes],
+            radii=[0.0 if isinstance(shape, Cuboid) else shape.radius for shape in shapes],
+            lengths=[shape.length if isinstance(shape, Cylinder) else 0.0 for shape in shapes],
+            collisionFramePositions=[part.position for part in parts],
+            collisionFrameOrientations=[part.rotation for part in parts],
+        )
+        return int(number)
+
+    @contextmanager
+    def _without_rendering(self) -> Iterator[None]:
+        """Pause the window: it would draw everything for each body that is added or removed."""
+        configure, flag = self._bullet.configureDebugVisualizer, self._bullet.COV_ENABLE_RENDERING
+        configure(flag, 0)
+        try:
+            yield
+        finally:
+            configure(flag, 1)
+
+    def _look_at(self, position: Vector) -> None:
+        """Point the window's camera at a place, from behind and above."""
+        self._bullet.resetDebugVisualizerCamera(
+            cameraDistance=4.0, cameraYaw=-60.0, cameraPitch=-30.0, cameraTargetPosition=position
+        )
+
+
+def _with_rims(parts: Sequence[Part]) -> list[Part]:
+    """The parts with each cylinder as two discs and a thinner cylinder between them.
+
+    Of a whole one that lies the engine finds one end at a time, and leaves the other's contact
+    behind, which would drive it on.
+    """
+    found = []
+    for part in parts:
+        shape = part.shape
+        if not isinstance(shape, Cylinder) or shape.length < 4 * _RIM:
+            found.append(part)
+            continue
+        inner = Cylinder(shape.radius - _RECESS, shape.length - 2 * _RIM)
+        out = scaled(axes(part.rotation)[2], (shape.length - _RIM) / 2)
+        rim = Cylinder(shape.radius, _RIM)
+        found += [
+            Part(inner, part.position, part.rotation),
+            Part(rim, add(part.position, out), part.rotation),
+            Part(rim, subtract(part.position, out), part.rotation),
+        ]
+    return found
+
+
+def _half_extents(shape: Shape) -> Vector:
+    return scaled(shape.size, 0.5) if isinstance(shape, Cuboid) else ZERO

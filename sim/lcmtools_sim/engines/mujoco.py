@@ -1,0 +1,282 @@
+"""MuJoCo, by its own Python package.
+
+Its contacts are soft and convex: what follows keeps them as hard, and what slides as low, as the
+rigid bodies of a textbook. A step calls the stages of mj_step one by one, because friction is set
+between collisions and constraints. Names of stages and fields are MuJoCo's (see "Computation" in
+its documentation).
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from lcmtools_sim.engines.engine import ContactPoint, Motion, RigidBody
+from lcmtools_sim.geometry import ZERO, Quaternion, Vector, axes, components, rotate
+from lcmtools_sim.scene import Scene
+from lcmtools_sim.shapes import Cuboid, Cylinder, Shape, Sphere
+
+_IMPEDANCE = (0.99, 0.999)
+"""Share of a contact's acceleration that the constraint sets, at the surface and below it."""
+_STEPS = 3
+"""Time constant of contacts, in steps. MuJoCo allows no less than 2."""
+_BRAKING = 20.0
+"""[m/s^2] Most that friction's reference asks for: see _set_friction."""
+_LEAST_FRICTION = 1e-5
+"""As mjMINMU: MuJoCo takes no less."""
+_ROUGH, _SMOOTH = 3, 1
+"""condim: contacts with friction, and without; the higher one of two shapes holds."""
+_CONTACTS: dict[type[Shape], int] = {Cuboid: 4, Cylinder: 2, Sphere: 1}
+"""The number of points on which an object of one shape rests."""
+_FEET = 4
+"""The same of a robot."""
+
+_Array = npt.NDArray[np.float64]
+
+
+class Mujoco:
+    """One world of MuJoCo (see engine.Engine).
+
+    Bodies that are added or removed are compiled into the model when it is next looked at, so that
+    a fleet costs one compilation.
+    """
+
+    ground = 0
+
+    def begin(self, scene: Scene) -> None:
+        """Empty the world, and take on a scene's gravity, dt and ground."""
+        self._dt = scene.dt
+        spec = self._spec = mujoco.MjSpec()
+        option, geom = spec.option, spec.default.geom
+        option.timestep, option.gravity = scene.dt, [0.0, 0.0, -scene.gravity]
+        option.cone, option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, 10
+        option.tolerance = 1e-10
+        geom.solref = [_STEPS * scene.dt, 1.0]
+        geom.solimp = [*_IMPEDANCE, 0.0005, 0.5, 2.0]
+        # A body of one contact rests at this depth (d, dmax and k in MuJoCo's "Solver parameters").
+        # A margin of it has the contact carry the weight at depth 0, so that bodies start at rest.
+        low, high = _IMPEDANCE
+        self._rest = (1 - low) / low * scene.gravity * (high * _STEPS * scene.dt) ** 2
+        kind = mujoco.mjtGeom.mjGEOM_PLANE
+        friction = [scene.ground.friction, 0.0, 0.0]
+        spec.worldbody.add_geom(type=kind, size=[0, 0, 1], friction=friction, condim=_SMOOTH)
+        self._bodies: dict[int, RigidBody] = {}
+        self._handles: dict[int, Any] = {}
+        self._free: dict[int, tuple[slice, slice]] = {}
+        """The places of compiled bodies' poses and velocities in qpos and qvel."""
+        self._last = self.ground
+        self._model: Any = None
+        self._is_compiled = False
+
+    def add(self, body: RigidBody) -> int:
+        """Add a body and return its number."""
+        self._last += 1
+        handle = self._spec.worldbody.add_body(
+            name=str(self._last), pos=body.position, quat=_wxyz(body.rotation)
+        )
+        if body.mass:
+            handle.add_freejoint()
+            handle.explicitinertial = True
+            handle.mass, handle.inertia = body.mass, body.inertia
+            handle.ipos, handle.iquat = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]
+        is_object = body.mass and not body.appearance
+        for part in body.parts:
+            kind, size = _geom(part.shape)
+            points = _CONTACTS[type(part.shape)] if is_object else _FEET
+            handle.add_geom(
+                type=kind,
+                size=size,
+                pos=part.position,
+                quat=_wxyz(part.rotation),
+                friction=[body.friction, 0.0, 0.0],
+                condim=_ROUGH if is_object else _SMOOTH,
+                margin=self._rest / points if body.mass else 0.0,
+            )
+        self._bodies[self._last], self._handles[self._last] = body, handle
+        self._is_compiled = False
+        return self._last
+
+    def remove(self, body: int) -> None:
+        """Remove a body."""
+        self._compile()
+        self._spec.delete(self._handles.pop(body))
+        del self._bodies[body], self._free[body]
+        self._is_compiled = False
+
+    def step(self) -> None:
+        """Simulate one dt."""
+        self._compile()
+        model, data = self._model, self._data
+        self._stop_at_walls()
+        self.detect_contacts()
+        self._set_friction()
+        mujoco.mj_makeConstraint(model, data)
+        mujoco.mj_island(model, data)
+        mujoco.mj_projectConstraint(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        mujoco.mj_fwdActuation(model, data)
+        mujoco.mj_fwdAcceleration(model, data)
+        mujoco.mj_fwdConstraint(model, data)
+        mujoco.mj_Euler(model, data)
+
+    def motion(self, body: int) -> Motion:
+        """The present motion of a body."""
+        if body not in self._free:  # not compiled yet, or immovable
+            return Motion(self._bodies[body].position, self._bodies[body].rotation)
+        pose, velocity = self._free[body]
+        x, y, z, qw, qx, qy, qz = self._qpos[pose].tolist()
+        vx, vy, vz, wx, wy, wz = self._qvel[velocity].tolist()
+        rotation = (qx, qy, qz, qw)
+        return Motion((x, y, z), rotation, (vx, vy, vz), rotate((wx, wy, wz), rotation))
+
+    def place(self, body: int, position: Vector, rotation: Quaternion) -> None:
+        """Put a movable body's centre of mass at a pose, at rest."""
+        self._compile()
+        self._qpos[self._free[body][0]] = (*position, *_wxyz(rotation))
+        self.set_velocity(body, ZERO, ZERO)
+
+    def set_velocity(self, body: int, velocity: Vector, angular_velocity: Vector) -> None:
+        """Set a movable body's velocity [m/s] and angular velocity [rad/s], in the world frame."""
+        self._compile()
+        pose, place = self._free[body]
+        qw, qx, qy, qz = self._qpos[pose.start + 3 : pose.stop].tolist()
+        own = components(angular_velocity, axes((qx, qy, qz, qw)))
+        self._qvel[place] = (*velocity, *own)
+
+    def detect_contacts(self) -> None:
+        """Find the contacts at the present poses, without a step."""
+        self._compile()
+        model, data = self._model, self._data
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_makeM(model, data)
+        mujoco.mj_factorM(model, data)
+        mujoco.mj_collision(model, data)
+
+    def contacts(self, body: int) -> list[ContactPoint]:
+        """The contacts of a body, of the last step or ``detect_contacts``."""
+        contact, own = self._data.contact, self._model.body(str(body)).id
+        bodies = self._model.geom_bodyid
+        first, second = bodies[contact.geom1], bodies[contact.geom2]
+        found, force = [], np.zeros(6)
+        for i in np.flatnonzero((first == own) | (second == own)).tolist():
+            is_first = first[i] == own
+            mujoco.mj_contactForce(self._model, self._data, i, force)
+            normal = contact.frame[i, :3] * (-1.0 if is_first else 1.0)
+            found.append(
+                ContactPoint(
+                    self._number[second[i] if is_first else first[i]],
+                    _vector(contact.pos[i]),
+                    _vector(normal),
+                    float(force[0]),
+                    -float(contact.dist[i]),
+                )
+            )
+        return found
+
+    def is_open(self) -> bool:
+        """Return True: there is no window."""
+        return True
+
+    def close(self) -> None:
+        """Do nothing: memory is all that it has."""
+
+    def _compile(self) -> None:
+        """Bring the model up to date, and keep the motion of all bodies."""
+        if self._is_compiled:
+            return
+        if self._model is None:
+            self._model = self._spec.compile()
+            self._data = mujoco.MjData(self._model)
+        else:
+            self._model, self._data = self._spec.recompile(self._model, self._data)
+        model = self._model
+        # It scales the solver's tolerance: a robot's motion shall not depend on other bodies.
+        model.stat.meaninertia = 1.0
+        self._qpos, self._qvel = self._data.qpos, self._data.qvel
+        self._number = [0, *(int(model.body(i).name) for i in range(1, model.nbody))]
+        self._free = {}
+        for i, number in enumerate(self._number):
+            if model.body_dofnum[i]:
+                velocity = int(model.body_dofadr[i])
+                pose = int(model.jnt_qposadr[model.body_jntadr[i]])
+                self._free[number] = slice(pose, pose + 7), slice(velocity, velocity + 6)
+        adr = np.where(model.body_dofnum > 0, model.body_dofadr, model.nv)[model.geom_bodyid]
+        self._speeds = adr[:, None] + np.arange(3)
+        """The places of each shape's velocity in qvel with three zeros behind it."""
+        self._friction = model.geom_friction[:, 0].copy()
+        self._objects = [
+            (number, min(part.shape.least_radius for part in body.parts))
+            for number, body in self._bodies.items()
+            if body.mass and not body.appearance
+        ]
+        self._is_compiled = True
+
+    def _set_friction(self) -> None:
+        """Give each contact the product of its shapes' friction.
+
+        A convex contact (Anitescu 2006) lifts what slides, by about friction x speed x the time in
+        which it is to stop. So this time is short where a body sticks, and grows with its speed, so
+        that the reference never asks for more than _BRAKING. The centres' speed stands for the
+        speed of the contact: what rolls loses nothing by it.
+        """
+        if not self._objects:
+            return
+        contact = self._data.contact
+        rough = np.flatnonzero(contact.dim == _ROUGH)
+        first, second = contact.geom1[rough], contact.geom2[rough]
+        friction = self._friction[first] * self._friction[second]
+        contact.friction[rough, :2] = np.maximum(friction, _LEAST_FRICTION)[:, None]
+        speeds = np.concatenate((self._qvel, (0.0, 0.0, 0.0)))
+        slip = speeds[self._speeds[first]] - speeds[self._speeds[second]]
+        time = 2 / _BRAKING * np.sqrt(np.einsum("ni,ni->n", slip, slip))
+        is_slow = time > _STEPS * self._dt
+        if is_slow.any():
+            reference = contact.solreffriction
+            reference[rough[is_slow], 0] = time[is_slow]
+            reference[rough[is_slow], 1] = 1.0
+
+    def _stop_at_walls(self) -> None:
+        """Put an object that would pass through something in this step before it, without bounce.
+
+        MuJoCo looks at poses alone, and would find it before a wall and then behind it.
+        """
+        for number, radius in self._objects:
+            pose, velocity = self._free[number]
+            speed = self._qvel[velocity.start : velocity.start + 3]
+            path = math.hypot(*speed.tolist()) * self._dt
+            if path < radius:
+                continue
+            centre, ahead = self._qpos[pose.start : pose.start + 3], speed * (self._dt / path)
+            mujoco.mj_kinematics(self._model, self._data)
+            own, normal = self._model.body(str(number)).id, np.zeros((3, 1))
+            distance = mujoco.mj_ray(
+                self._model, self._data, centre, ahead, None, 1, own, np.zeros(1, np.int32), normal
+            )
+            if 0 <= distance < path + radius:
+                centre += ahead * max(0.0, distance - 1.01 * radius)
+                speed -= normal[:, 0] * min(0.0, float(speed @ normal[:, 0]))
+
+
+def _geom(shape: Shape) -> tuple[Any, Sequence[float]]:
+    """A shape's kind and size, in MuJoCo's terms."""
+    kinds = mujoco.mjtGeom
+    if isinstance(shape, Cuboid):
+        return kinds.mjGEOM_BOX, [side / 2 for side in shape.size]
+    if isinstance(shape, Cylinder):
+        return kinds.mjGEOM_CYLINDER, [shape.radius, shape.length / 2, 0.0]
+    return kinds.mjGEOM_SPHERE, [shape.radius, 0.0, 0.0]
+
+
+def _wxyz(rotation: Quaternion) -> Quaternion:
+    """MuJoCo's order of a quaternion."""
+    x, y, z, w = rotation
+    return w, x, y, z
+
+
+def _vector(array: _Array) -> Vector:
+    x, y, z = array.tolist()
+    return x, y, z

@@ -1,0 +1,85 @@
+"""Commands of ROS and catkin, typed behind lcmtools, do what is meant and say how it is typed."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lcmtools.cli.ros import instead
+from lcmtools.errors import UsageError
+
+Run = Callable[..., Any]
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        ("rostopic echo -n 1 /scan", "topic echo -n 1 /scan"),
+        ("rosnode info talker", "node info talker"),
+        ("rosmsg show Twist", "msg show Twist"),
+        ("rossrv list", "srv list"),
+        ("rosparam get /driver/gain", "param get /driver/gain"),
+        ("rosservice call /reset", "service call /reset"),
+        ("roslaunch air_lab0 husky.launch", "launch air_lab0 husky.launch"),
+        ("roswtf", "wtf"),
+        ("rospack find air_lab0", "pkg find air_lab0"),
+        ("rosrun image_view image_view image:=/camera", "run image_view image:=/camera"),
+        ("rosrun roscpp_tutorials talker __ns:=/a", "run talker __ns:=/a"),
+        ("rosrun talker", "run talker"),
+        ("rosrun my_package my_node", "run my_package my_node"),
+        ("rqt_image_view /camera", "run image_view image:=/camera"),
+        ("image_view image:=/camera", "run image_view image:=/camera"),
+        ("rqt_graph", "graph"),
+        ("rqt_console", "echo /rosout"),
+        ("catkin build", "pkg build"),
+        ("catkin build --this -j4 air_lab0", "pkg build air_lab0"),
+        ("catkin_make -DCMAKE_BUILD_TYPE=Release", "pkg build"),
+        ("colcon build", "pkg build"),
+        ("catkin_create_pkg air_lab0 roscpp rospy nav_msgs std_msgs message_generation",
+         "pkg create air_lab0 --deps nav_msgs std_msgs"),
+        ("catkin create pkg air_lab0", "pkg create air_lab0"),
+        ("ros2 topic list -t", "topic list -t"),
+        ("ros2 run image_view image_view", "run image_view image_view"),
+    ],
+)  # fmt: skip
+def test_a_command_of_ros_becomes_the_one_that_is_meant(
+    typed: str, meant: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert " ".join(instead("", typed.split())) == meant
+    assert capsys.readouterr().err == f"{typed.split(maxsplit=1)[0]} is here: lcmtools {meant}\n"
+
+
+def test_a_dependency_without_messages_is_left_out_and_named(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    words = ["catkin_create_pkg", "air_lab0", "rospy", "tf2_ros", "nav_msgs"]
+    assert instead("", words) == ["pkg", "create", "air_lab0", "--deps", "nav_msgs"]
+    assert "no messages in tf2_ros, which is left out" in capsys.readouterr().err
+
+
+def test_other_words_are_no_commands_of_ros() -> None:
+    assert instead("", ["lisst"]) == []
+    assert instead("topic", ["rosfoo"]) == []
+    with pytest.raises(UsageError):
+        instead("param", ["delete", "/a/b"])
+
+
+def test_what_is_meant_is_done(cli: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    made = cli("catkin_create_pkg", "air_lab0", "roscpp", "rospy", "nav_msgs")
+    assert made.code == 0
+    assert made.err.startswith("catkin_create_pkg is here: lcmtools pkg create air_lab0")
+    built = cli("catkin", "build")
+    assert (built.code, built.err.splitlines()[-1]) == (0, "ready: air_lab0")
+    assert cli("rosmsg", "show", "std_msgs/String").out == "string data\n"
+    deleted = cli("rosparam", "delete", "/a/b")
+    assert deleted.code == 2
+    assert deleted.err.splitlines()[-1].startswith(
+        "lcmtools param: no such command 'delete'; a node"
+    )
+
+
+def test_a_node_whose_package_has_its_name_is_run(cli: Run) -> None:
+    said = cli("run", "image_view", "image_view", "--foo").err
+    assert said.startswith("lcmtools run image_view: unknown argument '--foo'")

@@ -1,0 +1,241 @@
+"""lab check of programs with a planted fault: the cause is named, within 30 s, and once."""
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytestmark = pytest.mark.usefixtures("quiet_network")
+Check = Callable[..., list[dict[str, Any]]]
+
+CONTROLLER = """
+import sys
+import lcmtools
+from lcmtools import Node
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.sensor_msgs import JointState
+
+FAULT = sys.argv[1]
+
+
+class Controller(Node):
+    def __init__(self):
+        super().__init__("simple_controller")
+        output = "velocity_comand" if FAULT == "topic" else "controlled_velocity"
+        source = "/odometry" if FAULT == "subscription" else "odometry"
+        self.publisher = self.create_publisher(JointState, output)
+        self.create_subscription(Odometry, source, self.take_odometry, 1)
+        self.create_subscription(Twist, "desired_velocity", self.take_desired, 1)
+        self.desired = Twist()
+        self.count = 0
+        self.left = self.right = 0.0
+
+    def take_desired(self, twist):
+        self.desired = twist
+
+    def take_odometry(self, odometry):
+        self.count += 1
+        forward = self.desired.linear.x - odometry.twist.twist.linear.x
+        turn = self.desired.angular.z - odometry.twist.twist.angular.z
+        if FAULT == "raised":
+            self.desird
+        if FAULT == "publish" or (FAULT == "seldom" and self.count % 50):
+            return
+        if FAULT == "died" and self.count > 100:
+            raise SystemExit("no more efforts")
+        forward = -forward if FAULT == "speed-sign" else forward
+        turn = -turn if FAULT == "turn-sign" else turn
+        self.left = max(-1.0, min(1.0, self.left + 0.1 * forward - 0.05 * turn))
+        self.right = max(-1.0, min(1.0, self.right + 0.1 * forward + 0.05 * turn))
+        message = JointState()
+        message.name = ["l", "r"] if FAULT == "ignored" else []
+        efforts = [self.left, self.right]
+        if FAULT == "field":
+            message.velocity = efforts
+        else:
+            message.effort = [0.0, 0.0] if FAULT == "zero" else efforts
+        self.publisher.publish(message)
+
+
+lcmtools.init()
+node = Controller()
+if FAULT == "spin":
+    import time
+    time.sleep(1000)
+lcmtools.spin(node)
+"""
+TELEOP = """
+import sys, tty
+import lcmtools
+from lcmtools import Node
+from lcmtools.types.geometry_msgs import Twist
+
+FAULT = sys.argv[1]
+lcmtools.init()
+node = Node("teleop")
+publisher = node.create_publisher(Twist, "/RosAria/cmd_vel")
+tty.setcbreak(0)
+ways = {"i": (1, 0), ",": (-1, 0), "j": (0, 1), "l": (0, -1), "u": (1, 1), "o": (1, -1),
+        "m": (-1, -1), ".": (-1, 1)}
+if FAULT == "key-jl":
+    ways["j"], ways["l"] = ways["l"], ways["j"]
+factors = {"q": (1.1, 1.1), "w": (1.1, 1), "e": (1, 1.1), "z": (0.9, 0.9), "x": (0.9, 1),
+           "c": (1, 0.9)}
+speed = turn = 1.0
+try:
+    while True:
+        key = sys.stdin.read(1)
+        faster, more_turn = factors.get(key, (1, 1))
+        speed, turn = speed * faster, turn * more_turn
+        along, around = ways[key] if FAULT == "died" else ways.get(key, (0, 0))
+        around = -around if FAULT == "turn-sign" else around
+        twist = Twist()
+        twist.linear.x, twist.angular.z = along * speed, around * turn
+        publisher.publish(twist)
+except KeyboardInterrupt:
+    publisher.publish(Twist())
+lcmtools.shutdown()
+"""
+MOVER = """
+import sys
+import lcmtools
+from lcmtools import Node
+from lcmtools.types.geometry_msgs import Twist
+
+FAULT = sys.argv[1]
+lcmtools.init()
+node = Node("moving_robot")
+publisher = node.create_publisher(Twist, "/dolly/cmd_vel")
+twist = Twist()
+twist.linear.x, twist.angular.z = 0.5, 0.0 if FAULT == "velocity" else 0.3
+
+
+def move():
+    if FAULT != "once" or node.get_clock().now() < start + 10**9:
+        publisher.publish(twist)
+
+
+start = node.get_clock().now()
+node.create_timer(500.0 if FAULT == "timer" else 0.5, move)
+lcmtools.spin(node)
+"""
+
+
+@pytest.fixture
+def check(lcmtools: Callable[..., "subprocess.CompletedProcess[str]"], tmp_path: Path) -> Check:
+    """``check("husky", "controller", source, "fault")``: the rows that are not ok."""
+
+    def run(lab: str, program: str, source: str, fault: str) -> list[dict[str, Any]]:
+        script = tmp_path / "program.py"
+        script.write_text(source)
+        start = time.monotonic()
+        command = f"{sys.executable} {script} {fault}"
+        result = lcmtools("lab", "check", lab, f"--{program}", command, "--json", timeout=100)
+        assert time.monotonic() - start < 60.0  # 30 s on a computer that does nothing else
+        assert result.returncode == 1, result.stderr
+        return [row for row in json.loads(result.stdout)["rows"] if not row["ok"]]
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("fault", "row", "words"),
+    [
+        ("raised", "commands the robot", "AttributeError"),
+        ("topic", "commands the robot", "start it with velocity_comand:=velocity_cmd"),
+        ("subscription", "commands the robot", "it subscribes to /odometry, and not to /husky0/od"),
+        ("publish", "commands the robot", "publish() is never called"),
+        ("spin", "commands the robot", "does it call lcmtools.spin(node)"),
+        ("died", "drive at 0.1 m/s", "the program died: it ended with code 1: no more efforts"),
+        ("ignored", "drive at 0.1 m/s", "unknown wheel 'l'"),
+        ("field", "drive at 0.5 m/s", "its commands are in velocity"),
+        ("seldom", "drive at 0.1 m/s", "commands come too seldom, 1 a second"),
+        ("zero", "drive at 0.1 m/s", "its commands are all 0"),
+        ("speed-sign", "drive at 0.1 m/s", "wrong sign of speed (-1.00 m/s in place of +0.1)"),
+        ("turn-sign", "turn at 0.3 rad/s", "wrong sign of turn"),
+    ],
+)
+def test_the_cause_of_a_wrong_controller_is_named_once(
+    fault: str, row: str, words: str, check: Check
+) -> None:
+    first, *others = check("husky", "controller", CONTROLLER, fault)
+    assert (first["what"], first["cause"]) == (row, fault), first
+    assert words in first["hint"]
+    assert first["said"]
+    assert all(other["follows"] == row for other in others), others
+    advice = " ".join([first["hint"], *first["findings"]])
+    assert "lcmtools wtf" not in advice
+    assert "lcmtools node" not in advice
+
+
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        ("key-jl", "'j' does what 'l' should do (right on the spot): one key for another"),
+        ("turn-sign", "wrong sign of turn: left is angular.z above 0"),
+        ("died", "the program died: it ended with code 1: KeyError: 'k'"),
+    ],
+)
+def test_the_cause_of_wrong_keys_is_named_once(fault: str, words: str, check: Check) -> None:
+    first, *others = check("pioneer", "teleop", TELEOP, fault)
+    assert words in first["hint"]
+    assert all(other["follows"] == first["what"] for other in others), others
+
+
+@pytest.mark.parametrize(
+    ("fault", "measured", "words"),
+    [
+        ("once", "0.00 Hz", "one command came, and no other in"),
+        ("timer", "none within 10 s", "no callback of its node was ever called"),
+        ("velocity", "0.5 m/s, 0 rad/s", "set linear.x and angular.z"),
+    ],
+)
+def test_the_cause_of_a_wrong_mover_is_named(
+    fault: str, measured: str, words: str, check: Check
+) -> None:
+    first, *others = check("dolly", "mover", MOVER, fault)
+    assert str(first["measured"]).startswith(measured)
+    assert words in first["hint"]
+    assert all(other["follows"] == first["what"] for other in others), others
+
+
+def test_a_robot_that_got_stuck_says_on_what_and_where(check: Check) -> None:
+    row = check("dolly", "mover", MOVER, "velocity")[1]
+    assert "stuck on shed, at (5.1, 0.0) m" in row["measured"]
+
+
+@pytest.fixture
+def class_folder(tmp_path: Path) -> Iterator[Path]:
+    folder = tmp_path / "class"
+    (folder / "anna").mkdir(parents=True)
+    (folder / "anna" / "moving_robot.py").write_text(MOVER.replace("sys.argv[1]", "''"))
+    (folder / "bo.py").write_text("raise ValueError('/dolly/cmd_vel')")
+    (folder / "cy").mkdir()
+    yield folder
+    assert sorted(path.name for path in folder.iterdir()) == ["anna", "bo.py", "cy"]
+
+
+def test_a_class_is_checked_one_by_one_with_a_table_a_report_and_pictures(
+    class_folder: Path,
+    tmp_path: Path,
+    lcmtools: Callable[..., "subprocess.CompletedProcess[str]"],
+) -> None:
+    files = ("--junit", str(tmp_path / "class.xml"), "--plot", str(tmp_path / "plot.png"))
+    command = ("lab", "check", "dolly", "--programs", str(class_folder), *files)
+    result = lcmtools(*command, timeout=200)
+    assert result.returncode == 1
+    table = [row.split(maxsplit=4) for row in result.stdout.splitlines()[-3:]]
+    assert table[0] == ["anna", "4", "of", "4"]
+    assert table[1][:4] == ["bo.py", "0", "of", "1"]
+    assert "ValueError: /dolly/cmd_vel (bo.py:1)" in table[1][4]
+    assert table[2][:2] == ["cy", "-"]
+    assert table[2][4] == "no program of this lab: moving_robot or reading_laser"
+    report = (tmp_path / "class.xml").read_text()
+    assert report.count("<testsuite ") == 3
+    assert (tmp_path / "plot_anna_mover.png").read_bytes().startswith(b"\x89PNG")

@@ -1,0 +1,151 @@
+"""The pace of publishers over one look and over several: slower, silent, and what is neither."""
+
+from dataclasses import replace
+
+import pytest
+from fixtures.judging import Judged, judge
+
+from lcmtools.doctor.evidence import Evidence, LcmProcess, SenderFacts, Stream
+from lcmtools.doctor.memory import Memory
+from lcmtools.doctor.rules import traffic
+from lcmtools.doctor.rules.pace import doubt
+from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.wire.packet import Sender
+
+SECOND = 1_000_000_000
+NOW = 1_000_000 * SECOND
+ALICE, BOB = Sender("127.0.0.1", 4000), Sender("127.0.0.1", 5000)
+START = NOW - 100 * SECOND
+
+
+def look(number: int, *rates: float, pid: int | None = 7, **values: object) -> Evidence:
+    """A look of a second; each rate [Hz] is that of a plain program on /a."""
+    end = NOW + number * SECOND
+    streams = []
+    for sender, rate in zip((ALICE, BOB), rates, strict=False):
+        times = tuple(end - round(n * SECOND / rate) for n in range(int(rate), 0, -1))
+        streams.append(Stream("/a", sender, "sender.py", times, pid=pid))
+    processes = (LcmProcess(pid, "sender.py"),) if pid else ()
+    known = {"streams": tuple(s for s in streams if s.times), "processes": processes, **values}
+    known = {"graph": Graph(time=end), **known}
+    return Evidence("udpm://", listened=1.0, **known)  # type: ignore[arg-type]
+
+
+def watched(*looks: Evidence) -> list[list[str]]:
+    """The rules that find something, look by look."""
+    memory, found = Memory(), []
+    for one in looks:
+        evidence = memory.recall(one)
+        found.append([finding.rule for finding in judge(evidence) if finding.rule != "no-traffic"])
+        memory.learn(evidence)
+    return found
+
+
+@pytest.mark.parametrize(("usual", "now"), [(50, 5), (10, 1), (20, 8)])
+def test_a_program_that_became_slow_stays_slow(usual: float, now: float) -> None:
+    looks = [look(n, usual) for n in range(3)] + [look(n, now) for n in range(3, 30)]
+    assert watched(*looks) == [[]] * 3 + [["slow-rate"]] * 27
+
+
+def test_a_program_that_publishes_in_bursts_is_neither_slow_nor_silent() -> None:
+    def burst(number: int) -> Evidence:
+        end = NOW + number * SECOND
+        times = tuple(end - (50 - n) * SECOND // 100 for n in range(10))
+        return look(number, streams=(Stream("/a", ALICE, "sender.py", times, pid=7),))
+
+    found = watched(*(burst(n) if n % 3 == 0 else look(n) for n in range(30)))
+    assert [rules for rules in found[6:] if rules] == []
+
+
+def test_a_look_goes_on_where_a_program_has_just_stopped() -> None:
+    stopped = look(1, graph=Graph(time=NOW + 3 * SECOND), streams=look(1, 20).streams)
+    assert doubt(stopped) == 3.0
+    assert doubt(look(1, 20)) == 0.0
+
+
+def test_a_slow_program_that_sends_in_every_other_look_is_told_in_each() -> None:
+    looks = [look(n, 50) for n in range(3)]
+    looks += [look(n, 1) if n % 2 else look(n) for n in range(3, 30)]
+    assert watched(*looks)[5:] == [["slow-rate"]] * 25
+
+
+def test_a_program_that_fell_silent_stays_silent_until_it_publishes_again() -> None:
+    looks = [look(0, 10), *(look(n) for n in range(1, 20)), look(20, 10)]
+    assert watched(*looks) == [[], *([["silent"]] * 19), []]
+
+
+def test_a_program_that_ended_is_forgotten() -> None:
+    assert watched(look(0, 10), look(2), look(3, processes=())) == [[], ["silent"], []]
+
+
+def test_a_sender_without_a_known_process_is_forgotten_after_a_while() -> None:
+    looks = [look(0, 10, pid=None), look(30, pid=None), look(90, pid=None)]
+    assert watched(*looks) == [[], ["silent"], []]
+
+
+def test_a_stopped_program_is_told_once() -> None:
+    stopped = (LcmProcess(7, "sender.py", state="T"),)
+    found = watched(look(0, 10), look(2, processes=stopped))
+    assert found == [[], ["silent"]]  # as one that is stopped, with what wakes it
+
+
+def test_a_program_that_publishes_once_in_five_seconds_is_neither() -> None:
+    looks = [look(n, 1) if n % 5 == 0 else look(n) for n in range(40)]
+    assert watched(*looks) == [[]] * 40
+
+
+def test_a_program_that_is_started_again_every_second_competes_with_nobody() -> None:
+    first, second = look(0, 10).streams[0], look(1, 10).streams[0]
+    streams = (replace(first, has_ended=True), replace(second, sender=BOB, name="sender.py 2"))
+    assert watched(look(1, streams=streams)) == [[]]
+    both = (second, replace(second, sender=BOB, name="sender.py 2"))
+    assert watched(look(1, streams=both)) == [["competing-publishers"]]
+
+
+def test_a_look_goes_on_where_two_programs_may_publish_at_the_same_time() -> None:
+    first, second = look(1, 1, 1).streams
+    second = replace(second, name="other.py")
+    assert traffic.doubt(look(1, streams=(first, second))) == 3.0
+    assert traffic.doubt(look(1, streams=(replace(first, has_ended=True), second))) == 0.0
+    assert traffic.doubt(look(1, streams=(first,))) == 0.0
+
+
+def test_a_plain_program_is_compared_with_its_average_since_its_start() -> None:
+    facts = SenderFacts(ALICE, "sender.py", messages=5, process_age=100.0, average_rate=45.0)
+    finding = _only(look(0, 5, senders=(facts,)))
+    assert finding.items == (" * sender.py: 5 Hz in all, and 45 Hz on average since its start",)
+    assert watched(look(0, 5, senders=(replace(facts, process_age=1.0),))) == [[]]
+    assert watched(look(0, 5, senders=(replace(facts, messages=40),))) == [[]]
+
+
+def _only(evidence: Evidence) -> Judged:
+    (finding,) = [one for one in judge(evidence) if one.rule != "no-traffic"]
+    return finding
+
+
+def _node(messages: int, age: float, now: int = NOW) -> Graph:
+    end = Endpoint("/a", Role.PUBLISHER, messages=messages, last_time=now - round(age * SECOND))
+    mouth = Node("/mouth", "m", "h", 1, START, endpoints=(end,), sent=now)
+    ear = Node("/ear", "e", "h", 2, endpoints=(Endpoint("/a", Role.SUBSCRIBER),))
+    return Graph((ear, mouth), time=now)
+
+
+def _graphs(before: Graph, after: Graph) -> Evidence:
+    return Evidence("udpm://", before=before, graph=after, listened=1.0)
+
+
+def test_a_node_that_fell_from_ten_messages_a_second_to_one_is_slow() -> None:
+    evidence = _graphs(_node(990, 0.5, NOW - SECOND), _node(991, 0.5))
+    (finding,) = judge(evidence)
+    assert finding.items == (" * /mouth: /a, 1 Hz in place of 10.1 Hz",)
+    assert doubt(evidence) == 0.0
+
+
+def test_a_look_goes_on_where_a_slow_node_may_have_become_slower() -> None:
+    slow = _graphs(_node(297, 1.5, NOW - SECOND), _node(297, 2.5))  # 3 Hz, and nothing for 2.5 s
+    assert judge(slow) == []
+    assert 3.9 < doubt(slow) < 4.1
+    usual = _graphs(_node(297, 0.5, NOW - SECOND), _node(299, 0.6))
+    assert doubt(usual) == 0.0
+    beat = _graphs(_node(99, 0.5, NOW - SECOND), _node(99, 1.2))  # 1 Hz, a little late
+    assert doubt(beat) == 0.0

@@ -1,0 +1,80 @@
+"""How far a robot strays from a path, and why, on drives that are made up. Metres, seconds."""
+
+import math
+from collections.abc import Iterable
+
+import pytest
+
+from lcmtools.labs.checks.observations import Sample, Touch
+from lcmtools.labs.checks.path import Drive, drive_cause, judge
+
+ROUND = [(2 * math.sin(a / 20), 2 - 2 * math.cos(a / 20)) for a in range(126)]
+"""Nearly a whole circle to the left, 12.5 m long."""
+
+
+def drive_along(states: Iterable[tuple[float, float, float, float]]) -> Drive:
+    """Drive through places with a speed and a turn rate, ten a second."""
+    drive = Drive(ROUND)
+    for number, state in enumerate(states):
+        drive.add(Sample(number / 10, *state))
+    return drive
+
+
+def circle(radius: float, part: float = 1.0) -> list[tuple[float, float, float, float]]:
+    """A drive around the path's middle."""
+    angles = [math.tau * part * n / 300 for n in range(299)]
+    return [(radius * math.sin(a), 2 - radius * math.cos(a), 0.4, 0.2) for a in angles]
+
+
+@pytest.mark.parametrize(("radius", "offset"), [(2.0, 0.0), (1.9, 0.1), (2.2, -0.2)])
+def test_a_robot_that_keeps_its_distance_strays_by_it(radius: float, offset: float) -> None:
+    drive = drive_along(circle(radius))
+
+    assert drive.length == pytest.approx(12.5, abs=0.01)
+    assert drive.along == pytest.approx(12.5, abs=0.1)
+    assert drive.farthest[1] == pytest.approx(offset, abs=0.002)
+    assert drive.mean == pytest.approx(abs(offset), abs=0.002)
+
+
+def test_a_closed_path_is_not_over_at_its_start() -> None:
+    drive = drive_along(circle(2.0, 0.05))
+
+    assert not drive.is_over(29.8)
+    assert drive.along == pytest.approx(0.05 * math.tau * 2, abs=0.05)
+
+
+def test_a_robot_that_rests_far_from_the_end_is_not_waited_for() -> None:
+    drive = drive_along([(0, 0, 0, 0)] * 20)
+
+    assert not drive.is_over(7.9)
+    assert drive.is_over(8.1)
+
+
+def test_a_good_drive_is_as_specified_in_all_rows() -> None:
+    rows = list(judge(drive_along(circle(1.95)), []))
+
+    assert [row.is_ok for row in rows] == [True, True, True]
+    assert rows[1].measured.startswith("0.05 m to the left, at (")
+    assert rows[2].measured == "0.050 m"
+
+
+@pytest.mark.parametrize(
+    ("states", "key"),
+    [
+        ([(0, 0, 0, 0)] * 10, "no-motion"),
+        ([(-n / 10, 0, -0.4, 0) for n in range(12)], "speed-sign"),
+        ([(n / 10, -n * n / 100, 0.4, -0.5) for n in range(12)], "turn-sign"),
+        (circle(2.0, 0.5), "stops"),
+        (circle(2.4), "strays"),
+    ],
+)
+def test_the_cause_is_told_by_the_places(
+    states: list[tuple[float, float, float, float]], key: str
+) -> None:
+    assert drive_cause(drive_along(states), []).key == key
+
+
+def test_what_the_robot_touches_is_the_first_cause() -> None:
+    cause = drive_cause(drive_along(circle(2.4)), [Touch(3.0, "table1", 1.66, 0.5)])
+
+    assert cause.text == "the robot touches table1 at (1.7, 0.5)"

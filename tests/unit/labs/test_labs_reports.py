@@ -1,0 +1,154 @@
+"""The reports of checks: text, JSON, JUnit, the table of a class, and the picture."""
+
+import io
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import PIL.Image
+import pytest
+
+from lcmtools.errors import UsageError
+from lcmtools.labs.catalogue import LABS
+from lcmtools.labs.checks.check import Run
+from lcmtools.labs.checks.observations import Desire, Observations, Sample, Touch
+from lcmtools.labs.checks.plot import plot, series
+from lcmtools.labs.checks.reporters import heading, junit, record, result_lines, summary, table
+from lcmtools.labs.checks.results import CheckResult, Report, as_specified
+from lcmtools.labs.checks.submissions import copy_submission, programs_of, submissions_in
+
+OK = CheckResult("commands the robot", "messages that come", "they come", is_ok=True)
+WRONG = CheckResult(
+    "drive at 0.1 m/s",
+    "0.1 m/s",
+    "-1.0 m/s",
+    is_ok=False,
+    hint="wrong sign of speed",
+    cause="speed-sign",
+    said="KeyError: 'a\x1b' (c.py:3)",
+    findings=("unconnected: /a -> start it with a:=b",),
+)
+FOLLOWS = CheckResult(
+    "drive at 0.5 m/s",
+    "0.5 m/s",
+    "not measured",
+    is_ok=False,
+    hint="follows from: drive at 0.1 m/s",
+    cause="speed-sign",
+    follows="drive at 0.1 m/s",
+)
+CONTROLLER = LABS["husky"].programs[0]
+OBSERVED = Observations(
+    CONTROLLER,
+    desired=[Desire(0.0, 0.0, 0.0), Desire(1.0, 0.5, 0.0)],
+    motion=[Sample(t / 10, t / 20, 0.0, 0.5, float("nan")) for t in range(40)],
+    touches=[Touch(3.0, "pillar", 4.0, -3.0)],
+)
+REPORT = Report("controller", ("python", "my c.py"), [OK, WRONG, FOLLOWS], OBSERVED)
+WORLD = {
+    "objects": [
+        {"type": "walls", "points": [[-6, -5], [6, -5], [6, 5]], "closed": True},
+        {"type": "box", "size": [1, 2, 1], "pose": [3, 3, "30 deg"]},
+        {"type": "cylinder", "radius": 0.5, "pose": [-3, 2, 0]},
+        {"type": "sdf", "file": "a.sdf"},
+    ]
+}
+
+
+def test_a_heading_says_whose_program_is_checked() -> None:
+    assert heading(Run(CONTROLLER, ["python", "my c.py"], 1.0))[1] == (
+        "checking your program: python 'my c.py'"
+    )
+    answer = heading(Run(CONTROLLER, ["lcmtools"], 1.0, is_answer=True))
+    assert answer[1] == "checking the model answer of lcmtools: lcmtools"
+
+
+def test_a_row_that_is_not_ok_has_its_cause_the_last_words_and_findings_below_it() -> None:
+    assert len(result_lines(OK)) == 1
+    assert [row.strip() for row in result_lines(WRONG)[1:]] == [
+        "-> wrong sign of speed",
+        "it printed last: KeyError: 'a\x1b' (c.py:3)",
+        "wtf: unconnected: /a -> start it with a:=b",
+    ]
+    assert result_lines(FOLLOWS)[1].strip() == "-> follows from: drive at 0.1 m/s"
+
+
+def test_the_summary_ends_with_the_first_cause() -> None:
+    assert summary([REPORT]) == [
+        "1 of 3 are as the lab specifies",
+        "first of all, controller: wrong sign of speed",
+    ]
+    assert summary([Report("controller", (), [OK])]) == ["1 of 1 are as the lab specifies"]
+
+
+def test_json_says_whose_programs_and_what_follows_from_what() -> None:
+    plain = record("husky", [REPORT])
+    assert plain["programs"] == {
+        "controller": {"command": "python 'my c.py'", "model_answer": False}
+    }
+    assert not plain["ok"]
+    rows = plain["rows"]
+    assert isinstance(rows, list)
+    assert [row["follows"] for row in rows] == ["", "", "drive at 0.1 m/s"]
+    assert rows[1]["cause"] == "speed-sign"
+    assert not as_specified([])
+
+
+def test_junit_counts_a_cause_once_and_is_legal_xml() -> None:
+    root = ET.fromstring(junit("husky", {"anna": [REPORT]}))  # noqa: S314 - our own
+    (suite,) = root
+    assert suite.attrib == {
+        "name": "anna.controller", "tests": "3", "failures": "1", "skipped": "1",
+    }  # fmt: skip
+    assert [child.tag for case in suite for child in case] == ["failure", "skipped"]
+    failure = suite[1][0]
+    assert failure.attrib["message"] == "-1.0 m/s: wrong sign of speed"
+    assert "KeyError: 'a?'" in str(failure.text)
+
+
+def test_a_class_gets_a_table_with_each_submission_s_first_cause() -> None:
+    row = CheckResult("can be run", "a program", "none", is_ok=False, hint="no program")
+    missing = Report("", (), [row])
+    rows = list(table({"anna": [REPORT], "bo": [missing]}))
+    assert [row.split() for row in rows] == [
+        ["submission", "controller", "first", "cause"],
+        ["anna", "1", "of", "3", "controller:", "wrong", "sign", "of", "speed"],
+        ["bo", "-", "no", "program"],
+    ]
+
+
+def test_the_picture_shows_steps_of_what_was_desired_and_finite_measurements() -> None:
+    desired, measured = series(OBSERVED, 0)
+    assert desired == [(0.0, 0.0), (1.0, 0.0), (1.0, 0.5), (3.9, 0.5)]
+    assert measured[0] == (0.0, 0.5)
+    picture = PIL.Image.open(io.BytesIO(plot(WORLD, [REPORT, REPORT])))
+    assert (picture.format, picture.size) == ("PNG", (1520, 840))
+    assert len(picture.getcolors(1 << 16) or ()) > 5
+    assert plot({}, [Report("controller", (), [], Observations(CONTROLLER))]).startswith(b"\x89PNG")
+
+
+def test_programs_of_a_submission_are_found_by_name_by_topics_or_by_the_command(
+    tmp_path: Path,
+) -> None:
+    dolly, source = LABS["dolly"], tmp_path / "class"
+    (source / "anna" / "src").mkdir(parents=True)
+    (source / "anna" / "src" / "my_Moving_Robot.py").write_text("pass")
+    (source / "anna" / "notes.txt").write_text("laser_scan")
+    (source / "bo.py").write_text("subscribe('/dolly/laser_scan')")
+    (source / ".git").mkdir()
+    anna, bo = submissions_in(source)
+    found = []
+    for number, path in enumerate((anna, bo)):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        copy_submission(path, folder)
+        found.append({o: text.split()[1] for o, text in programs_of(dolly, folder, {}).items()})
+    assert found == [{"mover": "src/my_Moving_Robot.py"}, {"reader": "bo.py"}]
+    command = {"mover": "python {program} -x"}
+    assert programs_of(dolly, folder, command) == {"mover": "python bo.py -x"}
+
+
+def test_a_folder_without_submissions_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="is empty"):
+        submissions_in(tmp_path)
+    with pytest.raises(UsageError, match="takes a folder"):
+        submissions_in(tmp_path / "none")

@@ -1,0 +1,258 @@
+"""ROS's .msg and .srv files become the types that lcm-gen makes of the equivalent .lcm files."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lcmtools.errors import InvalidFile
+from lcmtools.messages.definition import definition
+from lcmtools.messages.registry import Registry, fingerprint
+from lcmtools.messages.type_source import TypeSource
+from lcmtools.packages.lcm_gen import generate_code
+from lcmtools.packages.ros_files import to_lcm
+from lcmtools.packages.user_types import UserTypes
+from lcmtools.types.fingerprints import FINGERPRINTS
+
+Types = Callable[..., UserTypes]
+Write = Callable[..., Path]
+
+EVERYTHING = """\
+# a comment
+Header header             # as of std_msgs
+
+bool flag
+byte b
+char c
+int8 i8
+uint8 u8
+int16 i16
+uint16 u16
+int32 i32
+uint32 u32
+int64 i64
+uint64 u64
+float32 f32
+float64 f64
+string<=10 text
+time start
+duration length
+float64[36] covariance
+float64[]   ranges
+string[<=3] names
+uint8[] data
+geometry_msgs/Twist twist
+std_msgs/msg/Header[2] more
+Part[] parts
+"""
+AS_LCM = """package b;
+struct Everything {
+  int32_t ranges_length; int32_t names_length; int32_t data_length; int32_t parts_length;
+  std_msgs.Header header; boolean flag; int8_t b; byte c; int8_t i8; byte u8;
+  int16_t i16; int16_t u16; int32_t i32; int32_t u32; int64_t i64; int64_t u64;
+  float f32; double f64; string text; std_msgs.Time start; std_msgs.Duration length;
+  double covariance[36]; double ranges[ranges_length]; string names[names_length];
+  byte data[data_length]; geometry_msgs.Twist twist; std_msgs.Header more[2];
+  Part parts[parts_length];
+}
+"""
+PART = "package b; struct Part { int16_t x; }"
+
+
+def registry(types: UserTypes) -> Registry:
+    return Registry([TypeSource("lcmtools.types", FINGERPRINTS)], types)
+
+
+def problems(types: UserTypes) -> list[str]:
+    found = types.near()
+    return [str(problem.error()) for problem in found.problems] if found else []
+
+
+def test_a_msg_file_has_the_fingerprint_of_the_equivalent_lcm_file(
+    write: Write, types_of: Types
+) -> None:
+    folder = write(
+        {
+            "a/msg/Everything.msg": EVERYTHING,
+            "a/msg/Part.msg": "int16 x\n",
+            "b/Everything.lcm": AS_LCM,
+            "b/Part.lcm": PART,
+        }
+    )
+    known = registry(types_of(folder))
+    assert known.problems() == []
+    ours, theirs = known.message_class("a/Everything"), known.message_class("b/Everything")
+    assert fingerprint(ours) == fingerprint(theirs)
+    assert known.files()["a/Everything"] == str(folder / "a/msg/Everything.msg")
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("geometry_msgs/Pose", "Point position\nQuaternion orientation"),
+        ("geometry_msgs/TwistStamped", "Header header\nTwist twist\n"),
+        ("nav_msgs/Path", "std_msgs/Header header\ngeometry_msgs/PoseStamped[] poses\n"),
+        ("std_msgs/UInt64", "uint64 data"),
+        ("std_msgs/Char", "char data"),
+        ("std_msgs/Empty", "# nothing\n"),
+        (
+            "sensor_msgs/LaserScan",
+            (
+                "Header header\nfloat32 angle_min\nfloat32 angle_max\nfloat32 angle_increment\n"
+                "float32 time_increment\nfloat32 scan_time\nfloat32 range_min\nfloat32 range_max\n"
+                "float32[] ranges\nfloat32[] intensities\n"
+            ),
+        ),
+        (
+            "sensor_msgs/JointState",
+            (
+                "Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\n"
+                "float64[] effort\n"
+            ),
+        ),
+        ("air_lab0/ControllerEvaluationStat", "uint32 samples\nfloat64 last\nfloat64 average\n"),
+    ],
+)
+def test_ros_definitions_have_the_shipped_types_fingerprints(
+    write: Write, types_of: Types, name: str, text: str
+) -> None:
+    package, _, short = name.partition("/")
+    types = types_of(write({f"{package}/msg/{short}.msg": text}))
+    source = types.near()
+    assert source is not None
+    if package == "air_lab0":  # fields' names are part of the fingerprint
+        text = text.replace("last", "last_error").replace("average", "average_error")
+        assert source.fingerprints[name] != FINGERPRINTS[name]
+        types = types_of(write({f"{package}/msg/{short}.msg": text}))
+        source = types.near()
+        assert source is not None
+    assert (source.fingerprints[name], problems(types)) == (FINGERPRINTS[name], [])
+
+
+def test_constants_have_their_values_and_text_too(write: Write, types_of: Types) -> None:
+    text = (
+        "uint8 OK=0\nuint8 BAD = 200 # bad\nint64 BIG=-5000000000\nint32 HEX=0x1F\nbool YES=True\n"
+        "float32 HALF=0.5\nfloat64 TINY=1e-30\nstring NAME=  a 'b' # no comment\n"
+        'string QUOTED = "left"\nchar A=65\nuint8 state\n'
+    )
+    known = registry(types_of(write({"p/msg/C.msg": text})))
+    cls = known.message_class("p/C")
+    names = ("OK", "BAD", "BIG", "HEX", "YES", "HALF", "TINY", "NAME", "QUOTED", "A")
+    found = [getattr(cls, name) for name in names]
+    assert found == [0, 200, -5_000_000_000, 31, 1, 0.5, 1e-30, "a 'b' # no comment", "left", 65]
+    assert "string NAME=a 'b' # no comment" in definition(cls).splitlines()
+    assert problems(types_of(write({}))) == []
+
+
+def test_a_service_is_a_pair_of_types(write: Write, types_of: Types) -> None:
+    text = "# to where\nfloat64[] goal\n---\nbool success\nstring message\n"
+    known = registry(types_of(write({"p/srv/Drive.srv": text, "p/srv/Stop.srv": "---\n"})))
+    assert known.service_names() == ["p/Drive", "p/Stop"]
+    pair = known.service_class("p/Drive")
+    assert definition(pair.Request) == "float64[] goal"
+    assert definition(pair.Response) == "bool success\nstring message"
+    assert definition(known.service_class("p/Stop").Response) == ""
+
+
+@pytest.mark.parametrize(
+    ("files", "name"),
+    [
+        ({"p/msg/A.msg": "int8 x"}, "p/A"),
+        ({"p/A.msg": "int8 x"}, "p/A"),
+        ({"src/p-1/msg/A.msg": "int8 x", "src/p-1/package.xml": "<name>real</name>"}, "real/A"),
+        (
+            {
+                "q/msg/A.msg": "int8 x",
+                "q/pyproject.toml": '[project]\nname = "my-lab"\n[tool.lcmtools]\n',
+            },
+            "my_lab/A",
+        ),
+    ],
+)
+def test_the_package_is_the_folder_s_or_what_its_project_says(
+    write: Write, types_of: Types, files: dict[str, str], name: str
+) -> None:
+    found = types_of(write(files)).near()
+    assert found is not None
+    assert (list(found.fingerprints), found.problems) == ([name], [])
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("double x", "M.msg:1: unknown type 'double'; did you mean float64?"),
+        ("\nint x", "M.msg:2: unknown type 'int'; did you mean int32 or int64?"),
+        ("flaot64 x", "M.msg:1: unknown type 'flaot64'; did you mean float64?"),
+        ("int8 ok\nfloat64", "M.msg:2: cannot read 'float64'; {example}"),
+        ("float64 x;", "M.msg:1: 'float64 x;' ends in ';'; lines of ROS have none"),
+        ("int32 speed 5", "M.msg:1: speed has a default value, which LCM cannot say; {zeros}"),
+        ("float64 2nd", "M.msg:1: cannot read 'float64 2nd'; {example}"),
+        ("float64[2][2] m", "M.msg:1: cannot read 'float64[2][2] m'; {example}"),
+        ("uint8 X=300", "M.msg:1: 300 does not fit uint8 (0..255)"),
+        ("int32 X=a", "M.msg:1: 'a' is no value for a int32, which X is"),
+        ("float64 X=nan", "M.msg:1: 'nan' is no value for a float64, which X is"),
+        ("uint64 X=0xFFFFFFFFFFFFFFFF", "M.msg:1: X is larger than LCM's numbers, {most}"),
+        ("geometry_msgs/Twist X=1", "M.msg:1: a constant cannot be of the type {twist}"),
+        (
+            "geometry_msgs/Twst t",
+            "M.msg:1: p/M: unknown type 'geometry_msgs/Twst'; did you mean geometry_msgs/Twist?",
+        ),
+        ("# x\nTwist t", "M.msg:2: p/M: unknown type 'Twist'; did you mean geometry_msgs/Twist?"),
+        ("int8 x\nint8 x", "M.msg:2: Duplicate member name 'x'"),
+        ("int8 x\nint8 class", "M.msg:2: p/M: 'class' is a keyword of Python {field}"),
+        ("int8 encode", "M.msg:1: p/M: a field cannot be called 'encode': {python}"),
+    ],
+)
+def test_a_mistake_is_named_with_its_line(
+    write: Write, types_of: Types, text: str, said: str
+) -> None:
+    words = {
+        "example": "write  float64[] values  or  int32 LIMIT=5",
+        "zeros": "leave it out: a new message has zeros",
+        "most": "which end at 2^63 - 1",
+        "twist": "geometry_msgs/Twist",
+        "field": "and cannot be a field; for example class_",
+        "python": "lcm-gen's Python needs that name; use another name",
+    }
+    folder = write({"p/msg/M.msg": text})
+    assert problems(types_of(folder)) == [f"{folder}/p/msg/{said.format_map(words)}"]
+
+
+def test_files_that_cannot_be_types_are_named(write: Write, types_of: Types) -> None:
+    folder = write({"p/msg/my-type.msg": "int8 x", "p/srv/Go.srv": "int8 x\n"})
+    (folder / "p/msg/Mail.msg").write_bytes(b"\xd0\xcf\x11\xe0")
+    assert problems(types_of(folder)) == [
+        f"{folder}/p/msg/Mail.msg:1: it is not UTF-8 text",
+        (
+            f"{folder}/p/msg/my-type.msg: 'my-type' is no name of a message type;"
+            " letters, digits and '_', a letter first"
+        ),
+        f"{folder}/p/srv/Go.srv:1: a line of --- between request and response is missing",
+    ]
+    with pytest.raises(InvalidFile, match=r"Go\.srv:1: a line of ---"):
+        registry(types_of(folder)).service_class("p/Go")
+
+
+def test_a_changed_file_is_read_again(write: Write, types_of: Types) -> None:
+    folder = write({"p/msg/A.msg": "string NAME=a\nint8 x"})
+    assert registry(types_of(folder)).message_class("p/A").NAME == "a"  # type: ignore[attr-defined]
+    write({"p/msg/A.msg": "string NAME=b\nint8 x"})
+    assert registry(types_of(folder)).message_class("p/A").NAME == "b"  # type: ignore[attr-defined]
+
+
+def test_code_for_other_languages_is_generated(write: Write, tmp_path: Path) -> None:
+    folder = write({"p/msg/A.msg": "float64[] values\n", "p/srv/Go.srv": "int8 x\n---\n"})
+    files = [folder / "p/msg/A.msg", folder / "p/srv/Go.srv"]
+    made = generate_code(files, "cpp", tmp_path / "generated")
+    names = [path.relative_to(tmp_path / "generated").as_posix() for path in made]
+    assert names == ["p/A.hpp", "p/Go_Request.hpp", "p/Go_Response.hpp"]
+    assert "std::vector< double > values;" in made[0].read_text()
+
+
+@given(st.text(max_size=200), st.sampled_from([".msg", ".srv"]))
+def test_any_text_is_survived_with_its_lines(text: str, suffix: str) -> None:
+    source = to_lcm(Path(f"/p/Name{suffix}"), text.encode("utf-8", "replace"), "p")
+    if not source.problems:
+        assert len(source.text.splitlines()) <= len(text.splitlines()) + 1
