@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from lcmtools.node.process import init as init
     from lcmtools.node.process import ok as ok
     from lcmtools.node.process import shutdown as shutdown
-    from lcmtools.node.process import spin as spin
-    from lcmtools.node.process import spin_once as spin_once
+    from lcmtools.node.spinning import spin as spin
+    from lcmtools.node.spinning import spin_once as spin_once
     from lcmtools.packages import message_class as message_class
 
 _HOMES = {
@@ -28,7 +28,8 @@ _HOMES = {
     "Parameter": "lcmtools.node.parameters",
     "SetParametersResult": "lcmtools.node.parameters",
     "message_class": "lcmtools.packages",
-    **dict.fromkeys(("init", "ok", "shutdown", "spin", "spin_once"), "lcmtools.node.process"),
+    **dict.fromkeys(("init", "ok", "shutdown"), "lcmtools.node.process"),
+    **dict.fromkeys(("spin", "spin_once"), "lcmtools.node.spinning"),
 }
 
 _ROS_SPELLINGS = {

@@ -34,6 +34,8 @@ class Callbacks:
         self.timers: list[Timer] = []
         self.clock: Clock = SystemClock()
         """The node's clock; timers follow it where it is simulated time."""
+        self.spinning_thread: int | None = None
+        """The thread on which ``spin`` runs them now."""
         self._timed = Stopwatch()
         self._logger = logger
         self._errors = errors

@@ -140,7 +140,7 @@ def misfit(where: str, expected: str, kind: type, value: object) -> ValueMismatc
 def missing_attribute(node: object, name: str) -> Exception:
     """Return the error for an attribute that a node has not."""
     cls = type(node).__name__
-    if name.startswith(("_Node__", "_Parametric__")) or name in ("name", "namespace"):
+    if name.startswith(("_Node__", "_Parametric__", "_Factory__")) or name in ("name", "namespace"):
         first = f"begin it with: super().__init__('{cls.lower()}')"
         return UsageError(f"{cls}.__init__ has not called that of Node before", first)
     hint = f"; write {_ROS_SPELLINGS[name]}" if name in _ROS_SPELLINGS else ""

@@ -5,8 +5,9 @@ The choice among a process's contexts, and signals, are process.py's business.
 
 import os
 import socket
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Protocol
 
 from lcmtools.arguments import NodeArguments
 from lcmtools.bus.base import Bus
@@ -17,12 +18,24 @@ from lcmtools.graph.model import Node, Role
 from lcmtools.graph.protocol import SHUTDOWN_CHANNEL, decode_shutdown
 from lcmtools.names import base_name_of, resolve_namespace
 from lcmtools.node.announcer import Announcer
+from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.graph_follower import GraphFollower
+from lcmtools.node.logger import Logger
 from lcmtools.node.wakeup import WakeupEvent
 from lcmtools.settings import usual_namespace
 
-if TYPE_CHECKING:
-    from lcmtools.node import node as nodes
+
+class Participant(Protocol):
+    """A node, as its context knows it."""
+
+    def describe(self) -> Node:
+        """Return the announced description."""
+
+    def get_logger(self) -> Logger:
+        """Return the node's log."""
+
+    def destroy_node(self) -> None:
+        """Say goodbye."""
 
 
 class Context:
@@ -60,9 +73,7 @@ class Context:
         self._records = records
         self._recorded: dict[str, frozenset[tuple[str, Role]]] = {}
         self.plain_listeners = PlainListeners(url, self._pids_here) if url else None
-        self._participants: list[nodes.Node] = []
-        self.spinning: dict[nodes.Node, int] = {}
-        """The nodes whose callbacks ``spin`` runs now, with the thread that does."""
+        self._participants: list[Participant] = []
         self._stopping = False
         self._closed = False
         self._is_shutdown_requested = False
@@ -85,7 +96,22 @@ class Context:
         self._stopping = True
         self.wakeup.set()
 
-    def add(self, participant: "nodes.Node") -> None:
+    def run_once(self, callbacks: Sequence[Callbacks], timeout: float | None) -> None:
+        """Wait for something to do, for ``timeout`` seconds at most (None: without end); do it.
+
+        Returns as soon as callbacks have run, or when the time is over or the program should end.
+        """
+        deadline = None if timeout is None else time.monotonic() + timeout
+        while self.ok():
+            if sum(one.run_ready() for one in callbacks):
+                return
+            left = None if deadline is None else deadline - time.monotonic()
+            if left is not None and left <= 0:
+                return
+            waits = (left, *(one.time_to_timer() for one in callbacks))
+            self.wakeup.wait(min((wait for wait in waits if wait is not None), default=None))
+
+    def add(self, participant: Participant) -> None:
         """Add a node: announce it, and record that it runs."""
         self._participants.append(participant)
         node = self._describe_recorded(participant)
@@ -96,7 +122,7 @@ class Context:
             )
         self.announcer.announce_soon()
 
-    def remove(self, participant: "nodes.Node") -> None:
+    def remove(self, participant: Participant) -> None:
         """Remove a node: say goodbye for it."""
         if participant in self._participants:
             self._participants.remove(participant)
@@ -138,7 +164,7 @@ class Context:
     def _describe(self) -> list[Node]:
         return [self._describe_recorded(participant) for participant in tuple(self._participants)]
 
-    def _describe_recorded(self, participant: "nodes.Node") -> Node:
+    def _describe_recorded(self, participant: Participant) -> Node:
         """Return a node's description; write its record, again when it has other topics."""
         node = participant.describe()
         topics = frozenset((endpoint.topic, endpoint.role) for endpoint in node.endpoints)

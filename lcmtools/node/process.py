@@ -1,4 +1,4 @@
-"""The context of this process and its signals: ``init``, ``ok``, ``spin`` and ``shutdown``."""
+"""The context of this process and its signals: ``init``, ``ok`` and ``shutdown``."""
 
 import atexit
 import contextlib
@@ -6,11 +6,9 @@ import os
 import signal
 import sys
 import threading
-import time
 from collections.abc import Callable, Sequence
 from functools import partial
 from types import FrameType
-from typing import TYPE_CHECKING
 
 from lcmtools.arguments import NodeArguments, looks_special, misspelt, split_arguments
 from lcmtools.bus.records import NodeRecords
@@ -21,9 +19,6 @@ from lcmtools.node import checks
 from lcmtools.node.context import Context
 from lcmtools.packages import provide_user_types
 from lcmtools.settings import read_user_file
-
-if TYPE_CHECKING:
-    from lcmtools.node.node import Node
 
 _GRACE = 0.5
 """Seconds that a running callback gets to return after Ctrl-C before it is interrupted."""
@@ -200,72 +195,3 @@ def _interrupt_again(context: Context) -> None:
         return
     if _process.context is context:
         signal.pthread_kill(main, signal.SIGINT)
-
-
-def spin(*nodes: "Node") -> None:
-    """Run the nodes' callbacks until Ctrl-C, SIGTERM or ``shutdown``.
-
-    Raises:
-        UsageError: There is no node, a node was destroyed, or runs in another ``spin``.
-    """
-    if not nodes:
-        raise UsageError("lcmtools.spin() has no node to run", "write lcmtools.spin(node)")
-    for node in nodes:
-        _check_node("spin", node)
-    context = nodes[0].context
-    for node in nodes if context.ok() else ():
-        if node.is_destroyed:
-            raise UsageError(f"lcmtools.spin: the node {node.name} was destroyed before")
-        if node in context.spinning:
-            raise UsageError(
-                f"lcmtools.spin({node.name}) runs already", "call it once, and not in a callback"
-            )
-    nodes[0].warn_of_unknown_parameters()
-    context.spinning.update(dict.fromkeys(nodes, threading.get_ident()))
-    try:
-        with contextlib.suppress(KeyboardInterrupt):
-            while context.ok():
-                run_once(context, nodes, None)
-    finally:
-        for node in nodes:
-            context.spinning.pop(node, None)
-    context.is_ending = not context.ok()
-
-
-def _check_node(call: str, node: object) -> None:
-    """Make sure that this is a node."""
-    from lcmtools.node.node import Node
-
-    if isinstance(node, Node):
-        return
-    hint = f"write lcmtools.{call}(node)"
-    if isinstance(node, type) and issubclass(node, Node):
-        hint = f"write lcmtools.{call}({node.__name__}())"
-    elif isinstance(node, (list, tuple, set)):
-        hint = f"write lcmtools.{call}(node, other_node)"
-    raise UsageError(f"lcmtools.{call} needs a node, got {checks.described(node)}", hint)
-
-
-def spin_once(node: "Node", timeout: float | None = 0.0) -> None:
-    """Wait for something to do, for ``timeout`` seconds at most (None: without end); do all of it.
-
-    Returns as soon as callbacks have run, or when the time is over or the program should end.
-    """
-    _check_node("spin_once", node)
-    if timeout == 0 and node.context.ok():  # a simulator does this in each of its steps
-        node.callbacks.run_ready()
-    else:
-        run_once(node.context, (node,), timeout)
-
-
-def run_once(context: Context, nodes: "tuple[Node, ...]", timeout: float | None) -> None:
-    """Run callbacks as ``spin_once`` does, of several nodes of a context."""
-    deadline = None if timeout is None else time.monotonic() + timeout
-    while context.ok():
-        if sum(node.callbacks.run_ready() for node in nodes):
-            return
-        left = None if deadline is None else deadline - time.monotonic()
-        if left is not None and left <= 0:
-            return
-        waits = [node.callbacks.time_to_timer() for node in nodes]
-        context.wakeup.wait(min((w for w in (left, *waits) if w is not None), default=None))

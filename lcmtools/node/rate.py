@@ -2,14 +2,11 @@
 
 import threading
 import time
-from typing import TYPE_CHECKING
 
 from lcmtools.errors import UsageError
-from lcmtools.node.process import run_once
+from lcmtools.node.callbacks import Callbacks
+from lcmtools.node.context import Context
 from lcmtools.node.timer import Timer
-
-if TYPE_CHECKING:
-    from lcmtools.node.node import Node
 
 _POLL_PERIOD = 0.001  # [s] while another thread runs the callbacks, and sets simulated time
 
@@ -18,12 +15,14 @@ class Rate:
     """Keeps a loop at a rate, on the node's clock. Made by ``Node.create_rate``.
 
     Args:
-        node: The node, whose callbacks run during ``sleep``.
+        context: The node's context.
+        callbacks: The node's callbacks, which run during ``sleep``.
         timer: A timer of the rate's period.
     """
 
-    def __init__(self, node: "Node", timer: Timer) -> None:
-        self._node = node
+    def __init__(self, context: Context, callbacks: Callbacks, timer: Timer) -> None:
+        self._context = context
+        self._callbacks = callbacks
         self._timer = timer
 
     def sleep(self) -> None:
@@ -35,16 +34,15 @@ class Rate:
         Raises:
             UsageError: A callback calls it: no other could run meanwhile, that of ``/clock`` too.
         """
-        context, callbacks = self._node.context, self._node.callbacks
-        spins = context.spinning.get(self._node)
-        if spins == threading.get_ident():
+        context, callbacks = self._context, self._callbacks
+        if callbacks.spinning_thread == threading.get_ident():
             raise UsageError(
                 "rate.sleep() in a callback keeps all others waiting",
                 "let create_timer call it periodically, or loop without spin",
             )
         while context.ok() and not self._timer.is_due(callbacks.time()):
-            if spins is None:
-                run_once(context, (self._node,), callbacks.time_to_timer(self._timer))
+            if callbacks.spinning_thread is None:
+                context.run_once((callbacks,), callbacks.time_to_timer(self._timer))
             else:
                 time.sleep(_POLL_PERIOD)
         self._timer.advance(callbacks.time())

@@ -7,9 +7,8 @@ time is over; the server answers a number once, and repeats that answer where a 
 import threading
 import time
 import uuid
-from collections import OrderedDict
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Generic, TypeVar
 
 from lcmtools.bus.base import Bus
@@ -25,6 +24,7 @@ from lcmtools.graph.model import Endpoint, Role
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.node.checks import misfit
+from lcmtools.node.replies import BYTES_A_SECOND, Key, Replies
 from lcmtools.node.stopwatch import Stopwatch
 from lcmtools.types.lcmtools_msgs import ServiceReply, ServiceRequest
 from lcmtools.types.service import Service as Pair
@@ -34,14 +34,6 @@ RETRY_PERIOD = 0.25
 """A request is sent again after so many seconds without an answer."""
 _MAX_WAITING_REQUESTS = 100
 _ENVELOPE_BYTES = 1000  # more than a reply has besides its payload
-_BYTES_A_SECOND = 20e6
-"""So fast at least large messages travel: until then none is sent again."""
-_MOST_REQUESTS = 10_000
-"""Requests that are known to be answered; a repeated one of before would be executed again."""
-_MOST_BYTES = 64 << 20
-"""Of replies that can be repeated; where they are more, the oldest are forgotten."""
-Key = tuple[str, int]
-"""A client and the number of its request."""
 
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
@@ -59,49 +51,6 @@ def request_channel(service: str) -> str:
 def reply_channel(service: str) -> str:
     """Return the hidden channel of a service's replies."""
     return f"{service}/_reply"
-
-
-@dataclass(slots=True)
-class _Reply:
-    payload: bytes | None  # None once forgotten
-    arrives: float  # time from which a repeated request means that it was lost [s]
-
-
-class Replies:
-    """The latest replies of one service."""
-
-    def __init__(self) -> None:
-        self._replies: OrderedDict[Key, _Reply] = OrderedDict()
-        self._with_payload: OrderedDict[Key, int] = OrderedDict()
-        self._bytes = 0
-
-    def __contains__(self, key: Key) -> bool:
-        """Return whether a request has been answered."""
-        return key in self._replies
-
-    def add(self, key: Key, payload: bytes) -> None:
-        """Remember a reply."""
-        self._replies[key] = _Reply(payload, 0.0)
-        self._with_payload[key] = len(payload)
-        self._bytes += len(payload)
-        while self._bytes > _MOST_BYTES and len(self._with_payload) > 1:
-            self._forget_payload()
-        while len(self._replies) > _MOST_REQUESTS:
-            oldest, _ = self._replies.popitem(last=False)
-            self._bytes -= self._with_payload.pop(oldest, 0)
-
-    def to_send(self, key: Key, now: float) -> bytes | None:
-        """Return the reply to send at ``now`` [s]; None while it is under way, or if forgotten."""
-        reply = self._replies[key]
-        if reply.payload is None or now < reply.arrives:
-            return None
-        reply.arrives = now + len(reply.payload) / _BYTES_A_SECOND
-        return reply.payload
-
-    def _forget_payload(self) -> None:
-        key, size = self._with_payload.popitem(last=False)
-        self._replies[key].payload = None
-        self._bytes -= size
 
 
 class Service(Generic[RequestT, ResponseT]):
@@ -279,7 +228,7 @@ class Client(Generic[RequestT, ResponseT]):
         envelope = ServiceRequest()
         envelope.client, envelope.sequence, envelope.payload = self._id, sequence, request
         payload = encode(envelope)
-        patience = RETRY_PERIOD + len(payload) / _BYTES_A_SECOND
+        patience = RETRY_PERIOD + len(payload) / BYTES_A_SECOND
         try:
             while (left := deadline - time.monotonic()) > 0 and not self.is_interrupted():
                 self._bus.publish(request_channel(self.name), payload)

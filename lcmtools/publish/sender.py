@@ -13,8 +13,8 @@ from typing import TypeAlias
 from lcmtools.errors import BusError, UsageError
 from lcmtools.messages.registry import Message
 from lcmtools.node.node import Node
-from lcmtools.node.process import spin_once
 from lcmtools.node.publisher import Publisher
+from lcmtools.node.spinning import spin_once
 from lcmtools.publish.incoming import Incoming, Notify, Template
 
 OnSent: TypeAlias = Callable[[int, Message, bool], None]

@@ -13,8 +13,8 @@ from lcmtools.errors import NothingReceived
 from lcmtools.messages.registry import Message
 from lcmtools.names import did_you_mean, is_hidden
 from lcmtools.node.node import Node
-from lcmtools.node.process import spin_once
 from lcmtools.node.publisher import Publisher
+from lcmtools.node.spinning import spin_once
 from lcmtools.publish.incoming import Notify
 
 _LONGEST = 1.0  # [s] for any subscriber, where no number was given

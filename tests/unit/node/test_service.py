@@ -14,7 +14,8 @@ from lcmtools.errors import InvalidName, ServiceError
 from lcmtools.graph.model import Role
 from lcmtools.messages.codec import encode
 from lcmtools.node.context import Context
-from lcmtools.node.service import Client, Replies, reply_channel, request_channel
+from lcmtools.node.replies import Replies
+from lcmtools.node.service import Client, reply_channel, request_channel
 from lcmtools.types.lcmtools_msgs import ServiceRequest
 from lcmtools.types.std_msgs import Int32
 from lcmtools.types.std_srvs import SetBool, Trigger

@@ -1,0 +1,285 @@
+"""The parts of a node that users make and destroy: publishers, subscriptions, timers, services.
+
+Belongs here: what a ``create_...`` call checks, registers with the bus and announces. A node's
+name, clock and parameters are not known here.
+"""
+
+import contextlib
+from collections.abc import Callable
+from typing import TypeVar
+
+from lcmtools import names
+from lcmtools.bus.base import Handler
+from lcmtools.errors import BusError, UsageError
+from lcmtools.graph.model import Endpoint
+from lcmtools.messages.registry import Message
+from lcmtools.node import checks
+from lcmtools.node.callbacks import Callbacks
+from lcmtools.node.context import Context
+from lcmtools.node.logger import Logger
+from lcmtools.node.publisher import Publisher
+from lcmtools.node.rate import Rate
+from lcmtools.node.service import (
+    Client,
+    RequestT,
+    ResponseT,
+    Service,
+    ServiceCallback,
+    ServiceType,
+    reply_channel,
+    request_channel,
+)
+from lcmtools.node.subscription import Subscription
+from lcmtools.node.timer import Timer
+
+MessageT = TypeVar("MessageT", bound=Message)
+
+_LOST_MESSAGE_PERIOD = 5.0  # [s] between two complaints about a bus that takes no messages
+
+
+class Factory:
+    """A mixin for nodes, which makes and destroys their parts.
+
+    Args:
+        context: The context, whose bus carries the messages.
+        resolver: Resolves and remaps the names of topics and services.
+        callbacks: Runs the callbacks.
+        logger: The node's log.
+        tool: The node is a command, whose ``publish`` raises what others log.
+    """
+
+    # Private names begin with two underscores, as in Node.
+
+    def __init__(
+        self,
+        context: Context,
+        resolver: names.Resolver,
+        callbacks: Callbacks,
+        logger: Logger,
+        *,
+        tool: bool,
+    ) -> None:
+        self.__context = context
+        self.__resolver = resolver
+        self.__callbacks = callbacks
+        self.__logger = logger
+        self.__tool = tool
+        self.__publishers: list[Publisher[Message]] = []
+        self.__clients: list[Client[Message, Message]] = []
+        self.__received: list[tuple[str, Handler]] = []  # channels, with what takes their messages
+        self.__is_destroyed = False
+
+    @property
+    def is_destroyed(self) -> bool:
+        """True once ``destroy_node`` was called."""
+        return self.__is_destroyed
+
+    def resolve_name(self, name: str) -> str:
+        """Return the topic or service that a name means for this node, remapped.
+
+        Raises:
+            InvalidName: The name breaks the naming rules.
+        """
+        return self.__resolver.resolve(name)
+
+    def create_publisher(
+        self, message_type: type[MessageT], topic: str, depth: int = 10, *, literal: bool = False
+    ) -> Publisher[MessageT]:
+        """Return a publisher of one type on one topic.
+
+        Args:
+            message_type: The messages' class.
+            topic: The topic's name, to be resolved.
+            depth: Announced, as in rclpy; LCM sends at once.
+            literal: The topic is an LCM channel to the letter, not to be resolved.
+
+        Raises:
+            InvalidName: The topic's name breaks the naming rules.
+            UsageError: An argument is of another kind.
+        """
+        self.__check_alive("create_publisher")
+        checks.check_endpoint("create_publisher", [message_type], topic, depth)
+        resolved = names.check_channel(topic) if literal else self.resolve_name(topic)
+        context = self.__context
+        publisher = Publisher(context.bus, message_type, resolved, depth, context.follower.graph)
+        publisher.on_failure = None if self.__tool else self.__log_lost_message
+        self.__publishers.append(publisher)  # type: ignore[arg-type] # kept to be announced only
+        context.announcer.announce_soon()
+        return publisher
+
+    def create_subscription(
+        self,
+        message_type: type[MessageT] | tuple[type[MessageT], ...],
+        topic: str,
+        callback: Callable[[MessageT], object],
+        depth: int = 10,
+        *,
+        group: str = "",
+        literal: bool = False,
+    ) -> Subscription:
+        """Return a subscription; its callback runs on the thread that spins.
+
+        Args:
+            message_type: The messages' class, or several: each message is decoded as the one
+                whose fingerprint it carries. The first is the declared type.
+            topic: The topic's name, to be resolved.
+            callback: Called with each message. Its exceptions are logged, and the node goes on.
+            depth: The number of messages that wait at most; the newest are kept.
+            group: Subscriptions of this node with the same group are alternatives: one that is
+                connected is enough.
+            literal: The topic is an LCM channel to the letter, not to be resolved.
+
+        Raises:
+            InvalidName: The topic's name breaks the naming rules.
+            UsageError: An argument is of another kind, the callback of another arity for example.
+            BusError: The bus does not take the subscription.
+        """
+        self.__check_alive("create_subscription")
+        types = message_type if isinstance(message_type, tuple) else (message_type,)
+        checks.check_endpoint("create_subscription", types, topic, depth)
+        checks.check_callback("create_subscription", callback, "message")
+        resolved = names.check_channel(topic) if literal else self.resolve_name(topic)
+        subscription = Subscription(types, resolved, callback, depth, group)  # type: ignore[arg-type]
+        subscription.on_ready = self.__wake
+        self.__receive(resolved, subscription.receive)
+        self.__callbacks.subscriptions.append(subscription)
+        self.__wake()  # messages may have come before
+        return subscription
+
+    def create_timer(self, seconds: float, callback: Callable[[], object]) -> Timer:
+        """Call a function every ``seconds`` on the node's clock.
+
+        Raises:
+            UsageError: The period is not positive, or the function takes arguments.
+        """
+        self.__check_period("create_timer", seconds)
+        checks.check_callback("create_timer", callback)
+        timer = Timer(seconds, callback, self.__callbacks.time)
+        self.__callbacks.timers.append(timer)
+        return timer
+
+    def create_rate(self, frequency: float) -> Rate:
+        """Return a rate for a loop of one's own: its ``sleep`` runs callbacks meanwhile.
+
+        Args:
+            frequency: Turns of the loop in a second of the node's clock [Hz].
+
+        Raises:
+            UsageError: The frequency is not positive and finite.
+        """
+        period = checks.period_of(frequency)
+        self.__check_period("create_rate", period)
+        timer = Timer(period, lambda: None, self.__callbacks.time)
+        return Rate(self.__context, self.__callbacks, timer)
+
+    def create_service(
+        self,
+        service_type: ServiceType[RequestT, ResponseT],
+        name: str,
+        callback: ServiceCallback[RequestT, ResponseT],
+    ) -> Service[RequestT, ResponseT]:
+        """Answer requests by ``callback(request, response)``, which returns the response.
+
+        Raises:
+            InvalidName: The service's name breaks the naming rules.
+            UsageError: An argument is of another kind, the callback of another arity for example.
+        """
+        resolved = self.__resolve_service("create_service", service_type, name)
+        checks.check_callback("create_service", callback, "request", "response")
+        service = Service(self.__context.bus, service_type, resolved, callback)
+        service.on_ready = self.__wake
+        self.__receive(request_channel(resolved), service.receive)
+        self.__callbacks.services.append(service)  # type: ignore[arg-type] # their message types differ
+        self.__wake()  # messages may have come before
+        return service
+
+    def create_client(
+        self, service_type: ServiceType[RequestT, ResponseT], name: str
+    ) -> Client[RequestT, ResponseT]:
+        """Return a client of a service.
+
+        Raises:
+            InvalidName: The service's name breaks the naming rules.
+            UsageError: An argument is of another kind.
+        """
+        resolved = self.__resolve_service("create_client", service_type, name)
+        client = Client(self.__context.bus, service_type, resolved)
+        client.is_interrupted = lambda: not self.__context.ok()
+        client.before_call = self.__context.announcer.announce_changes
+        self.__receive(reply_channel(resolved), client.receive)
+        self.__clients.append(client)  # type: ignore[arg-type] # their message types differ
+        return client
+
+    def destroy_publisher(self, publisher: Publisher[MessageT]) -> None:
+        """Announce a publisher no more. Does nothing the second time."""
+        if publisher in self.__publishers:
+            self.__publishers.remove(publisher)  # type: ignore[arg-type] # see create_publisher
+            publisher.is_destroyed = True
+            self.__context.announcer.announce_soon()
+
+    def destroy_subscription(self, subscription: Subscription) -> None:
+        """Receive nothing more by it, no waiting messages either. Does nothing the second time."""
+        subscription.close()
+        if subscription in self.__callbacks.subscriptions:
+            self.__callbacks.subscriptions.remove(subscription)
+            self.__received.remove((subscription.topic, subscription.receive))
+            self.__context.bus.unsubscribe(subscription.topic, subscription.receive)
+            self.__context.announcer.announce_soon()
+
+    def destroy_timer(self, timer: Timer) -> None:
+        """Call a timer's function no more. Does nothing the second time."""
+        timer.cancel()
+        with contextlib.suppress(ValueError):
+            self.__callbacks.timers.remove(timer)
+
+    def destroy_node(self) -> None:
+        """Receive and send nothing any more."""
+        self.__is_destroyed = True
+        if not self.__context.is_closed():  # else, the error says that the bus is closed
+            for publisher in self.__publishers:
+                publisher.is_destroyed = True
+            for client in self.__clients:
+                client.is_destroyed = True
+        while self.__received:
+            self.__context.bus.unsubscribe(*self.__received.pop())
+        self.__clients.clear()
+        self.__callbacks.clear()
+
+    def endpoints(self) -> tuple[Endpoint, ...]:
+        """Return the announced descriptions of publishers, subscriptions, services and clients."""
+        callbacks = self.__callbacks
+        return (
+            *(publisher.endpoint() for publisher in tuple(self.__publishers)),
+            *(subscription.endpoint() for subscription in tuple(callbacks.subscriptions)),
+            *(service.endpoint() for service in tuple(callbacks.services)),
+            *(client.endpoint() for client in tuple(self.__clients)),
+        )
+
+    def __receive(self, channel: str, handler: Handler) -> None:
+        self.__context.bus.subscribe(channel, handler)
+        self.__received.append((channel, handler))
+        self.__context.announcer.announce_soon()
+
+    def __check_alive(self, call: str) -> None:
+        if self.__is_destroyed:
+            raise UsageError(f"{call}: the node {self.__resolver.node} was destroyed")
+
+    def __check_period(self, call: str, seconds: object) -> None:
+        self.__check_alive(call)
+        if warning := checks.check_period(call, seconds):
+            self.__logger.warning(warning)
+
+    def __resolve_service(self, call: str, service_type: object, name: str) -> str:
+        self.__check_alive(call)
+        checks.check_service_type(call, service_type, name)
+        resolved = self.resolve_name(name)
+        names.check_length(request_channel(resolved), name)
+        return resolved
+
+    def __wake(self) -> None:
+        """Let the spinning thread run callbacks; called on the receiving thread."""
+        self.__callbacks.note_message()  # before the thread wakes, which checks this alone
+        self.__context.wakeup.set()
+
+    def __log_lost_message(self, error: BusError) -> None:
+        self.__logger.error(f"{error}", throttle=_LOST_MESSAGE_PERIOD)
