@@ -69,7 +69,7 @@ class {name}:
     def get_hash(self) -> {int}: ...
 '''
 
-SERVICE = f'''"""What every pair of a request and a response struct is.
+SERVICE = f'''"""The base of a service's class: a pair of structs, request and response.
 
 {NOTICE}
 """
@@ -110,7 +110,7 @@ class {name}(Service[{name}_Request, {name}_Response]):
 
 
 class Struct(Protocol):
-    """What is used of a class that lcm-gen made: its tables and its fingerprint."""
+    """The part of a class made by lcm-gen that is used: its tables and its fingerprint."""
 
     __slots__: ClassVar[list[str]]
     __typenames__: ClassVar[list[str]]

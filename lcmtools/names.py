@@ -101,11 +101,11 @@ def check_channel(channel: str) -> str:
     return check_length(channel)
 
 
-def check_base_name(name: str) -> None:
+def check_base_name(name: str, namespace_by: str = "__ns:=") -> None:
     """Raise InvalidName unless it is a node's name without a namespace: one part."""
     if not _LEGAL_BASE_NAME.fullmatch(name):
         rule = "a node's name is letters, digits and '_', and starts with no digit"
-        hint = f"{rule}; its namespace is given by __ns:="
+        hint = f"{rule}; its namespace is given by {namespace_by}"
         raise InvalidName(f"'{name}' is not a legal node name", hint)
 
 

@@ -35,7 +35,7 @@ def node_name(element: Element, scope: Scope, program: Executable) -> str:
     if not name and {"run", "exec"} & set(element.attributes):
         name = _name_of(program)
     name = name or scope.required(element, "name")
-    located(element, lambda: check_base_name(name))
+    located(element, lambda: check_base_name(name, "the attribute ns"))
     return resolve(name, scope.namespace)
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import TracebackType
 
 from lcmtools.graph.model import CallbackError
-from lcmtools.node.logger import Logger
+from lcmtools.node.logger import Logger, Place, sendable
 
 _MOST_KEPT = 100  # different errors of one node
 _MOST_ANNOUNCED = 5
@@ -49,15 +49,17 @@ class CallbackErrors:
 
     def add(self, callback: str, error: BaseException, function: object) -> None:
         """Log and count one exception of a callback, named as in ``CallbackError``."""
-        key = (callback, type(error).__name__, _sendable(place_of(error, function)))
+        place = place_of(error, function)
+        key = (callback, type(error).__name__, sendable(f"{Path(place[0]).name}:{place[1]}"))
         now, seen = time.monotonic(), self._seen.get(key)
         if seen is None:
             while len(self._seen) >= _MOST_KEPT:
                 self._seen.pop(next(iter(self._seen)))
             seen = self._seen[key] = _Seen(now + _FIRST_PAUSE)
             trace = "".join(traceback.format_exception(type(error), error, _users_part(error)))
-            self._logger.error(f"{_words(callback)} raised {key[1]}: {error}\n{trace.rstrip()}")
-        seen.message = _sendable(str(error).partition("\n")[0][:_MESSAGE_CHARACTERS])
+            text = f"{_words(callback)} raised {key[1]}: {error}\n{trace.rstrip()}"
+            self._logger.error_at(place, text)
+        seen.message = sendable(str(error).partition("\n")[0][:_MESSAGE_CHARACTERS])
         seen.count, seen.last_time = seen.count + 1, time.time_ns()
         if seen.count == 1:
             self._announce()
@@ -94,25 +96,20 @@ def _words(callback: str) -> str:
     return f"callback of {callback}" if callback.startswith("/") else callback
 
 
-def _sendable(text: str) -> str:
-    return text.encode("utf-8", "replace").decode()  # names of files may be no UTF-8
-
-
-def place_of(error: BaseException, function: object) -> str:
-    """Return file and line of an exception: the innermost one in the user's own code.
+def place_of(error: BaseException, function: object) -> Place:
+    """Return the place of an exception: the innermost one in the user's own code.
 
     Of one that lcmtools raises about the function, of what it returned for example, its beginning.
     """
     tb = error.__traceback__
-    frames = [(f.f_code.co_filename, number) for f, number in traceback.walk_tb(tb)]
+    frames = [(f.f_code.co_filename, n, f.f_code.co_name) for f, n in traceback.walk_tb(tb)]
     outside = [frame for frame in frames if not _is_lcmtools(frame[0])]
     own = [frame for frame in outside if not frame[0].startswith(_library_folders())]
     # of an installed package, its callback: it may call other packages
     found = own[-1:] or outside[:1]
     if not found and (code := getattr(function, "__code__", None)):
-        found = [(code.co_filename, code.co_firstlineno)]
-    file, line = (found or frames[-1:] or [("", 0)])[0]
-    return f"{Path(file).name}:{line}"
+        found = [(code.co_filename, code.co_firstlineno, code.co_name)]
+    return (found or frames[-1:] or [("", 0, "")])[0]
 
 
 def _users_part(error: BaseException) -> TracebackType | None:

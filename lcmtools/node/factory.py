@@ -82,6 +82,7 @@ class Factory:
         """
         return self.__resolver.resolve(name)
 
+    @checks.explained
     def create_publisher(
         self, message_type: type[MessageT], topic: str, depth: int = 10, *, literal: bool = False
     ) -> Publisher[MessageT]:
@@ -107,6 +108,7 @@ class Factory:
         context.announcer.announce_soon()
         return publisher
 
+    @checks.explained
     def create_subscription(
         self,
         message_type: type[MessageT] | tuple[type[MessageT], ...],
@@ -146,6 +148,7 @@ class Factory:
         self.__wake()  # messages may have come before
         return subscription
 
+    @checks.explained
     def create_timer(self, seconds: float, callback: Callable[[], object]) -> Timer:
         """Call a function every ``seconds`` on the node's clock.
 
@@ -158,6 +161,7 @@ class Factory:
         self.__callbacks.timers.append(timer)
         return timer
 
+    @checks.explained
     def create_rate(self, frequency: float) -> Rate:
         """Return a rate for a loop of one's own: its ``sleep`` runs callbacks meanwhile.
 
@@ -172,6 +176,7 @@ class Factory:
         timer = Timer(period, lambda: None, self.__callbacks.time)
         return Rate(self.__context, self.__callbacks, timer)
 
+    @checks.explained
     def create_service(
         self,
         service_type: ServiceType[RequestT, ResponseT],
@@ -193,6 +198,7 @@ class Factory:
         self.__wake()  # messages may have come before
         return service
 
+    @checks.explained
     def create_client(
         self, service_type: ServiceType[RequestT, ResponseT], name: str
     ) -> Client[RequestT, ResponseT]:
@@ -210,6 +216,7 @@ class Factory:
         self.__clients.append(client)  # type: ignore[arg-type] # their message types differ
         return client
 
+    @checks.explained
     def destroy_publisher(self, publisher: Publisher[MessageT]) -> None:
         """Announce a publisher no more. Does nothing the second time."""
         if publisher in self.__publishers:
@@ -217,6 +224,7 @@ class Factory:
             publisher.is_destroyed = True
             self.__context.announcer.announce_soon()
 
+    @checks.explained
     def destroy_subscription(self, subscription: Subscription) -> None:
         """Receive nothing more by it, no waiting messages either. Does nothing the second time."""
         subscription.close()
@@ -226,6 +234,7 @@ class Factory:
             self.__context.bus.unsubscribe(subscription.topic, subscription.receive)
             self.__context.announcer.announce_soon()
 
+    @checks.explained
     def destroy_timer(self, timer: Timer) -> None:
         """Call a timer's function no more. Does nothing the second time."""
         timer.cancel()

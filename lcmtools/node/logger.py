@@ -11,6 +11,7 @@ from typing import TextIO
 
 from lcmtools.clock import Clock, split_stamp
 from lcmtools.color import RED, YELLOW, paint, stream_wants_color
+from lcmtools.node import checks
 from lcmtools.types.rosgraph_msgs import Log
 
 _LABELS = {
@@ -21,6 +22,9 @@ _LABELS = {
     Log.FATAL: "FATAL",
 }
 _COLORS = {Log.WARN: YELLOW, Log.ERROR: RED, Log.FATAL: RED}
+
+Place = tuple[str, int, str]
+"""A place in the code: its file, the line, and the function."""
 
 
 class Logger:
@@ -47,12 +51,14 @@ class Logger:
         """Stamps the entries."""
         self._forward = forward
         self._stream = stream
-        self._last_printed: dict[tuple[str, int], float] = {}
+        self._last_printed: dict[Place, float] = {}
 
+    @checks.explained
     def debug(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
         """Log an aid to debugging; for the options see ``info``."""
         self._log(Log.DEBUG, text, math.inf if once else throttle)
 
+    @checks.explained
     def info(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
         """Log a normal event.
 
@@ -63,6 +69,7 @@ class Logger:
         """
         self._log(Log.INFO, text, math.inf if once else throttle)
 
+    @checks.explained
     def warning(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
         """Log a possible fault."""
         self._log(Log.WARN, text, math.inf if once else throttle)
@@ -73,14 +80,20 @@ class Logger:
         """Publish a warning that still holds on ``/rosout`` again, without printing it."""
         self._log(Log.WARN, text, prints=False)
 
+    @checks.explained
     def error(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
         """Log a fault."""
         self._log(Log.ERROR, text, math.inf if once else throttle)
+
+    def error_at(self, place: Place, text: str) -> None:
+        """Log a fault of another place in the code than the caller's."""
+        self._log(Log.ERROR, text, place=place)
 
     def error_again(self, text: str) -> None:
         """Log more of a fault that has been logged: it is printed, and ``/rosout`` has it once."""
         self._log(Log.ERROR, text, forwards=False)
 
+    @checks.explained
     def fatal(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
         """Log a fault that the node cannot survive."""
         self._log(Log.FATAL, text, math.inf if once else throttle)
@@ -93,32 +106,45 @@ class Logger:
         *,
         prints: bool = True,
         forwards: bool = True,
+        place: Place | None = None,
     ) -> None:
-        frame = inspect.currentframe()
-        caller = frame.f_back.f_back if frame and frame.f_back else None
-        place = (caller.f_code.co_filename, caller.f_lineno) if caller else ("", 0)
+        place = place or _place_of_call()
         if throttle > 0 and not self._is_time(place, throttle):
             return
         text = str(text)  # of any object; a log raises nothing
         entry = Log()
         entry.header.stamp.sec, entry.header.stamp.nsec = split_stamp(self.clock.now())
         entry.level, entry.name = level, self._node
-        entry.msg = text.encode("utf-8", "replace").decode()  # file names may be no UTF-8
-        entry.file, entry.line = Path(place[0]).name, place[1]
-        entry.function = caller.f_code.co_name if caller else ""
+        entry.msg = sendable(text)
+        file, entry.line, entry.function = place
+        entry.file = sendable(Path(file).name)
         stream = self._stream or sys.stderr
         if prints and level >= self.threshold and stream:  # None: closed before the program began
             _print(entry, text, stream)
         if forwards:
             self._forward(entry)
 
-    def _is_time(self, place: tuple[str, int], throttle: float) -> bool:
+    def _is_time(self, place: Place, throttle: float) -> bool:
         now = time.monotonic()
         last = self._last_printed.get(place)
         if last is not None and now - last < throttle:
             return False
         self._last_printed[place] = now
         return True
+
+
+def _place_of_call() -> Place:
+    """Return the place that called a method of the log."""
+    frame = inspect.currentframe()
+    while frame and frame.f_code.co_filename in (__file__, checks.__file__):
+        frame = frame.f_back
+    code = frame and frame.f_code
+    return (code.co_filename, frame.f_lineno, code.co_name) if frame and code else ("", 0, "")
+
+
+def sendable(text: str) -> str:
+    """Return a text that can be sent: names of files may be no UTF-8."""
+    return text.encode("utf-8", "replace").decode()
 
 
 def _print(entry: Log, text: str, stream: TextIO) -> None:

@@ -49,6 +49,7 @@ class Node(Parametric, Factory):
     # Private names begin with two underscores: a user's class inherits from this one, and may have
     # a _clock or a _timers of its own.
 
+    @checks.explained
     def __init__(
         self,
         name: str,

@@ -17,7 +17,7 @@ from lcmtools.messages.setting import (
     write_setting,
 )
 from lcmtools.names import did_you_mean
-from lcmtools.node.checks import check_callback, check_text, described
+from lcmtools.node.checks import check_callback, check_text, described, explained
 from lcmtools.types import lcmtools_msgs as msgs
 
 PARAMETERS_SUFFIX = "/_parameters"
@@ -112,6 +112,7 @@ class Parametric:
         self.__declared: dict[str, _Declared] = {}
         self.__on_set: list[ParametersCallback] = []
 
+    @explained
     def declare_parameter(
         self,
         name: str,
@@ -152,10 +153,12 @@ class Parametric:
         self.__known.add(name)
         return Parameter(name, cast("ValueT", value))  # of the default's own type, as checked
 
+    @explained
     def has_parameter(self, name: str) -> bool:
         """Return whether a parameter is declared."""
         return name in self.__declared
 
+    @explained
     def get_parameter(self, name: str) -> Parameter[ParameterValue]:
         """Return a declared parameter as it is now.
 
@@ -172,6 +175,7 @@ class Parametric:
         """
         return self.__find(name).descriptor
 
+    @explained
     def set_parameters(
         self, parameters: Sequence[Parameter[ParameterValue]]
     ) -> list[SetParametersResult]:
@@ -183,6 +187,7 @@ class Parametric:
         _check_parameters(parameters)
         return [self.set_parameters_atomically([parameter]) for parameter in parameters]
 
+    @explained
     def set_parameters_atomically(
         self, parameters: Sequence[Parameter[ParameterValue]]
     ) -> SetParametersResult:
@@ -206,6 +211,7 @@ class Parametric:
         self.__declared = {**self.__declared, **changed}  # in one step, for threads that read
         return SetParametersResult()
 
+    @explained
     def add_on_set_parameters_callback(self, callback: ParametersCallback) -> None:
         """Call ``callback`` before parameters change, on the thread that spins; the newest first.
 

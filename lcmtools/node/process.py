@@ -39,6 +39,7 @@ class _Process:
 _process = _Process()
 
 
+@checks.explained
 def init(
     args: Sequence[str] | None = None, *, url: str | None = None, handle_signals: bool = True
 ) -> list[str]:

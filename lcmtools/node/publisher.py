@@ -9,7 +9,7 @@ from lcmtools.errors import BusError, UsageError, ValueMismatch
 from lcmtools.graph.model import Endpoint, Graph, Role
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message, fingerprint, type_name
-from lcmtools.node.checks import misfit
+from lcmtools.node.checks import explained, misfit
 
 MessageT = TypeVar("MessageT", bound=Message)
 
@@ -45,6 +45,7 @@ class Publisher(Generic[MessageT]):
         self._bytes = 0
         self._last_time = 0
 
+    @explained
     def publish(self, message: MessageT) -> None:
         """Encode and send one message. Length fields are set here.
 

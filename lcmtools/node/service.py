@@ -23,7 +23,8 @@ from lcmtools.errors import (
 from lcmtools.graph.model import Endpoint, Role
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Message, fingerprint, type_name
-from lcmtools.node.checks import misfit
+from lcmtools.node.checks import explained, misfit
+from lcmtools.node.logger import sendable
 from lcmtools.node.replies import BYTES_A_SECOND, Key, Replies
 from lcmtools.node.stopwatch import Stopwatch
 from lcmtools.types.lcmtools_msgs import ServiceReply, ServiceRequest
@@ -137,9 +138,10 @@ class Service(Generic[RequestT, ResponseT]):
             response = self.callback(arguments, self.service_type.Response())
             reply.payload = self._encode(response)
         except LcmtoolsError as error:
-            reply.status, reply.error, reply.payload = ServiceReply.FAILED, _utf8(str(error)), b""
+            reply.status, reply.error, reply.payload = ServiceReply.FAILED, str(error), b""
         except Exception as error:  # noqa: BLE001 - a node outlives its callbacks' faults
-            reply.status, reply.error, failure = ServiceReply.FAILED, _utf8(repr(error)), error
+            reply.status, reply.error, failure = ServiceReply.FAILED, repr(error), error
+        reply.error = sendable(reply.error)
         return encode(reply), failure
 
     def _encode(self, response: object) -> bytes:
@@ -174,6 +176,7 @@ class Client(Generic[RequestT, ResponseT]):
         self._changed = threading.Condition()
         self._replies: dict[int, ServiceReply | None] = {}  # by number; None while awaited
 
+    @explained
     def call(self, request: RequestT, timeout: float = 3.0) -> ResponseT:
         """Send a request and wait for the response. May be used inside a callback.
 
@@ -244,11 +247,6 @@ class Client(Generic[RequestT, ResponseT]):
 
 def _key(request: ServiceRequest) -> Key:
     return request.client, request.sequence
-
-
-def _utf8(text: str) -> str:
-    """Return a text that can be sent: file names may be no UTF-8."""
-    return text.encode("utf-8", "replace").decode()
 
 
 def _endpoint(

@@ -58,6 +58,7 @@ def _check_node(call: str, node: object) -> None:
     raise UsageError(f"lcmtools.{call} needs a node, got {checks.described(node)}", hint)
 
 
+@checks.explained
 def spin_once(node: Node, timeout: float | None = 0.0) -> None:
     """Wait for something to do, for ``timeout`` seconds at most (None: without end); do all of it.
 

@@ -8,7 +8,6 @@ made of names that lead to ``lcmtools.types``.
 """
 
 import importlib
-import json
 import sys
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -17,7 +16,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from lcmtools.messages.type_source import Problem
-from lcmtools.packages.cache import INDEX
 from lcmtools.packages.generated import Generated, generate, move, unknown_type
 from lcmtools.packages.type_files import LcmFile
 from lcmtools.wire.datagram import MESSAGE_MAX
@@ -193,8 +191,10 @@ class _Build:
         (self.root / Path(*package.split("."), f"{name}.py")).write_text(text, "utf-8")
 
 
-def build(files: Sequence[LcmFile], prefix: str, folder: Path, shipped: Mapping[str, int]) -> None:
-    """Fill an empty folder with the types of some files, and a table of them.
+def build(
+    files: Sequence[LcmFile], prefix: str, folder: Path, shipped: Mapping[str, int]
+) -> dict[str, object]:
+    """Fill an empty folder with the types of some files; return the table of them, for JSON.
 
     The types are below a package ``prefix``; ``shipped`` are the types that their fields may have
     besides. Of two files with the same type, the first has precedence.
@@ -210,14 +210,13 @@ def build(files: Sequence[LcmFile], prefix: str, folder: Path, shipped: Mapping[
     making.drop_incomplete()
     services = making.write_packages()
     numbers = making.fingerprints()
-    table = {
+    return {
         "fingerprints": {name: f"{number:016x}" for name, number in numbers.items()},
         "files": {name: str(making.types[name].file) for name in numbers},
         "services": [name for name in services if f"{name}_Request" in numbers],
         "problems": [asdict(problem) for problem in making.problems],
         "notes": making.notes,
     }
-    (folder / INDEX).write_text(json.dumps(table), "utf-8")
 
 
 def _package(name: str) -> str:

@@ -21,9 +21,7 @@ from lcmtools.messages.type_source import Problem, TypeSource
 from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.packages.type_files import LcmFile
 
-INDEX = "index.json"
-"""The table of the types in a folder, which ``build`` writes."""
-
+_INDEX = "index.json"  # the table of the types in a folder
 _FORM = "3"  # of the index; another number invalidates the cache
 _PREFIX = "lcmtools_types_"
 _KEPT_DAYS = 30.0
@@ -67,7 +65,7 @@ def digest(files: Sequence[LcmFile]) -> str:
 def _importable(prefix: str, folder: Path) -> TypeSource:
     source = _read_index(prefix, folder)
     if source is None:
-        raise LcmtoolsError(f"cannot read {folder / INDEX}")
+        raise LcmtoolsError(f"cannot read {folder / _INDEX}")
     with suppress(OSError):
         os.utime(folder)  # it is in use: see _forget_old
     if str(folder) not in sys.path:
@@ -78,7 +76,7 @@ def _importable(prefix: str, folder: Path) -> TypeSource:
 def _read_index(prefix: str, folder: Path) -> TypeSource | None:
     """Return the types of a folder that ``build`` has filled; None where it is not whole."""
     try:
-        table = json.loads((folder / INDEX).read_text("utf-8"))
+        table = json.loads((folder / _INDEX).read_text("utf-8"))
         return TypeSource(
             prefix,
             {name: int(digits, 16) for name, digits in table["fingerprints"].items()},
@@ -103,7 +101,8 @@ def _make(files: Sequence[LcmFile], prefix: str, root: Path, shipped: Mapping[st
         raise LcmtoolsError(f"cannot write in {root}: {error.strerror}") from error
     target = root / prefix
     try:
-        build(files, prefix, scratch, shipped)
+        table = build(files, prefix, scratch, shipped)
+        (scratch / _INDEX).write_text(json.dumps(table), "utf-8")
         if _read_index(prefix, target) is None:  # else another process was faster, with the same
             shutil.rmtree(target, ignore_errors=True)
             scratch.rename(target)

@@ -135,7 +135,7 @@ def _weight(node: Node) -> float:
 
 
 def _judged(topic: Topic, users: Sequence[_User]) -> tuple[list[Statement], list[Statement | str]]:
-    """Which side is at fault, as far as that shows; and what to do."""
+    """Return the sides at fault, as far as that shows, and the remedies."""
     if any("difference" in user.type for user in users):
         return list(_older(users)), ["same-lcm-files"]
     unknown = [u for u in users if "fingerprint" in u.type]

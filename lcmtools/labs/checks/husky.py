@@ -62,7 +62,7 @@ _REST = Step(0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class StepRun:
-    """What was observed after a step of the desired velocity.
+    """The observations after a step of the desired velocity.
 
     ``pace`` is that of the simulation: simulated seconds per second.
     """

@@ -1,0 +1,77 @@
+"""A rate for loops of one's own."""
+
+import math
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+import lcmtools
+import lcmtools.types.std_msgs
+from lcmtools import Node
+from lcmtools.errors import LcmtoolsError
+from lcmtools.node.context import Context
+
+Begin = Callable[..., Context]
+Call = Callable[[Any], object]  # any: these are the calls that a type checker refuses
+
+
+def test_a_rate_keeps_a_loop_going_with_its_callbacks(begin: Begin) -> None:
+    context = begin()
+    node, ticks = Node("a"), []
+    node.create_timer(0.002, lambda: ticks.append(1))
+    rate = node.create_rate(100)
+    began = node.callbacks.time()
+    for _ in range(5):
+        rate.sleep()
+    assert node.callbacks.time() - began >= 50_000_000
+    assert len(ticks) > 5
+    context.stop()
+    rate.sleep()  # returns at once
+
+
+def test_a_rate_follows_simulated_time(begin: Begin) -> None:
+    begin("_use_sim_time:=true")
+    from lcmtools.types.rosgraph_msgs import Clock
+
+    node, other = Node("a"), Node("b", tool=True)
+    clock = other.create_publisher(Clock, "/clock")
+    rate = node.create_rate(10)
+    returned = threading.Event()
+
+    def loop() -> None:
+        rate.sleep()
+        returned.set()
+
+    thread = threading.Thread(target=loop)
+    thread.start()
+    message = Clock()
+    for second in range(1, 4):
+        assert not (second == 1 and returned.is_set())
+        message.clock.sec = second
+        clock.publish(message)
+    thread.join(timeout=60)
+    assert returned.is_set()
+
+
+def test_a_rate_in_a_callback_is_an_error_and_beside_spin_it_waits(begin: Begin) -> None:
+    context = begin()
+    node = Node("a")
+    rate = node.create_rate(1000)
+    node.create_timer(0.001, rate.sleep)
+    thread = threading.Thread(target=lcmtools.spin, args=[node])
+    thread.start()
+    for _ in range(20):
+        rate.sleep()
+    context.stop()
+    thread.join()
+    (error,) = node.describe().errors
+    assert error.message.startswith("rate.sleep() in a callback keeps all others waiting")
+
+
+@pytest.mark.parametrize("frequency", [0, -1, math.nan, math.inf, "10", None, True])
+def test_a_rate_that_is_none_is_refused(begin: Begin, frequency: Any) -> None:
+    begin()
+    with pytest.raises(LcmtoolsError, match="create_rate takes a positive number of Hz, got"):
+        Node("a").create_rate(frequency)
