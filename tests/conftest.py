@@ -234,9 +234,13 @@ def start_node(bus_url: str) -> Iterator[Callable[..., LiveNode]]:
 
 
 @pytest.fixture(scope="module")
-def module_start_node(module_bus_url: str) -> Iterator[Callable[..., LiveNode]]:
+def module_start_node(
+    module_bus_url: str, module_runtime: str
+) -> Iterator[Callable[..., LiveNode]]:
     """``start_node`` for nodes that the tests of a module share, on the module's bus."""
-    yield from _node_starter(module_bus_url)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_RUNTIME_DIR", module_runtime)
+        yield from _node_starter(module_bus_url)
 
 
 def _node_starter(usual_url: str) -> Iterator[Callable[..., LiveNode]]:
@@ -314,14 +318,20 @@ def module_bus_url() -> Iterator[str]:
 
 
 @pytest.fixture(scope="module")
+def module_runtime(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The folder of the records of a module's nodes, as users have one for all their programs."""
+    return str(tmp_path_factory.mktemp("runtime"))
+
+
+@pytest.fixture(scope="module")
 def module_start(
-    module_bus_url: str, tmp_path_factory: pytest.TempPathFactory
+    module_bus_url: str, module_runtime: str, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[Callable[..., Program]]:
     """``start`` for processes that the tests of a module share, on the module's bus."""
     programs: list[Program] = []
     shared = {
         "LCM_DEFAULT_URL": module_bus_url,
-        "XDG_RUNTIME_DIR": str(tmp_path_factory.getbasetemp()),
+        "XDG_RUNTIME_DIR": module_runtime,
         "LCMTOOLS_NAMESPACE": "",
         "XDG_CONFIG_HOME": str(tmp_path_factory.getbasetemp()),
     }
@@ -337,9 +347,12 @@ def module_start(
 
 
 @pytest.fixture
-def use_module_bus(module_bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let the commands of a test look at the module's bus."""
+def use_module_bus(
+    module_bus_url: str, module_runtime: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Let the commands of a test look at the module's bus and know of its nodes."""
     monkeypatch.setenv("LCM_DEFAULT_URL", module_bus_url)
+    monkeypatch.setenv("XDG_RUNTIME_DIR", module_runtime)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

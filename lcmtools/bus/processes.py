@@ -131,6 +131,14 @@ def process_of(pid: int) -> Process | None:
     return Process(pid, command.decode("utf-8", "replace"), int(fields[19]))
 
 
+def is_stopped(pid: int) -> bool:
+    """Return whether a process does nothing until it is continued, as after Ctrl-Z."""
+    try:
+        return _status(pid)[0] in ("T", "t")
+    except OSError:
+        return False
+
+
 def usage_of(pid: int) -> Usage | None:
     """Return a process's use of this computer; None where it is unknown."""
     try:

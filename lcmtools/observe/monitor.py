@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from lcmtools.bus.processes import is_local, silent_senders
+from lcmtools.bus.processes import is_local, is_stopped, silent_senders
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
@@ -197,7 +197,7 @@ class BusMonitor:
             while (
                 not _complete(time.monotonic(), start, changed)
                 or self._receives_talk(0.0)
-                or self._awaits_known_node(start)
+                or self._awaits_known_node()
             ):
                 if time.monotonic() - start > _FOREIGN:
                     break
@@ -241,11 +241,13 @@ class BusMonitor:
     def _receives_talk(self, timeout: float) -> bool:
         return any(packet.channel in TALK_CHANNELS for packet in self.receive(timeout))
 
-    def _awaits_known_node(self, start: float) -> bool:
-        """True while a node of this computer that left a record and runs may answer late."""
-        if time.monotonic() - start > _AT_MOST:
-            return False
-        return any(node.stale is Staleness.HANGS for node in self.graph().nodes)
+    def _awaits_known_node(self) -> bool:
+        """True while a node of this computer that left a record and runs may answer late.
+
+        A computer with many busy programs gives each its turn seldom.
+        """
+        silent = (node for node in self.graph().nodes if node.stale is Staleness.HANGS)
+        return any(not is_stopped(node.pid) for node in silent)
 
     def _await_foreign(self, deadline: float) -> None:
         """Listen while there are programs that do not answer; to the end where one sends.

@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -12,27 +12,12 @@ from lcmtools.types.std_msgs import String
 
 NODES = 20
 
-pytestmark = pytest.mark.usefixtures("use_module_bus", "nodes", "_same_records")
+pytestmark = pytest.mark.usefixtures("use_module_bus", "nodes")
 
 
 @pytest.fixture(scope="module")
-def runtime(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """The folder of the nodes' records, as users have one for all their programs."""
-    with pytest.MonkeyPatch.context() as patch:
-        folder = str(tmp_path_factory.mktemp("runtime"))
-        patch.setenv("XDG_RUNTIME_DIR", folder)
-        yield folder
-
-
-@pytest.fixture
-def _same_records(runtime: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("XDG_RUNTIME_DIR", runtime)
-
-
-@pytest.fixture(scope="module")
-def nodes(runtime: str, module_start_node: Callable[..., Any]) -> None:
+def nodes(module_start_node: Callable[..., Any]) -> None:
     """Twenty nodes."""
-    del runtime
 
     def make(number: int) -> Callable[[], Node]:
         def node() -> Node:

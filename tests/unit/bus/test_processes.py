@@ -1,6 +1,7 @@
 """Reading the process and socket tables."""
 
 import os
+import signal
 import socket
 import subprocess
 import sys
@@ -9,7 +10,7 @@ import pytest
 
 from lcmtools.bus import processes
 from lcmtools.bus.kernel import joined_interfaces, receive_buffers
-from lcmtools.bus.processes import Process, UdpSocket, process_of
+from lcmtools.bus.processes import Process, UdpSocket, is_stopped, process_of
 
 
 def test_a_row_of_the_socket_table_is_read() -> None:
@@ -102,3 +103,15 @@ def test_an_address_of_this_computer_is_known(address: str, *, local: bool) -> N
 def test_a_port_that_nobody_has_leads_to_no_process() -> None:
     assert processes.senders_from(0, [], {}).only is None
     assert processes.owners([]) == {}
+
+
+def test_a_process_is_stopped_until_it_is_continued() -> None:
+    with subprocess.Popen(["sleep", "60"]) as child:  # noqa: S607
+        os.kill(child.pid, signal.SIGSTOP)
+        os.waitid(os.P_PID, child.pid, os.WSTOPPED)
+        assert is_stopped(child.pid)
+        os.kill(child.pid, signal.SIGCONT)
+        os.waitid(os.P_PID, child.pid, os.WCONTINUED)
+        assert not is_stopped(child.pid)
+        child.kill()
+    assert not is_stopped(child.pid)

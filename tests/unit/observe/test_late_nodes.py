@@ -1,0 +1,66 @@
+"""Nodes of this computer that answer late, on a bus that is told what arrives when."""
+
+import os
+import socket
+import time
+from pathlib import Path
+
+import pytest
+
+from lcmtools.bus.records import NodeRecords
+from lcmtools.bus.url import parse_url
+from lcmtools.graph.model import Node
+from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
+from lcmtools.observe import monitor as monitors
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.wire.packet import Packet
+
+URL = parse_url("udpm://239.255.76.67:7667?ttl=0")
+LATE = 0.6  # [s], as on a computer with many busy programs
+
+
+class LateObserver:
+    """A source in which one announcement comes, a long time after the request."""
+
+    is_live, is_log, port = True, False, 0
+
+    def __init__(self, node: Node) -> None:
+        self._node, self._asked = node, 0.0
+
+    def receive(self, timeout: float) -> list[Packet]:
+        """Return the announcement when it is due."""
+        time.sleep(timeout)
+        if not self._asked or time.monotonic() < self._asked + LATE:
+            return []
+        self._asked = 0.0
+        return [Packet(NODE_CHANNEL, encode_announcement(Announcement(self._node)), time.time_ns())]
+
+    def send(self, channel: str, payload: bytes) -> None:
+        """Note the request."""
+        del channel, payload
+        self._asked = time.monotonic()
+
+    def close(self) -> None:
+        """There is nothing to leave."""
+
+
+@pytest.fixture
+def late_bus(tmp_path: Path) -> BusMonitor:
+    """A bus with one node, whose process is this one."""
+    environment = {"XDG_RUNTIME_DIR": str(tmp_path)}
+    host, now = socket.gethostname(), time.time_ns()
+    node = Node("/driver", "1", host=host, pid=os.getpid(), start_time=now)
+    NodeRecords(URL, environment).write(node)
+    return BusMonitor(URL, "test", environment, LateObserver(node))
+
+
+def test_a_node_that_left_a_record_and_runs_is_given_time_to_answer(late_bus: BusMonitor) -> None:
+    assert [node.stale for node in late_bus.settle(foreign=False).nodes] == [""]
+
+
+def test_a_stopped_node_is_not_waited_for(
+    late_bus: BusMonitor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(monitors, "is_stopped", lambda pid: pid == os.getpid())
+    (node,) = late_bus.settle(foreign=False).nodes
+    assert node.stale == "runs but does not answer"
