@@ -192,7 +192,11 @@ def stub(cls: type[Struct]) -> str:
 
 def constants(cls: type[Struct]) -> dict[str, int | float]:
     """Return the constants of a class, in the order in which they were declared."""
-    return {name: value for name, value in vars(cls).items() if isinstance(value, (int, float))}
+    return {
+        name: value
+        for name, value in vars(cls).items()
+        if isinstance(value, (int, float)) and not name.startswith("__")  # as __firstlineno__
+    }
 
 
 def imports(cls: type[Struct], lines: Iterable[str]) -> str:

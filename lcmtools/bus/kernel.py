@@ -1,8 +1,7 @@
-"""The Linux kernel's part in receiving: options of sockets, and its table of all UDP sockets.
+"""The kernel's part in receiving: options of sockets, and Linux's table of all UDP sockets.
 
-Everything here has a fallback for other systems, where the present serves as the receive time,
-nothing is filtered or marked, and the answer to a question is None or empty. Processes are in
-``processes``.
+Everything here has a fallback for systems other than Linux, where nothing is filtered, and the
+answer to a question is None or empty. Processes are in ``processes``.
 """
 
 import contextlib
@@ -36,10 +35,14 @@ The kernel counts what a filter drops and what a full buffer drops together.
 
 _WANTED_BUFFER_BYTES = 8 << 20
 # asm-generic/socket.h and linux/in.h; Python's socket module does not name these
-_SO_ATTACH_FILTER, _SO_TIMESTAMPNS, _SO_MEMINFO, _IP_RECVTTL = 26, 35, 55, 12
+_SO_ATTACH_FILTER, _SO_MEMINFO, _IP_RECVTTL = 26, 55, 12
 _MEMORY_LIMIT, _MEMORY_DROPS = 1, 8  # places among its numbers (linux/sock_diag.h)
 _IS_LINUX = sys.platform == "linux"
-_TIMESPEC = struct.Struct("@qq")
+# the option for receive times, their kind of ancillary data, its seconds and fraction, and the
+# fraction's unit [ns]: SO_TIMESTAMPNS on Linux, SO_TIMESTAMP on macOS and BSD (sys/socket.h)
+_STAMP_OPTION, _STAMP_KIND, _STAMP, _STAMP_UNIT = (
+    (35, 35, struct.Struct("@qq"), 1) if _IS_LINUX else (0x0400, 0x02, struct.Struct("@qi"), 1000)
+)
 
 _PIDFD_GETFD, _MCAST_MSFILTER = 438, 48  # asm-generic/unistd.h, linux/in.h
 _NETLINK_SOCK_DIAG, _SOCK_DIAG_BY_FAMILY = 4, 20
@@ -54,12 +57,24 @@ _MESSAGE_BYTES, _INODE_OFFSET = 72, 68  # of struct inet_diag_msg
 _TIMEOUT = 0.2  # [s]
 
 
-def request_arrival(receiver: socket.socket) -> None:
-    """Request each datagram's receive time and time to live as ancillary data (ip(7))."""
-    options = ((socket.SOL_SOCKET, _SO_TIMESTAMPNS), (socket.IPPROTO_IP, _IP_RECVTTL))
-    for level, option in options if _IS_LINUX else ():
-        with contextlib.suppress(OSError):
-            receiver.setsockopt(level, option, 1)
+def share_port(receiver: socket.socket) -> None:
+    """Let other sockets receive from the same group and port, as liblcm does."""
+    receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    if not _IS_LINUX:  # macOS and BSD want both
+        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+
+
+def request_arrival(receiver: socket.socket) -> bool:
+    """Request each datagram's receive time and time to live as ancillary data (ip(7)).
+
+    Return False where the system gives no receive time.
+    """
+    with contextlib.suppress(OSError):
+        receiver.setsockopt(socket.SOL_SOCKET, _STAMP_OPTION, 1)
+        if _IS_LINUX:
+            receiver.setsockopt(socket.IPPROTO_IP, _IP_RECVTTL, 1)
+        return True
+    return False
 
 
 def arrival(ancillary: list[tuple[int, int, bytes]]) -> tuple[int, int | None]:
@@ -69,9 +84,9 @@ def arrival(ancillary: list[tuple[int, int, bytes]]) -> tuple[int, int | None]:
     """
     received, ttl = 0, None
     for level, kind, data in ancillary:
-        if level == socket.SOL_SOCKET and kind == _SO_TIMESTAMPNS and len(data) >= _TIMESPEC.size:
-            seconds, nanoseconds = _TIMESPEC.unpack_from(data)
-            received = seconds * 1_000_000_000 + nanoseconds
+        if level == socket.SOL_SOCKET and kind == _STAMP_KIND and len(data) >= _STAMP.size:
+            seconds, fraction = _STAMP.unpack_from(data)
+            received = seconds * 1_000_000_000 + fraction * _STAMP_UNIT
         elif level == socket.IPPROTO_IP and kind == socket.IP_TTL:
             ttl = int.from_bytes(data[:4], sys.byteorder)
     return received or time.time_ns(), ttl
@@ -107,10 +122,15 @@ def dropped(receiver: socket.socket) -> int | None:
 
 def receive_buffer_bytes() -> int:
     """Return the largest receive buffer wanted that this system grants without asking root."""
-    try:
-        return min(_WANTED_BUFFER_BYTES, int(Path("/proc/sys/net/core/rmem_max").read_text()))
-    except (OSError, ValueError):
-        return _WANTED_BUFFER_BYTES  # setsockopt clamps or refuses by itself
+    size = _WANTED_BUFFER_BYTES
+    with contextlib.suppress(OSError, ValueError):
+        return min(size, int(Path("/proc/sys/net/core/rmem_max").read_text()))
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        while True:
+            with contextlib.suppress(OSError):  # macOS refuses what is too large
+                probe.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, size)
+                return size
+            size //= 2
 
 
 def open_descriptors() -> set[int]:
@@ -148,9 +168,11 @@ def joined_interfaces(pid: int, inode: int, group: str) -> tuple[str, ...]:
     """
     import ctypes
 
+    if sys.platform != "linux":
+        return ()
     libc = ctypes.CDLL(None, use_errno=True)
     found: list[str] = []
-    with contextlib.suppress(OSError, AttributeError, StopIteration):
+    with contextlib.suppress(OSError, StopIteration):
         files = (Path("/proc") / str(pid) / "fd").iterdir()
         number = next(int(f.name) for f in files if str(f.readlink()) == f"socket:[{inode}]")
         process = os.pidfd_open(pid)
@@ -190,7 +212,7 @@ def _attributes(kind: int, family: int = socket.AF_INET) -> Iterator[tuple[int, 
 
     One request by sock_diag(7), answered with every socket; any user may send it.
     """
-    if not hasattr(socket, "AF_NETLINK"):
+    if sys.platform != "linux":
         return
     with (
         contextlib.suppress(OSError, struct.error),

@@ -11,9 +11,8 @@ import socket
 import struct
 import time
 from collections.abc import Iterator
-from pathlib import Path
 
-from lcmtools.bus.kernel import ANNOUNCED, mark, receive_buffer_bytes
+from lcmtools.bus.kernel import ANNOUNCED, mark, receive_buffer_bytes, share_port
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire.datagram import short_message
@@ -43,9 +42,7 @@ def receiving_socket(url: BusUrl) -> socket.socket:
     receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     with _explained(url), contextlib.ExitStack() as stack:
         stack.enter_context(receiver)  # closed on an error
-        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        if hasattr(socket, "SO_REUSEPORT") and not Path("/proc").exists():
-            receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)  # BSD, macOS
+        share_port(receiver)
         receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer_bytes())
         mark(receiver, ANNOUNCED)
         # bound to the group itself, so that other groups on the same port stay out

@@ -1,7 +1,7 @@
 """The process behind a UDP port: the socket table and the processes of this computer.
 
 By proc(5). On other systems, and for other users' processes, the answer is "not known", never a
-guess.
+guess; whether a process runs is known everywhere.
 """
 
 import contextlib
@@ -74,6 +74,11 @@ class Usage:
     processor_time: float  # so far, all threads together [s]
 
 
+def sockets_are_known() -> bool:
+    """Return whether this system lists its UDP sockets, and with them the processes behind."""
+    return _SOCKET_TABLES[0].exists()
+
+
 def udp_sockets() -> list[UdpSocket]:
     """Return all UDP sockets of this network namespace; empty where that is not known."""
     found = []
@@ -120,12 +125,16 @@ def owners(inodes: Iterable[int]) -> dict[int, Process]:
 
 
 def process_of(pid: int) -> Process | None:
-    """Return the process with this pid; None if there is none (a zombie has ended)."""
+    """Return the process with this pid; None if there is none (a zombie has ended).
+
+    Without proc(5) its command and its start are not known.
+    """
     try:
         command = (_PROC / str(pid) / "cmdline").read_bytes().replace(b"\0", b" ").strip()
         fields = _status(pid)
     except OSError:
-        return None
+        is_hidden = not _PROC.joinpath("self").exists() and _takes_signals(pid)
+        return Process(pid, "") if is_hidden else None
     if fields[0] in ("Z", "X"):
         return None
     return Process(pid, command.decode("utf-8", "replace"), int(fields[19]))
@@ -137,6 +146,16 @@ def is_stopped(pid: int) -> bool:
         return _status(pid)[0] in ("T", "t")
     except OSError:
         return False
+
+
+def _takes_signals(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:  # another user's
+        return True
+    return True
 
 
 def usage_of(pid: int) -> Usage | None:

@@ -77,7 +77,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         self.ttls: Mapping[Sender, int] = self._reader.ttls
         self._buffer = memoryview(bytearray(_MAX_DATAGRAM))
         self._turns, self._last_turn = 0, 0.0
-        request_arrival(self._receiver)
+        self._has_times = request_arrival(self._receiver)
 
     def __exit__(self, *_: object) -> None:
         """Leave the group."""
@@ -154,13 +154,14 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
     def _is_streaming(self) -> bool:
         """Return whether turns follow each other at once, so that a nap pays.
 
-        Never with whole messages, which would fill the kernel's buffer meanwhile.
+        Never with whole messages, which would fill the kernel's buffer meanwhile, nor where a
+        message's receive time is that of its reading.
         """
         now = time.monotonic()
         self._turns = self._turns + 1 if now - self._last_turn < _STREAM_GAP else 0
         self._last_turn = now
         has_whole = self._whole or (self._wants_whole and self._reader.needs_all)
-        if self._turns < _STREAM or has_whole:
+        if self._turns < _STREAM or has_whole or not self._has_times:
             return False
         self._last_turn += _NAP
         return True

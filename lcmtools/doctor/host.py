@@ -19,6 +19,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from lcmtools.bus.processes import sockets_are_known
 from lcmtools.bus.url import BusUrl, choose_url, misread_options
 from lcmtools.doctor.evidence import Host
 from lcmtools.doctor.self_test import LARGE_BYTES, large_problem, send_problem
@@ -63,7 +64,7 @@ def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
             *_environment(environment),
             *(f"the URL {url}: {odd}" for odd in misread_options(url)),
         ),
-        has_sockets=(_PROC / "net/udp").exists(),
+        has_sockets=sockets_are_known(),
         **(_network(url, interface) if url.is_multicast else {}),
     )
 

@@ -3,6 +3,7 @@
 import contextlib
 import os
 import resource
+import sys
 import time
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -124,8 +125,9 @@ def _variables(pid: int) -> dict[str, str]:
 def _lcm_process(pid: int, bus: str) -> LcmProcess:
     process = process_of(pid)
     open_files = most = 0
-    with contextlib.suppress(OSError, AttributeError):  # prlimit is Linux's
-        most = max(0, resource.prlimit(pid, resource.RLIMIT_NOFILE)[0])
+    with contextlib.suppress(OSError):
+        if sys.platform == "linux":
+            most = max(0, resource.prlimit(pid, resource.RLIMIT_NOFILE)[0])
         open_files = sum(1 for _ in (_PROC / str(pid) / "fd").iterdir())
     return LcmProcess(
         pid,

@@ -6,6 +6,7 @@ Pure: findings in, lines and plain values out.
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import groupby
 
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Part, Rule, Severity, Statement, Subject
@@ -59,9 +60,11 @@ def cleared_text(finding: Finding) -> list[str]:
 
 
 def not_checked(evidence: Evidence, rules: Iterable[Rule]) -> list[str]:
-    """The parts that could not be looked at, a line each, and an empty one before."""
+    """The parts that could not be looked at, a line for each reason, and an empty one before."""
+    records = groupby(unchecked_records(evidence, rules), lambda one: one["text"])
     rows = [
-        f"Not checked: {one['rule']} ({one['text']})" for one in unchecked_records(evidence, rules)
+        f"Not checked: {', '.join(str(one['rule']) for one in those)} ({text})"
+        for text, those in records
     ]
     return ["", *rows] if rows else []
 

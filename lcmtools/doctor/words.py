@@ -254,7 +254,9 @@ UNCHECKED = {
     "hidden-programs": "programs of other users ({users:list}) are hidden from you: sudo lcmtools"
     " wtf looks closer",
     "no-senders": "{provider} does not let wtf see the senders, and what is missing",
-    "no-sockets": "this system does not report dropped datagrams (it has no /proc/net/udp)",
+    "no-network": "this system does not report its routes and interfaces (it has no /proc/net)",
+    "no-processes": "this system does not report the sockets of programs (it has no /proc)",
+    "no-sockets": "this system does not list its sockets (it has no /proc/net/udp)",
     "text": "{text}",
 }
 

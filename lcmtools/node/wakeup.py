@@ -3,6 +3,7 @@
 import contextlib
 import os
 import select
+import sys
 from io import FileIO
 
 _ONE = (1).to_bytes(8, "little")  # any number but 0, in eight bytes, as eventfd(2) wants it
@@ -46,7 +47,7 @@ class WakeupEvent:
 
 def _ends() -> tuple[FileIO, FileIO]:
     """The ends to read and to write; as files, since a closed one is never another's."""
-    if hasattr(os, "eventfd"):
+    if sys.platform == "linux" and hasattr(os, "eventfd"):
         both = FileIO(os.eventfd(0, os.EFD_CLOEXEC | os.EFD_NONBLOCK), "r+")
         return both, both
     read, write = os.pipe()

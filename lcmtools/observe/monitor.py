@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from lcmtools.bus.processes import is_local, is_stopped, silent_senders
+from lcmtools.bus.processes import is_local, is_stopped, silent_senders, sockets_are_known
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
@@ -250,7 +250,7 @@ class BusMonitor:
         return any(not is_stopped(node.pid) for node in silent)
 
     def _await_foreign(self, deadline: float) -> None:
-        """Listen while there are programs that do not answer; to the end where one sends.
+        """Listen while there are programs that do not answer; to the end where one may send.
 
         The channels of a program show only by its messages: the first may be one of ten.
         """
@@ -258,7 +258,7 @@ class BusMonitor:
             ports = {s.port for s in self._builder.senders() if is_local(s.address)}
             ports.add(self._observer.port)
             graph = self.graph()
-            if graph.foreign():
+            if graph.foreign() or not sockets_are_known():
                 deque(self.packets(left), maxlen=0)
                 return
             known = {node.pid for node in graph.nodes if is_here(node)}

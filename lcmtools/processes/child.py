@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 from lcmtools.processes.process_guard import ProcessGuard, Stream
-from lcmtools.processes.reaper import send
+from lcmtools.processes.reaper import is_gone, send
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -222,7 +222,7 @@ class ChildProcess:
             except OSError:
                 self._close_keyboard()
                 raise
-        if start.most_bytes and sys.platform == "linux":
+        if start.most_bytes and sys.platform == "linux":  # elsewhere there is no limit
             limits = (start.most_bytes, start.most_bytes)
             resource.prlimit(popen.pid, resource.RLIMIT_FSIZE, limits)
         return popen
@@ -262,24 +262,3 @@ class Lines:
 
 def _text(line: bytes) -> str:
     return line.removesuffix(b"\r").decode(errors="backslashreplace")
-
-
-def is_gone(group: int) -> bool:
-    """Return True if nothing of a group of processes runs any more.
-
-    A process that has ended may stay in the group for ever, if the system's first process, which
-    inherits it, never waits for it, as in many containers. Without /proc that is not known.
-    """
-    if not send(group, 0):
-        return True
-    processes = list(Path("/proc").glob("[0-9]*/stat"))
-    return bool(processes) and not any(_runs_in(path, group) for path in processes)
-
-
-def _runs_in(path: Path, group: int) -> bool:
-    """Return True if a process, by its stat file, is in a group and runs."""
-    with contextlib.suppress(OSError, IndexError):  # it has just ended
-        # after the name, which may have blanks: state, parent, group (proc_pid_stat(5))
-        state, _, of_group = path.read_text(errors="replace").rpartition(")")[2].split()[:3]
-        return of_group == str(group) and state not in "ZX"
-    return False

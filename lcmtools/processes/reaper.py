@@ -41,13 +41,34 @@ def serve(stream: int) -> tuple[set[int], bool]:
     return groups, bool(rest)
 
 
+def is_gone(group: int) -> bool:
+    """Return True if nothing of a group of processes runs any more.
+
+    A process that has ended may stay in the group for ever, if the system's first process, which
+    inherits it, never waits for it, as in many containers. Without /proc that is not known.
+    """
+    if not send(group, 0):
+        return True
+    # after the name, which may have blanks: state, parent, group (proc_pid_stat(5))
+    rows = [text.rpartition(b")")[2].split() for _, text in _processes("stat")]
+    return bool(rows) and not any(int(row[2]) == group and row[0] not in b"ZX" for row in rows)
+
+
 def children(parent: str) -> Iterator[int]:
-    """Return the processes with the mark of a parent, which may not have reported its last one."""
+    """Return the processes with the mark of a parent, which may not have reported its last one.
+
+    None without /proc.
+    """
     mark = f"{MARK}={parent}".encode()
-    for name in filter(str.isdigit, os.listdir("/proc") if sys.platform == "linux" else ()):  # noqa: PTH208 - quick
-        with contextlib.suppress(OSError), open(f"/proc/{name}/environ", "rb") as file:  # noqa: PTH123 - quick
-            if mark in file.read().split(b"\0"):
-                yield int(name)
+    return (pid for pid, text in _processes("environ") if mark in text.split(b"\0"))
+
+
+def _processes(name: str) -> Iterator[tuple[int, bytes]]:
+    """Yield each process with the text of its file of this name (proc(5)), where it can be read."""
+    with contextlib.suppress(OSError):
+        for pid in filter(str.isdigit, os.listdir("/proc")):  # noqa: PTH208 - quick
+            with contextlib.suppress(OSError), open(f"/proc/{pid}/{name}", "rb") as file:  # noqa: PTH123 - quick
+                yield int(pid), file.read()
 
 
 def end(groups: set[int]) -> None:
@@ -57,7 +78,7 @@ def end(groups: set[int]) -> None:
         deadline = time.monotonic() + _GRACE
         while groups and number != signal.SIGKILL and time.monotonic() < deadline:
             time.sleep(0.02)
-            groups = {group for group in groups if send(group, 0)}
+            groups = {group for group in groups if not is_gone(group)}
 
 
 def main(parent: str) -> None:

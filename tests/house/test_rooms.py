@@ -68,6 +68,22 @@ def test_every_module_that_the_architecture_names_is_there() -> None:
     assert (len(named) > 20, missing) == (True, [])
 
 
+LINUX_ONLY = {
+    *("bus/kernel.py", "bus/processes.py", "processes/reaper.py"),
+    *("doctor/host.py", "doctor/programs.py"),
+}
+
+
+def test_files_of_linux_are_read_in_the_modules_that_have_a_fallback() -> None:
+    readers = {
+        path.relative_to(ROOT).as_posix().removeprefix("lcmtools/")
+        for folder in ("lcmtools", "sim")
+        for path in (ROOT / folder).rglob("*.py")
+        if re.search(r"""f?["']/(proc|sys)\b""", path.read_text())
+    }
+    assert readers == LINUX_ONLY
+
+
 HEAVY = {"lcm", "yaml", "numpy", "pybullet", "textual", "rich"}
 """What takes longest to import, or may not even be installed."""
 

@@ -6,6 +6,8 @@ from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Unchecked, state
 
 _ROOT = 0
+_OF_SOCKETS = ("kernel-drops", "stuck-listeners", "small-buffer", "interfaces", "other-users")
+_OF_NETWORK = ("link", "bandwidth", "rp-filter", "igmp-querier")
 
 
 def unchecked(evidence: Evidence) -> Iterator[Unchecked]:
@@ -23,7 +25,8 @@ def unchecked(evidence: Evidence) -> Iterator[Unchecked]:
 def _of_sockets(evidence: Evidence) -> Iterator[Unchecked]:
     host, own = evidence.host, evidence.host.uid
     if not host.has_sockets:
-        yield Unchecked("kernel-drops", state("no-sockets"))
+        yield from (Unchecked(rule, state("no-sockets")) for rule in _OF_SOCKETS)
+        yield Unchecked("other-buses", state("no-processes"))
         return
     hidden = {listener.uid for listener in evidence.listeners if listener.pid is None} - {own}
     if hidden and own != _ROOT:
@@ -40,5 +43,7 @@ def _of_network(evidence: Evidence) -> Iterator[Unchecked]:
         return
     if host.firewall_unknown:
         yield Unchecked("firewall", state("text", text=host.firewall_unknown))
-    if host.interface not in ("", "lo") and not host.is_wireless and not host.speed_mbit:
+    if not host.has_sockets:
+        yield from (Unchecked(rule, state("no-network")) for rule in _OF_NETWORK)
+    elif host.interface not in ("", "lo") and not host.is_wireless and not host.speed_mbit:
         yield Unchecked("bandwidth", state("bandwidth-unknown", interface=host.interface))

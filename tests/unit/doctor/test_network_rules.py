@@ -186,7 +186,12 @@ def test_what_only_root_can_know_is_unknown() -> None:
 def test_what_the_system_does_not_tell_is_unknown() -> None:
     sizeless = replace(LOCAL, listeners=(Listener("a (pid 7)", 7, 1000),))
     assert list(_reasons(sizeless)) == ["small-buffer"]
-    assert list(_reasons(on(LOCAL, has_sockets=False))) == ["kernel-drops"]
+    of_sockets = ["kernel-drops", "stuck-listeners", "small-buffer", "interfaces", "other-users"]
+    assert list(_reasons(on(LOCAL, has_sockets=False))) == [*of_sockets, "other-buses"]
+    of_network = ["link", "bandwidth", "rp-filter", "igmp-querier"]
+    reasons = _reasons(on(OUTGOING, has_sockets=False, speed_mbit=0))
+    assert list(reasons) == [*of_sockets, "other-buses", *of_network]
+    assert reasons["link"].startswith("this system does not report its routes")
     assert list(_reasons(on(OUTGOING, speed_mbit=0))) == ["bandwidth"]
     assert _reasons(on(OUTGOING, speed_mbit=0, is_wireless=True)) == {}
 

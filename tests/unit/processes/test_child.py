@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from lcmtools.processes.child import ChildProcess, Start, StopTimeouts, is_gone
+from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
 from lcmtools.processes.process_guard import ProcessGuard
+from lcmtools.processes.reaper import is_gone
 
 TIMEOUTS = StopTimeouts(20.0, 20.0)
 ENVIRONMENT = {"PATH": os.environ["PATH"]}
@@ -127,6 +128,7 @@ def test_the_guard_ends_what_is_left(tmp_path: Path, wait_until: Callable[..., N
 _KILLED_BEFORE_ITS_REPORT = """
 import os, signal
 from lcmtools.processes.process_guard import ProcessGuard
+from lcmtools.processes.reaper import is_gone
 
 class Killed(ProcessGuard):
     def _tell(self, text):

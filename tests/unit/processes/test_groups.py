@@ -5,8 +5,7 @@ import signal
 import subprocess
 from collections.abc import Callable
 
-from lcmtools.processes.child import is_gone
-from lcmtools.processes.reaper import send
+from lcmtools.processes.reaper import is_gone, send
 
 
 def test_group_is_gone_when_only_what_has_ended_is_left(wait_until: Callable[..., None]) -> None:

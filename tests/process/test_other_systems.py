@@ -1,0 +1,133 @@
+"""Commands and nodes in processes without the calls, files and options that only Linux has."""
+
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fixtures import macos
+
+MACOS = {"PYTHONPATH": str(Path(macos.__path__[0]))}
+LAUNCH = """
+nodes:
+  - run: talker
+  - run: talker
+    name: other
+    remap: {chatter: words}
+"""
+
+
+@pytest.fixture(scope="module")
+def launched(
+    module_start: Callable[..., Any],
+    lcmtools_path: str,
+    lcm_program: Callable[[str], str],
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Any:
+    """A launch of two talkers, beside a plain LCM program that sends every 0.4 s."""
+    folder = tmp_path_factory.mktemp("launch")
+    (folder / "talkers.yaml").write_text(LAUNCH)
+    launch = module_start(
+        lcmtools_path,
+        *("launch", str(folder / "talkers.yaml")),
+        **MACOS,
+        XDG_STATE_HOME=str(folder),
+    )
+    launch.wait_for("hello world 1")
+    module_start(lcm_program("lcm-source"), "-m", "PLAIN", "-s", "100", "-p", "400000")
+    return launch
+
+
+@pytest.fixture
+def run(
+    lcmtools_process: Callable[..., subprocess.CompletedProcess[str]],
+    launched: object,
+    use_module_bus: None,
+) -> Callable[..., str]:
+    """``run("list") -> output``: a command that is successful."""
+    del launched, use_module_bus
+
+    def command(*words: str) -> str:
+        result = lcmtools_process(*words, **MACOS)
+        assert result.returncode == 0, result
+        return result.stdout
+
+    return command
+
+
+def test_list_shows_topics_of_nodes_and_of_plain_programs(run: Callable[..., str]) -> None:
+    assert run("list").split() == ["/chatter", "/rosout", "/words", "PLAIN"]
+    assert run("type", "/words") == "std_msgs/String\n"
+
+
+def test_nodes_run_and_are_found(run: Callable[..., str]) -> None:
+    assert run("node", "list").split() == ["/other", "/talker"]
+    assert "reply from /talker" in run("node", "ping", "talker", "-c", "1")
+    assert "/chatter: " in run("node", "info", "talker")
+    assert "rate: 10." in run("info", "/chatter")
+
+
+def test_echo_hz_and_pub_work(run: Callable[..., str], start: Any, lcmtools_path: str) -> None:
+    assert run("echo", "/words", "-n", "1").startswith('data: "hello world ')
+    assert "average rate: " in run("hz", "/chatter", "-n", "1")
+    reader = start(lcmtools_path, "echo", "/said", "--json", "-n", "1", **MACOS)
+    run("pub", "/said", "std_msgs/String", "{data: hi}", "-1", "-w", "1")
+    assert '"hi"' in reader.wait_for("hi")
+    assert reader.wait() == 0
+
+
+def test_wtf_says_which_rules_it_could_not_check(run: Callable[..., str]) -> None:
+    rows = [line for line in run("wtf").splitlines() if line.startswith("Not checked")]
+    assert [row.partition("(")[2] for row in rows] == [
+        "this system does not list its sockets (it has no /proc/net/udp))",
+        "this system does not report the sockets of programs (it has no /proc))",
+    ]
+
+
+def test_a_killed_node_is_known_to_have_ended(
+    run: Callable[..., str], start: Any, lcmtools_path: str
+) -> None:
+    node = start(lcmtools_path, "run", "talker", "__name:=victim", **MACOS)
+    node.wait_for("hello world 0")
+    assert "killed" in run("node", "kill", "victim")
+    assert node.wait() == 0
+    assert "/victim" not in run("node", "list")
+
+
+def test_the_launch_ends_its_nodes(run: Callable[..., str], launched: Any) -> None:
+    launched.send_signal(2)
+    assert launched.wait() == 0
+    assert run("list").split() == ["PLAIN"]
+
+
+ANSWERS = """
+import os, socket, sys, time
+from lcmtools.bus import kernel, processes
+from lcmtools.bus.socket_filter import heads_only
+
+receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+receiver.bind(("127.0.0.1", 0))
+assert kernel.request_arrival(receiver)
+socket.socket(socket.AF_INET, socket.SOCK_DGRAM).sendto(b"x", receiver.getsockname())
+while not time.sleep(0.01) and not receiver.recv(1, socket.MSG_PEEK):
+    pass
+read = time.time_ns()
+_, ancillary, *_ = receiver.recvmsg_into([bytearray(9)], kernel.ANCILLARY_BYTES)
+received, ttl = kernel.arrival(ancillary)
+assert 5_000_000 < read - received < 30_000_000_000, (received, read)
+assert ttl is None
+assert not kernel.attach(receiver, heads_only())
+assert kernel.dropped(receiver) is None
+assert kernel.receive_buffer_bytes() == 4 << 20
+assert kernel.receive_buffers() == {} and kernel.announced_sockets() == frozenset()
+assert kernel.joined_interfaces(os.getpid(), 1, "239.255.76.67") == ()
+assert not processes.sockets_are_known() and processes.udp_sockets() == []
+assert processes.process_of(os.getppid()) == processes.Process(os.getppid(), "")
+assert processes.process_of(2**22 + 1) is None
+print("answered")
+"""
+
+
+def test_the_kernel_is_not_asked_for_more_than_it_has(start_python: Callable[..., Any]) -> None:
+    start_python(ANSWERS, **MACOS).wait_for("answered")
