@@ -47,7 +47,7 @@ def out_of_range(message: JointState | Twist, model: RobotModel) -> str:
             forward, turn_rate = message.linear.x, message.angular.z
         else:
             names = "the speed of the wheels", "the turn rate of the wheels"
-            forward, turn_rate = body_velocity(_wheel_speeds(message, model), drive.track)
+            forward, turn_rate = body_velocity(*_wheel_speeds(message, model), drive.track)
         values = [
             (names[0], forward, drive.max_speed, " m/s"),
             (names[1], turn_rate, drive.max_turn_rate, " rad/s"),
@@ -65,7 +65,7 @@ def _from_joint_state(state: JointState, model: RobotModel) -> SideSpeeds:
         return SideSpeeds(max(-1.0, min(1.0, left)) * full, max(-1.0, min(1.0, right)) * full)
     if state.velocity:
         speeds = _wheel_speeds(state, model)
-        return side_speeds(*body_velocity(speeds, model.drive.track), model.drive)
+        return side_speeds(*body_velocity(*speeds, model.drive.track), model.drive)
     raise ValueMismatch("neither effort nor velocity is given", "for example effort: [1, 1]")
 
 

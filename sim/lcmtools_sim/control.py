@@ -93,7 +93,7 @@ class Control:
         self, request: sim_msgs.SetPose_Request, response: sim_msgs.SetPose_Response
     ) -> None:
         robot = self._robot(request.robot)
-        robot.place(_read_pose(request.pose))
+        self._simulation.place(robot, _read_pose(request.pose))
         response.message = f"{robot.namespace} was put there"
 
     def _get_state(

@@ -1,54 +1,70 @@
-"""One robot of the running simulation: its body in the engine, its wheels and its command."""
+"""One robot of the running simulation: its command, and its body in the engine or out of it."""
 
 import math
 
-from lcmtools.clock import split_stamp
 from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
+from lcmtools_sim.arithmetic import FLOATS
 from lcmtools_sim.command import interpret
-from lcmtools_sim.drive import STOPPED, Drivetrain, body_velocity
-from lcmtools_sim.geometry import Pose, Vector, add, axes, components, cross, scaled, subtract
-from lcmtools_sim.robots.model import Drive
+from lcmtools_sim.engines.engine import Motion
+from lcmtools_sim.geometry import Pose, Vector, yaw_of
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.sensors.motion import OdometrySettings
-from lcmtools_sim.sensors.sensor import RobotState, Sides, random_numbers
-from lcmtools_sim.tyres import gripping, skidding
+from lcmtools_sim.sensors.sensor import RobotState, random_numbers
+from lcmtools_sim.vehicles import Variables, Vehicles, constants, measured, planar_motion
+from lcmtools_sim.vision.solids import solids_of
 from lcmtools_sim.world import World
 
 _LIFTING_OFF = 0.2  # [m/s] along its own up axis: a robot on its wheels has none
 START_OVERLAP = 0.02
 """[m] The largest penetration of another body at the start."""
 _UPRIGHT = 0.5  # cosine of the tilt; further over, no wheel reaches the ground
+_LEVEL = 1e-3
+"""[rad, m, m/s, rad/s] The greatest deviation of a robot that stands on level ground."""
 
 
 class Robot:
     """A robot that is driven by the last command.
+
+    Where it may touch something, the engine moves its body. On level ground with nothing near, its
+    ``vehicles`` do: the same motion, for its body slides there without friction, pulled by tyres.
 
     Attributes:
         model: Its kind.
         namespace: Global.
         world: The engine's.
         body: Its body's number there.
+        is_free: True if the engine does not move it.
+        reach: The farthest that any point is from the centre of mass [m], at most.
+        vehicles: Hold its values, alone or with others.
+        index: Its place there.
     """
 
     def __init__(self, world: World, scene: Scene, placement: RobotPlacement) -> None:
         self.model = placement.model
         self.namespace = placement.namespace
         self.world = world
+        self.is_free = False
+        self.reach = solids_of(self.model.body.parts).reach + self.model.body.centre_of_mass
         self._dt = scene.dt
-        self._timeout = math.inf if placement.cmd_timeout is None else placement.cmd_timeout
-        self._train = _drivetrain(placement, scene)
+        self._fall = scene.gravity * scene.dt  # [m/s] in a step
+        timeout = math.inf if placement.cmd_timeout is None else placement.cmd_timeout
+        friction = scene.gravity * scene.ground.friction
+        settings = [mount.settings for mount in placement.model.sensors]
+        noise = max(  # all its odometry sensors share the encoders
+            (s.travel_noise for s in settings if isinstance(s, OdometrySettings)), default=0.0
+        )
+        random = random_numbers(scene.seed, f"{placement.namespace}/encoders").standard_normal
+        known = constants(self.model, scene.dt, timeout, friction)
+        self.vehicles = Vehicles(self.model, known, Variables(), scene.dt, noise, random)
+        self.index = 0
+        self._largest_impulse, self._track = known.largest_impulse, known.track
+        self._tyres = self.vehicles.tyres
         self.body = world.add_robot(
-            self.namespace, self.model.body, placement.pose, self._train.angles
+            self.namespace, self.model.body, placement.pose, self._wheel_angles
         )
         self._motion = self._before = world.motion(self.body)
-        friction = self.model.drive.tyre_friction * scene.ground.friction
-        self._fall = scene.gravity * scene.dt  # [m/s] in a step
-        self._largest_impulse = friction * self.model.body.mass / 2 * self._fall
-        self._tyres = skidding(self.model) if self.model.drive.skids else gripping(self.model)
-        self._targets = STOPPED
-        self._command_age = 0.0
 
     def check_start(self, where: str) -> None:
         """Refuse a start inside another body: the engine would throw the robot out.
@@ -70,20 +86,59 @@ class Robot:
         Raises:
             ValueMismatch: It is no command; the last one remains.
         """
-        self._targets = interpret(message, self.model)
-        self._command_age = 0.0
+        left, right = interpret(message, self.model)
+        self.vehicles.set(self.index, left_target=left, right_target=right, command_age=0.0)
 
-    def drive(self) -> None:
-        """Turn the wheels and let them pull the body, before the engine's step."""
-        if self._command_age >= self._timeout:
-            self._targets = STOPPED
-        self._command_age += self._dt
-        self._train.step(self._targets)
+    def pull(self) -> None:
+        """Let the wheels pull the body, before the engine's step."""
         self.world.set_velocity(self.body, *self._pulled())
 
     def observe(self) -> None:
         """Read the body's motion, after the engine's step."""
         self._before, self._motion = self._motion, self.world.motion(self.body)
+
+    @property
+    def motion(self) -> Motion:
+        """The present motion of its body."""
+        if not self.is_free:
+            return self._motion
+        known, now = self.vehicles.row(self.index)
+        return planar_motion(now, known.height, FLOATS)
+
+    @property
+    def stands(self) -> bool:
+        """True if the engine's body stands on level ground."""
+        place, (qx, qy, _, _), velocity, (wx, wy, _) = self._motion
+        deviation = place[2] - self.model.body.centre_of_mass, qx, qy, velocity[2], wx, wy
+        return max(map(abs, deviation)) < _LEVEL
+
+    def release(self) -> None:
+        """Take the body, which stands on level ground, out of the engine."""
+        place, rotation, velocity, (_, _, turn_rate) = self._motion
+        self.vehicles.set(
+            self.index,
+            x=place[0],
+            y=place[1],
+            yaw=yaw_of(rotation),
+            vx=velocity[0],
+            vy=velocity[1],
+            turn_rate=turn_rate,
+            before_vx=self._before.velocity[0],
+            before_vy=self._before.velocity[1],
+            before_turn_rate=self._before.angular_velocity[2],
+        )
+        self.world.release(self.body, lambda: self.motion)
+        self.is_free = True
+
+    def hold(self) -> None:
+        """Have the engine move the body from now on."""
+        if self.is_free:
+            now = self.vehicles.row(self.index)[1]
+            before = (now.before_vx, now.before_vy, 0.0), (0.0, 0.0, now.before_turn_rate)
+            self._motion = self.motion
+            self._before = Motion(*self._motion[:2], *before)
+            self.world.hold(self.body, self._motion)
+            self.is_free = False
 
     def remove(self) -> None:
         """Remove its body from the world."""
@@ -91,6 +146,8 @@ class Robot:
 
     def place(self, pose: Pose) -> None:
         """Put its base_footprint at a pose, at rest; the wheels stop, the encoders continue.
+
+        The engine moves it, and knows where all bodies are.
 
         Raises:
             UsageError: It would stand inside another body; it stays as it is.
@@ -102,52 +159,23 @@ class Robot:
                 f"{self.namespace} would be {depth:.2f} m inside {other}", "choose another place"
             )
         self.world.place(self.body, centre, pose.rotation)
-        self._targets = STOPPED
-        self._train.stop()
+        self.vehicles.set(self.index, left_target=0.0, right_target=0.0, left=0.0, right=0.0)
         self._motion = self._before = self.world.motion(self.body)
 
     def state(self, time: int) -> RobotState:
         """The state that its sensors measure; ``time`` in simulated nanoseconds."""
-        motion, before, body = self._motion, self._before, self.model.body
-        drive, train = self.model.drive, self._train
-        frame = axes(motion.rotation)
-        base_link = scaled(frame[2], body.base_height - body.centre_of_mass)
-        swing = cross(motion.angular_velocity, base_link)
-        change = scaled(subtract(motion.velocity, before.velocity), 1 / self._dt)
-        angular_acceleration = scaled(
-            subtract(motion.angular_velocity, before.angular_velocity), 1 / self._dt
-        )
-        of_lever = add(
-            cross(angular_acceleration, base_link), cross(motion.angular_velocity, swing)
-        )
-        velocity = components(add(motion.velocity, swing), frame)
-        angular_velocity = components(motion.angular_velocity, frame)
-        (left, right), (left_target, right_target) = train.speeds, self._targets
-        return RobotState(
-            time=time,
-            stamp=split_stamp(time),
-            position=add(motion.position, base_link),
-            rotation=motion.rotation,
-            velocity=self._in_mid_step(velocity, angular_velocity[2]),
-            angular_velocity=angular_velocity,
-            acceleration=components(add(change, of_lever), frame),
-            angular_acceleration=components(angular_acceleration, frame),
-            wheel_angles=Sides(*train.angles()),
-            wheel_speeds=Sides(left / drive.wheel_radius, right / drive.wheel_radius),
-            efforts=Sides(_effort(left_target, drive), _effort(right_target, drive)),
-            odometry_pose=train.odometry_pose(),
-            odometry_speed=body_velocity(train.speeds, drive.track),
-        )
+        if self.is_free and self.vehicles.is_single:
+            return self.vehicles.state(time)
+        values = known, now = self.vehicles.row(self.index)
+        motion, before = self._motion, self._before[2:]
+        if self.is_free:
+            motion = planar_motion(now, known.height, FLOATS)
+            before = (now.before_vx, now.before_vy, 0.0), (0.0, 0.0, now.before_turn_rate)
+        return measured(motion, before, values, (time, self._dt), FLOATS)
 
-    def _in_mid_step(self, velocity: Vector, turn_rate: float) -> Vector:
-        """A velocity in the body's axes in the middle of its last step, given in those at its end.
-
-        The body moved along a chord, in the direction of its heading in the middle.
-        """
-        angle = turn_rate * self._dt / 2
-        s, c = math.sin(angle), math.cos(angle)
-        forward, left, up = velocity
-        return forward * c - left * s, forward * s + left * c, up
+    def _wheel_angles(self) -> tuple[float, float]:
+        left, right = self.vehicles.get(self.index, "left_angle", "right_angle")
+        return left, right
 
     def _pulled(self) -> tuple[Vector, Vector]:
         """Velocity and angular velocity in the world after the tyres' pull.
@@ -161,7 +189,9 @@ class Robot:
         """
         _, (x, y, z, w), velocity, angular_velocity = self._motion
         (vx, vy, vz), (wx, wy, wz) = velocity, angular_velocity
-        s, c = self._train.mid_turn
+        left, right = self.vehicles.get(self.index, "left", "right")
+        quarter_turn = (right - left) / self._track * self._dt / 4
+        s, c = math.sin(quarter_turn), math.cos(quarter_turn)
         x, y, z, w = c * x + s * y, c * y - s * x, c * z + s * w, c * w - s * z
         x2, y2, z2 = x + x, y + y, z + z
         xx, yy, zz, xy, xz, yz = x * x2, y * y2, z * z2, x * y2, x * z2, y * z2
@@ -176,7 +206,8 @@ class Robot:
             vx * fx + vy * fy + falling * fz,
             vx * lx + vy * ly + falling * lz,
             wx * ux + wy * uy + wz * uz,
-            self._train.speeds,
+            left,
+            right,
             self._largest_impulse * uz,
         )
         return (
@@ -187,16 +218,3 @@ class Robot:
             ),
             (wx + turn_rate * ux, wy + turn_rate * uy, wz + turn_rate * uz),
         )
-
-
-def _drivetrain(placement: RobotPlacement, scene: Scene) -> Drivetrain:
-    """A robot's; all its odometry sensors share the encoders."""
-    settings = [mount.settings for mount in placement.model.sensors]
-    noise = max((s.travel_noise for s in settings if isinstance(s, OdometrySettings)), default=0.0)
-    random = random_numbers(scene.seed, f"{placement.namespace}/encoders").standard_normal
-    return Drivetrain(placement.model.drive, scene.dt, noise, random)
-
-
-def _effort(target: float, drive: Drive) -> float:
-    """The report of a motor driver: the fraction of full power."""
-    return max(-1.0, min(1.0, target / drive.full_speed))

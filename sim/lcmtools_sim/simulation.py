@@ -3,7 +3,7 @@
 It knows no bus and no wall clock: bridge.py connects it to the bus, loop.py to the wall clock.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager
 
 from lcmtools.clock import NANOSECONDS, split_stamp
@@ -11,6 +11,8 @@ from lcmtools.errors import InvalidFile
 from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.registry import Message
 from lcmtools.types.rosgraph_msgs import Clock
+from lcmtools_sim.fleet import Fleet
+from lcmtools_sim.geometry import Pose
 from lcmtools_sim.mounted import MountedSensor, Sample, Subscribers, mount_sensors
 from lcmtools_sim.robot import START_OVERLAP, Robot
 from lcmtools_sim.scene import RobotPlacement, Scene
@@ -34,7 +36,6 @@ class Simulation(AbstractContextManager["Simulation"]):
 
     Attributes:
         scene: As given.
-        robots: In the order of the scene, then as they were added.
         steps: Their number so far.
         publishes_clock: True if its steps return the clock; else ``tick`` returns it on request.
 
@@ -63,6 +64,20 @@ class Simulation(AbstractContextManager["Simulation"]):
     def time(self) -> int:
         """Simulated nanoseconds since the start."""
         return round(self.steps * self.scene.dt * NANOSECONDS)
+
+    @property
+    def robots(self) -> Sequence[Robot]:
+        """In the order of the scene, then as they were added."""
+        return self._fleet.robots
+
+    def place(self, robot: Robot, pose: Pose) -> None:
+        """Put a robot at a pose.
+
+        Raises:
+            UsageError: It would stand inside another body; it stays as it is.
+        """
+        self._fleet.hold_all()
+        robot.place(pose)
 
     def tick(self) -> Sample:
         """The present clock message."""
@@ -100,11 +115,7 @@ class Simulation(AbstractContextManager["Simulation"]):
 
         The clock comes first, so that no stamp is ahead of it.
         """
-        for robot in self.robots:
-            robot.drive()
-        self._world.step()
-        for robot in self.robots:
-            robot.observe()
+        self._fleet.step()
         self.steps += 1
         due = [item for item in self._timetable.due(self.steps) if self._is_selected(item)]
         return self._samples(due) if due else []
@@ -123,13 +134,14 @@ class Simulation(AbstractContextManager["Simulation"]):
         Raises:
             InvalidFile: It would stand inside another body; nothing has been added.
         """
+        self._fleet.hold_all()
         robot = Robot(self._world, self.scene, placement)
         try:
             robot.check_start(placement.where)
         except InvalidFile:
             robot.remove()
             raise
-        self.robots.append(robot)
+        self._fleet.add(robot)
         sensors = mount_sensors(robot, self.scene)
         self._sensors[robot.namespace] = sensors
         for sensor in sensors:
@@ -139,12 +151,11 @@ class Simulation(AbstractContextManager["Simulation"]):
     def remove(self, robot: Robot) -> None:
         """Remove a robot; ``reset`` restores it if it is the scene's."""
         self._timetable.remove(self._sensors.pop(robot.namespace))
-        self.robots.remove(robot)
-        robot.remove()
+        self._fleet.remove(robot)
 
     def _begin(self, steps: int = 0) -> None:
         self.steps = steps
-        self.robots: list[Robot] = []
+        self._fleet = Fleet(self._world, self.scene)
         self._sensors: dict[str, list[MountedSensor]] = {}
         self._timetable: Timetable[MountedSensor | None] = Timetable(self.scene.dt)
         self._timetable.add(CLOCK_RATE, _TICK, after=steps)

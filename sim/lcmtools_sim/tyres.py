@@ -1,7 +1,7 @@
 """The forces of tyres on a robot's body, in the plane that it stands on.
 
-No engine is known here: Bullet's result comes in, the tyres' change of it goes out. There are two
-models, both with Coulomb friction:
+No engine is known here: the body's velocity comes in, the tyres' change of it goes out. There are
+two models, both with Coulomb friction:
 
 - gripping: two ideal wheels at the effective track, which make an exact differential drive.
 - skidding: four fixed wheels at their places, which turn the robot by skidding. Each pulls its
@@ -10,91 +10,80 @@ models, both with Coulomb friction:
   et al., The Linear Complementarity Problem, chapter 5). On the spot, with wheels at (+-a, +-b),
   the balance of moments gives b^2 / (a^2 + b^2) of the turn rate without skidding; tests hold it.
 
-This runs in every step for every robot, so constants are computed before and numbers are passed
-one by one: a step of the engine itself takes little more time.
+What is a Value may be an array, for many robots.
 """
 
-import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
-from lcmtools_sim.drive import SideSpeeds
-from lcmtools_sim.robots.model import RobotModel
+from lcmtools_sim.arithmetic import Arithmetic, Value
+from lcmtools_sim.geometry import Vector
 
 _SWEEPS = 6
+_TINY = 1e-300  # [N s] in place of 0, to divide by
 
-Tyres = Callable[[float, float, float, SideSpeeds, float], tuple[float, float, float]]
+Tyres = Callable[[Value, Value, Value, Value, Value, Value], Vector]
 """The change of a body's velocity by its tyres in one step.
 
 Takes the velocity before, in the body's frame: forward [m/s], to the left [m/s] and turn rate
-[rad/s]; the ground speeds of the wheels; and the largest impulse of a side, friction times load
-times step [N s]. Returns the changes of the three.
+[rad/s]; the ground speeds of the left and the right wheels; and the largest impulse of a side,
+friction times load times step [N s]. Returns the changes of the three.
 """
 
 
-def gripping(model: RobotModel) -> Tyres:
+def gripping(mass: Value, inertia: Value, track: Value, ops: Arithmetic) -> Tyres:
     """Two ideal wheels.
 
     Without slip a tyre gives the impulse that makes the ground speeds at its contact those of the
     wheel; with slip it gives the largest one in that direction.
     """
-    mass, inertia, track = model.body.mass, model.body.inertia[2], model.drive.track
     half_mass, inertia_by_track = mass / 2, inertia / track
+    minimum, maximum, hypot = ops.minimum, ops.maximum, ops.hypot
 
     def pull(
-        forward: float, sideways: float, turn_rate: float, speeds: SideSpeeds, largest: float
-    ) -> tuple[float, float, float]:
-        left_speed, right_speed = speeds
-        missing = (left_speed + right_speed) / 2 - forward
-        missing_turn = (right_speed - left_speed) / track - turn_rate
-        along, across = half_mass * missing, -half_mass * sideways
-        twist = inertia_by_track * missing_turn
-        greater = abs(along) + abs(twist)  # of the two sides
-        if greater * greater + across * across <= largest * largest:
-            return missing, -sideways, missing_turn
-        left = _slip(along - twist, across, largest)
-        right = _slip(along + twist, across, largest)
-        along_left, along_right = left * (along - twist), right * (along + twist)
+        forward: Value, sideways: Value, turn_rate: Value, left: Value, right: Value, largest: Value
+    ) -> Vector:
+        along = half_mass * ((left + right) / 2 - forward)
+        twist = inertia_by_track * ((right - left) / track - turn_rate)
+        across = -half_mass * sideways
+        of_left, of_right = along - twist, along + twist
+        left_grip = minimum(1.0, largest / maximum(hypot(of_left, across), _TINY))
+        right_grip = minimum(1.0, largest / maximum(hypot(of_right, across), _TINY))
+        of_left, of_right = of_left * left_grip, of_right * right_grip
         return (
-            (along_left + along_right) / mass,
-            (left + right) * across / mass,
-            (along_right - along_left) * track / 2 / inertia,
+            (of_left + of_right) / mass,
+            (left_grip + right_grip) * across / mass,
+            (of_right - of_left) / 2 / inertia_by_track,
         )
 
     return pull
 
 
-def _slip(along: float, across: float, largest: float) -> float:
-    """The factor that reduces an impulse to the largest possible one."""
-    impulse = math.hypot(along, across)
-    return 1.0 if impulse <= largest else largest / impulse
-
-
-def skidding(model: RobotModel) -> Tyres:
-    """The wheels of a model, each at its contact with the ground."""
-    wheels = model.drive.wheels
-    mass, inertia = model.body.mass, model.body.inertia[2]
+def skidding(
+    mass: Value, inertia: Value, wheels: Sequence[tuple[float, float]], ops: Arithmetic
+) -> Tyres:
+    """Wheels with their contacts at (x, y) in the body's frame [m]."""
     farthest = max(x * x + y * y for x, y in wheels)
     gain = 1 / (1 / mass + farthest / inertia)
     """Impulse for a slip of 1 m/s, the same in all directions, so that none is preferred [kg]."""
 
     def pull(
-        forward: float, sideways: float, turn_rate: float, speeds: SideSpeeds, largest: float
-    ) -> tuple[float, float, float]:
+        forward: Value, sideways: Value, turn_rate: Value, left: Value, right: Value, largest: Value
+    ) -> Vector:
         before = forward, sideways, turn_rate
         limit = 2 * largest / len(wheels)
-        impulses = [(0.0, 0.0)] * len(wheels)
+        impulses: list[tuple[Value, Value]] = [(0.0, 0.0)] * len(wheels)
         for _ in range(_SWEEPS):
             for i, (x, y) in enumerate(wheels):
-                wheel = speeds.left if y > 0 else speeds.right
                 along, across = impulses[i]
-                trial_along = along - gain * (forward - turn_rate * y - wheel)
+                trial_along = along - gain * (forward - turn_rate * y - (left if y > 0 else right))
                 trial_across = across - gain * (sideways + turn_rate * x)
-                factor = limit / max(limit, math.hypot(trial_along, trial_across))
+                length = ops.maximum(ops.hypot(trial_along, trial_across), _TINY)
+                factor = ops.minimum(1.0, limit / length)
                 new = trial_along * factor, trial_across * factor
                 change_along, change_across = new[0] - along, new[1] - across
-                forward += change_along / mass
-                sideways += change_across / mass
-                turn_rate += (x * change_across - y * change_along) / inertia
+                forward = forward + change_along / mass
+                sideways = sideways + change_across / mass
+                turn_rate = turn_rate + (x * change_across - y * change_along) / inertia
                 impulses[i] = new
         return forward - before[0], sideways - before[1], turn_rate - before[2]
 

@@ -4,7 +4,9 @@ It steps them, reads and sets their motion, and lets sensors look at them. Wheel
 known here: a robot's body has no friction, the tyres (tyres.py) pull it.
 """
 
+from collections.abc import Callable
 from contextlib import AbstractContextManager
+from itertools import chain
 
 from lcmtools_sim.engines import chosen_engine, start_engine
 from lcmtools_sim.engines.engine import Appearance, Motion, RigidBody, WheelAngles
@@ -13,6 +15,9 @@ from lcmtools_sim.robots.model import BLACK, Body
 from lcmtools_sim.scene import Scene, SceneObject
 from lcmtools_sim.sensors.sensor import Contact
 from lcmtools_sim.shapes import Part, Sphere, centre_of_mass, inertials_of, moments
+
+_AT_REST = 1e-6
+"""[m/s, rad/s] A thing that is slower, twice after each other, is left at rest."""
 
 
 class World(AbstractContextManager["World"]):
@@ -27,6 +32,8 @@ class World(AbstractContextManager["World"]):
 
     def __init__(self, scene: Scene, *, engine: str = "", window: bool = False) -> None:
         self._engine = start_engine(chosen_engine(engine), window=window)
+        self._rests = self._rested = False
+        """All in the engine was at rest at the last looks, and at the last one."""
         self.reset(scene)
 
     def __exit__(self, *_: object) -> None:
@@ -42,16 +49,48 @@ class World(AbstractContextManager["World"]):
         return self._engine.is_open()
 
     def step(self) -> None:
-        """Simulate one dt."""
-        self._engine.step()
+        """Simulate one dt of all bodies in the engine; those at rest stay so."""
+        if not self._rests:
+            self._engine.step()
+        if self._engine.has_window:
+            for body, motion in self._released.items():
+                self._engine.place(body, *motion()[:2])
+
+    def find_rest(self) -> None:
+        """See if all movable bodies in the engine are at rest, for the steps to come."""
+        speeds = [
+            *(self._engine.motion(body)[2:] for body in self._moving if body not in self._released)
+        ]
+        at_rest = all(abs(value) < _AT_REST for speed in chain(*speeds) for value in speed)
+        self._rests = at_rest and self._rested
+        self._rested = at_rest
 
     def motion(self, body: int) -> Motion:
         """The present pose and velocity of a body."""
-        return self._engine.motion(body)
+        released = self._released.get(body)
+        return released() if released else self._engine.motion(body)
+
+    def release(self, body: int, motion: Callable[[], Motion]) -> None:
+        """Take a body that touches only the ground out of the engine; it moves by ``motion``."""
+        self._released[body] = motion
+        self._engine.disable(body)
+
+    def hold(self, body: int, motion: Motion) -> None:
+        """Put a body that was released back into the engine, in this motion."""
+        del self._released[body]
+        self._engine.enable(body)
+        self._engine.place(body, motion.position, motion.rotation)
+        self.set_velocity(body, motion.velocity, motion.angular_velocity)
+
+    def movable_objects(self) -> list[tuple[tuple[Part, ...], Motion]]:
+        """The shapes of each movable object, in the frame of its motion."""
+        motion = self._engine.motion
+        return [(thing.parts, motion(body)) for thing, body in self._objects if thing.mass]
 
     def set_velocity(self, body: int, velocity: Vector, angular_velocity: Vector) -> None:
         """Set a body's velocity [m/s] and angular velocity [rad/s], in the world frame."""
         self._engine.set_velocity(body, velocity, angular_velocity)
+        self._wake()
 
     def overlap(self, body: int) -> tuple[float, str]:
         """The deepest penetration of a body [m], and the other body's name; or (0, "")."""
@@ -86,6 +125,7 @@ class World(AbstractContextManager["World"]):
             )
         )
         self._names[body] = thing.name
+        self._wake()
         if thing.mass:
             self._moving[body] = thing.parts
         else:
@@ -118,11 +158,14 @@ class World(AbstractContextManager["World"]):
     def remove(self, body: int) -> None:
         """Remove a robot."""
         self._engine.remove(body)
+        self._wake()
         del self._names[body], self._moving[body]
+        self._released.pop(body, None)
 
     def place(self, body: int, position: Vector, rotation: Quaternion) -> None:
         """Put a robot's centre of mass at a pose, at rest."""
         self._engine.place(body, position, rotation)
+        self._wake()
 
     def reset(self, scene: Scene) -> None:
         """Start again with the ground and the objects of a scene, without robots."""
@@ -131,6 +174,9 @@ class World(AbstractContextManager["World"]):
         self._fixed: tuple[Part, ...] = ()
         self._moving: dict[int, tuple[Part, ...]] = {}
         """The shapes of movable bodies, in the frame of the engine's poses."""
+        self._released: dict[int, Callable[[], Motion]] = {}
+        """The motions of bodies that the engine does not move."""
+        self._wake()
         self._objects = [(thing, self.add(thing)) for thing in scene.objects]
 
     def fixed_parts(self) -> tuple[Part, ...]:
@@ -141,7 +187,7 @@ class World(AbstractContextManager["World"]):
         self, but: int | None = None
     ) -> list[tuple[tuple[Part, ...], Vector, Quaternion]]:
         """The movable bodies (but one): their shapes in a frame, and its pose."""
-        motion, moving = self._engine.motion, self._moving.items()
+        motion, moving = self.motion, self._moving.items()
         return [(parts, *motion(body)[:2]) for body, parts in moving if body != but]
 
     def moving_parts(self, but: int | None = None) -> list[Part]:
@@ -151,11 +197,17 @@ class World(AbstractContextManager["World"]):
 
     def contacts(self, body: int) -> list[Contact]:
         """The contacts of a body but for the ground, as of the last step."""
+        if body in self._released:
+            return []
         return [
             Contact(self._names[point.other], *point[1:])
             for point in self._engine.contacts(body)
             if point.other != self._engine.ground and point.force > 0
         ]
+
+    def _wake(self) -> None:
+        """Have the engine simulate again what was at rest."""
+        self._rests = self._rested = False
 
     def _deepest(self, body: int) -> tuple[float, str]:
         points = self._engine.contacts(body)

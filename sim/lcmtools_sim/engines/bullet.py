@@ -44,7 +44,7 @@ class Bullet:
         with suppressed_output():
             self._bullet: Any = BulletClient(pybullet.GUI if window else pybullet.DIRECT)
         self._client: int = self._bullet._client  # noqa: SLF001 - for what each step calls, unbound
-        self._window = window
+        self.has_window = window
 
     def begin(self, scene: Scene) -> None:
         """Empty the world, and take on a scene's gravity, dt and ground."""
@@ -61,9 +61,9 @@ class Bullet:
             solverResidualThreshold=1e-12,
             warmStartingFactor=1.0,
         )
-        if self._window:
+        if self.has_window:
             bullet.configureDebugVisualizer(bullet.COV_ENABLE_GUI, 0)
-        self._meshes = MeshDisplay(bullet, self._mesh) if self._window else None
+        self._meshes = MeshDisplay(bullet, self._mesh) if self.has_window else None
         plane = bullet.createCollisionShape(bullet.GEOM_PLANE)
         self.ground = self._make(0.0, plane, ZERO, IDENTITY)
         bullet.changeDynamics(self.ground, -1, lateralFriction=scene.ground.friction)
@@ -90,6 +90,18 @@ class Bullet:
             if self._meshes:
                 self._meshes.forget(body)
                 self._meshes.show_all()
+
+    def disable(self, body: int) -> None:
+        """Leave a movable body out of what is simulated."""
+        self._bullet.setCollisionFilterGroupMask(body, -1, 0, 0)
+        asleep = self._bullet.ACTIVATION_STATE_SLEEP
+        self._bullet.changeDynamics(body, -1, activationState=asleep)
+
+    def enable(self, body: int) -> None:
+        """Undo ``disable``."""
+        self._bullet.setCollisionFilterGroupMask(body, -1, 1, -1)  # as the engine's default is
+        awake = self._bullet.ACTIVATION_STATE_DISABLE_SLEEPING
+        self._bullet.changeDynamics(body, -1, activationState=awake)
 
     def step(self) -> None:
         """Simulate one dt."""
@@ -126,7 +138,7 @@ class Bullet:
 
     def is_open(self) -> bool:
         """Return False once the user has closed the window, which takes the engine away."""
-        return not self._window or bool(self._bullet.isConnected())
+        return not self.has_window or bool(self._bullet.isConnected())
 
     def close(self) -> None:
         """Disconnect from the engine; the window closes."""

@@ -94,6 +94,7 @@ class Engine(Protocol):
 
     ground: int
     """The number of the plane z = 0."""
+    has_window: bool
 
     def begin(self, scene: Scene) -> None:
         """Empty the world, and take on a scene's gravity, dt and ground."""
@@ -103,6 +104,12 @@ class Engine(Protocol):
 
     def remove(self, body: int) -> None:
         """Remove a body."""
+
+    def disable(self, body: int) -> None:
+        """Leave a movable body out of what is simulated: it neither moves nor touches anything."""
+
+    def enable(self, body: int) -> None:
+        """Undo ``disable``; ``place`` and ``set_velocity`` follow."""
 
     def step(self) -> None:
         """Simulate one dt."""

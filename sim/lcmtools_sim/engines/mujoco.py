@@ -45,6 +45,7 @@ class Mujoco:
     """
 
     ground = 0
+    has_window = False
 
     def begin(self, scene: Scene) -> None:
         """Empty the world, and take on a scene's gravity, dt and ground."""
@@ -64,6 +65,7 @@ class Mujoco:
         friction = [scene.ground.friction, 0.0, 0.0]
         spec.worldbody.add_geom(type=kind, size=[0, 0, 1], friction=friction, condim=_SMOOTH)
         self._bodies: dict[int, RigidBody] = {}
+        self._disabled: set[int] = set()
         self._handles: dict[int, Any] = {}
         self._free: dict[int, tuple[slice, slice]] = {}
         """The places of compiled bodies' poses and velocities in qpos and qvel."""
@@ -104,7 +106,20 @@ class Mujoco:
         self._compile()
         self._spec.delete(self._handles.pop(body))
         del self._bodies[body], self._free[body]
+        self._disabled.discard(body)
         self._is_compiled = False
+
+    def disable(self, body: int) -> None:
+        """Leave a movable body out of what is simulated."""
+        self._compile()
+        self._disabled.add(body)
+        self._set_enabled(body, is_enabled=False)
+
+    def enable(self, body: int) -> None:
+        """Undo ``disable``."""
+        self._compile()
+        self._disabled.discard(body)
+        self._set_enabled(body, is_enabled=True)
 
     def step(self) -> None:
         """Simulate one dt."""
@@ -214,6 +229,18 @@ class Mujoco:
             if body.mass and not body.appearance
         ]
         self._is_compiled = True
+        for number in self._disabled:
+            self._set_enabled(number, is_enabled=False)
+
+    def _set_enabled(self, body: int, *, is_enabled: bool) -> None:
+        """Let a body collide and fall, or not."""
+        model, number = self._model, self._model.body(str(body)).id
+        first = int(model.body_geomadr[number])
+        shapes = slice(first, first + int(model.body_geomnum[number]))
+        model.geom_contype[shapes] = model.geom_conaffinity[shapes] = is_enabled
+        lift = 0.0 if is_enabled else -model.opt.gravity[2] * self._bodies[body].mass
+        self._data.xfrc_applied[number, 2] = lift
+        self._qvel[self._free[body][1]] = 0.0
 
     def _set_friction(self) -> None:
         """Give each contact the product of its shapes' friction.

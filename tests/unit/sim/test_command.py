@@ -74,13 +74,13 @@ def test_a_twist_above_the_limits_keeps_its_circle(
 ) -> None:
     speeds = interpret(twist(*asked), HUSKY)
 
-    assert body_velocity(speeds, HUSKY.drive.track) == pytest.approx(obeyed)
+    assert body_velocity(*speeds, HUSKY.drive.track) == pytest.approx(obeyed)
 
 
 def test_wheel_speeds_above_the_limits_keep_their_circle() -> None:
     speeds = interpret(joints(velocity=[60, 30]), HUSKY)
 
-    forward, turn_rate = body_velocity(speeds, HUSKY.drive.track)
+    forward, turn_rate = body_velocity(*speeds, HUSKY.drive.track)
     assert speeds.left / speeds.right == pytest.approx(2)
     assert forward == pytest.approx(1)
     assert abs(turn_rate) <= 2

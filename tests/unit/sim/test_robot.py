@@ -44,7 +44,9 @@ class FakeWorld:
 
 def plain_pull(robot: Robot, motion: Motion, scene: Scene) -> tuple[Vector, Vector]:
     """The same by the functions of geometry, one rotation after the other."""
-    forward, left, up = axes(multiply(motion.rotation, (0.0, 0.0, *robot._train.mid_turn)))
+    wheels = robot.vehicles.get(0, "left", "right")
+    half_turn = (wheels[1] - wheels[0]) / HUSKY.drive.track * scene.dt / 2
+    forward, left, up = axes(multiply(motion.rotation, from_euler(0, 0, half_turn)))
     if up[2] < 0.5 or abs(dot(motion.velocity, up)) > 0.2:
         return motion.velocity, motion.angular_velocity
     falling = subtract(motion.velocity, (0.0, 0.0, scene.gravity * scene.dt))
@@ -54,7 +56,7 @@ def plain_pull(robot: Robot, motion: Motion, scene: Scene) -> tuple[Vector, Vect
         dot(falling, forward),
         dot(falling, left),
         dot(motion.angular_velocity, up),
-        robot._train.speeds,
+        *wheels,
         friction * load / 2 * scene.dt,
     )
     pull = add(scaled(forward, along), scaled(left, across))
@@ -79,8 +81,9 @@ def test_the_pull_is_that_of_the_plain_twin(tilt: float, *, skids: bool) -> None
             tuple(random.uniform((-1, -1, -0.1), (1, 1, 0.1)).tolist()),
             tuple(random.uniform(-1, 1, 3).tolist()),
         )
+        robot.vehicles.step()
         robot.observe()
-        robot.drive()
+        robot.pull()
 
         velocity, angular_velocity = plain_pull(robot, world.given, scene)
         assert world.set is not None

@@ -1,0 +1,155 @@
+"""All robots of a running simulation, and which of them the engine moves.
+
+Many robots step together, by arrays. A robot that stands on level ground, with nothing that it or
+others could reach until the next look, needs no engine: its vehicles move it. The engine has it
+back before it can touch anything.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from lcmtools_sim.robot import Robot
+from lcmtools_sim.scene import Scene
+from lcmtools_sim.vehicles import Vehicles
+from lcmtools_sim.vision.solids import Floats, Solids, solids_of
+from lcmtools_sim.world import World
+
+_MANY = 12
+"""From so many robots on, arrays are faster than floats."""
+_PERIOD = 0.1  # [s] between two looks
+_FASTER = 1.0  # [m/s] by which a body may become faster until then
+_MARGIN = 0.02  # [m]
+
+
+class Fleet:
+    """The robots of a world, in the order in which they were added."""
+
+    def __init__(self, world: World, scene: Scene) -> None:
+        self.robots: list[Robot] = []
+        self._world = world
+        self._dt = scene.dt
+        self._period = max(1, round(_PERIOD / scene.dt))
+        self._steps = 0
+        """Since the last change of the robots."""
+        self._groups: list[tuple[Vehicles, list[Robot]]] = []
+        self._held: list[Robot] = []
+        """Those that the engine moves."""
+        self._sizes = [solids_of(parts).reach for parts, _ in world.movable_objects()]
+        self._fixed_parts: object = None
+        self._fixed: Solids = solids_of(())
+
+    def add(self, robot: Robot) -> None:
+        """Add a robot."""
+        self.robots.append(robot)
+        self._held.append(robot)
+        self._steps = 0
+
+    def remove(self, robot: Robot) -> None:
+        """Remove a robot."""
+        self.robots.remove(robot)
+        robot.remove()
+        self._steps = 0
+
+    def hold_all(self) -> None:
+        """Have the engine know where all bodies are, to look for overlaps."""
+        for robot in self.robots:
+            robot.hold()
+        self._steps = 0
+
+    def step(self) -> None:
+        """Simulate one dt."""
+        if not self._steps:
+            self._join()
+        if self._steps % self._period == 0:
+            self._look()
+        self._steps += 1
+        for vehicles, _ in self._groups:
+            vehicles.step()
+        for robot in self._held:
+            robot.pull()
+        self._world.step()
+        for robot in self._held:
+            robot.observe()
+
+    def _join(self) -> None:
+        """Let robots with the same kind of tyres step together, if they are many."""
+        kinds: dict[object, list[Robot]] = {}
+        for robot in self.robots:
+            drive = robot.model.drive
+            alone = robot if robot.vehicles.noise else None
+            kinds.setdefault((alone, drive.skids and drive.wheels), []).append(robot)
+        self._groups = []
+        for robots in kinds.values():
+            parts = [robots] if len(robots) >= _MANY else [[robot] for robot in robots]
+            self._groups += [(_joined(part), part) for part in parts]
+
+    def _look(self) -> None:
+        """See which robots the engine must move until the next look."""
+        self._world.find_rest()
+        self._held = []
+        if not self.robots:
+            return
+        robots = [robot for _, group in self._groups for robot in group]
+        for robot, is_near in zip(robots, self._near(robots), strict=True):
+            if is_near:
+                robot.hold()
+            elif not robot.is_free and robot.stands:
+                robot.release()
+            if not robot.is_free:
+                self._held.append(robot)
+
+    def _near(self, robots: Sequence[Robot]) -> list[bool]:
+        """True for each robot that may touch something until the next look."""
+        values = [vehicles.now for vehicles, _ in self._groups]
+        x, y, vx, vy = (
+            np.concatenate([np.atleast_1d(getattr(now, name)) for now in values])
+            for name in ("x", "y", "vx", "vy")
+        )
+        places = np.stack((x, y, [robot.model.body.centre_of_mass for robot in robots]), axis=-1)
+        velocities = np.stack((vx, vy, np.zeros_like(vx)), axis=-1)
+        for i, robot in enumerate(robots):
+            if not robot.is_free:
+                places[i], _, velocities[i], _ = robot.motion
+        return self._meet(places, self._reach([robot.reach for robot in robots], velocities))
+
+    def _meet(self, places: Floats, reaches: Floats) -> list[bool]:
+        """True for each robot, at this place and with this reach, that another body may meet."""
+        fixed, objects = self._fixed_solids(), self._world.movable_objects()
+        offsets = places[:, None] - fixed.centres
+        outside = np.abs(np.einsum("nmi,mij->nmj", offsets, fixed.axes)) - fixed.half_sizes
+        squares = np.square(np.maximum(outside, 0.0)).sum(axis=-1)
+        near = (squares < np.square(reaches)[:, None]).any(axis=1)
+        others, other_reaches = places, reaches
+        if objects:
+            motions = [motion for _, motion in objects]
+            others = np.concatenate((places, [motion.position for motion in motions]))
+            moving = self._reach(self._sizes, [motion.velocity for motion in motions])
+            other_reaches = np.concatenate((reaches, moving))
+        squares = np.square(places[:, :1] - others[:, 0]) + np.square(places[:, 1:2] - others[:, 1])
+        met = squares < np.square(reaches[:, None] + other_reaches)
+        found: list[bool] = (near | (met.sum(axis=1) > 1)).tolist()  # each meets itself
+        return found
+
+    def _reach(self, sizes: Sequence[float], velocities: npt.ArrayLike) -> Floats:
+        """The farthest that bodies of these sizes can come until the next look [m]."""
+        speeds = np.linalg.norm(velocities, axis=-1)
+        reach: Floats = np.array(sizes) + (speeds + _FASTER) * self._period * self._dt + _MARGIN
+        return reach
+
+    def _fixed_solids(self) -> Solids:
+        parts = self._world.fixed_parts()
+        if parts is not self._fixed_parts:
+            self._fixed_parts, self._fixed = parts, solids_of(parts)
+        return self._fixed
+
+
+def _joined(robots: Sequence[Robot]) -> Vehicles:
+    """The robots' values together; a single one keeps its own."""
+    if len(robots) == 1 and robots[0].vehicles.is_single:
+        return robots[0].vehicles
+    vehicles = Vehicles.joined([(robot.vehicles, robot.index) for robot in robots])
+    for index, robot in enumerate(robots):
+        robot.vehicles, robot.index = vehicles, index
+    return vehicles

@@ -1,0 +1,306 @@
+"""Robots in the plane: their motors, encoders and tyres, and how they move on level ground.
+
+One robot with floats, or many at once with arrays: every formula is the same. No engine is known
+here, nor what a robot may meet: see fleet.py.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import astuple, dataclass
+from typing import TypeVar, cast
+
+import numpy as np
+
+from lcmtools.clock import split_stamp
+from lcmtools_sim.arithmetic import FLOATS, Arithmetic, Value, arithmetic_of
+from lcmtools_sim.drive import body_velocity, dead_reckoning, followed
+from lcmtools_sim.engines.engine import Motion
+from lcmtools_sim.geometry import Vector, add, axes, components, cross, scaled, subtract
+from lcmtools_sim.robots.model import RobotModel
+from lcmtools_sim.sensors.sensor import RobotState, Sides
+from lcmtools_sim.tyres import Tyres, gripping, skidding
+
+Random = Callable[[int], Iterable[float]]
+
+
+@dataclass(slots=True)
+class Constants:
+    """What does not change of a robot, or of many.
+
+    Attributes:
+        gain: Of the motors in a step: see drive.followed.
+        largest_change: Of the motors' speed in a step [m/s].
+        largest_impulse: Of the tyres of one side in a step, on level ground [N s].
+        timeout: Seconds after which a command ends; inf for never.
+        height: Of the centre of mass above the ground [m].
+        base: Height of base_link above the centre of mass [m].
+        mass: [kg]
+        inertia: About the vertical [kg m^2].
+        track, wheel_radius, full_speed: As the model's drive has them.
+    """
+
+    gain: Value
+    largest_change: Value
+    largest_impulse: Value
+    timeout: Value
+    height: Value
+    base: Value
+    mass: Value
+    inertia: Value
+    track: Value
+    wheel_radius: Value
+    full_speed: Value
+
+
+def constants(model: RobotModel, dt: float, timeout: float, friction: float) -> Constants:
+    """Those of a robot; ``friction`` is gravity times the ground's coefficient [m/s^2]."""
+    drive, body = model.drive, model.body
+    return Constants(
+        gain=dt / (drive.time_constant + dt),
+        largest_change=drive.max_acceleration * dt,
+        largest_impulse=friction * drive.tyre_friction * body.mass / 2 * dt,
+        timeout=timeout,
+        height=body.centre_of_mass,
+        base=body.base_height - body.centre_of_mass,
+        mass=body.mass,
+        inertia=body.inertia[2],
+        track=drive.track,
+        wheel_radius=drive.wheel_radius,
+        full_speed=drive.full_speed,
+    )
+
+
+@dataclass(slots=True)
+class Variables:
+    """The state of a robot, or of many.
+
+    Attributes:
+        left_target, right_target: The commanded speeds of the wheels [m/s].
+        command_age: [s]
+        left, right: The speeds of the wheels [m/s].
+        left_angle, right_angle: Of the wheels since the start [rad].
+        odometry_x, odometry_y, odometry_yaw: The pose by the encoders since the start [m, rad].
+        x, y, yaw: In the world [m, rad].
+        vx, vy, turn_rate: In the world [m/s, rad/s].
+        before_vx, before_vy, before_turn_rate: The same one step ago.
+    """
+
+    left_target: Value = 0.0
+    right_target: Value = 0.0
+    command_age: Value = 0.0
+    left: Value = 0.0
+    right: Value = 0.0
+    left_angle: Value = 0.0
+    right_angle: Value = 0.0
+    odometry_x: Value = 0.0
+    odometry_y: Value = 0.0
+    odometry_yaw: Value = 0.0
+    x: Value = 0.0
+    y: Value = 0.0
+    yaw: Value = 0.0
+    vx: Value = 0.0
+    vy: Value = 0.0
+    turn_rate: Value = 0.0
+    before_vx: Value = 0.0
+    before_vy: Value = 0.0
+    before_turn_rate: Value = 0.0
+
+
+RowT = TypeVar("RowT", Constants, Variables)
+
+
+def _joined(rows: Sequence[RowT]) -> RowT:
+    """Many robots' values as arrays, in this order."""
+    columns = [cast("float", np.array(column)) for column in zip(*map(astuple, rows), strict=True)]
+    return type(rows[0])(*columns)
+
+
+def _row(values: RowT, index: int) -> RowT:
+    """One robot's values as floats."""
+    return type(values)(*(float(column[index]) for column in astuple(values)))
+
+
+class Vehicles:
+    """One robot, or several with the same kind of tyres.
+
+    Args:
+        model: Of the robot, or of one of them.
+        known: Of the robot, or of all.
+        now: Their state at the start.
+        dt: Seconds of a step.
+        noise: Standard deviation of a side's distance by its encoder after 1 m [m], of a single
+            robot; it grows like a random walk.
+        random: Draws that many numbers of the standard normal distribution; needed for noise.
+    """
+
+    def __init__(
+        self,
+        model: RobotModel,
+        known: Constants,
+        now: Variables,
+        dt: float,
+        noise: float = 0.0,
+        random: Random = lambda _: (),
+    ) -> None:
+        self.model, self.constants, self.now = model, known, now
+        self.ops = arithmetic_of(known.mass)
+        self.is_single = self.ops is FLOATS
+        self._can_expire = bool(np.any(np.isfinite(known.timeout)))
+        self.dt = dt
+        self.noise = noise / math.sqrt(dt)
+        self._random = random
+        self.tyres: Tyres = (
+            skidding(known.mass, known.inertia, model.drive.wheels, self.ops)
+            if model.drive.skids
+            else gripping(known.mass, known.inertia, known.track, self.ops)
+        )
+
+    @classmethod
+    def joined(cls, robots: "Sequence[tuple[Vehicles, int]]") -> "Vehicles":
+        """Robots, each given by its place in its present vehicles; one of them, or many."""
+        known, now = zip(*(vehicles.row(index) for vehicles, index in robots), strict=True)
+        first = robots[0][0]
+        if len(robots) == 1:
+            return cls(first.model, known[0], now[0], first.dt)
+        return cls(first.model, _joined(known), _joined(now), first.dt)
+
+    def row(self, index: int) -> tuple[Constants, Variables]:
+        """One robot's values as floats."""
+        if self.is_single:
+            return self.constants, self.now
+        return _row(self.constants, index), _row(self.now, index)
+
+    def get(self, index: int, *names: str) -> list[float]:
+        """Variables of one robot."""
+        found = [getattr(self.now, name) for name in names]
+        return found if self.is_single else [float(column[index]) for column in found]
+
+    def set(self, index: int, **values: float) -> None:
+        """Set variables of one robot."""
+        for name, value in values.items():
+            if self.is_single:
+                setattr(self.now, name, value)
+            else:
+                getattr(self.now, name)[index] = value
+
+    def step(self) -> None:
+        """Let the motors follow their targets, and the tyres pull the bodies, for one step."""
+        now, k, ops, dt = self.now, self.constants, self.ops, self.dt
+        if self._can_expire:
+            goes_on = (now.command_age < k.timeout) * 1.0
+            now.left_target, now.right_target = (
+                now.left_target * goes_on,
+                now.right_target * goes_on,
+            )
+            now.command_age = now.command_age + dt
+        left, right = now.left, now.right = followed(
+            (now.left, now.right),
+            (now.left_target, now.right_target),
+            k.gain,
+            k.largest_change,
+            ops,
+        )
+        turn = dt / k.wheel_radius
+        now.left_angle, now.right_angle = (
+            now.left_angle + left * turn,
+            now.right_angle + right * turn,
+        )
+        half_turn = (right - left) / k.track * (dt / 2)
+        self._count(left, right, half_turn)
+        heading = now.yaw + half_turn
+        s, c = ops.sin(heading), ops.cos(heading)
+        vx, vy, turn_rate = now.vx, now.vy, now.turn_rate
+        now.before_vx, now.before_vy, now.before_turn_rate = vx, vy, turn_rate
+        along, across, twist = self.tyres(
+            vx * c + vy * s, vy * c - vx * s, turn_rate, left, right, k.largest_impulse
+        )
+        now.vx, now.vy = vx, vy = vx + along * c - across * s, vy + along * s + across * c
+        now.turn_rate = turn_rate = turn_rate + twist
+        now.x, now.y, now.yaw = now.x + vx * dt, now.y + vy * dt, now.yaw + turn_rate * dt
+
+    def _count(self, left: Value, right: Value, half_turn: Value) -> None:
+        """Let the encoders count a step."""
+        now, dt = self.now, self.dt
+        if self.noise and (left or right):
+            error, other_error = self._random(2)
+            left = left + self.noise * abs(left) ** 0.5 * error
+            right = right + self.noise * abs(right) ** 0.5 * other_error
+            half_turn = (right - left) / self.constants.track * (dt / 2)
+        now.odometry_x, now.odometry_y, now.odometry_yaw = dead_reckoning(
+            (now.odometry_x, now.odometry_y, now.odometry_yaw),
+            (left + right) * (dt / 2),
+            half_turn,
+            self.ops,
+        )
+
+    def state(self, time: int) -> RobotState:
+        """The state that sensors measure on level ground; ``time`` in simulated nanoseconds."""
+        now, ops = self.now, self.ops
+        return measured(
+            planar_motion(now, self.constants.height, ops),
+            ((now.before_vx, now.before_vy, 0.0), (0.0, 0.0, now.before_turn_rate)),
+            (self.constants, now),
+            (time, self.dt),
+            ops,
+        )
+
+
+def planar_motion(now: Variables, height: Value, ops: Arithmetic) -> Motion:
+    """The motion on level ground of bodies whose centres of mass are so high [m]."""
+    half = now.yaw / 2
+    return Motion(
+        (now.x, now.y, height),
+        (0.0, 0.0, ops.sin(half), ops.cos(half)),
+        (now.vx, now.vy, 0.0),
+        (0.0, 0.0, now.turn_rate),
+    )
+
+
+def measured(
+    motion: Motion,
+    before: tuple[Vector, Vector],
+    values: tuple[Constants, Variables],
+    times: tuple[int, float],
+    ops: Arithmetic,
+) -> RobotState:
+    """The state that sensors measure.
+
+    Args:
+        motion: Of the body.
+        before: Its velocity and angular velocity one step ago.
+        values: Of the robot.
+        times: Simulated nanoseconds, and seconds of a step.
+        ops: For these values.
+    """
+    (known, now), (time, dt) = values, times
+    frame = axes(motion.rotation)
+    base_link = scaled(frame[2], known.base)
+    swing = cross(motion.angular_velocity, base_link)
+    change = scaled(subtract(motion.velocity, before[0]), 1 / dt)
+    angular_acceleration = scaled(subtract(motion.angular_velocity, before[1]), 1 / dt)
+    of_lever = add(cross(angular_acceleration, base_link), cross(motion.angular_velocity, swing))
+    angular_velocity = components(motion.angular_velocity, frame)
+    # The body moved along a chord, in the direction of its heading in the middle of the step.
+    forward, left, up = components(add(motion.velocity, swing), frame)
+    angle = angular_velocity[2] * dt / 2
+    s, c = ops.sin(angle), ops.cos(angle)
+    return RobotState(
+        time=time,
+        stamp=split_stamp(time),
+        position=add(motion.position, base_link),
+        rotation=motion.rotation,
+        velocity=(forward * c - left * s, forward * s + left * c, up),
+        angular_velocity=angular_velocity,
+        acceleration=components(add(change, of_lever), frame),
+        angular_acceleration=components(angular_acceleration, frame),
+        wheel_angles=Sides(now.left_angle, now.right_angle),
+        wheel_speeds=Sides(now.left / known.wheel_radius, now.right / known.wheel_radius),
+        efforts=Sides(
+            *(
+                ops.maximum(-1.0, ops.minimum(1.0, target / known.full_speed))
+                for target in (now.left_target, now.right_target)
+            )
+        ),
+        odometry_pose=(now.odometry_x, now.odometry_y, now.odometry_yaw),
+        odometry_speed=body_velocity(now.left, now.right, known.track),
+    )

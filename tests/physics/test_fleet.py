@@ -1,0 +1,147 @@
+"""Robots that the engine does not move, and their way back into it. Metres, seconds."""
+
+import math
+from collections.abc import Callable
+
+import pytest
+
+from lcmtools.errors import InvalidFile, UsageError
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools_sim import fleet
+from lcmtools_sim.geometry import Pose, yaw_of
+from lcmtools_sim.robots.husky import HUSKY
+from lcmtools_sim.scene import RobotPlacement, Scene, SceneObject, box
+from lcmtools_sim.sensors.sensor import RobotState
+from lcmtools_sim.shapes import Part, Sphere
+from lcmtools_sim.simulation import Simulation
+
+Simulate = Callable[..., Simulation]
+Steer = Callable[[float, float], Twist]
+LENGTH = HUSKY.body.parts[0].shape.size[0]  # type: ignore[union-attr] # a cuboid
+
+
+def scene(*poses: Pose, things: tuple[SceneObject, ...] = ()) -> Scene:
+    robots = tuple(RobotPlacement(HUSKY, f"/r{i}", pose) for i, pose in enumerate(poses))
+    return Scene("fleet", objects=things, robots=robots)
+
+
+def steps(simulation: Simulation, seconds: float) -> None:
+    for _ in range(round(seconds * 240)):
+        simulation.step()
+
+
+def run(given: Scene, command: Twist, seconds: float) -> list[RobotState]:
+    with Simulation(given) as simulation:
+        for robot in simulation.robots:
+            robot.command(command)
+        steps(simulation, seconds)
+        return [robot.state(simulation.time) for robot in simulation.robots]
+
+
+@pytest.mark.parametrize("command", [(1.0, 0.0), (0.5, 0.3), (0.0, 2.0), (-0.7, 1.0)])
+@pytest.mark.parametrize("count", [1, 15])
+def test_it_moves_as_the_engine_would_move_it(
+    count: int, command: tuple[float, float], twist: Steer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = scene(*(Pose(0, 20 * i, yaw=0.1 * i) for i in range(count)))
+
+    free = run(given, twist(*command), 5.0)
+    monkeypatch.setattr(fleet, "_MARGIN", math.inf)  # something is always near
+    held = run(given, twist(*command), 5.0)
+
+    for one, other in zip(free, held, strict=True):
+        assert math.dist(one.position, other.position) < 1e-4
+        assert math.dist(one.velocity, other.velocity) < 1e-4
+        assert math.dist(one.wheel_angles, other.wheel_angles) < 1e-9
+
+
+def test_it_is_free_between_walls_and_held_beside_one(simulate: Simulate, twist: Steer) -> None:
+    simulation = simulate(box("wall", (0.2, 8, 1), Pose(5, 0, 0.5)))
+    (robot,) = simulation.robots
+
+    simulation.step()
+    assert robot.is_free
+    robot.command(twist(1.0, 0.0))
+    steps(simulation, 8.0)
+    assert not robot.is_free
+    assert robot.state(0).position[0] == pytest.approx(4.9 - LENGTH / 2, abs=0.01)
+    robot.command(twist(-1.0, 0.0))
+    steps(simulation, 3.0)
+    assert robot.is_free
+
+
+@pytest.mark.parametrize("count", [2, 16])
+def test_robots_that_meet_stop_each_other(count: int, twist: Steer) -> None:
+    pairs = [
+        Pose(-2, 10 * (i // 2)) if i % 2 else Pose(2, 10 * (i // 2), yaw=math.pi)
+        for i in range(count)
+    ]
+
+    ends = run(scene(*pairs), twist(1.0, 0.0), 5.0)
+
+    for one, other in zip(ends[::2], ends[1::2], strict=True):
+        assert math.dist(one.position, other.position) == pytest.approx(LENGTH, abs=0.02)
+
+
+def test_a_ball_that_is_thrown_at_a_standing_robot_hits_it(simulate: Simulate) -> None:
+    ball = SceneObject("ball", (Part(Sphere(0.3)),), Pose(-8, 0, 0.31), 30.0)
+    simulation = simulate(ball)
+    (robot,) = simulation.robots
+    steps(simulation, 0.2)
+    assert robot.is_free
+    world = simulation._world
+    world.set_velocity(world._objects[0][1], (10.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+    steps(simulation, 2.0)
+
+    x = robot.state(0).position[0]
+    assert x > 0.05
+    assert world.motion(world._objects[0][1]).position[0] < x - LENGTH / 2
+
+
+def test_a_robot_on_its_side_or_in_the_air_stays_with_the_engine(simulate: Simulate) -> None:
+    lying = simulate(pose=Pose(z=0.6, roll=1.5))
+    falling = simulate(pose=Pose(z=2.0))
+
+    steps(lying, 3.0)
+    steps(falling, 0.2)
+
+    assert not lying.robots[0].is_free
+    assert falling.robots[0].state(0).position[2] < 2.0 + HUSKY.body.base_height
+    assert not falling.robots[0].is_free
+
+
+def test_nothing_is_placed_or_added_inside_a_free_robot(twist: Steer) -> None:
+    with Simulation(scene(Pose(), Pose(10, 0))) as simulation:
+        simulation.robots[0].command(twist(1.0, 0.0))
+        steps(simulation, 5.0)
+        x = simulation.robots[0].state(0).position[0]
+
+        with pytest.raises(UsageError, match="inside /r0"):
+            simulation.place(simulation.robots[1], Pose(x, 0.3))
+        with pytest.raises(InvalidFile, match="inside /r0"):
+            simulation.add(RobotPlacement(HUSKY, "/r2", Pose(x, 0.3), where="spawn"))
+        steps(simulation, 0.2)
+
+        first, second = simulation.robots
+        assert first.is_free
+        assert second.state(0).position[0] == pytest.approx(10)
+        assert first.state(0).position[0] == pytest.approx(x + 0.2, abs=0.01)
+
+
+def test_a_robot_keeps_its_way_when_others_come_and_go(twist: Steer) -> None:
+    with Simulation(scene(*(Pose(0, 10 * i) for i in range(14)))) as simulation:
+        for robot in simulation.robots:
+            robot.command(twist(0.5, 0.3))
+        steps(simulation, 1.0)
+        yaw = yaw_of(simulation.robots[5].state(0).rotation)
+        for robot in simulation.robots[:5]:
+            simulation.remove(robot)
+        steps(simulation, 1.0)
+        simulation.add(RobotPlacement(HUSKY, "/new", Pose(-20, 0)))
+        steps(simulation, 1.0)
+
+        sixth = simulation.robots[0].state(0)
+        assert yaw_of(sixth.rotation) - yaw == pytest.approx(0.6, abs=0.001)
+        assert sixth.odometry_speed == pytest.approx((0.5, 0.3))
+        assert simulation.robots[-1].state(0).position[:2] == pytest.approx((-20, 0))
