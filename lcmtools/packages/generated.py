@@ -65,7 +65,7 @@ def generate(source: LcmFile, prefix: str, folder: Path) -> tuple[list[Generated
     """Write the Python modules of one .lcm file into an empty folder with lcm-gen.
 
     It gets the file without its comments: it would copy them into Python's, and quotation marks in
-    one would end that, so that the rest would be run. Of a .msg or .srv file it gets a translation.
+    one would end that, so that the rest would be run. Of a file of ROS it gets a translation.
     """
     file = source.path
     texts: Mapping[str, Mapping[str, str]] = {}

@@ -1,4 +1,4 @@
-"""ROS's .msg and .srv files as LCM source, line for line: lcm-gen's errors have the right lines.
+"""ROS's .msg, .srv and .action files as LCM source, line for line, as lcm-gen's errors name lines.
 
 Belongs here: the syntax of ROS 1 and ROS 2, and what LCM cannot say of it. Must not know lcm-gen,
 nor which types there are. As in the types that lcmtools ships, an array of variable size has a
@@ -16,9 +16,15 @@ from lcmtools.errors import InvalidFile
 from lcmtools.messages.scalars import INTEGERS
 from lcmtools.messages.type_source import Problem
 from lcmtools.names import closest
-from lcmtools.packages.workspace import package_name
+from lcmtools.packages.workspace import ROS_FOLDERS, package_name
 
-SUFFIXES = (".msg", ".srv")
+_PARTS = {
+    ".msg": ("",),
+    ".srv": ("_Request", "_Response"),
+    ".action": ("_Goal", "_Result", "_Feedback"),
+}
+"""The endings of the names of the structs that a file has."""
+SUFFIXES = tuple(_PARTS)
 
 _PRIMITIVES = {
     "bool": "boolean",
@@ -58,13 +64,12 @@ _TEXT = re.compile(rf"\s*w?string(?:<=\d+)?\s+({_NAME})\s*=(.*)", re.ASCII)
 _ENTRY = re.compile(
     rf"({_NAME}(?:/{_NAME}){{0,2}})(?:<=\d+)?(?:\[(<=)?(\d*)\])?\s+({_NAME})\s*(.*)", re.ASCII
 )
-_FOLDERS = ("msg", "srv")  # in a package, in which these files usually lie
 _EXAMPLE = "write  float64[] values  or  int32 LIMIT=5"
 
 
 @dataclass(slots=True)
 class LcmSource:
-    """A .msg or .srv file as the text of a .lcm file with the same lines."""
+    """A file of ROS as the text of a .lcm file with the same lines."""
 
     text: str
     problems: list[Problem]
@@ -116,8 +121,8 @@ class _Struct:
 
 
 def package_of(path: Path) -> str:
-    """Return the package of a .msg or .srv file: it is in its folder, or in ``msg`` or ``srv``."""
-    folder = path.parent.parent if path.parent.name in _FOLDERS else path.parent
+    """Return the package of a file of ROS, in whose folder it is, or in ``msg`` in that, say."""
+    folder = path.parent.parent if path.parent.name in ROS_FOLDERS else path.parent
     with suppress(OSError):
         found = re.search(r"<name>\s*(\w+)\s*</name>", (folder / "package.xml").read_text("utf-8"))
         if found:
@@ -128,23 +133,24 @@ def package_of(path: Path) -> str:
 
 
 def to_lcm(path: Path, content: bytes, package: str) -> LcmSource:
-    """Translate a .msg or .srv file; where there are problems, the text is of no use."""
-    structs = [_Struct(path.stem if path.suffix == ".msg" else f"{path.stem}_Request")]
+    """Translate a file of ROS; where there are problems, the text is of no use."""
+    names = [f"{path.stem}{part}" for part in _PARTS[path.suffix]]
+    structs = [_Struct(names[0])]
     problems = list(_names(path, package))
     try:
         lines = content.decode().splitlines() or [""]
     except UnicodeDecodeError:
         return LcmSource("", [Problem(str(path), 1, "it is not UTF-8 text")], {})
     for number, line in enumerate(lines, 1):
-        if path.suffix == ".srv" and line.startswith("---") and len(structs) == 1:
-            structs.append(_Struct(f"{path.stem}_Response", [""]))
+        if line.startswith("---") and len(structs) < len(names):
+            structs.append(_Struct(names[len(structs)], [""]))
             continue
         try:
             structs[-1].add(line)
         except InvalidFile as error:  # each line for itself
             problems.append(Problem(str(path), number, error.what, error.hint))
-    if path.suffix == ".srv" and len(structs) == 1:
-        what = "a line of --- between request and response is missing"
+    if len(structs) < len(names):
+        what = f"a line of --- before the fields of {names[len(structs)]} is missing"
         problems.append(Problem(str(path), len(lines), what))
     text = ("\n" if structs[0].lines else " ").join(one.text() for one in structs)
     texts = {f"{package}/{one.name}": one.texts for one in structs}

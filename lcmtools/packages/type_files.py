@@ -1,4 +1,4 @@
-"""Users' .lcm, .msg and .srv files: on LCMTOOLS_TYPE_PATH, in the workspace, in installed packages.
+"""Users' files of types: on LCMTOOLS_TYPE_PATH, in the workspace, in installed packages.
 
 Belongs here: finding and reading them. Must not know their content.
 """
@@ -31,7 +31,7 @@ class LcmFile:
 
     path: Path
     content: bytes
-    package: str = ""  # of a .msg or .srv file, which does not name it
+    package: str = ""  # of a file of ROS, which does not name it
 
 
 def variable_folders(environment: Mapping[str, str]) -> list[Path]:

@@ -34,7 +34,7 @@ from lcmtools.packages.type_files import (
     shipped_folder,
     variable_folders,
 )
-from lcmtools.packages.workspace import package_folders
+from lcmtools.packages.workspace import type_folders
 
 _NEAR_AGAIN = 1.0
 _FAR_AGAIN = 10.0
@@ -88,7 +88,7 @@ class UserTypes:
 
     def near_folders(self) -> list[Path]:
         """The folders that take precedence over the shipped types."""
-        return [*variable_folders(self._environment), *package_folders(*self._starts)]
+        return [*variable_folders(self._environment), *type_folders(*self._starts)]
 
     def far_folders(self) -> list[Path]:
         """All folders, installed packages last."""

@@ -1,5 +1,7 @@
 """Packages: folders of the workspace whose pyproject.toml has a table [tool.lcmtools].
 
+Of ROS packages beside them, which have a package.xml, only the types are used.
+
 The workspace is the nearest folder, from the current one upwards, that holds packages, itself or in
 ``src``. Folders of other users are never taken. Must not know nodes or messages.
 """
@@ -18,6 +20,9 @@ MARK = "[tool.lcmtools]"
 """The table that makes a pyproject.toml that of a package."""
 LONGEST_FILE = 1_000_000
 """Bytes of a pyproject.toml or .lcm file; whatever is longer is something else."""
+
+ROS_FOLDERS = ("msg", "srv", "action")
+"""The folders of a ROS package that have its types."""
 
 _MOST_FOLDERS = 300  # in a folder; one that has more, like /tmp, is no workspace
 _MOST_LEVELS = 16
@@ -65,6 +70,11 @@ def workspace(*starts: Path) -> Workspace:
 
 def package_folders(*starts: Path) -> list[Path]:
     """The folders of these packages, unread; those of the first start come first."""
+    return [folder for folder in type_folders(*starts) if _is_own(folder)]
+
+
+def type_folders(*starts: Path) -> list[Path]:
+    """The folders of these packages, and of ROS packages beside them that have types."""
     found: dict[Path, None] = {}
     for start in starts:
         found.update(dict.fromkeys(_workspace(start)))
@@ -153,12 +163,21 @@ def _folders(folder: Path) -> Iterator[Path]:
 
 
 def _is_package(folder: Path) -> bool:
-    path = folder / "pyproject.toml"
+    has_types = any((folder / name).is_dir() for name in ROS_FOLDERS)
+    return _is_own(folder) or (has_types and bool(_text(folder / "package.xml")))
+
+
+def _is_own(folder: Path) -> bool:
+    """Return True for a package of lcmtools."""
+    return any(line.strip() == MARK for line in _text(folder / "pyproject.toml").splitlines())
+
+
+def _text(path: Path) -> str:
+    """Return the text of a file of this user's, of a usual length; else ""."""
     try:
         state = path.stat()
-        if state.st_uid not in (os.getuid(), 0) or state.st_size > LONGEST_FILE:
-            return False
-        text = path.read_text("utf-8", "replace")
+        if state.st_uid in (os.getuid(), 0) and state.st_size <= LONGEST_FILE:
+            return path.read_text("utf-8", "replace")
     except OSError:
-        return False
-    return any(line.strip() == MARK for line in text.splitlines())
+        pass
+    return ""

@@ -23,7 +23,7 @@ from lcmtools.packages.user_types import sources_of, user_types
 def build(folder: str | None, *, as_json: bool) -> int:
     """Check and compile the types in DIR, or in LCMTOOLS_TYPE_PATH and the workspace.
 
-    Types are in .lcm files, and in ROS's .msg and .srv files.
+    Types are in .lcm files, and in ROS's .msg, .srv and .action files.
 
     This step is optional, because types are compiled when they are first used. The exit code is 1
     if there are errors.

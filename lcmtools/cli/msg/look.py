@@ -136,7 +136,7 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
 
 
 def source_file(name: str) -> str:
-    """Return the path of the .lcm, .msg or .srv file of a message type."""
+    """Return the path of the file of a message type, .lcm or of ROS."""
     from lcmtools.packages.type_files import shipped_folder
 
     return default_registry().files().get(name) or f"{shipped_folder() / name}.lcm"

@@ -11,9 +11,12 @@ from lcmtools.errors import InvalidFile
 from lcmtools.messages.definition import definition
 from lcmtools.messages.registry import Registry, fingerprint
 from lcmtools.messages.type_source import TypeSource
+from lcmtools.packages.finding import find_node
 from lcmtools.packages.lcm_gen import generate_code
+from lcmtools.packages.nodes import Runnable
 from lcmtools.packages.ros_files import to_lcm
 from lcmtools.packages.user_types import UserTypes
+from lcmtools.packages.workspace import Workspace, workspace
 from lcmtools.types.fingerprints import FINGERPRINTS
 
 Types = Callable[..., UserTypes]
@@ -156,6 +159,37 @@ def test_a_service_is_a_pair_of_types(write: Write, types_of: Types) -> None:
     assert definition(known.service_class("p/Stop").Response) == ""
 
 
+def test_an_action_is_three_types(write: Write, types_of: Types) -> None:
+    folder = write({"p/action/Dock.action": "uint8 FAST=1\nint32 dock\n---\n---\nfloat32 left\n"})
+    types = types_of(folder)
+    known, source = registry(types), types.near()
+    assert source is not None
+    assert list(source.fingerprints) == ["p/Dock_Feedback", "p/Dock_Goal", "p/Dock_Result"]
+    assert source.problems == []
+    texts = [definition(known.message_class(f"p/Dock_{part}")) for part in ("Goal", "Feedback")]
+    assert texts == ["uint8 FAST=1\nint32 dock", "float32 left"]
+
+
+def test_types_of_a_ros_package_in_the_workspace_are_found(write: Write) -> None:
+    root = write(
+        {
+            "src/survey_msgs/package.xml": "<package><name>survey_msgs</name></package>",
+            "src/survey_msgs/msg/Progress.msg": "int32 x",
+            "src/survey_msgs/scripts/talker.py": "def main(): ...",
+            "src/driver/package.xml": "<package><name>driver</name></package>",
+            "src/notes/msg/A.msg": "int32 x",
+        }
+    )
+    environment = {"XDG_CACHE_HOME": str(root / "cache")}
+    for start in (root, root / "src/survey_msgs/scripts"):
+        found = UserTypes(environment, [start], FINGERPRINTS).near()
+        assert found is not None
+        assert (list(found.fingerprints), found.problems) == (["survey_msgs/Progress"], [])
+    assert workspace(root) == Workspace([], [])  # no package of lcmtools, with nodes to run
+    talker = Runnable("lcmtools", "talker", "")
+    assert find_node(["talker"], [talker], root) == (talker, [])
+
+
 @pytest.mark.parametrize(
     ("files", "name"),
     [
@@ -229,7 +263,7 @@ def test_files_that_cannot_be_types_are_named(write: Write, types_of: Types) -> 
             f"{folder}/p/msg/my-type.msg: 'my-type' is no name of a message type;"
             " letters, digits and '_', a letter first"
         ),
-        f"{folder}/p/srv/Go.srv:1: a line of --- between request and response is missing",
+        f"{folder}/p/srv/Go.srv:1: a line of --- before the fields of Go_Response is missing",
     ]
     with pytest.raises(InvalidFile, match=r"Go\.srv:1: a line of ---"):
         registry(types_of(folder)).service_class("p/Go")
@@ -251,7 +285,7 @@ def test_code_for_other_languages_is_generated(write: Write, tmp_path: Path) -> 
     assert "std::vector< double > values;" in made[0].read_text()
 
 
-@given(st.text(max_size=200), st.sampled_from([".msg", ".srv"]))
+@given(st.text(max_size=200), st.sampled_from([".msg", ".srv", ".action"]))
 def test_any_text_is_survived_with_its_lines(text: str, suffix: str) -> None:
     source = to_lcm(Path(f"/p/Name{suffix}"), text.encode("utf-8", "replace"), "p")
     if not source.problems:
