@@ -43,21 +43,13 @@ _ROS_PACKAGES = {
 
 @dataclass(frozen=True, slots=True)
 class Executable:
-    """The program of a node.
+    """The program of a node."""
 
-    Attributes:
-        command: The words that start it.
-        directory: The directory that it must be run in; "" for any.
-        arguments: The words behind them in the file.
-        takes_names: It reads ``__ns:=`` and the like, as nodes do.
-        note: A sentence on whose program it is, if that may not be the one that is meant.
-    """
-
-    command: tuple[str, ...]
-    directory: str = ""
-    arguments: tuple[str, ...] = ()
-    takes_names: bool = True
-    note: str = ""
+    command: tuple[str, ...]  # the words that start it
+    directory: str = ""  # the directory that it must be run in; "" for any
+    arguments: tuple[str, ...] = ()  # the words behind them in the file
+    takes_names: bool = True  # it reads ``__ns:=`` and the like, as nodes do
+    note: str = ""  # a sentence on whose program it is, if that may not be the one that is meant
 
 
 def find_executable(package: str, name: str, folder: Path) -> Executable:

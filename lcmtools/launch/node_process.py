@@ -20,35 +20,20 @@ _SLOWEST = 10.0
 
 @dataclass(slots=True, eq=False)
 class NodeProcess:
-    """A node that runs, or has run.
-
-    Attributes:
-        plan: Its plan.
-        number: Its place among the nodes, from 1.
-        folder: For its log file.
-        child: The process of its last run; None before the first.
-        code: The exit code of its last run, negative for a signal; None while it runs.
-        starts: Number of starts.
-        started_at: Monotonic time of the last start.
-        short_lives: Number of runs, up to the last one, that ended soon.
-        due: Monotonic time of the next start; infinite if there is none.
-        is_draining: Its process has ended, but perhaps not all of its group.
-        was_asked: True if it was asked to end.
-        failure: The reason why it could not be started, or "".
-    """
+    """A node that runs, or has run."""
 
     plan: NodePlan
-    number: int
-    folder: Path
-    child: ChildProcess | None = None
-    code: int | None = None
-    starts: int = 0
-    started_at: float = 0.0
-    short_lives: int = 0
-    due: float = math.inf
-    is_draining: bool = False
-    was_asked: bool = False
-    failure: str = ""
+    number: int  # its place among the nodes, from 1
+    folder: Path  # for its log file
+    child: ChildProcess | None = None  # the process of its last run; None before the first
+    code: int | None = None  # of its last run, negative for a signal; None while it runs
+    starts: int = 0  # number of starts
+    started_at: float = 0.0  # monotonic time of the last start
+    short_lives: int = 0  # number of runs, up to the last one, that ended soon
+    due: float = math.inf  # monotonic time of the next start; infinite if there is none
+    is_draining: bool = False  # its process has ended, but perhaps not all of its group
+    was_asked: bool = False  # true if it was asked to end
+    failure: str = ""  # the reason why it could not be started, or ""
     _file: TextIO | None = None
 
     @property

@@ -19,35 +19,20 @@ class Output(Enum):
 
 @dataclass(frozen=True, slots=True)
 class NodePlan:
-    """A process that is to be run.
+    """A process that is to be run."""
 
-    Attributes:
-        name: The node's full name ("/husky0/driver").
-        command: The command line, as a user would type it.
-        place: File and line ("robot.launch:3").
-        parameters: Those on the command line, name to YAML text.
-        environment: Variables besides the launcher's own.
-        directory: Its working directory; "" for the launcher's.
-        output: The place for its lines.
-        respawn: It is started again when it ends.
-        respawn_delay: Seconds until then.
-        is_required: Its end is the end of all.
-        takes_input: It reads the launcher's standard input.
-        takes_terminal: It has the launcher's standard input and output for its own.
-    """
-
-    name: str
-    command: tuple[str, ...]
-    place: str
-    parameters: Mapping[str, str] = field(default_factory=dict)
-    environment: Mapping[str, str] = field(default_factory=dict)
-    directory: str = ""
-    output: Output = Output.LOG
-    respawn: bool = False
-    respawn_delay: float = 0.0
-    is_required: bool = False
-    takes_input: bool = False
-    takes_terminal: bool = False
+    name: str  # the node's full name ("/husky0/driver")
+    command: tuple[str, ...]  # the command line, as a user would type it
+    place: str  # file and line ("robot.launch:3")
+    parameters: Mapping[str, str] = field(default_factory=dict)  # typed, name to YAML text
+    environment: Mapping[str, str] = field(default_factory=dict)  # besides the launcher's own
+    directory: str = ""  # its working directory; "" for the launcher's
+    output: Output = Output.LOG  # the place for its lines
+    respawn: bool = False  # it is started again when it ends
+    respawn_delay: float = 0.0  # seconds until then
+    is_required: bool = False  # its end is the end of all
+    takes_input: bool = False  # it reads the launcher's standard input
+    takes_terminal: bool = False  # it has the launcher's standard input and output for its own
 
     def command_line(self) -> str:
         """Return the line that runs it alone in a shell."""
@@ -70,17 +55,11 @@ class Argument:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """The meaning of launch files, all together.
+    """The meaning of launch files, all together."""
 
-    Attributes:
-        nodes: The processes in the order of the files.
-        files: The files that were read, the included ones too.
-        notes: Things that have no meaning here, each with its place.
-    """
-
-    nodes: tuple[NodePlan, ...]
-    files: tuple[str, ...]
-    notes: tuple[str, ...] = ()
+    nodes: tuple[NodePlan, ...]  # the processes in the order of the files
+    files: tuple[str, ...]  # the files that were read, the included ones too
+    notes: tuple[str, ...] = ()  # things that have no meaning here, each with its place
 
     def find(self, name: str) -> NodePlan:
         """Return a node by its full name, or by the last part of it if that is enough.

@@ -24,33 +24,19 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Scope:
-    """The scope at a place.
+    """The scope at a place."""
 
-    Attributes:
-        folder: Of the file, for ``$(dirname)`` and paths.
-        namespace: The full one.
-        environment: All variables, the launcher's own too.
-        names: The names that ``$(anon x)`` has had.
-        set_variables: Those that the files set.
-        arguments: The values of the arguments that have been declared so far.
-        passed: The arguments that the file was given; they override defaults.
-        is_included: The file was included by another one.
-        takes_all: And with ``pass_all_args``, so that it may have arguments of its own too.
-        remaps: From each name to another.
-        parameters: Private ones for the nodes below, name to YAML text.
-    """
-
-    folder: Path
-    namespace: str
-    environment: Mapping[str, str]
-    names: dict[str, str]
-    set_variables: Mapping[str, str] = field(default_factory=dict)
-    arguments: Mapping[str, str] = field(default_factory=dict)
-    passed: Mapping[str, str] = field(default_factory=dict)
-    is_included: bool = False
-    takes_all: bool = False
-    remaps: Mapping[str, str] = field(default_factory=dict)
-    parameters: Mapping[str, str] = field(default_factory=dict)
+    folder: Path  # of the file, for ``$(dirname)`` and paths
+    namespace: str  # the full one
+    environment: Mapping[str, str]  # all variables, the launcher's own too
+    names: dict[str, str]  # the names that ``$(anon x)`` has had
+    set_variables: Mapping[str, str] = field(default_factory=dict)  # those that the files set
+    arguments: Mapping[str, str] = field(default_factory=dict)  # those declared so far
+    passed: Mapping[str, str] = field(default_factory=dict)  # given to the file; override defaults
+    is_included: bool = False  # the file was included by another one
+    takes_all: bool = False  # with ``pass_all_args``: it may fix arguments that it is given
+    remaps: Mapping[str, str] = field(default_factory=dict)  # from each name to another
+    parameters: Mapping[str, str] = field(default_factory=dict)  # private, name to YAML text
 
     def substituted(self, element: Element, text: str) -> str:
         """Return a text of an element with everything in ``$( )`` replaced."""

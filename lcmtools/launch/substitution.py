@@ -29,21 +29,13 @@ _CASTS: Mapping[str, Function] = {
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """The values of substitutions.
-
-    Attributes:
-        arguments: The file's arguments.
-        environment: The variables.
-        folder: The folder of the file.
-        find_package: Returns a package's folder.
-        names: The names that ``$(anon x)`` has had so far; new ones are added.
-    """
+    """The values of substitutions."""
 
     arguments: Mapping[str, str]
     environment: Mapping[str, str]
-    folder: str
-    find_package: Callable[[str], str]
-    names: dict[str, str] = field(default_factory=dict)
+    folder: str  # of the file
+    find_package: Callable[[str], str]  # returns a package's folder
+    names: dict[str, str] = field(default_factory=dict)  # of ``$(anon x)``; new ones are added
 
     def argument(self, name: str) -> str:
         """Return an argument's value."""

@@ -14,13 +14,7 @@ from lcmtools.color import RED, YELLOW, paint, stream_wants_color
 from lcmtools.node import checks
 from lcmtools.types.rosgraph_msgs import Log
 
-_LABELS = {
-    Log.DEBUG: "DEBUG",
-    Log.INFO: "INFO",
-    Log.WARN: "WARN",
-    Log.ERROR: "ERROR",
-    Log.FATAL: "FATAL",
-}
+_LABELS = {getattr(Log, name): name for name in ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")}
 _COLORS = {Log.WARN: YELLOW, Log.ERROR: RED, Log.FATAL: RED}
 
 Place = tuple[str, int, str]

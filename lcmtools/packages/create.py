@@ -47,21 +47,13 @@ _USUAL_TOPICS = {
 
 @dataclass(frozen=True, slots=True)
 class NewPackage:
-    """The description of a package to be made.
+    """The description of a package to be made."""
 
-    Attributes:
-        name: As Python imports it.
-        node: Its node's name.
-        message: Its message's name; "" for none.
-        dependencies: Packages of message types that it uses.
-        license: An SPDX name ("MIT"); "" for none.
-    """
-
-    name: str
-    node: str
-    message: str = ""
-    dependencies: Sequence[str] = ()
-    license: str = ""
+    name: str  # as Python imports it
+    node: str  # its node's name
+    message: str = ""  # its message's name; "" for none
+    dependencies: Sequence[str] = ()  # packages of message types that it uses
+    license: str = ""  # an SPDX name ("MIT"); "" for none
 
 
 def check(new: NewPackage, known: Collection[str]) -> None:

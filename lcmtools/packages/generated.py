@@ -42,19 +42,12 @@ _STRANGE = re.compile(rb"[^\w\s;{}\[\].,=+\-/*]", re.ASCII)
 
 @dataclass(frozen=True, slots=True)
 class Generated:
-    """A module that lcm-gen has made.
+    """A module that lcm-gen has made."""
 
-    Attributes:
-        name: Its type's name: "geometry_msgs/Twist", or "pose_t" outside of any package.
-        file: The .lcm file that it is made of.
-        module: Its path.
-        tables: Its fields; None for an enum.
-    """
-
-    name: str
-    file: Path
+    name: str  # its type's name: "geometry_msgs/Twist", or "pose_t" outside of any package
+    file: Path  # the file that it is made of
     module: Path
-    tables: Tables | None
+    tables: Tables | None  # its fields; None for an enum
 
     def nested(self) -> Iterator[str]:
         """The module paths of the types that its fields have: "PREFIX.geometry_msgs.Twist"."""

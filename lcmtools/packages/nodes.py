@@ -50,19 +50,12 @@ class Program(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Runnable:
-    """A node that can be run.
-
-    Attributes:
-        package: Its package's name.
-        name: Its own name.
-        target: Its main function, as "module:function".
-        folder: The folder that its code is imported from; None for an installed package.
-    """
+    """A node that can be run."""
 
     package: str
     name: str
-    target: str
-    folder: Path | None = None
+    target: str  # its main function, as "module:function"
+    folder: Path | None = None  # that its code is imported from; None for an installed package
 
     @property
     def import_name(self) -> str:

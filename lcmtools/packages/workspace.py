@@ -43,15 +43,10 @@ class Package:
 
 @dataclass(frozen=True, slots=True)
 class Workspace:
-    """The workspace around a folder.
+    """The workspace around a folder."""
 
-    Attributes:
-        packages: Sorted by name; of two with the same name, the nearer one.
-        problems: The errors of others: one broken package stops no other.
-    """
-
-    packages: list[Package]
-    problems: list[InvalidFile]
+    packages: list[Package]  # sorted by name; of two with the same name, the nearer one
+    problems: list[InvalidFile]  # the errors of others: one broken package stops no other
 
 
 def workspace(*starts: Path) -> Workspace:

@@ -45,27 +45,16 @@ class StopTimeouts:
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """The way in which a process is started.
+    """The way in which a process is started."""
 
-    Attributes:
-        command: Its words.
-        environment: All its variables.
-        directory: Its working directory; "" for this process's.
-        takes_input: Standard input is this process's, else empty.
-        has_keyboard: Standard input is a terminal of its own, see ``press``.
-        takes_terminal: Standard output and error are this process's.
-        output: A file for all that it prints; without one its lines are read.
-        most_bytes: Limit of the size of each file that it writes; 0 for none.
-    """
-
-    command: Sequence[str]
-    environment: Mapping[str, str]
-    directory: str = ""
-    takes_input: bool = False
-    has_keyboard: bool = False
-    takes_terminal: bool = False
-    output: Path | None = None
-    most_bytes: int = 0
+    command: Sequence[str]  # its words
+    environment: Mapping[str, str]  # all its variables
+    directory: str = ""  # its working directory; "" for this process's
+    takes_input: bool = False  # standard input is this process's, else empty
+    has_keyboard: bool = False  # standard input is a terminal of its own, see ``press``
+    takes_terminal: bool = False  # standard output and error are this process's
+    output: Path | None = None  # a file for all that it prints; without one its lines are read
+    most_bytes: int = 0  # limit of the size of each file that it writes; 0 for none
 
 
 class ChildProcess:

@@ -26,25 +26,15 @@ _AT_ONCE = 16  # nodes that are read at the same time
 
 @dataclass(frozen=True, slots=True)
 class RemoteParameter:
-    """A parameter as its node reports it; texts are "" where the node gives none.
+    """A parameter as its node reports it; texts are "" where the node gives none."""
 
-    Attributes:
-        name: Its name, without the node's.
-        kind: Its type: see lcmtools.messages.setting.kind_of.
-        text: Its value as YAML in one line.
-        description: Its meaning.
-        minimum: Its smallest value as YAML.
-        maximum: Its largest value as YAML.
-        read_only: It cannot change while the node runs.
-    """
-
-    name: str
-    kind: str
-    text: str
-    description: str = ""
-    minimum: str = ""
-    maximum: str = ""
-    read_only: bool = False
+    name: str  # its name, without the node's
+    kind: str  # its type: see lcmtools.messages.setting.kind_of
+    text: str  # its value as YAML in one line
+    description: str = ""  # its meaning
+    minimum: str = ""  # its smallest value as YAML
+    maximum: str = ""  # its largest value as YAML
+    read_only: bool = False  # it cannot change while the node runs
 
     def value(self) -> ParameterValue:
         """Return the value; the text of one that this version cannot read."""

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from typing import TypeAlias
 
 from lcmtools.arguments import NodeArguments
-from lcmtools.bus.url import BusUrl, choose_url, parse_url
+from lcmtools.bus.url import BusUrl, choose_url
 from lcmtools.messages.fill import Value
 from lcmtools.messages.message_template import MessageTemplate, draft, draft_from_values
 from lcmtools.messages.registry import Message, message_class
@@ -119,6 +119,4 @@ def _template(kind: type[Message], value: One) -> Template:
 def _bus_url(url: str | BusUrl | None) -> BusUrl:
     if isinstance(url, BusUrl):
         return url
-    return (
-        parse_url(url) if url else choose_url(None, None, os.environ, read_user_file(os.environ))[0]
-    )
+    return choose_url(url or None, None, os.environ, read_user_file(os.environ))[0]
