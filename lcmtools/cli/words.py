@@ -1,4 +1,4 @@
-"""Commands whose last argument takes every word that is no option, "-1" and "-0.5" too."""
+"""Commands whose arguments take every word that is no option, "-1" and "-0.5" too."""
 
 import re
 from collections.abc import Collection, Iterator, Sequence
@@ -19,7 +19,7 @@ _ENDS_IN_ONE = f"{__name__}.ends_in_one"
 
 
 class CommandWithWords(click.Command):
-    """A command whose last argument takes negative numbers and YAML as they are.
+    """A command whose arguments take negative numbers and YAML as they are.
 
     A word behind an option that takes a value is that value, whatever it looks like.
     """
@@ -29,8 +29,10 @@ class CommandWithWords(click.Command):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse the command line."""
         rest = super().parse_args(ctx, list(self._shielded(args)))
-        name = next(p.name for p in self.params if p.nargs == -1) or ""
-        ctx.params[name] = tuple(map(bare, ctx.params[name] or ()))
+        for name in (one.name or "" for one in self.params if isinstance(one, click.Argument)):
+            value = ctx.params[name]
+            if isinstance(value, (str, tuple)):
+                ctx.params[name] = bare(value) if isinstance(value, str) else (*map(bare, value),)
         return rest
 
     def _shielded(self, words: Sequence[str]) -> Iterator[str]:

@@ -23,7 +23,7 @@ from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Rule, Severity
 from lcmtools.doctor.memory import Memory
 from lcmtools.doctor.rules import RULES, examine
-from lcmtools.errors import UsageError
+from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.names import did_you_mean
 
 _COLORS = {"ERROR": RED, "WARNING": YELLOW, "NOTE": BOLD, "CLEARED": BOLD}
@@ -46,9 +46,12 @@ def _rule_option(*names: str, text: str, multiple: bool) -> Callable[..., Callab
 
 
 class _WrongUsageError(UsageError):
-    """A mistake in the command line; other errors in the choice of a bus are findings."""
+    """A mistake in the command line, or a file that cannot be used.
 
-    exit_code = 64  # by sysexits.h; 2 is an error on the bus
+    Other errors in the choice of a bus are findings.
+    """
+
+    exit_code = 64  # by sysexits.h; 1 and 2 are warnings and errors on the bus
 
 
 class _Judging(click.Command):
@@ -61,6 +64,15 @@ class _Judging(click.Command):
         except click.UsageError as error:
             vars(error)["exit_code"] = _WrongUsageError.exit_code
             raise
+
+    def invoke(self, context: click.Context) -> Any:  # noqa: ANN401 - click's
+        """Run the command."""
+        try:
+            return super().invoke(context)
+        except LcmtoolsError as error:
+            if error.exit_code != LcmtoolsError.exit_code:
+                raise
+            raise _WrongUsageError(error.what, error.hint) from error
 
 
 @subcommand("wtf", json_option, bus_options, cls=_Judging)
@@ -94,7 +106,8 @@ def command(
 ) -> int:
     """Report faults of the bus and of its nodes, and how to fix them.
 
-    Exit codes: 0 with notes or no findings, 1 with warnings, 2 with errors, 64 for wrong usage.
+    Exit codes: 0 with notes or no findings, 1 with warnings, 2 with errors, 64 for wrong usage or
+    a file that cannot be read or written.
     Checks that could not be made are listed with the reason. A file of evidence contains names,
     addresses and command lines of nodes and of your LCM programs; of the messages' content only
     suspicious values.

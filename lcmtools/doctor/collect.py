@@ -26,7 +26,7 @@ from lcmtools.doctor.listening import Listening, target_rate
 from lcmtools.doctor.memory import Memory
 from lcmtools.doctor.rules import pace, traffic
 from lcmtools.errors import BusError, UsageError
-from lcmtools.graph.model import Graph, Node, Role
+from lcmtools.graph.model import Graph, Node, Role, Staleness
 from lcmtools.graph.protocol import PERIOD
 from lcmtools.observe.losses import losses
 from lcmtools.observe.monitor import BusMonitor
@@ -172,15 +172,26 @@ def _counted_again(monitor: BusMonitor, listening: Listening, listen: float) -> 
     The request for them, or an answer, may be lost between computers, and a sender there would be
     reported by its address, although it is a node. So the request is repeated until every sender on
     another computer has its node. Plain LCM programs never answer, hence the limit: where one
-    datagram in ten is lost, five requests without an answer happen once in 4,000 looks.
+    datagram in ten is lost, five requests without an answer happen once in 4,000 looks. A node
+    that runs and has not answered may have to wait for a processor: it is given more time.
     """
-    for _ in range(_REQUESTS if listen >= PERIOD / 10 else 0):
+    graph = monitor.graph()
+    for request in range(_REQUESTS if listen >= PERIOD / 10 else 0):
+        is_late = any(map(_may_answer, graph.nodes))
         monitor.probe()
-        _take(monitor, listening, _ANSWER_TIME)
-        senders = (seen.sender for seen in monitor.graph().foreign())
-        if all(sender is None or is_local(sender.address) for sender in senders):
+        _take(monitor, listening, _ANSWER_TIME * (2**request if is_late else 1))
+        graph = monitor.graph()
+        senders = (seen.sender for seen in graph.foreign())
+        are_named = all(sender is None or is_local(sender.address) for sender in senders)
+        if are_named and not any(map(_may_answer, graph.nodes)):
             break
-    return monitor.graph()
+    return graph
+
+
+def _may_answer(node: Node) -> bool:
+    """Return whether a node has not answered, but may be about to."""
+    is_silent = node.stale and node.stale is not Staleness.ENDED and not node.is_hidden
+    return bool(is_silent) and not (is_here(node) and programs.state_of(node.pid) in ("", "T", "t"))
 
 
 def _sockets(url: BusUrl) -> tuple[SocketTable, frozenset[int]]:

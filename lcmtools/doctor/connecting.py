@@ -18,7 +18,7 @@ from lcmtools.doctor.renaming import (
     remap_argument,
     start_with,
 )
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Topic
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Topic, Traffic
 from lcmtools.messages.registry import candidates
 from lcmtools.names import base_name_of, is_hidden, namespace_of
 
@@ -118,12 +118,15 @@ class Connecting:
         published = [(n, e) for n, e in live if e.role is Role.PUBLISHER]
         self._by_base = _by(base_name_of, published)
         self._by_namespace = _by(namespace_of, published)
+        self._published = _by(str, published)
         self._subscribed = _by(str, ((n, e) for n, e in live if e.role is Role.SUBSCRIBER))
         self._near_names = NearNames(n for n in graph.topic_names() if not is_hidden(n))
         self._near_subscribed = NearNames(self._subscribed)
         outputs = loose_ends(graph, Role.PUBLISHER, of_tools=True)
         self._loose = {(node.id, end.topic) for node, end in outputs}
-        self._foreign = graph.foreign()
+        self._foreign: dict[str, list[Traffic]] = defaultdict(list)  # by its channel's last part
+        for seen in graph.foreign():
+            self._foreign[base_name_of(seen.channel)].append(seen)
         sent = {seen.channel for seen in graph.traffic} | {e.topic for _, e in published}
         self._placed = {
             node.id
@@ -192,10 +195,8 @@ class Connecting:
 
     def _sent_elsewhere(self, node: Node, end: Endpoint) -> Iterator[Way]:
         """The same for senders that are no nodes."""
-        for seen in self._foreign:
+        for seen in self._foreign[base_name_of(end.topic)]:
             channel = seen.channel
-            if base_name_of(channel) != base_name_of(end.topic):
-                continue
             if set(seen.fingerprints).isdisjoint(end.fingerprints):
                 continue
             if self._is_misplaced(node, end.topic) and is_legal(channel):
@@ -259,15 +260,16 @@ class Connecting:
         """The same name in another namespace, or nearly the same name, but of another type."""
         if not end.fingerprints:
             return
-        base, near = base_name_of(end.topic), set(self._near_names.of(end.topic))
-        for publisher, other in chain.from_iterable(self._by_base.values()):
-            is_meant = base_name_of(other.topic) == base or other.topic in near
-            if is_meant and publisher.id != node.id:
+        base, near = base_name_of(end.topic), list(self._near_names.of(end.topic))
+        published = chain(self._by_base[base], *(self._published[name] for name in near))
+        for publisher, other in published:
+            if publisher.id != node.id:
                 yield _retyped(node, end, other.topic, subject(publisher), other.type, publisher.id)
                 return
-        for seen in self._foreign:
+        meant = (seen for name in near for seen in self._graph.topic(name).foreign)
+        for seen in chain(self._foreign[base], meant):
             known = [name for number in seen.fingerprints for name in candidates(number)]
-            if known and (base_name_of(seen.channel) == base or seen.channel in near):
+            if known:
                 yield _retyped(node, end, seen.channel, self._sender(seen.channel), known[0])
                 return
 

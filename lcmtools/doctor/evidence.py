@@ -13,6 +13,7 @@ from lcmtools.graph.model import Graph, Node
 from lcmtools.wire.packet import Sender
 
 _T = TypeVar("_T")
+_CROWDED = 0.25  # of the time that programs wait for a processor is a busy computer
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,6 +163,7 @@ class LcmProcess:
     most_files: int = 0  # that it may have open
     state: str = ""  # as ps shows it ("T" is stopped)
     topics: tuple[str, ...] = ()  # published on its bus, if that was looked at
+    is_guess: bool = False  # the bus is the one that its code names
 
 
 @dataclass(frozen=True)
@@ -196,6 +198,11 @@ class Evidence:
     def own_nodes(self) -> list[Node]:
         """The nodes of this computer: only their process numbers mean anything here."""
         return [node for node in self.graph.nodes if node.id not in self.remote]
+
+    def crowd(self) -> float:
+        """The share of time that programs waited for a processor, where it is considerable."""
+        share = min(1.0, self.processor_wait / self.listened) if self.listened else 0.0
+        return share if share > _CROWDED else 0.0
 
     def has_others(self) -> bool:
         """Return whether other computers are seen to take part."""

@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import re
 import resource
 import sys
 import time
@@ -28,6 +29,8 @@ _PROC = Path("/proc")
 _KNOWN_GROUPS = frozenset({"224.0.0.251", "239.255.255.250", "224.0.0.252"})  # mDNS, SSDP, LLMNR
 _VARIABLES = ("LCM_DEFAULT_URL", "LCMTOOLS_DOMAIN")
 _NAME_CHARACTERS = 60
+_URL = re.compile(r"\b(?:udpm|mpudpm|tcpq|memq)://[\w.:?=&-]*")
+_MOST_CODE = 4 << 20  # bytes of a file in which a URL is searched
 _MOST_BUSES = 3  # that are looked at
 _LISTEN = 0.2  # [s]
 
@@ -61,7 +64,8 @@ def lcm_processes(
     """The processes of this user that have to do with LCM, with where they are.
 
     Those that listen to a multicast group are there. One that only sends is where it was seen
-    (its port is one of ``seen``), or the bus that its variables name; so is one without UDP.
+    (its port is one of ``seen``), or the bus that its arguments, variables or code name; so is one
+    without UDP.
     """
     own = os.getuid()
     mine = [
@@ -79,13 +83,19 @@ def lcm_processes(
             sending.setdefault(pid, set()).add(row.port)
         elif _is_of_lcm(holders[row.inode]):
             buses.setdefault(pid, f"{row.address}:{row.port}")
+    guessed = set()
     for pid, ports in sending.items():
         if pid not in buses and uses_lcm(pid):
-            buses[pid] = "" if ports & seen else _named_bus(pid, url)
+            code = "" if _argument_url(pid) or _variables(pid) else _code_url(pid)
+            buses[pid] = "" if ports & seen else _named_bus(pid, url, code)
+            guessed |= {pid} if code else set()
     without_udp = _pids_of(own) - {pid for pid, _ in mine} - {os.getpid()}
     named = {pid: bus for pid in without_udp if "://" in (bus := _named_bus(pid, url))}
     buses |= {pid: bus for pid, bus in named.items() if uses_lcm(pid)}
-    return tuple(_lcm_process(pid, bus) for pid, bus in sorted(buses.items()))
+    return tuple(
+        replace(_lcm_process(pid, bus), is_guess=pid in guessed)
+        for pid, bus in sorted(buses.items())
+    )
 
 
 def _is_of_lcm(process: Process) -> bool:
@@ -104,16 +114,34 @@ def _pids_of(user: int) -> set[int]:
     return found
 
 
-def _named_bus(pid: int, url: BusUrl) -> str:
-    """The bus that a process's variables name, where that is another one: HOST:PORT, or a URL."""
+def _named_bus(pid: int, url: BusUrl, code: str = "") -> str:
+    """The other bus that a process's arguments, variables or code name: HOST:PORT, or a URL."""
     variables = _variables(pid)
+    said = _argument_url(pid) or code
     try:
-        named, _ = choose_url("", "", variables)
+        named, _ = choose_url(said, "", variables)
     except LcmtoolsError:  # a URL without a port, for example
-        return variables.get("LCM_DEFAULT_URL", "")
+        return said or variables.get("LCM_DEFAULT_URL", "")
     if (named.provider, named.host, named.port) == (url.provider, url.host, url.port):
         return ""
     return f"{named.host}:{named.port}" if named.is_multicast else str(named)
+
+
+def _argument_url(pid: int) -> str:
+    """The URL of a bus in a process's command line; "" for none."""
+    found = _URL.search(text_of(_PROC / str(pid) / "cmdline"))
+    return found[0] if found else ""
+
+
+def _code_url(pid: int) -> str:
+    """The only URL of a bus in a process's script or executable; "" where there is none."""
+    program, *words = text_of(_PROC / str(pid) / "cmdline").split("\0")
+    script = next((word for word in words if word and not word.startswith("-")), "")
+    folder = _PROC / str(pid)
+    file = folder / "cwd" / script if "python" in Path(program).name else folder / "exe"
+    is_small = file.is_file() and file.stat().st_size < _MOST_CODE
+    urls = set(_URL.findall(text_of(file))) if is_small else set()
+    return str(urls.pop()) if len(urls) == 1 else ""
 
 
 def _variables(pid: int) -> dict[str, str]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
-from lcmtools.graph.model import STALE_AFTER, Graph, Node, Staleness, Traffic
+from lcmtools.graph.model import STALE_AFTER, Graph, Node, Role, Staleness, Traffic
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     TALK_CHANNELS,
@@ -15,6 +15,7 @@ from lcmtools.wire.packet import Packet, Sender
 
 MOST_FINGERPRINTS = 4
 """A sender with so many fingerprints on a channel sends no LCM type; more are not kept."""
+_OF_TOPICS = frozenset({Role.PUBLISHER, Role.SUBSCRIBER})
 
 
 @dataclass(slots=True)
@@ -92,6 +93,13 @@ class GraphBuilder:
         """Return every sender of a packet so far."""
         known = {sender for node in self._nodes.values() for sender in node.senders()}
         return known | {sender for _, sender in self._traffic if sender is not None}
+
+    def types_of(self, channel: str) -> tuple[str, ...]:
+        """Return the types that nodes announce for a channel, publishers' first, each once."""
+        every = (end for node in self._nodes.values() for end in node.endpoints)
+        ends = [end for end in every if end.topic == channel and end.role in _OF_TOPICS]
+        ends.sort(key=lambda end: end.role)
+        return tuple(dict.fromkeys(end.type for end in ends if end.type))
 
     def snapshot(self, now: int) -> Graph:
         """Return the graph at the time ``now`` (nanoseconds since 1970)."""

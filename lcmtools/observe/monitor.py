@@ -225,7 +225,7 @@ class BusMonitor:
 
     def types_of(self, channel: str) -> tuple[str, ...]:
         """Return the types that nodes announce for a channel."""
-        return self.graph().topic(channel).types
+        return self._builder.types_of(channel)
 
     def forget(self, node: Node) -> None:
         """Drop a stale node and its record."""

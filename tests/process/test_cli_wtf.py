@@ -256,10 +256,19 @@ def test_evidence_that_is_none_costs_one_line(cli: Callable[..., Any], tmp_path:
     file = tmp_path / "some.json"
     file.write_text("{}")
     result = cli("wtf", "--from", str(file))
-    assert (result.code, result.out) == (1, "")
+    assert (result.code, result.out) == (64, "")
     assert result.err == (
         f"lcmtools wtf: {file} holds no evidence that wtf can judge: it is other JSON\n"
     )
+    result = cli("wtf", "--from", str(tmp_path / "none"))
+    assert (result.code, result.out) == (64, "")
+    assert (
+        result.err == f"lcmtools wtf: cannot read {tmp_path / 'none'}: No such file or directory\n"
+    )
+    save(EMPTY, file)
+    result = cli("wtf", "--from", str(file), "--save", str(tmp_path / "no/folder"))
+    assert (result.code, result.out) == (64, "")
+    assert result.err.startswith(f"lcmtools wtf: cannot write {tmp_path / 'no/folder'}: ")
     result = cli("wtf", "--watch", "--from", str(file))
     assert (result.code, result.out) == (64, "")
 

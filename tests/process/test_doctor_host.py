@@ -2,6 +2,7 @@
 
 import os
 import socket
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -102,6 +103,32 @@ def test_a_program_on_another_bus_is_known_with_its_variable(
         process.pid: process for process in lcm_processes(parse_url(other), rows, holders, set())
     }
     assert here[listener.pid].bus == ""
+
+
+_SENDER = """
+import lcm, sys, time
+bus = lcm.LCM({url})
+bus.publish("A", bytes(12))
+print("ready", flush=True)
+time.sleep(1000)
+"""
+
+
+@pytest.mark.parametrize("place", ["code", "argument"])
+def test_a_program_that_only_sends_is_where_its_code_or_argument_says(
+    place: str, bus_url: str, free_port: Callable[[], int], start: Any, tmp_path: Path
+) -> None:
+    other = f"udpm://239.255.76.67:{free_port()}?ttl=0"
+    file = tmp_path / "sender.py"
+    file.write_text(_SENDER.format(url=f"'{other}'" if place == "code" else "sys.argv[1]"))
+    sender = start(sys.executable, str(file), *([other] if place == "argument" else []))
+    sender.wait_for("ready")
+    rows = udp_sockets()
+    holders = owners(row.inode for row in rows)
+    processes = lcm_processes(parse_url(bus_url), rows, holders, set())
+    (found,) = [process for process in processes if process.pid == sender.pid]
+    assert found.bus == other.removeprefix("udpm://").removesuffix("?ttl=0")
+    assert found.is_guess == (place == "code")
 
 
 def test_a_process_has_a_state_and_a_time_that_it_was_busy() -> None:

@@ -6,6 +6,7 @@ import click
 
 from lcmtools.cli.declare import argument, examples, subcommand, whole_number, with_examples
 from lcmtools.cli.sim.common import call, json_sim_options, show
+from lcmtools.cli.words import CommandWithWords
 from lcmtools.errors import UsageError
 from lcmtools.types.sim_msgs import SetRate, Step
 from lcmtools.types.std_srvs import Trigger
@@ -34,7 +35,7 @@ def step(steps: int, *, name: str | None, timeout: float, as_json: bool) -> None
     show(call("step", Step, name, timeout, steps=steps), as_json=as_json)
 
 
-@subcommand("set-rate", json_sim_options, ignore_unknown_options=True)  # -1 has its own error
+@subcommand("set-rate", json_sim_options, cls=CommandWithWords)
 @examples("sim set-rate 4", "sim set-rate 0")
 @argument("rate")
 def set_rate(rate: str, *, name: str | None, timeout: float, as_json: bool) -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from lcmtools.bus.url import DEFAULT_GROUP, DEFAULT_PORT
 from lcmtools.doctor.evidence import Evidence, Host, LcmProcess, sender_names
 from lcmtools.doctor.findings import (
     Finding,
@@ -18,6 +19,7 @@ from lcmtools.graph.model import Role
 from lcmtools.names import is_hidden
 
 _MOST, _MOST_REMEDIES = 8, 3  # that are shown of other buses
+_MPUDPM = "=mpudpm:"  # in the variable of a process
 
 
 @rule("bus", "lcmtools wtf prints the command that fixes the route or the firewall", Severity.ERROR)
@@ -91,22 +93,36 @@ def programs_are_on_this_bus(evidence: Evidence) -> Iterator[Finding]:
     if evidence.bus_problem:
         return
     missed = missed_topics(evidence)
-    elsewhere = [p for p in evidence.processes if p.bus and not _has_mpudpm(p)]
+    elsewhere = [p for p in evidence.processes if p.bus and not _has_mpudpm(p, evidence)]
     others = [p for p in elsewhere if _is_empty(evidence) or missed & set(p.topics)]
     severity = Severity.WARNING if others else Severity.NOTE
     others = others or elsewhere
     if not others:
         return
-    facts = [state("on-bus", process=p, bus=p.bus, variable=p.variable) for p in others[:_MOST]]
+    facts = [
+        state("on-bus-by-code", process=p, bus=p.bus)
+        if p.is_guess
+        else state("on-bus", process=p, bus=p.bus, variable=p.variable)
+        for p in others[:_MOST]
+    ]
     if len(others) > _MOST:
         facts.append(state("more", count=len(others) - _MOST))
-    urls = dict.fromkeys(p.bus if "://" in p.bus else f"udpm://{p.bus}?ttl=0" for p in others)
+    urls = dict.fromkeys(map(_url, others))
     topics = sorted(missed & {topic for p in others for topic in p.topics})
     remedies = [state("export", variable="LCM_DEFAULT_URL", value=url) for url in urls]
     if severity is Severity.NOTE:
         remedies = [state("join-here", variable="LCM_DEFAULT_URL", value=evidence.url)]
+        if not all(p.variable for p in others):
+            remedies.append(state("name-here"))
     shown = remedies if len(urls) <= _MOST_REMEDIES else ()
     yield from found(state("other-buses", topics=topics), facts, *shown, severity=severity)
+
+
+def _url(process: LcmProcess) -> str:
+    """The URL of a process's bus."""
+    if _MPUDPM in process.variable:
+        return process.variable.partition("=")[2]
+    return process.bus if "://" in process.bus else f"udpm://{process.bus}?ttl=0"
 
 
 def _is_empty(evidence: Evidence) -> bool:
@@ -131,15 +147,21 @@ def one_provider_is_used(evidence: Evidence) -> Iterator[Finding]:
     programs |= {
         Subject("process", f"{p.command} (pid {p.pid})", p.pid)
         for p in evidence.processes
-        if _has_mpudpm(p)
+        if _has_mpudpm(p, evidence)
     }
     facts = (state("program", program=one) for one in sorted(programs, key=str))
     remedy = state("start-with-variable", variable="LCM_DEFAULT_URL", value=evidence.url)
     yield from found("mpudpm", facts, remedy)
 
 
-def _has_mpudpm(process: LcmProcess) -> bool:
-    return "=mpudpm:" in process.variable
+def _has_mpudpm(process: LcmProcess, evidence: Evidence) -> bool:
+    """Return whether a process uses mpudpm where this bus uses udpm: on the same group and port."""
+    places = {_place(url) for url in (process.variable.partition("=")[2], evidence.url)}
+    return _MPUDPM in process.variable and len(places) == 1
+
+
+def _place(url: str) -> str:
+    return url.partition("://")[2].partition("?")[0] or f"{DEFAULT_GROUP}:{DEFAULT_PORT}"
 
 
 @rule("ttl", "write ?ttl=1 into the URL of programs that other computers should see")

@@ -13,7 +13,6 @@ from lcmtools.observe.counters import busy_share, callback_time, counted_rate
 _NEARLY_ALL = 0.9  # of the time between two messages: a callback that takes it cannot keep up
 _ALWAYS = 0.95  # of the time in callbacks: everything else that waits comes late
 _UNBROKEN = 0.999  # without a pause: no busy computer makes it so
-_CROWDED = 0.25  # of the time that programs wait for a processor is a busy computer
 _ENOUGH_CALLS = 5  # the first ones may load what the later ones need
 _HANGS = 3_000_000_000  # [ns] in one call
 
@@ -113,7 +112,7 @@ def _judged(
     evidence: Evidence,
 ) -> tuple[list[_Subscription], list[_Subscription], list[tuple[Node, float, str]]]:
     """The subscriptions that lose messages, slow ones of other nodes, and other busy nodes."""
-    every, crowd = list(_works(evidence)), _crowd(evidence)
+    every, crowd = list(_works(evidence)), evidence.crowd()
     subscriptions = [one for work in every for one in _subscriptions(work)]
     lossy = [one for one in subscriptions if one.lost > 0]
     reported = {one.node.id for one in lossy}
@@ -132,12 +131,6 @@ def _judged(
         if (busiest := work.busiest())
     ]
     return lossy, slow, busy
-
-
-def _crowd(evidence: Evidence) -> float:
-    """The share of time that programs waited for a processor, where it is considerable."""
-    share = min(1.0, evidence.processor_wait / evidence.listened) if evidence.listened else 0.0
-    return share if share > _CROWDED else 0.0
 
 
 def _cause(one: _Subscription) -> tuple[Statement, Statement]:

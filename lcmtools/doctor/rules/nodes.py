@@ -16,7 +16,8 @@ _MOST_FILES = 0.9
 def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
     """Every node that was there and did not say goodbye still answers.
 
-    One that does not was killed, is stopped, or its computer is gone.
+    One that does not was killed, is stopped, or its computer is gone. A note where this computer is
+    so busy that an answer may only be late.
     """
     nodes = evidence.graph.nodes
     alive = {node.name for node in nodes if not node.stale}
@@ -27,8 +28,23 @@ def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
         and not node.is_hidden  # a command that was killed is no part of the system
         and (_runs(node) or node.name not in alive)  # it has been started again
     ]
-    pairs = [_stale(evidence, node) for node in stale]
-    return found("stale-nodes", (fact for fact, _ in pairs), *(remedy for _, remedy in pairs))
+    for severity in (Severity.ERROR, Severity.NOTE):
+        is_sure = severity is Severity.ERROR
+        pairs = [_stale(evidence, one) for one in stale if _is_sure(evidence, one) is is_sure]
+        facts = [fact for fact, _ in pairs]
+        if facts and not is_sure:
+            facts.append(state("may-be-late"))
+        remedies = (remedy for _, remedy in pairs)
+        yield from found("stale-nodes", facts, *remedies, severity=severity)
+
+
+def _is_sure(evidence: Evidence, node: Node) -> bool:
+    """Return whether a node that does not answer would have been heard."""
+    stopped = {one.pid for one in evidence.listeners if one.state == "T"}
+    stopped |= {one.pid for one in evidence.processes if one.state == "T"}
+    is_deaf = evidence.own_drops > sum(sender.messages for sender in evidence.senders)
+    is_known = node.stale is Staleness.ENDED or node.pid in stopped
+    return is_known or not (is_deaf or evidence.crowd())
 
 
 def _stale(evidence: Evidence, node: Node) -> tuple[Statement, Statement]:

@@ -87,7 +87,7 @@ def _silent(evidence: Evidence) -> Iterator[tuple[str, Observed, str, str, float
     """Of each silence: kind of fact, publisher, its name, topic, duration [s], rate before [Hz]."""
     for node, endpoint in _subscribed_publications(evidence):
         rate = average_rate(node, endpoint)
-        age = (evidence.graph.time - endpoint.last_time) / 1e9
+        age = _silence(evidence, node, endpoint)
         if endpoint.messages >= _ENOUGH and rate and age > max(_SILENCE, _PERIODS / rate):
             yield "silent-node", node, node.name, endpoint.topic, age, rate
     for stream in _wanted_streams(evidence):
@@ -189,16 +189,21 @@ def _paces(evidence: Evidence) -> Iterator[_Pace]:
         usual = average_rate(was, earlier) if earlier.messages >= _ENOUGH else None
         span = (node.sent - was.sent) / 1e9 if was.sent < node.sent else evidence.listened
         if usual and span and earlier is not endpoint:
-            sent, age = endpoint.messages - earlier.messages, node.time_there(evidence.graph.time)
-            age_s = (age - endpoint.last_time) / 1e9
-            yield _Pace("slower", node, node.name, endpoint.topic, usual, sent, span, age_s)
+            sent, age = endpoint.messages - earlier.messages, _silence(evidence, node, endpoint)
+            yield _Pace("slower", node, node.name, endpoint.topic, usual, sent, span, age)
     nodes = {sender for node in evidence.graph.nodes for sender in node.senders()}
     for one in evidence.senders:
-        if one.average_rate and one.process_age > _AGE and one.sender not in nodes:
+        is_known = one.average_rate and one.process_age > _AGE and one.sender not in nodes
+        if is_known and not evidence.own_drops:
             sent = one.messages + one.lost
             yield _Pace(
                 "slower-program", one, one.name, "", one.average_rate, sent, evidence.listened
             )
+
+
+def _silence(evidence: Evidence, node: Node, endpoint: Endpoint) -> float:
+    """The time from an endpoint's last message to the node's last announcement [s]."""
+    return ((node.sent or node.time_there(evidence.graph.time)) - endpoint.last_time) / 1e9
 
 
 def _remembered(evidence: Evidence) -> Iterator[_Pace]:

@@ -1,12 +1,15 @@
-"""Nodes on other computers are requested to announce themselves until all senders have names."""
+"""Nodes are requested to announce themselves until all senders have names and none is late."""
 
+import os
+import socket
+from dataclasses import replace
 from typing import cast
 
 import pytest
 
 from lcmtools.doctor.collect import _counted_again
 from lcmtools.doctor.listening import Listening
-from lcmtools.graph.model import Graph, Node, Traffic
+from lcmtools.graph.model import Graph, Node, Staleness, Traffic
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.wire.packet import Sender
 
@@ -48,3 +51,35 @@ def test_requests_end_with_the_last_name(
     monitor = _Monitor(sender, answered)
     _counted_again(cast("BusMonitor", monitor), Listening(lambda _: ()), listen)
     assert monitor.requests == requests
+
+
+class _LateNode(_Monitor):
+    """A bus with a node of this computer that answers after so many seconds."""
+
+    def __init__(self, pid: int, answered: float) -> None:
+        super().__init__(HERE, 0)
+        self.node = Node("/late", "l", socket.gethostname(), pid, stale=Staleness.HANGS)
+        self.answered, self.waited = answered, 0.0
+
+    def packets(self, seconds: float) -> tuple[()]:
+        self.waited += seconds
+        return ()
+
+    def graph(self) -> Graph:
+        stale = Staleness.NOT if self.waited >= self.answered else Staleness.HANGS
+        return Graph((replace(self.node, stale=stale),))
+
+
+@pytest.mark.parametrize(
+    ("pid", "answered", "waited"),
+    [
+        pytest.param(os.getpid(), 0.01, 0.05, id="answers at once"),
+        pytest.param(os.getpid(), 0.6, 0.75, id="waits for a processor"),
+        pytest.param(os.getpid(), 99.0, 1.55, id="hangs"),
+        pytest.param(2**22 + 1, 99.0, 0.05, id="has ended"),
+    ],
+)
+def test_a_node_that_runs_is_given_time_to_answer(pid: int, answered: float, waited: float) -> None:
+    monitor = _LateNode(pid, answered)
+    _counted_again(cast("BusMonitor", monitor), Listening(lambda _: ()), 1.0)
+    assert monitor.waited == pytest.approx(waited)

@@ -358,6 +358,11 @@ def test_mpudpm_beside_udpm_is_a_warning() -> None:
     assert findings["mpudpm"].items == (" * sub (pid 9)",)
     silent = LcmProcess(8, "pub", "", "LCM_DEFAULT_URL=mpudpm://239.255.76.67:7667")
     assert found(replace(HEALTHY, processes=(silent,)))["mpudpm"].items == (" * pub (pid 8)",)
+    url = "mpudpm://239.255.76.67:7700?ttl=0"
+    away = replace(silent, bus=url, variable=f"LCM_DEFAULT_URL={url}")
+    evidence = replace(HEALTHY, graph=Graph(), processes=(away,))
+    assert found(evidence).keys() == {"other-buses"}
+    assert found(evidence)["other-buses"].remedies == (f"export LCM_DEFAULT_URL='{url}'",)
 
 
 def test_an_empty_bus_names_the_buses_where_ones_programs_are() -> None:
@@ -371,7 +376,20 @@ def test_an_empty_bus_names_the_buses_where_ones_programs_are() -> None:
     assert beside.items[1] == " * pid 7 on tcpq://127.0.0.1:7700: x"
     assert beside.remedies == (
         f"if they should be on this one, start them with LCM_DEFAULT_URL='{HEALTHY.url}'",
+        (
+            "those without a variable have their bus in their code or arguments: name this one"
+            " there, or none: lcm.LCM()"
+        ),
     )
+
+
+def test_a_bus_that_only_the_code_names_is_worded_as_a_guess() -> None:
+    process = LcmProcess(9, "./driver", "239.255.76.67:7670", is_guess=True)
+    finding = only(replace(HEALTHY, processes=(process,)))
+    assert finding.items == (
+        " * pid 9 probably on 239.255.76.67:7670 (its code names it): ./driver",
+    )
+    assert finding.remedies[1].endswith("name this one there, or none: lcm.LCM()")
 
 
 def test_nearly_all_files_open_is_a_warning() -> None:

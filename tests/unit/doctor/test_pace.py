@@ -116,6 +116,7 @@ def test_a_plain_program_is_compared_with_its_average_since_its_start() -> None:
     assert finding.items == (" * sender.py: 5 Hz in all, and 45 Hz on average since its start",)
     assert watched(look(0, 5, senders=(replace(facts, process_age=1.0),))) == [[]]
     assert watched(look(0, 5, senders=(replace(facts, messages=40),))) == [[]]
+    assert watched(look(0, 5, senders=(facts,), own_drops=1)) == [[]], "wtf missed some of them"
 
 
 def _only(evidence: Evidence) -> Judged:

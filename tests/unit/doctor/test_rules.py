@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from fixtures.judging import Judged, judge
 
-from lcmtools.doctor.evidence import Evidence, LogLine, Stream
+from lcmtools.doctor.evidence import Evidence, LcmProcess, LogLine, SenderFacts, Stream
 from lcmtools.doctor.findings import Severity
 from lcmtools.doctor.rules import RULES
 from lcmtools.graph.model import CallbackError, Endpoint, Graph, Node, Role, Staleness, Traffic
@@ -298,6 +298,29 @@ def test_stale_nodes_are_an_error(stale: Staleness, remedy: str) -> None:
     assert finding.severity is Severity.ERROR
     assert finding.items == (f" * /talker (pid 7): {stale.value}",)
     assert finding.remedies == (remedy,)
+
+
+def test_on_a_computer_that_is_too_busy_a_node_that_does_not_answer_is_a_note() -> None:
+    hangs, ended = (
+        node(name, pid=pid, stale=stale)
+        for name, pid, stale in (("/a", 7, Staleness.HANGS), ("/b", 8, Staleness.ENDED))
+    )
+    evidence = Evidence("udpm://x", graph=Graph((hangs, ended)), listened=1.0)
+    busy = replace(evidence, processor_wait=0.5)
+    deaf = replace(evidence, own_drops=5)
+
+    def severities(evidence: Evidence) -> list[Severity]:
+        return [one.severity for one in judge(evidence) if one.rule == "stale-nodes"]
+
+    for one in (busy, deaf):
+        assert severities(one) == [Severity.ERROR, Severity.NOTE]
+        stopped = replace(one, processes=(LcmProcess(7, "a", state="T"),))
+        assert severities(stopped) == [Severity.ERROR]
+    assert severities(
+        replace(deaf, senders=(SenderFacts(Sender("10.0.0.1", 1), "a", messages=50),))
+    ) == [Severity.ERROR]
+    (note,) = [one for one in judge(busy) if one.severity is Severity.NOTE]
+    assert note.items[-1] == " * this computer is too busy to tell: they may only be late"
 
 
 def test_of_a_stale_node_elsewhere_no_process_of_this_computer_is_meant() -> None:
