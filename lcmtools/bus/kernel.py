@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
 
-from lcmtools.bus.socket_filter import Program
+from lcmtools.bus.socket_filter import FilterProgram
 
 ANCILLARY_BYTES = 64
 """Size of the ancillary data that ``recvmsg`` is to return."""
@@ -98,7 +98,7 @@ def mark(receiver: socket.socket, value: int) -> None:
         receiver.setsockopt(socket.IPPROTO_IP, socket.IP_TOS, value)
 
 
-def attach(receiver: socket.socket, program: Program) -> bool:
+def attach(receiver: socket.socket, program: FilterProgram) -> bool:
     """Attach a filter to a socket; return False where the system has no filters."""
     if not _IS_LINUX:
         return False

@@ -90,7 +90,7 @@ def udp_sockets() -> list[UdpSocket]:
 
 
 @dataclass(frozen=True, slots=True)
-class Senders:
+class PossibleSenders:
     """The possible senders from a local UDP port."""
 
     candidates: tuple[Process, ...]  # the known ones, sorted by pid
@@ -102,7 +102,9 @@ class Senders:
         return self.candidates[0] if self.are_all and len(self.candidates) == 1 else None
 
 
-def senders_from(port: int, rows: Iterable[UdpSocket], holders: Mapping[int, Process]) -> Senders:
+def senders_from(
+    port: int, rows: Iterable[UdpSocket], holders: Mapping[int, Process]
+) -> PossibleSenders:
     """Return the possible senders from a port, by the socket table and the holders of inodes.
 
     On the bus's own port, which listeners share, Java sends too. It binds that to any address, and
@@ -111,7 +113,7 @@ def senders_from(port: int, rows: Iterable[UdpSocket], holders: Mapping[int, Pro
     able = [r for r in rows if r.port == port and not IPv4Address(r.address).is_multicast]
     found = {holders[row.inode] for row in able if row.inode in holders}
     ordered = sorted(found, key=lambda process: process.pid)
-    return Senders(tuple(ordered), all(row.inode in holders for row in able))
+    return PossibleSenders(tuple(ordered), all(row.inode in holders for row in able))
 
 
 def owners(inodes: Iterable[int]) -> dict[int, Process]:

@@ -41,11 +41,11 @@ class Instruction(NamedTuple):
     if_false: int = 0
 
 
-Program = Sequence[Instruction]
+FilterProgram = Sequence[Instruction]
 _ACCEPT, _DROP = Instruction(_RETURN, 0xFFFFFFFF), Instruction(_RETURN, 0)
 
 
-def well_formed() -> Program:
+def well_formed() -> FilterProgram:
     """Accept what ``lcmtools.wire.datagram.parse`` accepts, but for an empty channel name."""
     short = [*_find_channel_end(_CHANNEL), _ACCEPT]
     return [
@@ -59,7 +59,7 @@ def well_formed() -> Program:
     ]
 
 
-def heads_only(but_up_to: int = 0) -> Program:
+def heads_only(but_up_to: int = 0) -> FilterProgram:
     """Drop all fragments but the first; malformed datagrams pass.
 
     Args:
@@ -79,7 +79,7 @@ def heads_only(but_up_to: int = 0) -> Program:
     ]
 
 
-def one_channel(channel: str) -> Program:
+def one_channel(channel: str) -> FilterProgram:
     """Accept one channel's messages, and of large ones the first fragment."""
     name = channel.encode() + b"\0"
     short = [*_is_at(_CHANNEL, name), _ACCEPT]
@@ -95,7 +95,7 @@ def one_channel(channel: str) -> Program:
     ]
 
 
-def whole_on(prefix: str) -> Program:
+def whole_on(prefix: str) -> FilterProgram:
     """Accept short messages whole whose channel begins so; of other messages only the head.
 
     Args:

@@ -1,12 +1,13 @@
 """Declaring commands: one way for their help, their options' types and their completion."""
 
 from collections.abc import Callable, Iterable
+from functools import partial
 from inspect import cleandoc
 from typing import Any, TypeVar
 
 import click
 
-from lcmtools.cli.completion.completer import Completer
+from lcmtools.cli.completion import Source
 from lcmtools.errors import UsageError
 from lcmtools.settings import parse_duration
 
@@ -64,29 +65,22 @@ def together(*parts: Callable[[Any], Any]) -> Callable[[CommandT], CommandT]:
     return declare
 
 
-def argument(
-    *names: str,
-    completer: str | tuple[str, ...] = "",
-    **settings: Any,  # noqa: ANN401 - click's own
-) -> Callable[[CommandT], CommandT]:
-    """Add an argument, completed by "module:function", "files" or words; see ``Completer``."""
-    return click.argument(*names, **_with_completer(completer, settings))
+class _Argument(click.Argument):
+    def __init__(self, *names: Any, completer: Source = "", **settings: Any) -> None:  # noqa: ANN401
+        super().__init__(*names, **settings)
+        self.completer = completer
 
 
-def option(
-    *names: str,
-    completer: str | tuple[str, ...] = "",
-    **settings: Any,  # noqa: ANN401 - click's own
-) -> Callable[[CommandT], CommandT]:
-    """Add an option, completed by "module:function", "files" or words; see ``Completer``."""
-    return click.option(*names, **_with_completer(completer, settings))
+class _Option(click.Option):
+    def __init__(self, *names: Any, completer: Source = "", **settings: Any) -> None:  # noqa: ANN401
+        super().__init__(*names, **settings)
+        self.completer = completer
 
 
-def _with_completer(completer: str | tuple[str, ...], settings: dict[str, Any]) -> dict[str, Any]:
-    if not completer:
-        return settings
-    source = completer if isinstance(completer, str) else [[word] for word in completer]
-    return {"shell_complete": Completer(source), **settings}
+argument = partial(click.argument, cls=_Argument)
+"""Adds an argument to a command; ``completer`` is the source of its candidates."""
+option = partial(click.option, cls=_Option)
+"""Adds an option to a command; ``completer`` is the source of its value's candidates."""
 
 
 def duration(value: str | float) -> float:

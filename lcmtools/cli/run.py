@@ -16,7 +16,7 @@ from lcmtools.cli.output import show, talk
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.node.process import set_note
 from lcmtools.packages.finding import find_node, own_answer
-from lcmtools.packages.nodes import OWN, Program, Runnable, runnables
+from lcmtools.packages.nodes import OWN, NodeProgram, Runnable, runnables
 from lcmtools.packages.workspace import workspace
 
 
@@ -98,7 +98,7 @@ def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
         lcmtools.shutdown()  # where the node has not done so
 
 
-def _call(program: Program, words: Sequence[str]) -> int | None:
+def _call(program: NodeProgram, words: Sequence[str]) -> int | None:
     """Call a node's main function; one without parameters reads its words from ``sys.argv``."""
     if inspect.signature(program).parameters:
         return program(words)

@@ -12,7 +12,6 @@ from typing import Any
 import click
 
 from lcmtools.cli.bus import chosen_url
-from lcmtools.cli.completion.completer import Completer
 from lcmtools.cli.declare import duration, examples, option, subcommand
 from lcmtools.cli.options import bus_choice, bus_options, json_option
 from lcmtools.cli.output import data, lines, show, talk
@@ -39,10 +38,8 @@ def _rule(identifier: str) -> Rule:
 
 
 def _rule_option(*names: str, text: str, multiple: bool) -> Callable[..., Callable[..., object]]:
-    ids = Completer("programs:rules", is_fixed=True)
-    return option(
-        *names, metavar="ID", multiple=multiple, type=_rule, help=text, shell_complete=ids
-    )
+    ids = [[rule.id, rule.title] for rule in RULES]
+    return option(*names, metavar="ID", multiple=multiple, type=_rule, help=text, completer=ids)
 
 
 class _WrongUsageError(UsageError):

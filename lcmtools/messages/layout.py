@@ -36,11 +36,11 @@ from lcmtools.messages.rows import (
     BOOLEANS,
     FORMATS,
     Array,
+    ArrayCodec,
     Cursor,
-    Row,
     check_count,
     length,
-    primitive_row,
+    primitive_array,
     read_string,
     write_string,
 )
@@ -238,7 +238,7 @@ def _is_number(part: Field) -> bool:
     return part.type in FORMATS and not part.dimensions
 
 
-def _row(part: Field, where: str) -> Row:
+def _row(part: Field, where: str) -> ArrayCodec:
     if part.message_class:
         return _Messages(part.message_class, where)
-    return primitive_row(part.type, where, is_bytes=part.is_bytes)
+    return primitive_array(part.type, where, is_bytes=part.is_bytes)

@@ -64,7 +64,7 @@ class Target:
 
 
 @dataclass(frozen=True, slots=True)
-class Selection:
+class SelectedValue:
     """A selected value."""
 
     value: object
@@ -105,10 +105,10 @@ def target(cls: type[Message], path: Path) -> Target:
     return found
 
 
-def select(message: Message, path: Path) -> Selection:
+def select(message: Message, path: Path) -> SelectedValue:
     """The value at a path; ValueMismatch as of ``target``, or for an index that the array lacks."""
     found = target(type(message), path)  # first: it checks the names
-    return Selection(_walk(message, path.steps, path), found)
+    return SelectedValue(_walk(message, path.steps, path), found)
 
 
 def splits(argument: str) -> Iterator[tuple[str, str]]:

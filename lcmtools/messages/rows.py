@@ -74,7 +74,7 @@ class Cursor:
         return Malformed(f"{size} bytes wanted at {where}, {len(self.data) - self.offset} left")
 
 
-class Row(Protocol):
+class ArrayCodec(Protocol):
     """An array of one dimension: ``smallest`` is the least size of an element [byte]."""
 
     smallest: int
@@ -86,8 +86,8 @@ class Row(Protocol):
         """Return ``count`` elements."""
 
 
-def primitive_row(type_name: str, where: str, *, is_bytes: bool) -> Row:
-    """Return the row of a primitive type; ``where`` is its place, for errors."""
+def primitive_array(type_name: str, where: str, *, is_bytes: bool) -> ArrayCodec:
+    """Return the codec of arrays of a primitive type; ``where`` is its place, for errors."""
     if type_name == "string":
         return _Strings(where)
     return _Bytes(where) if is_bytes else _Numbers(FORMATS[type_name], where)
@@ -154,7 +154,7 @@ class _Strings:
 class Array:
     """An array of several dimensions, made of rows of one kind."""
 
-    def __init__(self, row: Row, where: str) -> None:
+    def __init__(self, row: ArrayCodec, where: str) -> None:
         self._row = row
         self._where = where
 

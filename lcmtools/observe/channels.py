@@ -19,7 +19,7 @@ _GONE = 10_000_000_000  # [ns] behind a channel's latest message: a sender that 
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class ChannelRow:
     """One channel of a bus."""
 
     channel: str  # its name
@@ -63,14 +63,16 @@ class ChannelSelection:
         return any(pattern.covers(name) for pattern in patterns)
 
 
-class Rows:
+class ChannelRows:
     """Makes the rows of a bus."""
 
     def __init__(self, selection: ChannelSelection, names: SenderNames) -> None:
         self._selection, self._names = selection, names
         self._has, self._candidates = cache(selection.has), cache(candidates)
 
-    def make(self, graph: Graph, activity: Activity, lost: Losses, now: int) -> tuple[Row, ...]:
+    def make(
+        self, graph: Graph, activity: Activity, lost: Losses, now: int
+    ) -> tuple[ChannelRow, ...]:
         """Return the rows, sorted by channel, at a time in nanoseconds since 1970."""
         topics = [topic for topic in graph.topics() if self._has(topic.name)]
         self._names.learn(seen.sender for topic in topics for seen in topic.foreign)
@@ -80,11 +82,11 @@ class Rows:
         """Return the channels with a row that nodes publish on: some do only for a subscriber."""
         return sorted(t.name for t in graph.topics() if t.publishers and self._has(t.name))
 
-    def _row(self, topic: Topic, activity: Activity, lost: Losses, now: int) -> Row:
+    def _row(self, topic: Topic, activity: Activity, lost: Losses, now: int) -> ChannelRow:
         flow = activity.flow(topic.name, now) or Flow()
         fingerprints = topic.fingerprints
         loss = total((seen.sender for seen in topic.traffic), lost)
-        return Row(
+        return ChannelRow(
             topic.name,
             topic.types or self._types(topic.name, fingerprints),
             bool(topic.types),
@@ -121,9 +123,9 @@ class Rows:
 
 def survey(
     monitor: BusMonitor, selection: ChannelSelection, wait: float
-) -> tuple[Graph, tuple[Row, ...]]:
+) -> tuple[Graph, tuple[ChannelRow, ...]]:
     """Return the graph and the rows of a bus after ``wait`` seconds; of a log, of all of it."""
-    rows = Rows(selection, SenderNames())
+    rows = ChannelRows(selection, SenderNames())
     monitor.listen_to(rows.published(monitor.discover()))
     activity = Activity()
     graph = monitor.settle(wait=wait, count=activity.add)
@@ -141,7 +143,7 @@ def plain_listeners(graph: Graph, url: BusUrl) -> list[str]:
     ]
 
 
-def matching(rows: Sequence[Row], text: str) -> list[Row]:
+def matching(rows: Sequence[ChannelRow], text: str) -> list[ChannelRow]:
     """Return the rows that have a text in channel, type, sender or listener, ignoring case."""
     wanted = text.casefold()
     texts = ((row.channel, *row.types, *row.senders, *row.listeners) for row in rows)
@@ -149,7 +151,9 @@ def matching(rows: Sequence[Row], text: str) -> list[Row]:
     return list(compress(rows, found))
 
 
-def in_order(rows: Sequence[Row], key: Callable[[Row], object], *, descending: bool) -> list[Row]:
+def in_order(
+    rows: Sequence[ChannelRow], key: Callable[[ChannelRow], object], *, descending: bool
+) -> list[ChannelRow]:
     """Return the rows sorted by a key; those without one last, equal ones by channel."""
     by_name = sorted(rows, key=lambda row: row.channel)
     known = [row for row in by_name if key(row) is not None]

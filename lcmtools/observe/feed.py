@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from lcmtools.bus.tap import Tap
 from lcmtools.errors import BusError, LcmtoolsError
 from lcmtools.observe.activity import Activity
-from lcmtools.observe.channels import ChannelSelection, Row, Rows, plain_listeners
+from lcmtools.observe.channels import ChannelRow, ChannelRows, ChannelSelection, plain_listeners
 from lcmtools.observe.describe import all_callback_errors
 from lcmtools.observe.losses import Losses, losses
 from lcmtools.observe.monitor import BusMonitor
@@ -29,7 +29,7 @@ _AGAIN = 0.5  # [s] before a network that fails is tried again
 class Snapshot:
     """A bus at one time."""
 
-    rows: tuple[Row, ...] = ()  # its channels, sorted by name
+    rows: tuple[ChannelRow, ...] = ()  # its channels, sorted by name
     # The programs that listen and are not nodes; their channels are unknown.
     plain_listeners: tuple[str, ...] = ()
     callback_errors: tuple[str, ...] = ()  # what nodes' callbacks have raised, a sentence each
@@ -46,9 +46,9 @@ class Snapshot:
         """Bytes per second of all channels."""
         return sum(row.bandwidth or 0.0 for row in self.rows)
 
-    def row(self, channel: str) -> Row:
+    def row(self, channel: str) -> ChannelRow:
         """Return a channel's row; an empty one if it is unknown."""
-        return next((row for row in self.rows if row.channel == channel), Row(channel))
+        return next((row for row in self.rows if row.channel == channel), ChannelRow(channel))
 
 
 class Feed:
@@ -63,7 +63,7 @@ class Feed:
         self._monitor = monitor
         self._takers: tuple[Callable[[Packet], None], ...] = ()
         self._activity = Activity(_WINDOW)
-        self._rows = Rows(selection, SenderNames())
+        self._rows = ChannelRows(selection, SenderNames())
         self._before: Losses = {}
         self._subscribed: list[str] = []
         self._listeners: tuple[str, ...] = ()

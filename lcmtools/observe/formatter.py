@@ -11,7 +11,7 @@ from typing import Literal, cast
 from lcmtools.errors import DecodeError, UnknownType, UsageError, ValueMismatch
 from lcmtools.messages.fields import MessageClass, stamp
 from lcmtools.messages.filter import Filter
-from lcmtools.messages.path import Path, Selection, select, target
+from lcmtools.messages.path import Path, SelectedValue, select, target
 from lcmtools.messages.plain import NOTHING, Cell, Plain, View, cells, plain_json, plain_value
 from lcmtools.messages.registry import Message, message_class
 from lcmtools.messages.text import FREE, Writer, format_message
@@ -185,7 +185,7 @@ class MessageFormatter:
             self._notify(text)
 
 
-def _plain(found: dict[str, Selection], view: View) -> Plain:
+def _plain(found: dict[str, SelectedValue], view: View) -> Plain:
     plain = {path: plain_value(one.value, one.target, view) for path, one in found.items()}
     return plain if len(plain) > 1 else next(iter(plain.values()))
 
@@ -195,7 +195,7 @@ def _one_line(channel: str) -> str:
     return channel if channel.isprintable() else ascii(channel)
 
 
-def _kind(selection: Selection) -> str:
+def _kind(selection: SelectedValue) -> str:
     """The type of a selected value, with a pair of brackets for each array around it."""
     return selection.target.type + "[]" * selection.target.depth
 

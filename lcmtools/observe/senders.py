@@ -16,8 +16,8 @@ from pathlib import PurePath
 
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import (
+    PossibleSenders,
     Process,
-    Senders,
     UdpSocket,
     is_local,
     owners,
@@ -57,7 +57,7 @@ class SocketTable:
             return []
         return [row for row in self.rows.values() if row.port == sender.port]
 
-    def processes(self, sender: Sender) -> Senders:
+    def processes(self, sender: Sender) -> PossibleSenders:
         """Return the processes that a sender may be, as far as the system tells."""
         return senders_from(sender.port, self.sockets(sender), self.holders)
 

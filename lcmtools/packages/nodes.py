@@ -41,7 +41,7 @@ TABLE = f'[project.entry-points."{GROUP}"]'
 _TARGET = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_][\w.]*", re.ASCII)
 
 
-class Program(Protocol):
+class NodeProgram(Protocol):
     """A node's main function."""
 
     def __call__(self, args: Sequence[str] | None = None) -> int | None:
@@ -80,7 +80,7 @@ class Runnable:
         except (ImportError, OSError, SyntaxError, ValueError):  # running it will tell
             return ""
 
-    def load(self) -> Program:
+    def load(self) -> NodeProgram:
         """Import its main function; other workspace packages can be imported from then on too.
 
         Raises:
@@ -104,7 +104,7 @@ class Runnable:
             value = getattr(value, attribute, None)
         if not callable(value):
             raise self._lost(f"{module} has no function '{path}'")
-        return cast("Program", value)
+        return cast("NodeProgram", value)
 
     def traceback(self, error: BaseException) -> str:
         """Return the traceback of an error in the node's code, without the part of lcmtools."""

@@ -15,7 +15,7 @@ from lcmtools.observe.find import OfferedService, near_service, offered_services
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.publish.incoming import Notify, Template
 from lcmtools.publish.own_node import own_node
-from lcmtools.publish.sender import due_times
+from lcmtools.publish.schedule import due_times
 from lcmtools.publish.subscriber_wait import wait_until
 
 _TYPE = re.compile(r"[A-Za-z]\w*[/.](srv[/.])?[A-Za-z]\w*", re.ASCII)

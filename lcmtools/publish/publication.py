@@ -13,7 +13,7 @@ from lcmtools.messages.type_source import has_supply
 from lcmtools.packages import provide_user_types
 from lcmtools.publish.incoming import Incoming, Notify, Template
 from lcmtools.publish.own_node import own_node
-from lcmtools.publish.sender import OnSent, Schedule, Sender, schedule_for
+from lcmtools.publish.schedule import OnSent, Schedule, ScheduledPublisher, schedule_for
 from lcmtools.publish.subscriber_wait import SubscriberWait
 from lcmtools.settings import read_user_file
 
@@ -89,7 +89,7 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
         if simulated:
             wait.wait_for_clock(timeout)
         wait.wait(subscribers, timeout)
-        sender = Sender(
+        scheduled = ScheduledPublisher(
             node,
             publisher,
             latch=latch or schedule.stay > 0,
@@ -98,8 +98,8 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
             on_sent=on_sent,
         )
         on_start(schedule)
-        sender.send_all(incoming, schedule)
-        return sender.count
+        scheduled.send_all(incoming, schedule)
+        return scheduled.count
 
 
 def _incoming(kind: type[Message], values: "One | Iterator[One]") -> Incoming:

@@ -13,7 +13,7 @@ import pytest
 
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.processes import (
-    Senders,
+    PossibleSenders,
     owners,
     senders_from,
     silent_senders,
@@ -36,7 +36,7 @@ def tap(bus_url: str) -> Iterator[Tap]:
         yield tap
 
 
-def _senders_of_port(port: int) -> Senders:
+def _senders_of_port(port: int) -> PossibleSenders:
     rows = [row for row in udp_sockets() if row.port == port]
     return senders_from(port, rows, owners(row.inode for row in rows))
 
@@ -304,7 +304,7 @@ def test_on_the_port_that_all_listen_to_only_who_can_send_from_it_is_meant(
 ) -> None:
     port = parse_url(bus_url).port
     start_python(_LISTENER, bus_url).wait_for("ready")
-    assert _senders_of_port(port) == Senders(())
+    assert _senders_of_port(port) == PossibleSenders(())
     java = start_python(_LIKE_JAVA, str(port))
     java.wait_for("ready")
     with Tap(parse_url(bus_url)):

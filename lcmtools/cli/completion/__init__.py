@@ -1,6 +1,5 @@
 """Completing command lines in bash, zsh and fish.
 
-    completer   declares on an option or argument where its candidates come from
     bus, messages, programs
                 the completers: functions from a situation to candidates
     situation   the words before the cursor, the bus at a glance; candidates
@@ -13,3 +12,9 @@
 
 A completion answers in well under 150 ms: click, the commands and lcm are not imported.
 """
+
+from collections.abc import Sequence
+
+Source = str | Sequence[Sequence[str]]
+"""The origin of a parameter's candidates: words, each alone or with its help; or "module:function",
+"files", "" for nowhere. A module without a dot is one of this package."""

@@ -6,7 +6,7 @@ Plain decisions on words and the commands' descriptions, as click would parse th
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from lcmtools.cli.completion.completer import Source
+from lcmtools.cli.completion import Source
 from lcmtools.cli.completion.tree import Argument, Command, Option
 from lcmtools.cli.dashes import is_value
 

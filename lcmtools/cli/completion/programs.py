@@ -127,13 +127,6 @@ def commands(situation: Situation) -> Iterator[Candidate]:
         yield from (Candidate(name, text) for name, text in group.commands.items())
 
 
-def rules(_: Situation) -> Iterator[Candidate]:
-    """The rules of ``lcmtools wtf`` by their ids."""
-    from lcmtools.doctor.rules import RULES
-
-    yield from (Candidate(rule.id, rule.title) for rule in RULES)
-
-
 def _values(situation: Situation, source: str, before: str = "") -> Iterator[Candidate]:
     """The candidates of a source for the part of the word behind ``before``."""
     for one in candidates(source, situation.at(situation.word.removeprefix(before))):

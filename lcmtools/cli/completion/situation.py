@@ -7,7 +7,7 @@ from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, cast
 
-from lcmtools.cli.completion.completer import Source
+from lcmtools.cli.completion import Source
 from lcmtools.errors import LcmtoolsError
 
 if TYPE_CHECKING:  # imported where the bus is looked at

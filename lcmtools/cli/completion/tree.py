@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lcmtools.cli.completion.completer import Completer, Source
+from lcmtools.cli.completion import Source
 from lcmtools.folders import cache_folder, write_atomically
 
 if TYPE_CHECKING:  # click takes longer to import than a completion otherwise takes
@@ -161,10 +161,12 @@ def _source(parameter: "click.Parameter") -> Source:
     """The candidates' source: as declared, else by the parameter's click type."""
     import click
 
-    declared = parameter._custom_shell_complete  # noqa: SLF001 - click can only call it
-    if isinstance(declared, Completer):
-        return declared.source()
+    declared: Source = getattr(parameter, "completer", "")
     if isinstance(parameter.type, click.Choice):
-        return [[str(choice)] for choice in parameter.type.choices]
+        declared = list(map(str, parameter.type.choices))
+    if not isinstance(declared, str):
+        return [[one] if isinstance(one, str) else [*one] for one in declared]
+    if declared:
+        return declared
     is_file = isinstance(parameter.type, (click.Path, click.File))
     return "files" if is_file else ""

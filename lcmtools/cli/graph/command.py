@@ -11,7 +11,7 @@ from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import talk
 from lcmtools.errors import UsageError
 from lcmtools.graph.drawing.diagram import Diagram
-from lcmtools.graph.drawing.selection import Selection, members_only, select
+from lcmtools.graph.drawing.subgraph import DiagramOptions, members_only, select
 from lcmtools.observe.activity import Activity
 from lcmtools.observe.diagram import diagram_of
 from lcmtools.observe.senders import programs
@@ -98,7 +98,9 @@ def command(
         raise UsageError("a name is empty", "lcmtools list and node list show the names")
     named = (tuple(map(in_names, words)) for words in (namespace, topics, excluded))
     parts, wanted_topics, left_out = named
-    wanted = Selection(parts, wanted_topics, left_out, show_all, leaf_topics, tools, with_services)
+    wanted = DiagramOptions(
+        parts, wanted_topics, left_out, show_all, leaf_topics, tools, with_services
+    )
     activity, wait = Activity(), _MEASURED if hz and wait is None else wait
     with open_monitor("graph") as monitor:
         graph = monitor.settle(wait=wait, count=activity.add)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from lcmtools.observe.channels import Row, in_order, matching
+from lcmtools.observe.channels import ChannelRow, in_order, matching
 
 Cut = Literal["", "start", "middle", "end"]
 
@@ -15,8 +15,8 @@ class Column:
 
     name: str  # on the command line and in the heading
     letter: str  # the key that sorts by it
-    text: Callable[[Row], str]
-    key: Callable[[Row], object]  # to sort by; None for an empty cell
+    text: Callable[[ChannelRow], str]
+    key: Callable[[ChannelRow], object]  # to sort by; None for an empty cell
     leaves: int = 0  # the order in which columns are left out; 0 for never
     cut: Cut = ""  # the place where a long text is cut; "" for a number
     least: int = 0  # the least width that it is cut to, in characters
@@ -76,7 +76,7 @@ def age_text(seconds: float | None) -> str:
     return f"{seconds:.1f} s" if seconds < 10 else f"{seconds:.0f} s"  # noqa: PLR2004
 
 
-def type_text(row: Row) -> str:
+def type_text(row: ChannelRow) -> str:
     """The announced type, or the likeliest and the number of others; "?" for an unknown one."""
     if not row.types:
         return "?" if row.messages else "-"
@@ -86,11 +86,11 @@ def type_text(row: Row) -> str:
     return f"{row.types[0]} +{others}" if others else row.types[0]
 
 
-def _senders(row: Row) -> object:
+def _senders(row: ChannelRow) -> object:
     return row.senders or None
 
 
-def _listeners(row: Row) -> object:
+def _listeners(row: ChannelRow) -> object:
     return row.listeners or None
 
 
@@ -129,7 +129,7 @@ class TableView:
     inverted: bool = False  # numbers from the smallest, and texts from Z
     text: str = ""  # that a row must have in channel, type, sender or listener
 
-    def rows(self, rows: Sequence[Row], *, steady: bool = False) -> list[Row]:
+    def rows(self, rows: Sequence[ChannelRow], *, steady: bool = False) -> list[ChannelRow]:
         """Return the rows that are shown, in their order.
 
         In a steady view numbers that differ by a percent or two count as equal and are sorted by
@@ -137,7 +137,7 @@ class TableView:
         """
         column = COLUMNS[self.column]
 
-        def key(row: Row) -> object:
+        def key(row: ChannelRow) -> object:
             value = column.key(row)
             return float(f"{value:.2g}") if steady and isinstance(value, float) else value
 

@@ -13,7 +13,7 @@ from lcmtools.cli.spy.columns import (
     size_text,
 )
 from lcmtools.graph.drawing.labels import printable
-from lcmtools.observe.channels import Row
+from lcmtools.observe.channels import ChannelRow
 from lcmtools.observe.field_lines import FieldLine
 from lcmtools.observe.study import ChannelState, Curve, Sample, curve
 
@@ -38,7 +38,7 @@ class DetailLine(NamedTuple):
     is_number: bool = False
 
 
-def flow_text(row: Row) -> str:
+def flow_text(row: ChannelRow) -> str:
     """Rate, jitter, bandwidth, loss and number of messages."""
     lost = f" of its senders' messages ({row.lost})" if row.lost else ""
     return (
@@ -48,7 +48,7 @@ def flow_text(row: Row) -> str:
     )
 
 
-def properties(row: Row, state: ChannelState) -> Iterator[tuple[str, str]]:
+def properties(row: ChannelRow, state: ChannelState) -> Iterator[tuple[str, str]]:
     """The labels and texts of what is known of a channel."""
     yield "type", _type_text(row, state)
     if state.fingerprint is not None:
@@ -98,7 +98,7 @@ def _span_text(found: Curve) -> str:
     return f"{first}, within {found.high - found.low:.2g}" if is_narrow else f"{first} .. {last}"
 
 
-def _type_text(row: Row, state: ChannelState) -> str:
+def _type_text(row: ChannelRow, state: ChannelState) -> str:
     name = state.type or ", ".join(row.types) or "unknown"
     if name in row.types and row.is_announced:
         return f"{name}, as announced"
@@ -106,7 +106,7 @@ def _type_text(row: Row, state: ChannelState) -> str:
     return f"{name} by its fingerprint, or {' or '.join(others)}" if others else name
 
 
-def _message_text(row: Row, state: ChannelState) -> str:
+def _message_text(row: ChannelRow, state: ChannelState) -> str:
     if not state.time:
         return "none since this view was opened"
     said = f"{size_text(state.size)}, {age_text(row.age)} ago"

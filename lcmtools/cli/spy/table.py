@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 from lcmtools.cli.spy.columns import COLUMNS, Column, Cut, heading
 from lcmtools.graph.drawing.labels import printable
-from lcmtools.observe.channels import Row
+from lcmtools.observe.channels import ChannelRow
 
 _DOTS = "…"
 _WIDE_GAP, _NARROW_GAP = 2, 1  # characters between two columns; where there is little room
 _LATEST = ("age",)  # columns that say nothing in a table that does not go on
 
 
-def table(rows: Sequence[Row], room: int | None) -> list[str]:
+def table(rows: Sequence[ChannelRow], room: int | None) -> list[str]:
     """Return the lines of the table, ``room`` characters wide; None for any width."""
     columns = [column for name, column in COLUMNS.items() if name not in _LATEST]
     found = layout(columns, natural_widths(rows, columns), room)
@@ -21,7 +21,7 @@ def table(rows: Sequence[Row], room: int | None) -> list[str]:
     return [found.gap.join(line).rstrip() for line in cells]
 
 
-def record(row: Row) -> dict[str, object]:
+def record(row: ChannelRow) -> dict[str, object]:
     """A row for JSON."""
     return {
         "channel": row.channel,
@@ -49,7 +49,7 @@ class ColumnLayout:
     widths: tuple[int, ...]
     gap: str
 
-    def row(self, row: Row | None = None) -> list[str]:
+    def row(self, row: ChannelRow | None = None) -> list[str]:
         """The cells of a row, or those above all rows, each as wide as its column."""
         return [
             _fit(heading(column) if row is None else printable(column.text(row)), width, column)
@@ -57,7 +57,7 @@ class ColumnLayout:
         ]
 
 
-def natural_widths(rows: Iterable[Row], columns: Iterable[Column]) -> dict[str, int]:
+def natural_widths(rows: Iterable[ChannelRow], columns: Iterable[Column]) -> dict[str, int]:
     """The widths of the columns that cut nothing, by their names."""
     shown = list(rows)
     texts = {c.name: [heading(c), *(printable(c.text(row)) for row in shown)] for c in columns}

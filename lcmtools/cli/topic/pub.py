@@ -24,7 +24,7 @@ from lcmtools.messages.plain import to_json
 from lcmtools.messages.registry import Message, message_class
 from lcmtools.publish.incoming import read_incoming
 from lcmtools.publish.publication import publish
-from lcmtools.publish.sender import Schedule
+from lcmtools.publish.schedule import Schedule
 
 
 @subcommand("pub", names_options, bus_options, cls=CommandWithOnce)

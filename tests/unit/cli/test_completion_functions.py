@@ -1,9 +1,8 @@
 """What can stand at a place of the command line, for a bus that is known."""
 
-import click
 import pytest
 
-from lcmtools.cli.completion.completer import Completer, Source
+from lcmtools.cli.completion import Source
 from lcmtools.cli.completion.situation import FILES, Situation, candidates
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
 from lcmtools.messages.message_template import draft_from_values
@@ -233,18 +232,6 @@ def test_words_that_were_kept_have_their_help() -> None:
     kept = [["ttl", "how far messages go"], ["loss", "lost messages"]]
     found = candidates(kept, Situation(environment={}))
     assert [[one.value, one.help] for one in found] == kept
-
-
-def test_fixed_words_are_read_together_with_the_command() -> None:
-    source = Completer("programs:rules", is_fixed=True).source()
-    assert ["ttl" in words for words in source].count(True) == 1
-    assert Completer("bus:topics").source() == "bus:topics"
-
-
-def test_clicks_own_completion_gives_the_same_words() -> None:
-    argument = click.Argument(["package"], shell_complete=Completer("messages:packages"))
-    context = click.Context(click.Command("x", params=[argument]))
-    assert [one.value for one in argument.shell_complete(context, "geo")] == ["geometry_msgs"]
 
 
 def test_a_labs_simulator_takes_its_own_arguments_but_no_world() -> None:

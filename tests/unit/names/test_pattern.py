@@ -2,7 +2,7 @@
 
 import pytest
 
-from lcmtools.graph.drawing.selection import is_meant
+from lcmtools.graph.drawing.subgraph import is_meant
 from lcmtools.graph.model import Graph, Traffic
 from lcmtools.names import Pattern, has_wildcard, is_hidden
 from lcmtools.observe.channels import ChannelSelection

@@ -5,7 +5,7 @@ from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
 from lcmtools.messages.codec import encode
 from lcmtools.observe.activity import Activity
-from lcmtools.observe.channels import ChannelSelection, Row, Rows
+from lcmtools.observe.channels import ChannelRow, ChannelRows, ChannelSelection
 from lcmtools.observe.losses import losses
 from lcmtools.observe.senders import SenderNames, SocketTable
 from lcmtools.types.geometry_msgs import Vector3
@@ -36,7 +36,7 @@ def make(
     selection: ChannelSelection = ChannelSelection(),  # noqa: B008 - frozen
     *,
     with_numbers: bool = True,
-) -> dict[str, Row]:
+) -> dict[str, ChannelRow]:
     """The rows of a bus, by channel."""
     activity, builder = Activity(), GraphBuilder()
     numbers: dict[Sender, Sequence] = {}
@@ -48,7 +48,7 @@ def make(
     now = NOW + 2 * S
     graph = Graph(nodes, builder.snapshot(now).traffic, now)
     lost = losses(numbers) if with_numbers else {}
-    rows = Rows(selection, names()).make(graph, activity, lost, now)
+    rows = ChannelRows(selection, names()).make(graph, activity, lost, now)
     return {row.channel: row for row in rows}
 
 
@@ -74,7 +74,7 @@ def test_a_program_that_is_no_node_is_named_by_its_process_else_by_its_address()
 def test_what_is_announced_but_silent_has_a_row() -> None:
     ends = (Endpoint("/a", Role.PUBLISHER), Endpoint("/b", Role.SUBSCRIBER, ("std_msgs/String",)))
     rows = make([], (node("/n", *ends),))
-    assert rows["/a"] == Row("/a", senders=("/n",))
+    assert rows["/a"] == ChannelRow("/a", senders=("/n",))
     assert (rows["/b"].listeners, rows["/b"].types) == (("/n",), ("std_msgs/String",))
     assert rows["/b"].is_silent
 

@@ -5,7 +5,7 @@ import socket
 from lcmtools.bus.processes import Process
 from lcmtools.graph.drawing.diagram import Diagram, Edge, Flow, Member
 from lcmtools.graph.drawing.labels import notes
-from lcmtools.graph.drawing.selection import Selection, select
+from lcmtools.graph.drawing.subgraph import DiagramOptions, select
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.messages.registry import fingerprint
 from lcmtools.observe.diagram import diagram_of
@@ -118,7 +118,7 @@ def test_a_command_that_publishes_is_no_onlooker() -> None:
     pub = _node("/_lcmtools_pub_1", Endpoint("/t", Role.PUBLISHER), tool=True)
     echo = _node("/_lcmtools_echo_2", Endpoint("/t", Role.SUBSCRIBER), tool=True)
     whole = diagram_of(Graph((pub, echo), ()), [], None)
-    shown, left = select(whole, Selection(leaf_topics=True))
+    shown, left = select(whole, DiagramOptions(leaf_topics=True))
     assert [(member.name, notes(member)) for member in shown.members] == [("/_lcmtools_pub_1", [])]
     assert left.text() == "not drawn: 1 command that observes the bus (add --tools)"
 

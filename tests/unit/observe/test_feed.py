@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pytest
 
 from lcmtools.bus.url import BusUrl
-from lcmtools.observe.channels import ChannelSelection, Row
+from lcmtools.observe.channels import ChannelRow, ChannelSelection
 from lcmtools.observe.feed import Feed, Snapshot
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
@@ -70,7 +70,7 @@ def test_packets_become_rows(snapshot_of: Callable[..., Snapshot]) -> None:
     assert (found.trouble, found.is_over) == ("", False)
     assert found.bandwidth == pytest.approx(8 * found.rate)
     assert found.row("A").messages > 1
-    assert found.row("B") == Row("B")
+    assert found.row("B") == ChannelRow("B")
 
 
 def test_an_end_is_told_and_what_came_before_stays(snapshot_of: Callable[..., Snapshot]) -> None:

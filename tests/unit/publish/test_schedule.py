@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from lcmtools.publish import sender as module
+from lcmtools.publish import schedule as module
 from lcmtools.publish.incoming import Incoming
-from lcmtools.publish.sender import Schedule, due_times, schedule_for
+from lcmtools.publish.schedule import Schedule, due_times, schedule_for
 
 VALUES = Incoming(iter([]), is_one=True)
 ONE_IN_A_FILE = Incoming(iter([]), is_file=True, is_one=True)

@@ -15,7 +15,7 @@ from lcmtools.cli.spy.live.detail import Detail
 from lcmtools.cli.spy.live.rows import Cell, Cells, LivePage, Page, RowTable
 from lcmtools.cli.spy.table import ColumnLayout, layout, natural_widths
 from lcmtools.graph.drawing.labels import printable
-from lcmtools.observe.channels import Row
+from lcmtools.observe.channels import ChannelRow
 from lcmtools.observe.feed import Feed, Snapshot
 
 _MUCH_LOSS = 0.01  # of what is sent
@@ -49,7 +49,7 @@ class Overview(LivePage):
         self._bus = bus
         self._feed = feed
         self._snapshot = Snapshot()
-        self._rows: list[Row] = []
+        self._rows: list[ChannelRow] = []
         self._layout = ColumnLayout((), (), "")
         self._widest: dict[str, int] = {}
         self._purpose = ""
@@ -203,7 +203,7 @@ class Overview(LivePage):
         return Text(f"{', '.join(programs)} {verb} as no node", "dim") if programs else None
 
 
-def cell_style(row: Row, column: Column) -> str:
+def cell_style(row: ChannelRow, column: Column) -> str:
     """The style of a cell: loss, silence and unknown types stand out."""
     if column.name == "loss" and row.lost:
         return "bold red" if (row.loss or 0.0) >= _MUCH_LOSS else "bold yellow"

@@ -13,10 +13,10 @@ from lcmtools.cli.spy.columns import (
     type_text,
 )
 from lcmtools.cli.spy.table import cut, table, width_of
-from lcmtools.observe.channels import Row, matching
+from lcmtools.observe.channels import ChannelRow, matching
 
 ROWS = (
-    Row(
+    ChannelRow(
         "/robot0/front_camera/depth/image_raw",
         ("sensor_msgs/Image",),
         is_announced=True,
@@ -31,8 +31,8 @@ ROWS = (
         listeners=("/robot0/obstacle_detector",),
         age=0.02,
     ),
-    Row("POSE", messages=2, rate=1.0, bandwidth=24.0, lost=0, loss=0.0, age=0.5),
-    Row("/quiet", ("std_msgs/String",), is_announced=True, listeners=("/monitor",)),
+    ChannelRow("POSE", messages=2, rate=1.0, bandwidth=24.0, lost=0, loss=0.0, age=0.5),
+    ChannelRow("/quiet", ("std_msgs/String",), is_announced=True, listeners=("/monitor",)),
 )
 
 
@@ -78,7 +78,7 @@ def test_an_empty_table_is_its_heading() -> None:
 
 
 def test_wide_characters_take_two_places() -> None:
-    wide = (Row("温度センサー", senders=("x",)), Row("plain", senders=("y",)))
+    wide = (ChannelRow("温度センサー", senders=("x",)), ChannelRow("plain", senders=("y",)))
     lines = table(wide, None)
     assert width_of("温度") == 4
     assert width_of("e\u0301") == 1
@@ -106,7 +106,7 @@ def test_texts_are_cut_where_they_say_least(
 
 
 def test_control_characters_are_escaped() -> None:
-    assert "\x1b" not in "".join(table((Row("\x1b[2J"),), None))
+    assert "\x1b" not in "".join(table((ChannelRow("\x1b[2J"),), None))
 
 
 @pytest.mark.parametrize(
@@ -140,10 +140,10 @@ def test_a_loss_is_never_written_as_none() -> None:
 
 def test_a_type_by_fingerprint_says_how_many_others_it_may_be() -> None:
     types = ("geometry_msgs/Vector3", "geometry_msgs/Point", "own/Three")
-    assert type_text(Row("A", types)) == "geometry_msgs/Vector3 +2"
-    assert type_text(Row("A", types[:1])) == "geometry_msgs/Vector3"
-    assert type_text(Row("A", types[:2], is_announced=True)) == ", ".join(types[:2])
-    assert (type_text(Row("A", messages=1)), type_text(Row("A"))) == ("?", "-")
+    assert type_text(ChannelRow("A", types)) == "geometry_msgs/Vector3 +2"
+    assert type_text(ChannelRow("A", types[:1])) == "geometry_msgs/Vector3"
+    assert type_text(ChannelRow("A", types[:2], is_announced=True)) == ", ".join(types[:2])
+    assert (type_text(ChannelRow("A", messages=1)), type_text(ChannelRow("A"))) == ("?", "-")
 
 
 def test_every_column_has_a_key_of_its_own() -> None:
@@ -153,10 +153,10 @@ def test_every_column_has_a_key_of_its_own() -> None:
 
 
 MIXED = (
-    Row("/c", types=("std_msgs/String",), rate=1.0, messages=3, senders=("/talker",)),
-    Row("/b", types=(), rate=50.0, messages=2, listeners=("/monitor",)),
-    Row("/a", rate=None, messages=1),
-    Row("/d", types=("std_msgs/Bool",), rate=50.4, messages=0),
+    ChannelRow("/c", types=("std_msgs/String",), rate=1.0, messages=3, senders=("/talker",)),
+    ChannelRow("/b", types=(), rate=50.0, messages=2, listeners=("/monitor",)),
+    ChannelRow("/a", rate=None, messages=1),
+    ChannelRow("/d", types=("std_msgs/Bool",), rate=50.4, messages=0),
 )
 
 

@@ -10,7 +10,7 @@ from lcmtools.cli.spy.details import (
     properties,
 )
 from lcmtools.messages.codec import encode
-from lcmtools.observe.channels import Row
+from lcmtools.observe.channels import ChannelRow
 from lcmtools.observe.study import Study
 from lcmtools.types.geometry_msgs import Vector3
 from lcmtools.wire.packet import Packet
@@ -46,7 +46,7 @@ def test_numbers_that_hardly_differ_say_by_how_much() -> None:
 
 
 def test_what_is_known_of_a_channel_has_labels() -> None:
-    row = Row("A", rate=10.0, jitter=0.002, bandwidth=320.0, lost=3, loss=0.1, messages=27,
+    row = ChannelRow("A", rate=10.0, jitter=0.002, bandwidth=320.0, lost=3, loss=0.1, messages=27,
               senders=("drive.py (pid 42)",), age=0.5)  # fmt: skip
     assert flow_text(row) == (
         "10.00 Hz  jitter 2.0 ms  320 B/s  loss 10% of its senders' messages (3)  27 messages"
@@ -69,7 +69,7 @@ def test_what_cannot_be_decoded_is_shown_in_hexadecimal() -> None:
 
 
 def test_before_the_first_message_it_says_so() -> None:
-    found = dict(properties(Row("A"), Study("A").state()))
+    found = dict(properties(ChannelRow("A"), Study("A").state()))
     assert found["message"] == "none since this view was opened"
     assert found["type"] == "unknown"
 

@@ -9,7 +9,7 @@ from fixtures.live_view import ROWS, Planted, Screen, look
 from lcmtools.cli.spy.columns import COLUMNS, TableView
 from lcmtools.cli.spy.live.app import SpyApp
 from lcmtools.cli.spy.live.overview import cell_style
-from lcmtools.observe.channels import Row
+from lcmtools.observe.channels import ChannelRow
 from lcmtools.observe.feed import Feed, Snapshot
 
 
@@ -53,7 +53,7 @@ def test_the_cursor_stays_on_its_row_while_the_order_changes() -> None:
         assert (screen.cursor, screen.channels.index("/base/odom")) == ("/base/odom", 1)
         await screen.press("n", "I")
         assert screen.cursor == "/base/odom"
-        rows = (Row("/aaa", messages=1), *ROWS)
+        rows = (ChannelRow("/aaa", messages=1), *ROWS)
         screen.planted.latest = replace(screen.planted.latest, rows=rows)
         await screen.until(lambda: "45 channels" in screen.title)
         assert screen.cursor == "/base/odom"
@@ -178,14 +178,14 @@ def test_without_color_no_color_is_sent(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_loss_silence_and_unknown_types_are_seen_at_a_glance() -> None:
-    def style(column: str, row: Row) -> object:
+    def style(column: str, row: ChannelRow) -> object:
         return cell_style(row, COLUMNS[column])
 
     known = ("std_msgs/String",)
-    assert style("loss", Row("A", known, lost=5, loss=0.05, age=0.0)) == "bold red"
-    assert style("loss", Row("A", known, lost=5, loss=0.001, age=0.0)) == "bold yellow"
-    assert style("loss", Row("A", known, lost=0, loss=0.0, age=0.0)) == ""
-    assert style("rate", Row("A", known, age=3.5)) == "dim"
-    assert style("rate", Row("A", known, age=2.5)) == ""
-    assert style("type", Row("A", messages=1, age=0.0)) == "bold yellow"
-    assert style("channel", Row("A")) == "dim"
+    assert style("loss", ChannelRow("A", known, lost=5, loss=0.05, age=0.0)) == "bold red"
+    assert style("loss", ChannelRow("A", known, lost=5, loss=0.001, age=0.0)) == "bold yellow"
+    assert style("loss", ChannelRow("A", known, lost=0, loss=0.0, age=0.0)) == ""
+    assert style("rate", ChannelRow("A", known, age=3.5)) == "dim"
+    assert style("rate", ChannelRow("A", known, age=2.5)) == ""
+    assert style("type", ChannelRow("A", messages=1, age=0.0)) == "bold yellow"
+    assert style("channel", ChannelRow("A")) == "dim"

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow
-from lcmtools.graph.drawing.selection import members_only
+from lcmtools.graph.drawing.subgraph import members_only
 from lcmtools.graph.drawing.text import ASCII, UNICODE, signs_for, write
 
 Draw = Callable[..., Diagram]

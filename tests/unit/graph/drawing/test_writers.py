@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from lcmtools.graph.drawing import as_json, dot, mermaid
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
 from lcmtools.graph.drawing.labels import printable
-from lcmtools.graph.drawing.selection import members_only
+from lcmtools.graph.drawing.subgraph import members_only
 
 Draw = Callable[..., Diagram]
 

@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow
-from lcmtools.graph.drawing.selection import (
+from lcmtools.graph.drawing.subgraph import (
+    DiagramOptions,
     LeftOut,
-    Selection,
     is_meant,
     members_only,
     select,
@@ -19,13 +19,13 @@ Draw = Callable[..., Diagram]
 
 def shown(diagram: Diagram, **wanted: object) -> set[str]:
     """The names of what is drawn."""
-    found, _ = select(diagram, Selection(**wanted))  # type: ignore[arg-type]
+    found, _ = select(diagram, DiagramOptions(**wanted))  # type: ignore[arg-type]
     return {vertex.name for vertex in (*found.members, *found.channels)}
 
 
 def test_a_topic_with_one_side_and_no_message_is_left_out_and_counted(draw: Draw) -> None:
     diagram = draw("/a > /t1 > /b", "/a > /t2", "/t3 > /b")
-    found, left = select(diagram, Selection())
+    found, left = select(diagram, DiagramOptions())
     assert [channel.name for channel in found.channels] == ["/t1"]
     assert [(edge.source, edge.target) for edge in found.edges] == [("n1", "t1"), ("t1", "n2")]
     assert left.text() == (
@@ -51,7 +51,7 @@ def test_topics_bring_along_who_uses_them_alone(draw: Draw) -> None:
 def test_clock_and_rosout_are_quiet(draw: Draw) -> None:
     diagram = draw("/a > /t > /b", changes={"/t": {"name": "/rosout", "messages": 9}})
     assert shown(diagram) == {"/a", "/b"}
-    assert select(diagram, Selection())[1].text() == (
+    assert select(diagram, DiagramOptions())[1].text() == (
         "not drawn: /rosout, which nearly all nodes use (add --all)"
     )
     assert "/rosout" in shown(diagram, everything=True)
@@ -64,7 +64,7 @@ def test_tools_and_what_only_they_hear_are_left_out(draw: Draw) -> None:
         "/t > /echo", "/a > /t2 > /echo", changes={"/echo": tool, "/t2": {"messages": 1}}
     )
     assert shown(diagram) == {"/a", "/t2"}
-    assert select(diagram, Selection())[1] == LeftOut(tools=1)
+    assert select(diagram, DiagramOptions())[1] == LeftOut(tools=1)
     assert shown(diagram, tools=True) == {"/a", "/t2", "/_lcmtools_echo_1"}
 
 
@@ -72,7 +72,7 @@ def test_hidden_names_are_left_out(draw: Draw) -> None:
     diagram = draw("/_h > /t > /b", "/b > /_x/t > /b")
     assert shown(diagram, leaf_topics=True) == {"/b", "/t"}
     assert (
-        select(diagram, Selection())[1]
+        select(diagram, DiagramOptions())[1]
         .text()
         .endswith("; 2 names with a part that begins with _ (add --all)")
     )

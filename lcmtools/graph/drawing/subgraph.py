@@ -11,7 +11,7 @@ from lcmtools.names import Pattern, has_wildcard
 
 
 @dataclass(frozen=True, slots=True)
-class Selection:
+class DiagramOptions:
     """The selection of a diagram's content: namespaces, names and patterns; () selects all."""
 
     parts: tuple[str, ...] = ()  # drawn with their direct neighbours
@@ -47,7 +47,7 @@ class LeftOut:
         return f"not drawn: {said}" if said else ""
 
 
-def select(diagram: Diagram, wanted: Selection) -> tuple[Diagram, LeftOut]:
+def select(diagram: Diagram, wanted: DiagramOptions) -> tuple[Diagram, LeftOut]:
     """Return the selected part of a diagram, and the content left out."""
     named = _named(diagram, wanted)
     members = [m for m in named.members if _is_drawn(m, wanted)]
@@ -107,7 +107,7 @@ def _pattern(word: str) -> Pattern:
     return Pattern(word, hidden=True)
 
 
-def _named(diagram: Diagram, wanted: Selection) -> Diagram:
+def _named(diagram: Diagram, wanted: DiagramOptions) -> Diagram:
     members = [m for m in diagram.members if not _is_any(m, wanted.excluded)]
     channels = [
         channel
@@ -153,22 +153,22 @@ def _is_any(member: Member, words: Iterable[str]) -> bool:
     return any(_pattern(word).matches(name) for name in names for word in words)
 
 
-def _is_drawn(member: Member, wanted: Selection) -> bool:
+def _is_drawn(member: Member, wanted: DiagramOptions) -> bool:
     if member.looks_on:
         return wanted.tools or wanted.everything
     return wanted.everything or not member.is_hidden or member.name in wanted.parts
 
 
-def _is_shown(channel: Channel, wanted: Selection) -> bool:
+def _is_shown(channel: Channel, wanted: DiagramOptions) -> bool:
     is_usual = not channel.is_quiet and not channel.is_hidden
     return is_usual or wanted.everything or _is_named(channel, wanted)
 
 
-def _is_named(channel: Channel, wanted: Selection) -> bool:
+def _is_named(channel: Channel, wanted: DiagramOptions) -> bool:
     return channel.name in wanted.topics or channel.name in wanted.parts
 
 
-def _active(diagram: Diagram, wanted: Selection) -> list[Channel]:
+def _active(diagram: Diagram, wanted: DiagramOptions) -> list[Channel]:
     # those that carry messages or have both sides, and all services
     fed = {edge.target for edge in diagram.edges}
     feeding = {edge.source for edge in diagram.edges}

@@ -77,7 +77,7 @@ class BrokenOff(UsageError):  # noqa: N818 - named for what happened, as in erro
 
 
 @dataclass(slots=True)
-class Sender:
+class ScheduledPublisher:
     """Sends messages with a publisher of a node, whose clock gives the stamps."""
 
     node: Node
