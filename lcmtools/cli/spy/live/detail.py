@@ -38,7 +38,7 @@ class Detail(LivePage):
     ]
 
     def __init__(self, channel: str, feed: Feed) -> None:
-        super().__init__()
+        super().__init__(self._draw)
         self._feed = feed
         self._row = feed.latest.row(channel)
         self.study = Study(channel, self._announced_types())
@@ -84,7 +84,7 @@ class Detail(LivePage):
             self._state = self.study.state()
             self.draw()
 
-    def draw(self) -> None:
+    def _draw(self) -> None:
         width = self.table.size.width - 1  # beside the scroll bar
         if width < 1:
             return
@@ -122,7 +122,7 @@ class CurveScreen(LivePage):
     ]
 
     def __init__(self, study: Study, path: str) -> None:
-        super().__init__()
+        super().__init__(self._draw)
         self._study = study
         self._path = path
         self._span = _USUAL
@@ -140,7 +140,7 @@ class CurveScreen(LivePage):
         self._span = max(0, min(len(_SPANS) - 1, self._span + step))
         self.draw()
 
-    def draw(self) -> None:
+    def _draw(self) -> None:
         samples = self._study.samples(self._path)
         width = self.size.width
         if not samples or not width:

@@ -44,7 +44,7 @@ class Overview(LivePage):
     ]
 
     def __init__(self, bus: str, view: TableView, feed: Feed) -> None:
-        super().__init__()
+        super().__init__(self._draw)
         self.view = view
         self._bus = bus
         self._feed = feed
@@ -147,7 +147,7 @@ class Overview(LivePage):
                 self.table.go_to(name)
                 return
 
-    def draw(self) -> None:
+    def _draw(self) -> None:
         width = self.table.size.width - 1  # beside the scroll bar
         if width < 1:
             return

@@ -132,10 +132,11 @@ class Page(Screen[ScreenResultType]):
 
 
 class LivePage(Page[None]):
-    """A screen that is drawn several times a second, unless it is paused."""
+    """A screen that ``draw`` draws several times a second, unless it is paused."""
 
-    def __init__(self) -> None:
+    def __init__(self, draw: Callable[[], None]) -> None:
         super().__init__()
+        self.draw = draw
         self.is_paused = False
         self.top = Static(id="title")
 
@@ -153,6 +154,3 @@ class LivePage(Page[None]):
     def update(self) -> None:
         if not self.is_paused:
             self.draw()
-
-    def draw(self) -> None:
-        raise NotImplementedError

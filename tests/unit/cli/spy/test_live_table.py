@@ -127,6 +127,22 @@ def test_pause_clear_and_trouble() -> None:
     look(script)
 
 
+def test_what_callbacks_raise_is_shown_above_the_table() -> None:
+    errors = ("/driver: timer 0.02 s raised KeyError 3 times", "/arm: scan raised ValueError once")
+
+    async def script(screen: Screen) -> None:
+        assert "lcm-sink (pid 7) listens" in screen.text
+        screen.planted.latest = replace(screen.planted.latest, callback_errors=errors[:1])
+        await screen.until(lambda: screen.text.splitlines()[1] == errors[0])
+        screen.planted.latest = replace(screen.planted.latest, callback_errors=errors)
+        more = f"{errors[0]} (and 1 more; see lcmtools wtf)"
+        await screen.until(lambda: screen.text.splitlines()[1] == more)
+        screen.planted.latest = replace(screen.planted.latest, callback_errors=("/a: \x1b[2J",))
+        await screen.until(lambda: screen.text.splitlines()[1] == r"/a: \x1b[2J")
+
+    look(script)
+
+
 def test_help_names_the_keys_and_goes_away() -> None:
     async def script(screen: Screen) -> None:
         for key, leave in (("f1", "escape"), ("h", "enter"), ("question_mark", "f1")):
