@@ -19,6 +19,9 @@ Library code raises; only ``lcmtools.cli`` prints errors and turns them into exi
 knows nothing else of lcmtools.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class LcmtoolsError(Exception):
     """Something could not be done.
@@ -38,6 +41,15 @@ class LcmtoolsError(Exception):
     def __str__(self) -> str:
         """Both parts in one line, as a command prints them."""
         return f"{self.what}; {self.hint}" if self.hint else self.what
+
+
+@contextmanager
+def os_errors_as(what: str, hint: str = "") -> Iterator[None]:
+    """Raise the system's errors as an LcmtoolsError: "cannot write a.txt: Permission denied"."""
+    try:
+        yield
+    except OSError as error:
+        raise LcmtoolsError(f"{what}: {error.strerror or error}", hint) from error
 
 
 class UsageError(LcmtoolsError):

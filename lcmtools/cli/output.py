@@ -36,10 +36,17 @@ def document(value: object) -> None:
 
 
 def show(
-    value: object, rows: Iterable[str], decorate: Callable[[str], str] = str, *, as_json: bool
+    value: object,
+    rows: Iterable[str],
+    decorate: Callable[[str], str] = str,
+    *,
+    as_json: bool,
+    none: str = "",
 ) -> None:
-    """Print a value as a JSON document, or as lines."""
+    """Print a value as a JSON document, or as lines; say ``none`` where it is an empty list."""
     document(value) if as_json else lines(rows, decorate)
+    if none and not value:
+        talk(none)
 
 
 def columns(rows: Sequence[Sequence[str]]) -> Iterator[str]:

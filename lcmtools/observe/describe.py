@@ -5,8 +5,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from lcmtools.bus.processes import Process, is_local
+from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Ends, Graph, Node, Topic, Traffic
 from lcmtools.messages.registry import candidates
+from lcmtools.names import did_you_mean
 from lcmtools.observe.senders import SocketTable
 
 UNKNOWN = "unknown type"
@@ -119,6 +121,20 @@ class Computers:
         """Return the name of the computer that a node is on."""
         address = address_of(node)
         return f"{node.host} ({address})" if address and node.host in self._twice else node.host
+
+    def nodes_on(self, host: str, nodes: Iterable[Node]) -> list[Node]:
+        """Return the nodes on a computer, which is named, or given by its address.
+
+        Raises:
+            LcmtoolsError: None of them is.
+        """
+        wanted = self._own if host in ("localhost", "127.0.0.1") else host
+        known = {one: (one.host, self.of(one), one.sender and one.sender.address) for one in nodes}
+        if not (found := [node for node, names in known.items() if wanted in names]):
+            hint = did_you_mean(host, {node.host for node in known})
+            what = f"no node runs on machine {host}"
+            raise LcmtoolsError(what, hint or "lcmtools node machine lists the machines")
+        return found
 
     def of_traffic(self, traffic: Traffic) -> str:
         """Return the name of the computer that a sender is on."""

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
 from lcmtools.graph.model import Ends, Graph, Node, Role, Topic
 from lcmtools.messages.fields import visible_fields
-from lcmtools.messages.registry import ServiceType, service_class
+from lcmtools.messages.path import Path, parse_path, splits
+from lcmtools.messages.registry import ServiceType, candidates, service_class
 from lcmtools.names import (
     Pattern,
     Resolver,
@@ -39,6 +40,30 @@ def find_topic(graph: Graph, name: str, names: Resolver = GLOBAL) -> Topic:
             f"unknown topic {names.spellings(name)[-1]}", near_topic(graph, name, names)
         )
     return graph.topic(spelling)
+
+
+def find_topic_and_path(
+    graph: Graph, argument: str, names: Resolver = GLOBAL
+) -> tuple[Topic, Path]:
+    """Return the topic that an argument means, the longest there is, and the path behind it."""
+    for topic, rest in splits(argument):
+        if known_spelling(graph, topic, names) is not None:
+            try:
+                return find_topic(graph, topic, names), parse_path(rest)
+            except UsageError as error:
+                raise LcmtoolsError(error.what, error.hint) from error
+    return find_topic(graph, argument, names), Path()
+
+
+def is_of_type(topic: Topic, name: str) -> bool:
+    """Return whether a type is announced, or may be what a program that announces nothing sends.
+
+    A fingerprint that an announced type has too is taken for that type's.
+    """
+    seen = map(candidates, topic.fingerprints)
+    return name in topic.types or any(
+        name in names and not set(names) & set(topic.types) for names in seen
+    )
 
 
 def near_topic(graph: Graph, name: str, names: Resolver = GLOBAL) -> str:

@@ -65,7 +65,7 @@ def check(new: NewPackage, known: Collection[str]) -> None:
 
     Raises:
         InvalidName: A name breaks a rule.
-        UsageError: A dependency is not known.
+        UsageError: A dependency is not known, or the licence no short name.
     """
     _check_module(new.name, "package")
     check_node_name(new.node)
@@ -82,6 +82,9 @@ def check(new: NewPackage, known: Collection[str]) -> None:
         if name not in known and name != new.name:
             hint = did_you_mean(name, known) or "lcmtools msg packages lists them"
             raise UsageError(f"--deps: there is no package '{name}' of message types", hint)
+    if not all(one.isalnum() or one in "-.+ ()" for one in new.license):
+        what = f"--license: '{new.license}' is no licence's short name"
+        raise UsageError(what, "for example MIT")
 
 
 def create(new: NewPackage, folder: Path, *, replace: bool = False) -> list[Path]:

@@ -5,14 +5,15 @@ precedence over lcmtools' own, and a file of its name that is not declared is ne
 """
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
-from lcmtools.errors import UsageError
+from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.messages.type_source import shown
 from lcmtools.names import did_you_mean
-from lcmtools.packages.nodes import ANSWERS, OWN, TABLE, Runnable, entry
-from lcmtools.packages.workspace import package_folders, workspace
+from lcmtools.packages.nodes import ANSWERS, OWN, TABLE, Runnable, entry, installed_packages
+from lcmtools.packages.type_files import module_folders
+from lcmtools.packages.workspace import Package, package_folders, workspace
 
 _MAIN = re.compile(r"^(async )?def main\b|^main\b.*=", re.MULTILINE)
 
@@ -118,3 +119,50 @@ def _unknown(first: str, rest: Sequence[str], known: Iterable[Runnable]) -> Usag
         near = did_you_mean(first, packages) or f"{' and '.join(homes)} has such a node"
         return UsageError(f"there is no package '{first}'", near)
     return UsageError(f"there is no node '{first}'", hint)
+
+
+def package_places(here: Path) -> dict[str, tuple[Path, bool]]:
+    """Return each package's folder, and True if it is installed; those around ``here`` first."""
+    found = {
+        name: (place, True) for name in installed_packages() for place in module_folders(name)[:1]
+    }
+    found |= {one.name: (one.folder, False) for one in workspace(here).packages}
+    return dict(sorted(found.items()))
+
+
+def find_packages(name: str | None, here: Path) -> list[Package]:
+    """Return the packages of the workspace around ``here``, or the one of a name.
+
+    Raises:
+        UsageError: There is none of this name.
+        LcmtoolsError: There is none at all.
+    """
+    known = workspace(here).packages
+    found = [one for one in known if name in (None, one.name)]
+    if not found and name:
+        raise unknown_package(name, [one.name for one in known], here)
+    if not found:
+        raise LcmtoolsError("there is no package here", "lcmtools pkg create NAME makes one")
+    return found
+
+
+def find_package(name: str | None, here: Path) -> Package:
+    """Return the package of a name; for None the one that ``here`` is in, or the only one.
+
+    Raises:
+        UsageError: There is none of this name, or there are several.
+        LcmtoolsError: There is none at all.
+    """
+    found = find_packages(name, here)
+    inside = [one for one in found if here.is_relative_to(one.folder)] or found
+    if len(inside) > 1:
+        names = ", ".join(one.name for one in inside)
+        raise UsageError(f"several packages are here: {names}", "choose one by --package")
+    return inside[0]
+
+
+def unknown_package(name: str, known: Collection[str], here: Path) -> UsageError:
+    """Return the error of a package that does not exist."""
+    problems = workspace(here).problems
+    hint = did_you_mean(name, known) or (str(problems[0]) if problems else "")
+    return UsageError(f"there is no package '{name}'", hint or "lcmtools pkg list shows them")

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
 
-from lcmtools.errors import UnknownType
+from lcmtools.errors import LcmtoolsError, UnknownType
 from lcmtools.messages import type_source
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import (
@@ -142,6 +142,21 @@ def sources_of(words: Sequence[str]) -> list[Path]:
         raise UnknownType("there are no types of your own", "name types, or set LCMTOOLS_TYPE_PATH")
     shipped = shipped_folder()
     return sorted({Path(own.get(name) or shipped / f"{name}.lcm") for name in names})
+
+
+def source_file(name: str) -> str:
+    """Return the path of the file of a message type, .lcm or of ROS."""
+    return default_registry().files().get(name) or f"{shipped_folder() / name}.lcm"
+
+
+def source_text(kind: type[Message]) -> str:
+    """Return the file of a message type, as its author wrote it."""
+    file = source_file(type_name(kind))
+    try:
+        return Path(file).read_text("utf-8").strip()
+    except (OSError, UnicodeDecodeError) as error:
+        what = f"cannot read {file}, where {type_name(kind)} is from: {error}"
+        raise LcmtoolsError(what) from error
 
 
 def package_messages(module: str, file: str) -> Callable[[str], type[Message | ServiceType]]:

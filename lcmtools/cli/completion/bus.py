@@ -1,7 +1,5 @@
 """Completers that look at the bus: topics, nodes, namespaces, services, parameters, robots."""
 
-import contextlib
-import time
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
@@ -14,7 +12,6 @@ if TYPE_CHECKING:  # most completions do without
     from lcmtools.types.lcmtools_msgs import Parameter
 
 TOPIC = ("topic", "topics", "words")  # the parameters that are topics
-_ANSWER = 0.08  # [s] that a node has to answer
 _DEFAULT_URL = "udpm://239.255.76.67:7667?ttl=0"
 _STATE = "sim_msgs/GetState"  # the service that only simulators offer
 
@@ -178,37 +175,9 @@ def _full_name(name: str, situation: Situation) -> str:
 
 
 def _parameters_of(node: str, situation: Situation) -> "Sequence[Parameter]":
-    """The parameters of a node; none where it does not answer."""
-    from lcmtools.bus.quick_probe import QuickProbe
-    from lcmtools.messages.codec import decode
-    from lcmtools.node.parameters import service_name
-    from lcmtools.node.service import reply_channel, request_channel
-    from lcmtools.types.lcmtools_msgs import Parameters, ServiceReply
+    from lcmtools.publish.quick_parameters import parameters_of
 
-    service = service_name(node)
-    client, request = _request(request_channel(service))
-    deadline = time.monotonic() + _ANSWER
-    with (
-        contextlib.suppress(LcmtoolsError, OSError),
-        QuickProbe(situation.url, request, reply_channel(service)) as quick_probe,
-    ):
-        for payload in quick_probe.replies(reply_channel(service), deadline):
-            with contextlib.suppress(LcmtoolsError):
-                reply = decode(ServiceReply, payload)
-                if reply.client == client and reply.status == ServiceReply.OK:
-                    return decode(Parameters.Response, reply.payload).parameters
-    return ()
-
-
-def _request(channel: str) -> tuple[str, bytes]:
-    """The client's id, and the datagram that requests all parameters and changes none."""
-    import uuid
-
-    from lcmtools.messages.codec import encode
-    from lcmtools.types.lcmtools_msgs import Parameters, ServiceRequest
-    from lcmtools.wire.datagram import short_message
-
-    request = ServiceRequest()
-    request.client, request.sequence = uuid.uuid4().hex, 1
-    request.payload = encode(Parameters.Request())
-    return request.client, short_message(0, channel, encode(request))
+    try:
+        return parameters_of(node, situation.url)
+    except (LcmtoolsError, OSError):
+        return ()

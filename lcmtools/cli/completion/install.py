@@ -5,12 +5,13 @@ shell would not find the script otherwise, and only once.
 """
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from shlex import quote
 
-from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.errors import LcmtoolsError, UsageError, os_errors_as
 from lcmtools.folders import home_folder, write_atomically
 
 NAMES = ("bash", "zsh", "fish")
@@ -96,13 +97,12 @@ def install(shell: str, wanted: Plan) -> Iterator[str]:
 
 def uninstall(wanted: Plan) -> Iterator[str]:
     """Undo ``install``; yield a line for each step."""
-    try:
-        wanted.script.unlink()
-        yield f"removed {wanted.script}"
-    except (FileNotFoundError, NotADirectoryError):
+    if _text(wanted.script) is None:
         yield f"{wanted.script} is not there"
-    except OSError as error:
-        raise LcmtoolsError(f"cannot remove {wanted.script}: {error.strerror}") from error
+    else:
+        with os_errors_as(f"cannot remove {wanted.script}"):
+            wanted.script.unlink()
+        yield f"removed {wanted.script}"
     before = (_text(wanted.settings) if wanted.settings else None) or ""
     kept = _without_ours(before)
     if wanted.settings and kept != before:
@@ -116,17 +116,12 @@ def _without_ours(text: str) -> str:
 
 
 def _text(path: Path) -> str | None:
-    try:
+    with os_errors_as(f"cannot read {path}"), suppress(FileNotFoundError, NotADirectoryError):
         return path.read_bytes().decode("utf-8", "surrogateescape")
-    except (FileNotFoundError, NotADirectoryError):
-        return None
-    except OSError as error:
-        raise LcmtoolsError(f"cannot read {path}: {error.strerror}") from error
+    return None
 
 
 def _write(path: Path, text: str) -> None:
-    try:
+    with os_errors_as(f"cannot write {path}", _ALONE):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(path, text)
-    except OSError as error:
-        raise LcmtoolsError(f"cannot write {path}: {error.strerror}", _ALONE) from error

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lcmtools.cli.output import data, lines
-from lcmtools.errors import LcmtoolsError, MissingExtra, UsageError
+from lcmtools.errors import LcmtoolsError, MissingExtra, UsageError, os_errors_as
 from lcmtools.folders import write_atomically
 from lcmtools.graph.drawing import as_json, dot, mermaid, text
 from lcmtools.graph.drawing.diagram import Diagram
@@ -110,10 +110,8 @@ def _graphviz() -> str:
 
 
 def _write(path: Path, document: str) -> None:
-    try:
+    with os_errors_as(f"cannot write {path}"):
         if path.exists() and not path.is_file():  # /dev/stdout, a pipe: not to be replaced
             path.write_text(document, encoding="utf-8")
         else:
             write_atomically(path, document)
-    except OSError as error:
-        raise LcmtoolsError(f"cannot write {path}: {error.strerror or error}") from error

@@ -1,6 +1,7 @@
 """``lcmtools launch``."""
 
 import os
+import shlex
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -9,15 +10,9 @@ from lcmtools.bus.preflight import wait_for_bus
 from lcmtools.bus.url import domain_url
 from lcmtools.cli.bus import chosen_url
 from lcmtools.cli.declare import CommandT, argument, duration, examples, option, subcommand
-from lcmtools.cli.launch.answers import (
-    PLAN_ANSWERS,
-    arguments_answer,
-    list_answer,
-    outcome_rows,
-)
 from lcmtools.cli.launch.screen import Screen
 from lcmtools.cli.options import bus_options, json_option
-from lcmtools.cli.output import show, talk
+from lcmtools.cli.output import columns, show, talk
 from lcmtools.errors import UsageError
 from lcmtools.launch.command_line import read_words
 from lcmtools.launch.file import STANDARD_INPUT, read_file, read_standard_input
@@ -25,6 +20,7 @@ from lcmtools.launch.logs import make_folder
 from lcmtools.launch.packages import find_files
 from lcmtools.launch.plan import NodePlan, Output, Plan
 from lcmtools.launch.reading import make_plan
+from lcmtools.launch.report import PLAN_ANSWERS, arguments_answer, list_answer
 from lcmtools.launch.supervisor import Supervisor
 from lcmtools.processes.child import StopTimeouts
 from lcmtools.settings import usual_namespace
@@ -140,10 +136,14 @@ def _run(plan: Plan, output: str | None, timeouts: StopTimeouts) -> int:
     folder = make_folder(os.environ)
     hidden = any(node.output is Output.LOG for node in nodes)
     talk(f"log files: {folder}{'; --screen shows all lines here too' if hidden else ''}")
-    outcomes = Supervisor(nodes, environment, folder, Screen(), timeouts).run()
+    ended = Supervisor(nodes, environment, folder, Screen(), timeouts).run()
     sys.stdout.flush()
-    talk("\n".join(outcome_rows(outcomes)))
-    return int(any(outcome.has_failed for outcome in outcomes))
+    rows = [("node", "end", "restarts", "log")]
+    for one in ended:
+        log = shlex.quote(one.log) if one.log else "-"
+        rows.append((one.plan.name, one.end_text(), str(max(0, one.starts - 1)), log))
+    talk("\n".join(columns(rows)))
+    return int(any(one.has_failed for one in ended))
 
 
 def _with_output(node: NodePlan, output: str | None) -> NodePlan:

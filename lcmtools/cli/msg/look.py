@@ -1,15 +1,12 @@
 """The commands of ``lcmtools msg`` and ``srv`` that show types."""
 
 import sys
-from pathlib import Path
 
 from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import data, document, show, talk
 from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
 from lcmtools.messages.registry import (
-    Message,
-    default_registry,
     fingerprint,
     message_class,
     packages,
@@ -120,6 +117,7 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
     reads it from standard input.
     """
     from lcmtools.messages.definition import definition
+    from lcmtools.packages.user_types import source_file, source_text
 
     type_ = _piped() if type_ == "-" else type_
     kind = message_class(type_)
@@ -128,28 +126,10 @@ def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
     spelling = "LCM" if raw and file.endswith(".lcm") else "ROS"
     if as_json:
         number = f"{fingerprint(kind):#018x}"
-        record = {"type": name, "fingerprint": number, "spelling": spelling, "definition": text}
-        document(record)
+        document({"type": name, "fingerprint": number, "spelling": spelling, "definition": text})
     else:
         data(text if "/" in type_ or "." in type_ else f"[{name}]:\n{text}")
         talk(f"types are spelt as in {spelling}; {'this is' if raw else '-r shows'} {shown(file)}")
-
-
-def source_file(name: str) -> str:
-    """Return the path of the file of a message type, .lcm or of ROS."""
-    from lcmtools.packages.type_files import shipped_folder
-
-    return default_registry().files().get(name) or f"{shipped_folder() / name}.lcm"
-
-
-def source_text(kind: type[Message]) -> str:
-    """Return the file of a message type, as its author wrote it."""
-    name = type_name(kind)
-    file = source_file(name)
-    try:
-        return Path(file).read_text("utf-8").strip()
-    except (OSError, UnicodeDecodeError) as error:
-        raise LcmtoolsError(f"cannot read {file}, where {name} is from: {error}") from error
 
 
 def _piped() -> str:
@@ -179,6 +159,7 @@ def show_service(type_: str, *, raw: bool, as_json: bool) -> None:
     TYPE is std_srvs/Trigger, std_srvs/srv/Trigger, std_srvs.Trigger or Trigger.
     """
     from lcmtools.messages.definition import definition
+    from lcmtools.packages.user_types import source_file, source_text
 
     pair, name = service_class(type_), service_name(type_)
     text = source_text if raw else definition

@@ -4,14 +4,12 @@ import time
 
 from lcmtools.cli.bus import in_names, open_monitor
 from lcmtools.cli.declare import argument, examples, option, subcommand
-from lcmtools.cli.node import sections
-from lcmtools.cli.node.sections import program_record, program_sections
 from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import document, lines
 from lcmtools.cli.param.read import block, json_values
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node
-from lcmtools.observe.describe import node_record
+from lcmtools.observe import node_report as report
 from lcmtools.observe.find import find_nodes
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.nodes import find_programs
@@ -44,21 +42,17 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
         return
     for one in found:
         if isinstance(one, Program):
-            usage = sections.usage(one.process.pid, now) if one.process else []
-            lines(program_sections(one, usage, quiet=quiet))
+            lines(report.program_rows(one, now, quiet=quiet))
             continue
-        lines(["-" * 80, f"Node [{one.name}]", *sections.roles(one, show_hidden=show_hidden), ""])
+        lines(report.roles(one, show_hidden=show_hidden))
         if not quiet:
-            lines(
-                [
-                    *sections.process(one, now),
-                    *sections.errors(one),
-                    *_parameters(one, known),
-                    *sections.counters(one),
-                    *sections.connections(one, graph),
-                    "",
-                ]
+            sections = (
+                report.process(one, now),
+                _parameters(one, known),
+                report.counters(one),
+                report.connections(one, graph),
             )
+            lines(row for section in sections for row in section)
 
 
 def _find(monitor: BusMonitor, graph: Graph, word: str) -> list[Node] | list[Program]:
@@ -86,10 +80,7 @@ def _parameters(node: Node, known: Answers) -> list[str]:
 
 def _record(one: Node | Program, graph: Graph, known: Answers, now: int) -> dict[str, object]:
     if isinstance(one, Program):
-        return program_record(one)
+        return report.program_record(one)
     parameters = known.get(one.name)
-    return {
-        **node_record(one),
-        **sections.record(one, graph, now),
-        "parameters": None if parameters is None else json_values(parameters),
-    }
+    values = None if parameters is None else json_values(parameters)
+    return {**report.record(one, graph, now), "parameters": values}

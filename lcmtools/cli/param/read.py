@@ -8,7 +8,7 @@ from lcmtools.cli.bus import in_names, notify
 from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
 from lcmtools.cli.output import document, lines, show, talk
-from lcmtools.errors import LcmtoolsError, ServiceError, ServiceTimeout, UsageError
+from lcmtools.errors import LcmtoolsError, ServiceError, ServiceTimeout, UsageError, os_errors_as
 from lcmtools.graph.model import Graph, Node, Staleness
 from lcmtools.messages.plain import finite
 from lcmtools.messages.setting import write_setting
@@ -189,10 +189,8 @@ def dump(words: tuple[str, ...], *, output: str | None, timeout: float, as_json:
         lines(tree(answers))
     elif not errors:  # half of a file is worse than none
         text = "".join(f"{row}\n" for row in tree(answers))
-        try:
+        with os_errors_as(f"cannot write {file}"):
             Path(str(file)).write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise LcmtoolsError(f"cannot write {file}: {error.strerror or error}") from error
     return complain_of(errors)
 
 

@@ -7,7 +7,6 @@ import click
 from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import show, talk
-from lcmtools.errors import UsageError
 from lcmtools.messages.registry import packages
 from lcmtools.packages.create import NewPackage, check, create
 
@@ -79,9 +78,6 @@ def command(
         name, node or f"{name}_node", message, tuple(dict.fromkeys(wanted)), license_.strip()
     )
     check(new, packages())
-    if not all(one.isalnum() or one in "-.+ ()" for one in new.license):
-        what = f"--license: '{new.license}' is no licence's short name"
-        raise UsageError(what, "for example MIT")
     place = Path(folder).expanduser() / name
     written = create(new, place, replace=force)
     record = {"folder": str(place), "files": [str(path) for path in written]}

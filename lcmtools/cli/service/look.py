@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from lcmtools.cli.bus import in_names, look, looking_names
 from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
-from lcmtools.cli.output import show, talk
+from lcmtools.cli.output import show
 from lcmtools.errors import LcmtoolsError
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.registry import service_name
@@ -28,9 +28,8 @@ def list_services(
     graph, url = look("service_list")
     services = offered_services(graph, in_names(namespace), show_all=show_all)
     rows = (_row(s, show_types=show_types, show_nodes=show_nodes) for s in services)
-    show(list(map(_listed_record, services)), rows, as_json=as_json)
-    if not services:
-        talk(f"no services{f' in {namespace}' if namespace else ''} on {url}")
+    none = f"no services{f' in {namespace}' if namespace else ''} on {url}"
+    show(list(map(_listed_record, services)), rows, as_json=as_json, none=none)
 
 
 def _find(tool: str, *words: str) -> list[OfferedService]:
@@ -69,9 +68,7 @@ def find(type_: str, *, show_all: bool, as_json: bool) -> None:
     name = service_name(type_)
     graph, url = look("service_find")
     found = [s.name for s in offered_services(graph, show_all=show_all) if name in s.types]
-    show(found, found, as_json=as_json)
-    if not found:
-        talk(f"no services of type {name} on {url}")
+    show(found, found, as_json=as_json, none=f"no services of type {name} on {url}")
 
 
 @subcommand("type", json_option, looking_options)

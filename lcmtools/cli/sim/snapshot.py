@@ -7,7 +7,7 @@ import click
 from lcmtools.cli.declare import argument, examples, option, subcommand, whole_number
 from lcmtools.cli.output import talk
 from lcmtools.cli.sim.common import call, sim_options
-from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.errors import UsageError, os_errors_as
 from lcmtools.types.sim_msgs import Snapshot
 
 
@@ -38,8 +38,6 @@ def command(
         with click.open_file("-", "wb") as stream:
             stream.write(picture)
         return
-    try:
+    with os_errors_as(f"cannot write {file}"):
         path.write_bytes(picture)
-    except OSError as error:
-        raise LcmtoolsError(f"cannot write {file}: {error.strerror}") from error
     talk(f"wrote {file}: {len(picture)} bytes")

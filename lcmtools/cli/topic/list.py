@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from lcmtools.cli.bus import looking_pattern, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, option, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
-from lcmtools.cli.output import columns, data, show, talk
+from lcmtools.cli.output import columns, data, show
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Topic
 from lcmtools.observe.activity import Activity
@@ -70,8 +70,7 @@ def command(
         raise UsageError("-p and -s exclude each other", "leave out both for all topics")
     activity, wait = Activity(), _MEASURED if hz and wait is None else wait
     with open_monitor("list") as monitor:
-        graph = monitor.settle(wait=wait, count=activity.add)
-        url = monitor.url
+        graph, url = monitor.settle(wait=wait, count=activity.add), monitor.url
     rates = activity.rates() if hz else None
     options = _ListOptions(not subscribed, not published, verbose, show_types, rates)
     pattern = looking_pattern(namespace, hidden=show_all)
@@ -81,9 +80,8 @@ def command(
         data(str(len(topics)))
         return
     rows = _hosts(topics, options) if by_hosts else _rows(topics, options)
-    show([_record(topic, options) for topic in topics], rows, as_json=as_json)
-    if not topics:
-        talk(f"no topics{f' in {namespace}' if namespace else ''} on {url}")
+    none = f"no topics{f' in {namespace}' if namespace else ''} on {url}"
+    show([_record(topic, options) for topic in topics], rows, as_json=as_json, none=none)
 
 
 def _rows(topics: list[Topic], options: _ListOptions) -> list[str]:

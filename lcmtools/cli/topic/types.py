@@ -3,15 +3,15 @@
 from lcmtools.cli.bus import look, looking_names
 from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
-from lcmtools.cli.output import data, show, talk
-from lcmtools.errors import LcmtoolsError, UsageError, ValueMismatch
-from lcmtools.graph.model import Graph, Topic
+from lcmtools.cli.output import data, show
+from lcmtools.errors import LcmtoolsError, ValueMismatch
+from lcmtools.graph.model import Topic
 from lcmtools.messages.definition import array_type
-from lcmtools.messages.path import Path, parse_path, splits, target
-from lcmtools.messages.registry import candidates, message_class, type_name
-from lcmtools.names import Resolver, is_hidden
+from lcmtools.messages.path import Path, target
+from lcmtools.messages.registry import message_class, type_name
+from lcmtools.names import is_hidden
 from lcmtools.observe.describe import UNKNOWN, fingerprint_rows, type_text
-from lcmtools.observe.find import find_topic, known_spelling
+from lcmtools.observe.find import find_topic_and_path, is_of_type
 
 
 @subcommand("type", json_option, looking_options)
@@ -26,9 +26,9 @@ def print_type(topic: str, *, as_json: bool) -> None:
 
     For a field it prints the topic's type, the field and the field's type, as rostopic does.
     """
-    looking_names().spellings(topic)  # an empty name is wrong whatever the bus is
-    graph, _ = look("type", foreign=True)
-    found, path = _find(graph, topic, looking_names())
+    names = looking_names()
+    names.spellings(topic)  # an empty name is wrong whatever the bus is
+    found, path = find_topic_and_path(look("type", foreign=True)[0], topic, names)
     text = type_text(found)
     if path.steps:
         _show_field(found, text, path, as_json=as_json)
@@ -36,17 +36,6 @@ def print_type(topic: str, *, as_json: bool) -> None:
     if text == UNKNOWN and not as_json:
         raise _unknown(found)
     show({"topic": found.name, "type": None if text == UNKNOWN else text}, [text], as_json=as_json)
-
-
-def _find(graph: Graph, argument: str, names: Resolver) -> tuple[Topic, Path]:
-    """The topic that an argument means, the longest there is, and the field path behind it."""
-    for topic, rest in splits(argument):
-        if known_spelling(graph, topic, names) is not None:
-            try:
-                return find_topic(graph, topic, names), parse_path(rest)
-            except UsageError as error:
-                raise LcmtoolsError(error.what, error.hint) from error
-    return find_topic(graph, argument, names), Path()
 
 
 def _show_field(topic: Topic, text: str, path: Path, *, as_json: bool) -> None:
@@ -83,17 +72,4 @@ def find(type_: str, *, count_topics: bool, show_all: bool, as_json: bool) -> No
     if count_topics:
         data(str(len(found)))
         return
-    show(found, found, as_json=as_json)
-    if not found:
-        talk(f"no topics of type {name} on {url}")
-
-
-def is_of_type(topic: Topic, name: str) -> bool:
-    """Return whether a type is announced, or may be what a program that announces nothing sends.
-
-    A fingerprint that an announced type has too is taken for that type's.
-    """
-    seen = map(candidates, topic.fingerprints)
-    return name in topic.types or any(
-        name in names and not set(names) & set(topic.types) for names in seen
-    )
+    show(found, found, as_json=as_json, none=f"no topics of type {name} on {url}")

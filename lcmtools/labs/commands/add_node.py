@@ -6,10 +6,10 @@ from pathlib import Path
 from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import show, talk
-from lcmtools.cli.pkg.look import chosen_package
 from lcmtools.labs.skeletons import skeleton_text
 from lcmtools.messages.type_source import shown
 from lcmtools.packages.add_node import add_node
+from lcmtools.packages.finding import find_package
 
 
 @subcommand("add-node", json_option)
@@ -38,7 +38,7 @@ def command(
 
     A file NAME.py that is in the package already is kept and only declared.
     """
-    home = chosen_package(package)
+    home = find_package(package, Path.cwd())
     text = None
     if skeleton is not None:
         text = skeleton_text(skeleton).replace(

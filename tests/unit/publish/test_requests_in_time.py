@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from lcmtools.publish import calls, sender
+from lcmtools.publish import calls, schedule
 
 
 class Time:
@@ -27,7 +27,7 @@ class Time:
 def time(monkeypatch: pytest.MonkeyPatch) -> Time:
     """Put in place of the computer's."""
     clock = Time()
-    for module in (calls, sender):
+    for module in (calls, schedule):
         monkeypatch.setattr(module, "time", clock)
     return clock
 

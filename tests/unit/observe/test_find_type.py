@@ -1,8 +1,8 @@
 """Which topics are of a type."""
 
-from lcmtools.cli.topic.types import is_of_type
 from lcmtools.graph.model import Endpoint, Node, Role, Topic, Traffic
 from lcmtools.messages.registry import fingerprint, message_class
+from lcmtools.observe.find import is_of_type
 
 _TWIST = fingerprint(message_class("geometry_msgs/Twist"))  # Accel has it too
 

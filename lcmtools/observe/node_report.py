@@ -1,4 +1,4 @@
-"""The sections of ``lcmtools node info``; and programs that are no nodes."""
+"""A node, or a program that is none, as lines of text and as values for JSON."""
 
 import socket
 import time
@@ -8,11 +8,17 @@ from dataclasses import asdict
 from lcmtools.bus.kernel import receive_buffers
 from lcmtools.bus.processes import usage_of
 from lcmtools.graph.drawing.labels import printable
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
-from lcmtools.messages.registry import candidates
+from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.names import is_hidden
-from lcmtools.observe.counters import callback_record, callback_times
-from lcmtools.observe.describe import UNKNOWN, callback_errors, candidates_text, host_text
+from lcmtools.observe.counters import average_rate, callback_record, callback_times
+from lcmtools.observe.describe import (
+    UNKNOWN,
+    callback_errors,
+    candidates_text,
+    host_text,
+    node_record,
+    seen_types,
+)
 from lcmtools.observe.nodes import program_place
 from lcmtools.observe.senders import Program, is_here, user_name
 
@@ -24,9 +30,18 @@ _TITLES = {
 }
 
 
+def listed(node: Node, now: int) -> str:
+    """Return a node as rosnode list -a has it, the address first, and behind the name its state."""
+    seconds = _up_time(node, now)
+    units = (("days", 86400), ("h", 3600), ("min", 60))
+    spans = (f"{seconds / length:.1f} {unit}" for unit, length in units if seconds >= 2 * length)
+    state = f"stale: {node.stale}" if node.stale else f"up {next(spans, f'{seconds:.0f} s')}"
+    return f"{node.host}:{node.pid} \t{node.name}\t{state}"
+
+
 def roles(node: Node, *, show_hidden: bool) -> list[str]:
-    """Return its publications, subscriptions, services and clients, with types."""
-    rows = []
+    """Return its name, and its publications, subscriptions, services and clients, with types."""
+    rows = ["-" * 80, f"Node [{node.name}]"]
     for role, title in _TITLES.items():
         shown = [
             f" * {e.topic} [{' or '.join(e.types) or UNKNOWN}]{_dropped(e)}"
@@ -37,39 +52,21 @@ def roles(node: Node, *, show_hidden: bool) -> list[str]:
             rows += [f"{title}: ", *shown, ""]
         elif role is not Role.CLIENT:  # rosnode has no such section
             rows += [f"{title}: None", ""]
-    return rows
+    return [*rows, ""]
 
 
 def process(node: Node, now: int) -> list[str]:
-    """Return where it runs, since when, and on this computer its use of resources."""
+    """Return where it runs, since when, its use of resources, and what its callbacks raised."""
     rows = [f"Host: {host_text(node)}", f"Pid: {node.pid}", f"Command: {node.command}"]
     if node.stale:
-        return [*rows, f"Stale: {node.stale}"]
-    rows += usage(node.pid, now) if is_here(node) else []
-    seconds = _up_time(node, now)
-    rows.append(f"Up for: {seconds:.0f} s")
-    return [*rows, f"In callbacks: {_percent(node.busy / 1e9, seconds)} of that time"]
-
-
-def usage(pid: int, now: int) -> list[str]:
-    """Return the resources that a process of this computer uses, where the system knows."""
-    taken = usage_of(pid)
-    if taken is None:
-        return []
-    started = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(taken.start_time / 1e9))
-    share = _percent(taken.processor_time, (now - taken.start_time) / 1e9)
-    return [
-        f"User: {user_name(taken.uid)}",
-        f"Started: {started}",
-        f"Memory: {taken.memory_bytes / 1e6:.1f} MB",
-        f"Processor: {share} of a core since it started",
-    ]
-
-
-def errors(node: Node) -> list[str]:
-    """Return what its callbacks have raised, the newest first."""
-    rows = [f" * {printable(text)}" for text in callback_errors(node)]
-    return ["Errors of callbacks:", *rows] if rows else []
+        rows.append(f"Stale: {node.stale}")
+    else:
+        rows += _usage(node.pid, now) if is_here(node) else []
+        seconds = _up_time(node, now)
+        rows.append(f"Up for: {seconds:.0f} s")
+        rows.append(f"In callbacks: {_percent(node.busy / 1e9, seconds)} of that time")
+    errors = [f" * {printable(text)}" for text in callback_errors(node)]
+    return [*rows, "Errors of callbacks:", *errors] if errors else rows
 
 
 def counters(node: Node) -> list[str]:
@@ -85,20 +82,21 @@ def connections(node: Node, graph: Graph) -> list[str]:
         for topic, direction, peer in _peers(node, graph)
         for row in (f" * topic: {topic}", f"    * {direction}: {peer}")
     ]
-    return ["Connections:", *(rows or [" * none"])]
+    return ["Connections:", *(rows or [" * none"]), ""]
 
 
 def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
     """Return all of it for JSON."""
     taken = usage_of(node.pid) if is_here(node) and not node.stale else None
     return {
+        **node_record(node),
         **{
             title.lower().replace(" ", "_"): list(map(_endpoint_record, node.having(role)))
             for role, title in _TITLES.items()
         },
         "connections": [
-            {"topic": topic, "direction": direction, "node": peer}
-            for topic, direction, peer in _peers(node, graph)
+            dict(zip(("topic", "direction", "node"), one, strict=True))
+            for one in _peers(node, graph)
         ],
         "up_time": None if node.stale else _up_time(node, now),
         "callback_time": node.busy,
@@ -109,19 +107,31 @@ def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
     }
 
 
+def _usage(pid: int, now: int) -> list[str]:
+    """The resources that a process of this computer uses, where the system knows."""
+    taken = usage_of(pid)
+    if taken is None:
+        return []
+    started = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(taken.start_time / 1e9))
+    share = _percent(taken.processor_time, (now - taken.start_time) / 1e9)
+    return [
+        f"User: {user_name(taken.uid)}",
+        f"Started: {started}",
+        f"Memory: {taken.memory_bytes / 1e6:.1f} MB",
+        f"Processor: {share} of a core since it started",
+    ]
+
+
 def _up_time(node: Node, now: int) -> float:
     return max(0.0, (node.time_there(now) - node.start_time) / 1e9)
 
 
 def _counter(node: Node, endpoint: Endpoint) -> str:
     verb = "sent" if endpoint.role is Role.PUBLISHER else "received"
-    seconds = (endpoint.last_time - node.start_time) / 1e9
-    parts = [f"{endpoint.messages} {verb}", f"{endpoint.bytes} bytes"]
-    if endpoint.messages > 1 and seconds > 0:
-        parts.append(f"{endpoint.messages / seconds:.3g} Hz on average")
-    took = callback_times(endpoint)
-    drops = _dropped(endpoint)
-    return f" * {endpoint.topic}: {', '.join(parts)}{drops}{f', {took}' if took else ''}"
+    rate, took = average_rate(node, endpoint), callback_times(endpoint)
+    average = "" if rate is None else f", {rate:.3g} Hz on average"
+    counted = f"{endpoint.messages} {verb}, {endpoint.bytes} bytes{average}{_dropped(endpoint)}"
+    return f" * {endpoint.topic}: {counted}{f', {took}' if took else ''}"
 
 
 def _dropped(endpoint: Endpoint) -> str:
@@ -158,7 +168,7 @@ def _endpoint_record(endpoint: Endpoint) -> dict[str, object]:
     }
 
 
-def program_rows(program: Program) -> list[str]:
+def listed_program(program: Program) -> list[str]:
     """Return a program as ``node list -a`` shows it: its place, its command, its part."""
     user = f" (user {program.user})" if program.user else ""
     parts = [f"publishes {', '.join(program.channels)}"] if program.channels else []
@@ -168,10 +178,10 @@ def program_rows(program: Program) -> list[str]:
     return [f"{program_place(program)} \t{command_text(program)}{user}", f"\t{', '.join(parts)}"]
 
 
-def program_sections(program: Program, usage: list[str], *, quiet: bool) -> list[str]:
-    """Return a program as ``node info`` shows it; ``usage`` is that of its process."""
+def program_rows(program: Program, now: int, *, quiet: bool) -> list[str]:
+    """Return a program as ``node info`` shows it."""
     rows = ["-" * 80, f"Program [{command_text(program)}] (no node: seen on the bus only)"]
-    types = {seen.channel: _type_text(seen) for seen in program.traffic}
+    types = {seen.channel: _types_text(seen.fingerprints) for seen in program.traffic}
     rows.append("Publications: " if types else "Publications: none seen")
     rows += [f" * {channel} [{text}]" for channel, text in types.items()]
     listens = {True: "on unknown channels", False: "None", None: "not known"}
@@ -179,8 +189,8 @@ def program_sections(program: Program, usage: list[str], *, quiet: bool) -> list
     if quiet:
         return rows
     rows.append(f"Host: {program_place(program).rpartition(':')[0]}")
-    if program.process:
-        rows += [f"Pid: {program.process.pid}", f"Command: {program.process.command}", *usage]
+    if process := program.process:
+        rows += [f"Pid: {process.pid}", f"Command: {process.command}", *_usage(process.pid, now)]
     sizes = receive_buffers() if program.sockets else {}
     rows += [
         f"Buffer: {_kilobytes(row.queued_bytes)} of {_kilobytes(sizes.get(row.inode))} wait,"
@@ -205,7 +215,7 @@ def program_record(program: Program) -> dict[str, object]:
         "publications": [
             {
                 "topic": seen.channel,
-                "type": _type_text(seen),
+                "type": _types_text(seen.fingerprints),
                 "messages": seen.messages,
                 "bytes": seen.bytes,
                 "rate": seen.rate(),
@@ -226,9 +236,8 @@ def command_text(program: Program) -> str:
     return f"a program{candidates_text(program.candidates)}"
 
 
-def _type_text(seen: Traffic) -> str:
-    names = [found[0] for value in seen.fingerprints if (found := candidates(value))]
-    return ", ".join(dict.fromkeys(names)) or UNKNOWN
+def _types_text(fingerprints: tuple[int, ...]) -> str:
+    return ", ".join(seen_types(fingerprints)) or UNKNOWN
 
 
 def _kilobytes(size: int | None) -> str:

@@ -1,13 +1,10 @@
-"""Launch files and plans as rows of text and as values for JSON."""
+"""Answers to questions about launch files and plans, as rows of text and as values for JSON."""
 
 import json
-import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from lcmtools.cli.output import columns
 from lcmtools.launch.arguments import arguments_of
 from lcmtools.launch.file import File
-from lcmtools.launch.node_process import NodeProcess
 from lcmtools.launch.packages import lab_files
 from lcmtools.launch.plan import NodePlan, Plan
 from lcmtools.messages.plain import finite
@@ -37,15 +34,6 @@ def arguments_answer(files: Sequence[File]) -> Answer:
             doc = " ".join(argument.doc.split())
             rows.append(f"  {argument.name}{default}{f': {doc}' if doc else ''}")
     return records, rows or ["No arguments."]
-
-
-def outcome_rows(nodes: Sequence[NodeProcess]) -> list[str]:
-    """Return the closing table."""
-    rows = [("node", "end", "restarts", "log")]
-    for node in nodes:
-        log = shlex.quote(node.log) if node.log else "-"
-        rows.append((node.plan.name, node.end_text(), str(max(0, node.starts - 1)), log))
-    return [*columns(rows)]
 
 
 def _names(plan: Plan, _node: str) -> Answer:

@@ -3,7 +3,7 @@
 import pytest
 
 from lcmtools.bus.processes import Process, UdpSocket
-from lcmtools.cli.node.sections import command_text, program_record, program_rows
+from lcmtools.observe.node_report import command_text, listed_program, program_record
 from lcmtools.observe.nodes import program_names
 from lcmtools.observe.senders import Program
 
@@ -30,7 +30,7 @@ def test_of_a_program_of_which_nothing_is_known_nothing_is_said() -> None:
     ("drops", "text"), [(0, "listens"), (12, "listens (12 datagrams dropped so far)")]
 )
 def test_what_a_listener_has_lost_stands_beside_it(drops: int, text: str) -> None:
-    assert program_rows(_program(JAVA[0], drops))[1] == f"\t{text}"
+    assert listed_program(_program(JAVA[0], drops))[1] == f"\t{text}"
     assert program_record(_program(JAVA[0], drops))["drops"] == drops
 
 

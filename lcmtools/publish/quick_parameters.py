@@ -1,0 +1,38 @@
+"""A node's parameters within some hundredths of a second, for completion: without a node."""
+
+import contextlib
+import time
+import uuid
+from collections.abc import Sequence
+
+from lcmtools.bus.quick_probe import QuickProbe
+from lcmtools.bus.url import BusUrl
+from lcmtools.errors import LcmtoolsError
+from lcmtools.messages.codec import decode, encode
+from lcmtools.node.parameters import service_name
+from lcmtools.node.service import reply_channel, request_channel
+from lcmtools.types.lcmtools_msgs import Parameter, Parameters, ServiceReply, ServiceRequest
+from lcmtools.wire.datagram import short_message
+
+_ANSWER = 0.08  # [s] that a node has to answer
+
+
+def parameters_of(node: str, url: BusUrl) -> Sequence[Parameter]:
+    """Return the parameters of a node by its full name; none where it does not answer.
+
+    Raises:
+        BusError: The bus is no multicast, or cannot be reached.
+    """
+    service = service_name(node)
+    request = ServiceRequest()  # that changes no parameter
+    request.client, request.sequence = uuid.uuid4().hex, 1
+    request.payload = encode(Parameters.Request())
+    datagram = short_message(0, request_channel(service), encode(request))
+    deadline = time.monotonic() + _ANSWER
+    with QuickProbe(url, datagram, reply_channel(service)) as probe:
+        for payload in probe.replies(reply_channel(service), deadline):
+            with contextlib.suppress(LcmtoolsError):
+                reply = decode(ServiceReply, payload)
+                if reply.client == request.client and reply.status == ServiceReply.OK:
+                    return decode(Parameters.Response, reply.payload).parameters
+    return ()
