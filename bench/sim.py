@@ -2,16 +2,15 @@
 
 Every row is a scene. Columns, whose sides take turns in slices: simulated seconds in a second of
 processor time
-  bare        of the engine's step alone
-  engine      of the engine's step, and of reading and setting every robot's motion
-  drive       of the simulation without its sensors: commands, motors, tyres and encoders too
+  bare        of the engine's step alone, with all bodies in it
+  drive       of the simulation without its sensors
   sensors     of the simulation with all its sensors, including the encoding of messages
   alone       of the whole node on a bus without any subscriber
   subscribed  of the whole node with a plain LCM program, for which everything is sent
-and the share of a whole node's time that is not the engine's or the sensors':
-  tyres       motors, tyres and encoders, alone: the physics that the engine does not do
-  loop        the rest, alone: the schedule, the clock, the bus
+and the share of a whole node's time that is not the simulation's:
+  loop        the schedule, the clock, the bus, alone
   sending     passing the messages to LCM, subscribed
+Robots have room around them, and need no engine; those "side by side" do.
 Then the time from the start to the first odometry, and memory.
 
     python bench/sim.py [--seconds SIMULATED] [--hours SIMULATED]
@@ -55,7 +54,7 @@ URL = bus(7791)
 SLICES = 30
 SHORTEST_SLICE = 48  # steps, so that all of them publish the same
 WARMING = 12  # steps before each slice: the side before has left the processor's caches to itself
-SPEEDS = ("bare", "engine", "drive", "sensors", "alone", "subscribed")
+SPEEDS = ("bare", "drive", "sensors", "alone", "subscribed")
 LASER = SensorMount(
     "laser", "scan", 10.0, Pose(0.3, 0, 0.3), settings=LaserSettings(360, -0.75 * pi, 0.75 * pi)
 )
@@ -65,9 +64,9 @@ WITH_KINECT = replace(
 )
 
 
-def yard(model: RobotModel, count: int) -> Scene:
+def yard(model: RobotModel, count: int, gap: float = 6.0) -> Scene:
     """The lab's yard with so many robots in rows; the engine does not mind that they leave it."""
-    poses = [Pose(-40.0 - 6 * (i // 10), 6.0 * (i % 10)) for i in range(count)]
+    poses = [Pose(-40.0 - gap * (i // 10), gap * (i % 10)) for i in range(count)]
     if count == 1:
         poses = [Pose()]
     robots = tuple(RobotPlacement(model, f"/r{i}", pose) for i, pose in enumerate(poses))
@@ -86,7 +85,9 @@ def scenes() -> dict[str, tuple[Scene, Callable[[str], bool]]]:
     return {
         "1 Husky": (yard(HUSKY, 1), everything),
         "10 Huskies": (yard(HUSKY, 10), everything),
+        "10 side by side": (yard(HUSKY, 10, 1.0), everything),
         "100 Huskies": (yard(HUSKY, 100), everything),
+        "1000 without sensors": (yard(replace(HUSKY, sensors=()), 1000), everything),
         "1 with a laser, 360 rays, 10 Hz": (yard(WITH_LASER, 1), everything),
         "10 with such lasers": (yard(WITH_LASER, 10), everything),
         "world dolly, 200 rays, 100 Hz": (read_scene(*find_world("dolly")), everything),
@@ -117,27 +118,10 @@ Advance = Callable[[int], object]
 def bare(scene: Scene) -> Iterator[Advance]:
     """The engine alone."""
     with World(scene) as world:
-        for robot in scene.robots:
-            body = world.add_robot(robot.namespace, robot.model.body, robot.pose)
-            world.set_velocity(body, (0.5, 0.0, 0.0), (0.0, 0.0, 0.3))
-        yield lambda steps: [world.step() for _ in range(steps)]
-
-
-@contextmanager
-def engine(scene: Scene) -> Iterator[Advance]:
-    """The engine, with the reading and setting of a step."""
-    with World(scene) as world:
         bodies = [world.add_robot(r.namespace, r.model.body, r.pose) for r in scene.robots]
         for body in bodies:
             world.set_velocity(body, (0.5, 0.0, 0.0), (0.0, 0.0, 0.3))
-
-        def step() -> None:
-            motions = [(body, world.motion(body)) for body in bodies]
-            for body, motion in motions:
-                world.set_velocity(body, motion.velocity, motion.angular_velocity)
-            world.step()
-
-        yield lambda steps: [step() for _ in range(steps)]
+        yield lambda steps: [world.step() for _ in range(steps)]
 
 
 @contextmanager
@@ -202,7 +186,7 @@ def measure(scene: Scene, wanted: Callable[[str], bool], steps: int) -> dict[str
     def nothing(_: str) -> bool:
         return False
 
-    sides = (bare(scene), engine(scene), simulation(scene, nothing), simulation(scene, wanted))
+    sides = (bare(scene), simulation(scene, nothing), simulation(scene, wanted))
     spent = dict(zip(SPEEDS, [*race(steps, *sides, whole(scene)), nan], strict=True))
     if wanted("/r0/camera/depth/points"):  # eight pictures at once are another measurement
         with child(listen) as listener:
@@ -221,13 +205,12 @@ def compare(seconds: float) -> None:
         simulated = seconds / max(1, len(scene.robots) / 2)
         spent = measure(scene, wanted, round(simulated / scene.dt))
         parts = (
-            (spent["drive"] - spent["engine"]) / spent["alone"],
             (spent["alone"] - spent["drive"]) / spent["alone"],
             (spent["subscribed"] - spent["sensors"]) / spent["subscribed"],
         )
         speeds = [simulated / part for part in spent.values()]
         rows.append((name, *speeds, *("-" if isnan(part) else f"{part:.0%}" for part in parts)))
-    show("times real time", ("", *SPEEDS, "tyres", "loop", "sending"), rows)
+    show("times real time", ("", *SPEEDS, "loop", "sending"), rows)
 
 
 def first_odometry() -> float:

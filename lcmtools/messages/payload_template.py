@@ -67,6 +67,17 @@ class PayloadTemplate:
             parts[place] = packer.pack(*row)
         return b"".join(parts)
 
+    def fill_packed(self, rows: Iterable[bytes]) -> bytes:
+        """The payload with rows that are packed already: each number big-endian, in its own type.
+
+        Raises:
+            ValueError: There are not as many rows as holes.
+        """
+        parts = self._parts.copy()
+        for place, row in zip(self._places, rows, strict=True):
+            parts[place] = row
+        return b"".join(parts)
+
 
 @dataclass(frozen=True, slots=True)
 class _Leaf:

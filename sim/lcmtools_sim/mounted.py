@@ -1,14 +1,15 @@
 """Sensors mounted on their robots: the topics of their outputs, and which of them are measured."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from enum import Enum
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 from lcmtools.messages.codec import decode
 from lcmtools.messages.registry import Message
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.scene import Scene
 from lcmtools_sim.sensors import SENSORS
+from lcmtools_sim.sensors.motion import MotionSensor, sample_together
 from lcmtools_sim.sensors.sensor import RobotState, Sensor, SensorContext, SensorMount
 
 
@@ -42,6 +43,9 @@ class MountedSensor:
     Attributes:
         robot: As given.
         rate: [Hz]
+        mount: As given.
+        sensor: As given.
+        labels: The topic and the type of each output.
         active: The outputs that are measured each time; at first all.
         seldom: Bulky outputs without a known subscriber: measured once a second.
     """
@@ -51,21 +55,22 @@ class MountedSensor:
     ) -> None:
         self.robot = robot
         self.rate = mount.rate
-        self._sensor = sensor
+        self.mount = mount
+        self.sensor = sensor
+        self._shares = isinstance(sensor, MotionSensor) and not sensor.is_noisy
         self._bulky = bulky
         self._always = mount.always
-        self._labels = {
+        self.labels = {
             name: (_topic(robot.namespace, mount, name), kind)
             for name, kind in sensor.outputs.items()
         }
-        """The topic and the type of each output."""
-        self.active = tuple(self._labels)
+        self.active = tuple(self.labels)
         self.seldom: tuple[str, ...] = ()
         self._count = 0
 
     def topics(self) -> dict[str, type[Message]]:
         """Its topics and their types."""
-        return dict(self._labels.values())
+        return dict(self.labels.values())
 
     @property
     def is_idle(self) -> bool:
@@ -74,7 +79,7 @@ class MountedSensor:
 
     def select(self, subscribers: Callable[[str], Subscribers]) -> None:
         """Measure only outputs that can have subscribers from now on."""
-        found = {name: subscribers(topic) for name, (topic, _) in self._labels.items()}
+        found = {name: subscribers(topic) for name, (topic, _) in self.labels.items()}
         if self._always:
             found = dict.fromkeys(found, Subscribers.KNOWN)
         used = [name for name, state in found.items() if state is not Subscribers.NONE]
@@ -88,8 +93,22 @@ class MountedSensor:
         self._count += 1
         is_second = self.seldom and self._count % max(1, round(self.rate)) == 0
         wanted = self.active + self.seldom if is_second else self.active
-        payloads = self._sensor.sample(state, wanted) if wanted else {}
-        return [Sample(*self._labels[name], payload) for name, payload in payloads.items()]
+        payloads = self.sensor.sample(state, wanted) if wanted else {}
+        return [Sample(*self.labels[name], payload) for name, payload in payloads.items()]
+
+    @property
+    def is_together(self) -> bool:
+        """True if it can be measured with those of other robots."""
+        return self._shares and self.robot.is_free and not self.robot.vehicles.is_single
+
+    @staticmethod
+    def measure_together(
+        sensors: "Sequence[MountedSensor]", state: RobotState
+    ) -> "Iterator[Sample]":
+        """The messages of sensors that are mounted alike; the state of their robots has arrays."""
+        places = [(cast("MotionSensor", one.sensor), one.robot.index) for one in sensors]
+        for one, payload in zip(sensors, sample_together(places, state), strict=True):
+            yield Sample(*one.labels[""], payload)
 
 
 def mount_sensors(robot: Robot, scene: Scene) -> list[MountedSensor]:

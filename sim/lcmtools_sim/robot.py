@@ -69,6 +69,8 @@ class Robot:
     def check_start(self, where: str) -> None:
         """Refuse a start inside another body: the engine would throw the robot out.
 
+        The world's contacts have been detected.
+
         Raises:
             InvalidFile: With the other one's name; ``where`` is the robot's place in its file.
         """

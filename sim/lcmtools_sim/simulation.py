@@ -18,6 +18,7 @@ from lcmtools_sim.robot import START_OVERLAP, Robot
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.schedule import Timetable
 from lcmtools_sim.sensors.sensor import RobotState
+from lcmtools_sim.vehicles import Vehicles
 from lcmtools_sim.vision.solids import Solids, solids_of
 from lcmtools_sim.world import World
 
@@ -135,17 +136,7 @@ class Simulation(AbstractContextManager["Simulation"]):
             InvalidFile: It would stand inside another body; nothing has been added.
         """
         self._fleet.hold_all()
-        robot = Robot(self._world, self.scene, placement)
-        try:
-            robot.check_start(placement.where)
-        except InvalidFile:
-            robot.remove()
-            raise
-        self._fleet.add(robot)
-        sensors = mount_sensors(robot, self.scene)
-        self._sensors[robot.namespace] = sensors
-        for sensor in sensors:
-            self._timetable.add(sensor.rate, sensor, after=self.steps)
+        (robot,) = self._add([placement])
         return robot
 
     def remove(self, robot: Robot) -> None:
@@ -159,8 +150,25 @@ class Simulation(AbstractContextManager["Simulation"]):
         self._sensors: dict[str, list[MountedSensor]] = {}
         self._timetable: Timetable[MountedSensor | None] = Timetable(self.scene.dt)
         self._timetable.add(CLOCK_RATE, _TICK, after=steps)
-        for placement in self.scene.robots:
-            self.add(placement)
+        self._add(self.scene.robots)
+
+    def _add(self, placements: Sequence[RobotPlacement]) -> list[Robot]:
+        robots = [Robot(self._world, self.scene, placement) for placement in placements]
+        self._world.detect_contacts()
+        try:
+            # Of two robots in one place the later one is the mistake.
+            for robot, placement in reversed([*zip(robots, placements, strict=True)]):
+                robot.check_start(placement.where)
+        except InvalidFile:
+            for robot in robots:
+                robot.remove()
+            raise
+        for robot in robots:
+            self._fleet.add(robot)
+            sensors = self._sensors[robot.namespace] = mount_sensors(robot, self.scene)
+            for sensor in sensors:
+                self._timetable.add(sensor.rate, sensor, after=self.steps)
+        return robots
 
     def _is_selected(self, item: MountedSensor | None) -> bool:
         return self.publishes_clock if item is _TICK else not item.is_idle
@@ -168,14 +176,22 @@ class Simulation(AbstractContextManager["Simulation"]):
     def _samples(self, due: Iterable[MountedSensor | None]) -> list[Sample]:
         samples = [self.tick()] if self.publishes_clock else []
         time = self.time
-        states: dict[str, RobotState] = {}
+        states: dict[Robot | Vehicles, RobotState] = {}
+        alike: dict[tuple[Vehicles, int], list[MountedSensor]] = {}
         for sensor in due:
             if sensor is _TICK:
                 continue
-            namespace = sensor.robot.namespace
-            if namespace not in states:
-                states[namespace] = sensor.robot.state(time)
-            samples += sensor.measure(states[namespace])
+            robot = sensor.robot
+            if sensor.is_together:
+                alike.setdefault((robot.vehicles, id(sensor.mount)), []).append(sensor)
+                continue
+            if robot not in states:
+                states[robot] = robot.state(time)
+            samples += sensor.measure(states[robot])
+        for (vehicles, _), sensors in alike.items():
+            if vehicles not in states:
+                states[vehicles] = vehicles.state(time)
+            samples += MountedSensor.measure_together(sensors, states[vehicles])
         return samples
 
 

@@ -92,21 +92,29 @@ class World(AbstractContextManager["World"]):
         self._engine.set_velocity(body, velocity, angular_velocity)
         self._wake()
 
+    def detect_contacts(self) -> None:
+        """Find the contacts at the present poses, for ``overlap``."""
+        self._engine.detect_contacts()
+
     def overlap(self, body: int) -> tuple[float, str]:
         """The deepest penetration of a body [m], and the other body's name; or (0, "")."""
-        self._engine.detect_contacts()
-        return self._deepest(body)
+        points = self._engine.contacts(body)
+        deepest = max(points, key=lambda point: point.depth, default=None)
+        if deepest is None or deepest.depth <= 0:
+            return 0.0, ""
+        return deepest.depth, self._names[deepest.other]
 
     def overlaps(self) -> list[tuple[SceneObject, float, str]]:
         """The same of every movable object that overlaps another body."""
         self._engine.detect_contacts()
-        found = [(thing, *self._deepest(body)) for thing, body in self._objects if thing.mass]
+        found = [(thing, *self.overlap(body)) for thing, body in self._objects if thing.mass]
         return [(thing, depth, other) for thing, depth, other in found if depth]
 
     def overlap_at(self, body: int, position: Vector, rotation: Quaternion) -> tuple[float, str]:
         """The ``overlap`` with the centre of mass at this pose; the body stays as it is."""
         now = self.motion(body)
         self.place(body, position, rotation)
+        self.detect_contacts()
         found = self.overlap(body)
         self.place(body, now.position, now.rotation)
         self.set_velocity(body, now.velocity, now.angular_velocity)
@@ -208,10 +216,3 @@ class World(AbstractContextManager["World"]):
     def _wake(self) -> None:
         """Have the engine simulate again what was at rest."""
         self._rests = self._rested = False
-
-    def _deepest(self, body: int) -> tuple[float, str]:
-        points = self._engine.contacts(body)
-        deepest = max(points, key=lambda point: point.depth, default=None)
-        if deepest is None or deepest.depth <= 0:
-            return 0.0, ""
-        return deepest.depth, self._names[deepest.other]

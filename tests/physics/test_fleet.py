@@ -2,10 +2,13 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
 from lcmtools.errors import InvalidFile, UsageError
+from lcmtools.messages.plain import to_plain
+from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools_sim import fleet
 from lcmtools_sim.geometry import Pose, yaw_of
@@ -145,3 +148,45 @@ def test_a_robot_keeps_its_way_when_others_come_and_go(twist: Steer) -> None:
         assert yaw_of(sixth.rotation) - yaw == pytest.approx(0.6, abs=0.001)
         assert sixth.odometry_speed == pytest.approx((0.5, 0.3))
         assert simulation.robots[-1].state(0).position[:2] == pytest.approx((-20, 0))
+
+
+def test_sensors_of_many_robots_measure_what_each_alone_does(twist: Steer) -> None:
+    poses = [Pose(0, 10 * i, yaw=0.3 * i) for i in range(14)]
+    poses[1] = Pose(0, 11.0)  # beside the third, so that the engine moves both
+    poses[2] = Pose(0, 12.1)
+
+    def samples(given: Scene) -> dict[str, Message]:
+        with Simulation(given) as simulation:
+            for robot in simulation.robots:
+                robot.command(twist(0.5, 0.3))
+            steps(simulation, 0.5)
+            while len(found := simulation.step()) < 3:
+                pass
+            return {sample.topic: sample.message for sample in found}
+
+    many = scene(*poses)
+    together = samples(many)
+
+    for index in (0, 2, 13):
+        one = replace(many, robots=many.robots[index : index + 1])
+        for topic, message in samples(one).items():
+            if topic != "/tf":  # of all robots
+                assert numbers(together[topic]) == pytest.approx(numbers(message), abs=2e-4), topic
+                assert texts(together[topic]) == texts(message)
+
+
+def leaves(value: object) -> list[object]:
+    """All that is in a plain message, one after the other."""
+    if isinstance(value, dict):
+        value = [*value.values()]
+    if isinstance(value, (list, tuple)):
+        return [leaf for part in value for leaf in leaves(part)]
+    return [value]
+
+
+def numbers(message: Message) -> list[object]:
+    return [leaf for leaf in leaves(to_plain(message)) if isinstance(leaf, (int, float))]
+
+
+def texts(message: Message) -> list[object]:
+    return [leaf for leaf in leaves(to_plain(message)) if isinstance(leaf, str)]

@@ -1,9 +1,11 @@
 """Sensors of the robot's own motion: wheels, odometry, frames, inertial unit and ground truth."""
 
-import math
-from collections.abc import Collection, Mapping
+from abc import ABC, abstractmethod
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import cast
+
+import numpy as np
 
 from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.registry import Message
@@ -11,6 +13,7 @@ from lcmtools.types.geometry_msgs import TransformStamped
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import Imu, JointState
 from lcmtools.types.tf2_msgs import TFMessage
+from lcmtools_sim.arithmetic import arithmetic_of
 from lcmtools_sim.geometry import (
     Frame,
     Quaternion,
@@ -37,10 +40,64 @@ COVARIANCE = tuple(_DIAGONAL[i // 6] if i % 7 == 0 else 0.0 for i in range(36))
 """Row-major 6x6 for pose and twist: x, y, z [m^2], then about x, y, z [rad^2]."""
 
 
+_Row = Sequence[float]
+
+
+class MotionSensor(ABC):
+    """A sensor whose messages are numbers in a template, worked out of a robot's state alone.
+
+    Attributes:
+        template: Of its messages.
+        is_noisy: Its numbers are its own, drawn for each sample.
+    """
+
+    template: PayloadTemplate
+    is_noisy: bool
+
+    @property
+    @abstractmethod
+    def outputs(self) -> Mapping[str, type[Message]]:
+        """The type of its one output."""
+
+    @abstractmethod
+    def rows(self, state: RobotState) -> tuple[_Row, ...]:
+        """The numbers for the template; arrays of a state's arrays, if it is not noisy."""
+
+    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
+        """The message of one step."""
+        del wanted
+        return {"": self.template.fill(*self.rows(state))}
+
+
+def sample_together(
+    sensors: Sequence[tuple[MotionSensor, int]], state: RobotState
+) -> Iterator[bytes]:
+    """The payloads of one step of sensors that are mounted alike on several robots.
+
+    Args:
+        sensors: None is noisy; each with its robot's place in the state.
+        state: Of all these robots, as arrays.
+    """
+    count = np.size(state.wheel_speeds.left)
+    packed = [_packed(row, count) for row in sensors[0][0].rows(state)]
+    for sensor, place in sensors:
+        rows = [data[place * size : (place + 1) * size] for data, size in packed]
+        yield sensor.template.fill_packed(rows)
+
+
+def _packed(row: _Row, count: int) -> tuple[bytes, int]:
+    """The bytes of a row for each robot, one after the other, and their number for each."""
+    numbers = np.empty((count, len(row)), ">i4" if isinstance(row[0], int) else ">f8")
+    for column, values in enumerate(row):
+        numbers[:, column] = values
+    return numbers.tobytes(), numbers.strides[0]
+
+
 def _planar_pose(state: RobotState) -> tuple[float, ...]:
     """The pose by odometry as the seven numbers of a message: position and quaternion."""
     x, y, yaw = state.odometry_pose
-    return x, y, 0.0, 0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)
+    ops = arithmetic_of(yaw)
+    return x, y, 0.0, 0.0, 0.0, ops.sin(yaw / 2), ops.cos(yaw / 2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +108,7 @@ class WheelStatesSettings(Settings):
     speed_noise: float = deviation()
 
 
-class WheelStatesSensor:
+class WheelStatesSensor(MotionSensor):
     """sensor_msgs/JointState with two joints: left at index 0, right at index 1."""
 
     outputs: Mapping[str, type[Message]] = {"": JointState}
@@ -63,16 +120,16 @@ class WheelStatesSensor:
         message.header.frame_id = context.frame("base_link")
         message.name = ["left", "right"]
         message.position = message.velocity = message.effort = [0.0, 0.0]
-        template = PayloadTemplate(message, "header.stamp", "position", "velocity", "effort")
-        self._fill = template.fill
+        holes = "header.stamp", "position", "velocity", "effort"
+        self.template = PayloadTemplate(message, *holes)
+        self.is_noisy = bool(self._settings.angle_noise or self._settings.speed_noise)
 
-    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
-        """The message of one step."""
-        del wanted
+    def rows(self, state: RobotState) -> tuple[_Row, ...]:
+        """Stamp, angles, speeds and efforts."""
         settings, noise, time = self._settings, self._noise, state.time
         angles = noise.added_to(state.wheel_angles, settings.angle_noise, time)
         speeds = noise.added_to(state.wheel_speeds, settings.speed_noise, time, stream=1)
-        return {"": self._fill(state.stamp, angles, speeds, state.efforts)}
+        return state.stamp, angles, speeds, state.efforts
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +149,7 @@ class OdometrySettings(Settings):
     turning_noise: float = deviation()
 
 
-class OdometrySensor:
+class OdometrySensor(MotionSensor):
     """nav_msgs/Odometry: the pose of base_link in odom, the twist in base_link (REP-105).
 
     It drifts from the truth when the wheels slip.
@@ -109,19 +166,19 @@ class OdometrySensor:
         message.child_frame_id = context.frame("base_link")
         message.pose.covariance = message.twist.covariance = COVARIANCE
         numbers = "pose.pose", "twist.twist.linear.x", "twist.twist.angular.z"
-        self._fill = PayloadTemplate(message, "header.stamp", *numbers).fill
+        self.template = PayloadTemplate(message, "header.stamp", *numbers)
+        self.is_noisy = any(self._deviations)
 
-    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
-        """The message of one step."""
-        del wanted
+    def rows(self, state: RobotState) -> tuple[_Row, ...]:
+        """Stamp, pose, forward speed and turn rate."""
         forward, turn_rate = state.odometry_speed
-        if any(self._deviations):
+        if self.is_noisy:
             random = self._noise.at(state.time)
             forward, turn_rate = random.normal((forward, turn_rate), self._deviations).tolist()
-        return {"": self._fill(state.stamp, _planar_pose(state), (forward,), (turn_rate,))}
+        return state.stamp, _planar_pose(state), (forward,), (turn_rate,)
 
 
-class TransformsSensor:
+class TransformsSensor(MotionSensor):
     """tf2_msgs/TFMessage with odom to base_link, and base_link to each sensor (REP-105).
 
     Mount it last: it publishes the frames of the sensors that were mounted before.
@@ -131,25 +188,20 @@ class TransformsSensor:
 
     def __init__(self, mount: SensorMount, context: SensorContext) -> None:
         del mount  # it measures the whole robot
-        self._context = context
-        self._template: PayloadTemplate | None = None
-
-    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
-        """The transforms of one step."""
-        del wanted
-        template = self._template = self._template or self._prepare()
-        stamps = [state.stamp] * (1 + len(self._context.frames))
-        return {"": template.fill(_planar_pose(state), *stamps)}
-
-    def _prepare(self) -> PayloadTemplate:
-        context, message = self._context, TFMessage()
+        self.is_noisy = False
+        message = TFMessage()
         base = context.frame("base_link")
         message.transforms = [
             _transform(context.frame("odom"), base, Frame()),
             *(_transform(base, name, frame) for name, frame in context.frames.items()),
         ]
-        stamps = (f"transforms[{index}].header.stamp" for index in range(len(message.transforms)))
-        return PayloadTemplate(message, "transforms[0].transform", *stamps)
+        self._count = len(message.transforms)
+        stamps = (f"transforms[{index}].header.stamp" for index in range(self._count))
+        self.template = PayloadTemplate(message, "transforms[0].transform", *stamps)
+
+    def rows(self, state: RobotState) -> tuple[_Row, ...]:
+        """The pose by odometry, and a stamp for each transform."""
+        return _planar_pose(state), *[state.stamp] * self._count
 
 
 def _transform(parent: str, child: str, frame: Frame) -> TransformStamped:
@@ -174,7 +226,7 @@ class ImuSettings(Settings):
     acceleration_noise: float = deviation()
 
 
-class ImuSensor:
+class ImuSensor(MotionSensor):
     """sensor_msgs/Imu by REP-145: at rest it measures +g along the axis that points up.
 
     The orientation is the true one in the world; the other covariances are those of the noise,
@@ -195,23 +247,21 @@ class ImuSensor:
         message.angular_velocity_covariance = _covariance(settings.turning_noise)
         message.linear_acceleration_covariance = _covariance(settings.acceleration_noise)
         measured = "orientation", "angular_velocity", "linear_acceleration"
-        self._fill = PayloadTemplate(message, "header.stamp", *measured).fill
+        self.template = PayloadTemplate(message, "header.stamp", *measured)
+        self.is_noisy = bool(settings.turning_noise or settings.acceleration_noise)
 
-    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
-        """The measurement of one step."""
-        del wanted
+    def rows(self, state: RobotState) -> tuple[_Row, ...]:
+        """Stamp, orientation, angular velocity and acceleration."""
         settings, noise, time = self._settings, self._noise, state.time
         rotation = multiply(state.rotation, self._rotation)
         turning = components(state.angular_velocity, self._axes)
         acceleration = components(self._proper_acceleration(state), self._axes)
-        return {
-            "": self._fill(
-                state.stamp,
-                rotation,
-                noise.added_to(turning, settings.turning_noise, time),
-                noise.added_to(acceleration, settings.acceleration_noise, time, stream=1),
-            )
-        }
+        return (
+            state.stamp,
+            rotation,
+            noise.added_to(turning, settings.turning_noise, time),
+            noise.added_to(acceleration, settings.acceleration_noise, time, stream=1),
+        )
 
     def _proper_acceleration(self, state: RobotState) -> Vector:
         """The proper acceleration of the sensor, in base_link [m/s^2].
@@ -245,7 +295,7 @@ class GroundTruthSettings(Settings):
     heading_noise: float = deviation()
 
 
-class GroundTruthSensor:
+class GroundTruthSensor(MotionSensor):
     """nav_msgs/Odometry: the true pose of base_link in world, the twist in base_link.
 
     The covariance is that of the noise.
@@ -266,18 +316,18 @@ class GroundTruthSensor:
         message.pose.covariance[::7] = place, place, place, 0.0, 0.0, turn
         pose = "pose.pose.position", "pose.pose.orientation"
         twist = "twist.twist.linear", "twist.twist.angular"
-        self._fill = PayloadTemplate(message, "header.stamp", *pose, *twist).fill
+        self.template = PayloadTemplate(message, "header.stamp", *pose, *twist)
+        self.is_noisy = bool(settings.position_noise or settings.heading_noise)
 
-    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
-        """The message of one step."""
-        del wanted
+    def rows(self, state: RobotState) -> tuple[_Row, ...]:
+        """Stamp, pose and twist."""
         place, turn = self._disturbed(state)
-        return {"": self._fill(state.stamp, place, turn, state.velocity, state.angular_velocity)}
+        return state.stamp, place, turn, state.velocity, state.angular_velocity
 
     def _disturbed(self, state: RobotState) -> tuple[Vector, Quaternion]:
         """The pose with noise: moved, and turned about the vertical."""
         settings = self._settings
-        if not (settings.position_noise or settings.heading_noise):
+        if not self.is_noisy:
             return state.position, state.rotation
         x, y, z, yaw = self._noise.at(state.time).normal(size=4).tolist()
         error = scaled((x, y, z), settings.position_noise)
