@@ -31,12 +31,8 @@ _SAME_NODE = {
 }
 """Other names of lcmtools' nodes in the labs' texts and in ROS."""
 _ROS_PACKAGES = {
-    "beginner_tutorials",
-    "image_view",
-    "my_package",
-    "morse",
-    "rqt_robot_steering",
-    "teleop_twist_keyboard",
+    *("beginner_tutorials", "image_view", "my_package", "morse"),
+    *("rqt_robot_steering", "teleop_twist_keyboard"),
 }
 """Packages of ROS whose nodes lcmtools has under the same names; besides the labs' own."""
 
@@ -71,7 +67,8 @@ def find_executable(package: str, name: str, folder: Path) -> Executable:
             return Executable((*RUN, package, word), _directory(nodes[word], folder))
     if package != OWN and (script := _script(package, name, folder)):
         return Executable((script,))
-    is_own = package in _as_lcmtools() and not _is_in_workspace(package, folder)
+    in_workspace = (one.name for one in workspace(Path.cwd(), folder).packages)
+    is_own = package in _as_lcmtools() and package not in in_workspace
     nodes = {node.name: node for node in known if node.package == OWN} if is_own else nodes
     for spelling in (plain, _SAME_NODE.get(plain, plain)):
         if is_own and spelling in nodes:
@@ -170,10 +167,6 @@ def _directory(node: Runnable, folder: Path) -> str:
 def _nodes_from(*starts: Path) -> tuple[Runnable, ...]:
     """Return the nodes of folders' workspaces and of installed packages, which takes a moment."""
     return tuple(runnables(*starts))
-
-
-def _is_in_workspace(package: str, folder: Path) -> bool:
-    return any(one.name == package for one in workspace(Path.cwd(), folder).packages)
 
 
 def _as_lcmtools() -> set[str]:

@@ -91,7 +91,9 @@ def _conformed(message: object, cls: type[Message]) -> Message:
     if not is_generated(cls):
         raise Misfit(f"expected a message, got {given(message)}")
     if not has_wire_type(message, cls):
-        raise Misfit(f"expected {type_name(cls)}, got {_described(message)}")
+        kind = cast("type[Message]", type(message))
+        got = type_name(kind) if is_generated(kind) else given(message)
+        raise Misfit(f"expected {type_name(cls)}, got {got}")
     copy = cls()
     for field in visible_fields(cls):
         setattr(copy, field.name, _conformed_field(message, field))
@@ -109,8 +111,3 @@ def _conformed_field(message: object, field: Field) -> object:
     except Misfit as misfit:
         misfit.inside(f".{field.name}")
         raise
-
-
-def _described(value: object) -> str:
-    cls = type(value)
-    return type_name(cast("type[Message]", cls)) if is_generated(cls) else given(value)

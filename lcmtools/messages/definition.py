@@ -66,18 +66,14 @@ def _lines(cls: type[Message], indent: str, outer: tuple[type[Message], ...]) ->
 
 def _constants(cls: type[Message]) -> Iterator[str]:
     values = {name: value for name, value in vars(cls).items() if not name.startswith("_")}
-    integers = [value for value in values.values() if isinstance(value, int)]
+    whole = [value for value in values.values() if isinstance(value, int)] or [0]
+    least, most = min(whole), max(whole)
+    kind = next(name for name, (low, high) in INTEGERS.items() if low <= least and most <= high)
     for name, value in values.items():
         if isinstance(value, str):
             yield f"string {name}={value}"
         elif isinstance(value, (int, float)):
-            kind = _integer_type(integers) if isinstance(value, int) else "float64"
-            yield f"{kind} {name}={value}"
-
-
-def _integer_type(values: list[int]) -> str:
-    low, high = min(values), max(values)
-    return next(name for name, (least, most) in INTEGERS.items() if least <= low and high <= most)
+            yield f"{kind if isinstance(value, int) else 'float64'} {name}={value}"
 
 
 def _prototype_rows(fields: Mapping[str, Plain], indent: str) -> Iterator[str]:

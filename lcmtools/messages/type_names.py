@@ -10,19 +10,9 @@ from collections.abc import Iterable
 from lcmtools.errors import UnknownType
 
 PREFERRED = (
-    "std_msgs/Empty",
-    "std_msgs/Bool",
-    "std_msgs/Int8",
-    "std_msgs/UInt8",
-    "std_msgs/Int16",
-    "std_msgs/Int32",
-    "std_msgs/Int64",
-    "std_msgs/Time",
-    "builtin_interfaces/Time",
-    "geometry_msgs/Vector3",
-    "geometry_msgs/Twist",
-    "geometry_msgs/TwistStamped",
-    "geometry_msgs/TwistWithCovariance",
+    *(f"std_msgs/{name}" for name in ("Empty", "Bool", "Int8", "UInt8", "Int16", "Int32", "Int64")),
+    *("std_msgs/Time", "builtin_interfaces/Time", "geometry_msgs/Vector3", "geometry_msgs/Twist"),
+    *("geometry_msgs/TwistStamped", "geometry_msgs/TwistWithCovariance"),
     "geometry_msgs/TwistWithCovarianceStamped",
 )
 """The type that a payload is taken for when several have its fingerprint: the one robots send

@@ -27,9 +27,7 @@ _REST = 10  # changes wait so many times as long as announcing took: it may take
 class Announcer:
     """Announces nodes from a thread of its own, so that a busy node stays visible.
 
-    Args:
-        bus: The bus.
-        describe: Returns the present description of every node of this process.
+    ``describe`` returns the present description of every node of this process.
     """
 
     def __init__(self, bus: Bus, describe: Callable[[], list[Node]]) -> None:

@@ -40,7 +40,9 @@ class Replies:
         self._with_payload[key] = len(payload)
         self._bytes += len(payload)
         while self._bytes > _MOST_BYTES and len(self._with_payload) > 1:
-            self._forget_payload()
+            forgotten, size = self._with_payload.popitem(last=False)
+            self._replies[forgotten].payload = None
+            self._bytes -= size
         while len(self._replies) > _MOST_REQUESTS:
             oldest, _ = self._replies.popitem(last=False)
             self._bytes -= self._with_payload.pop(oldest, 0)
@@ -52,8 +54,3 @@ class Replies:
             return None
         reply.arrives = now + len(reply.payload) / BYTES_A_SECOND
         return reply.payload
-
-    def _forget_payload(self) -> None:
-        key, size = self._with_payload.popitem(last=False)
-        self._replies[key].payload = None
-        self._bytes -= size

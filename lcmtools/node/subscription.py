@@ -93,7 +93,8 @@ class Subscription:
         """
         kind = self._by_fingerprint.get(payload[:FINGERPRINT_BYTES])
         if kind is None:
-            raise DecodeError(f"expected {self._expected()}, got {describe_payload(payload)}")
+            expected = " or ".join(map(type_name, self.message_types))
+            raise DecodeError(f"expected {expected}, got {describe_payload(payload)}")
         return decode(kind, payload)
 
     def is_warning_due(self, now: float) -> bool:
@@ -120,6 +121,3 @@ class Subscription:
             busy=self.stopwatch.busy(),
             longest=self.stopwatch.longest(),
         )
-
-    def _expected(self) -> str:
-        return " or ".join(type_name(kind) for kind in self.message_types)

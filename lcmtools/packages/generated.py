@@ -7,7 +7,7 @@ fingerprints.
 import ast
 import re
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
@@ -68,7 +68,7 @@ def generate(source: LcmFile, prefix: str, folder: Path) -> tuple[list[Generated
             return [], translated.problems
         text, texts = translated.text.encode(), translated.texts
     else:
-        text = _without_comments(source.content)
+        text = _COMMENT.sub(lambda one: b" " + b"\n" * one[0].count(b"\n"), source.content)
     if strange := _STRANGE.search(text):
         line = text[: strange.start()].count(b"\n") + 1
         character = text[strange.start() : strange.start() + 4].decode("utf-8", "replace")[:1]
@@ -131,11 +131,6 @@ def _like(missing: str, one: Generated, known: set[str]) -> str:
     return found.replace("/", ".")
 
 
-def _without_comments(text: bytes) -> bytes:
-    """Return the text, its line numbers unchanged."""
-    return _COMMENT.sub(lambda comment: b" " + b"\n" * comment[0].count(b"\n"), text)
-
-
 def _read_tables(module: Path, name: str, file: Path) -> Generated | Problem:
     """Return a module with its tables, or the problem for which Python cannot import it."""
     try:
@@ -143,7 +138,11 @@ def _read_tables(module: Path, name: str, file: Path) -> Generated | Problem:
     except (SyntaxError, ValueError) as error:
         return _not_python(file, name, error)
     members = [node for one in body if isinstance(one, ast.ClassDef) for node in one.body]
-    values = dict(_assignments(members))
+    values = {
+        node.targets[0].id: node.value
+        for node in members
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
+    }
     if not all(table in values for table in _TABLES):
         return Generated(name, file, module, None)  # an enum
     tables = cast("Tables", tuple(ast.literal_eval(values[table]) for table in _TABLES))
@@ -153,12 +152,6 @@ def _read_tables(module: Path, name: str, file: Path) -> Generated | Problem:
             what = f"{name}: a field cannot be called '{field}': lcm-gen's Python needs that name"
             return Problem(str(file), _line_of(file, field), what, "use another name", name)
     return Generated(name, file, module, tables)
-
-
-def _assignments(members: Sequence[ast.stmt]) -> Iterator[tuple[str, ast.expr]]:
-    for node in members:
-        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
-            yield node.targets[0].id, node.value
 
 
 def _not_python(file: Path, name: str, error: Exception) -> Problem:

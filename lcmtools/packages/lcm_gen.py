@@ -115,14 +115,9 @@ def _problem(file: Path, output: str) -> Problem:
     said = [line.strip() for line in output.splitlines() if line.strip()]
     for before, line in pairwise(said):
         if place := re.fullmatch(rf"{re.escape(str(file))} : (\d+)", line):
-            reason = before.rstrip(".")
-            return Problem(str(file), int(place[1]), reason, _hint(before))
+            hints = (hint for start, hint in _HINTS.items() if before.lower().startswith(start))
+            return Problem(str(file), int(place[1]), before.rstrip("."), next(hints, ""))
     return Problem(str(file), 0, said[0] if said else "lcm-gen rejects it without a reason")
-
-
-def _hint(reason: str) -> str:
-    known = (hint for start, hint in _HINTS.items() if reason.lower().startswith(start))
-    return next(known, "")
 
 
 def _join(new: Path, old: Path) -> None:

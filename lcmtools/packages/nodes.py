@@ -13,7 +13,7 @@ from importlib.machinery import PathFinder
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 from pathlib import Path
-from types import ModuleType, TracebackType
+from types import ModuleType
 from typing import Protocol, cast
 
 from lcmtools.errors import LcmtoolsError, MissingExtra
@@ -25,13 +25,8 @@ GROUP = "lcmtools.nodes"
 OWN = "lcmtools"
 """The package of lcmtools' own nodes."""
 ANSWERS = (
-    "evaluate_controller",
-    "kinect_viewer",
-    "moving_robot",
-    "path_follower",
-    "pioneer_manual_controller",
-    "reading_laser",
-    "simple_controller",
+    *("evaluate_controller", "kinect_viewer", "moving_robot", "path_follower"),
+    *("pioneer_manual_controller", "reading_laser", "simple_controller"),
 )
 """Those of lcmtools' own nodes that do what a lab has a student write."""
 
@@ -110,14 +105,10 @@ class Runnable:
         """Return the traceback of an error in the node's code, without the part of lcmtools."""
         from traceback import format_exception
 
-        frames = error.__traceback__
-        while frames and not self._is_own(frames):
+        frames, is_own = error.__traceback__, re.compile(rf"{self.import_name}\b").match
+        while frames and not is_own(str(frames.tb_frame.f_globals.get("__name__", ""))):
             frames = frames.tb_next
         return "".join(format_exception(type(error), error, frames, chain=False))
-
-    def _is_own(self, frames: TracebackType) -> bool:
-        module = str(frames.tb_frame.f_globals.get("__name__", ""))
-        return module.partition(".")[0] == self.import_name
 
     def _check_installed(self, error: ModuleNotFoundError) -> None:
         """Raise MissingExtra for a package that the node needs; not for a module of its own."""

@@ -32,7 +32,7 @@ class SignalWaiter:
             end.setblocking(False)  # noqa: FBT003 - socket's own
         self._before = {number: signal.signal(number, self._note) for number in _ASKING}
         # only a signal with a handler of Python wakes up
-        self._before[signal.SIGCHLD] = signal.signal(signal.SIGCHLD, _nothing)
+        self._before[signal.SIGCHLD] = signal.signal(signal.SIGCHLD, lambda *_: None)
         self._previous = signal.set_wakeup_fd(self._sender.fileno(), warn_on_full_buffer=False)
         return self
 
@@ -84,7 +84,3 @@ class SignalWaiter:
 
     def _note(self, number: int, _frame: FrameType | None) -> None:
         self._asked.append(number)
-
-
-def _nothing(_number: int, _frame: FrameType | None) -> None:
-    """Do nothing: the signal wakes up the wait."""

@@ -128,13 +128,12 @@ def request_parameters(
         raise ServiceError(error.what.replace(client.name, node, 1)) from None
     if response.errors:
         raise RefusedParameters(node, tuple(response.errors))
-    return {one.name: _remote(one) for one in response.parameters}
-
-
-def _remote(p: msgs.Parameter) -> RemoteParameter:
-    return RemoteParameter(
-        p.name, p.type, p.value, p.description, p.minimum, p.maximum, bool(p.read_only)
-    )
+    return {
+        p.name: RemoteParameter(
+            p.name, p.type, p.value, p.description, p.minimum, p.maximum, bool(p.read_only)
+        )
+        for p in response.parameters
+    }
 
 
 def has_parameters(node: Node) -> bool:

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import sysconfig
 from collections import defaultdict
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import grimp
@@ -54,6 +55,27 @@ def test_the_picture_of_the_imports_is_true() -> None:
         if not any(other in reached(between) for between in others - {other})
     }
     assert set(re.findall(r"^    (\w+) --> (\w+)$", ARCHITECTURE, re.MULTILINE)) == needed
+
+
+LAZY = {  # imported when they are needed, by a module that they use themselves
+    ("lcmtools.cli.completion.completer", "lcmtools.cli.completion.situation"),
+    ("lcmtools.packages", "lcmtools.packages.user_types"),
+}
+
+
+def test_no_import_goes_in_a_circle() -> None:
+    graph = grimp.build_graph("lcmtools")
+    imports = {
+        module: {
+            other
+            for other in graph.find_modules_directly_imported_by(module)
+            if other != "lcmtools" and (module, other) not in LAZY
+        }
+        for module in graph.modules - {"lcmtools"}  # which has the public names, imported lazily
+        if not module.startswith("lcmtools.types.")  # lcm-gen's
+    }
+    order = list(TopologicalSorter(imports).static_order())  # its error names a circle
+    assert set(order) >= {other for _, other in LAZY}
 
 
 def test_every_module_that_the_architecture_names_is_there() -> None:
