@@ -82,4 +82,5 @@ def __getattr__(name: str) -> object:
 
             raise UsageError(f"lcmtools has no '{name}'", f"write {_ROS_SPELLINGS[name]}")
         raise AttributeError(f"module 'lcmtools' has no attribute '{name}'")
-    return getattr(import_module(_HOMES[name]), name)
+    value = globals()[name] = getattr(import_module(_HOMES[name]), name)  # found at once next time
+    return value

@@ -11,7 +11,7 @@ class Bus(Protocol):
     """A connection to a bus."""
 
     on_outage: Callable[[str], None]
-    """Called, on the receiving thread, when the connection is lost, and when it is back."""
+    """Called, on the thread that receives, when the connection is lost, and when it is back."""
 
     @property
     def ports(self) -> list[int]:
@@ -23,11 +23,23 @@ class Bus(Protocol):
         ...
 
     def subscribe(self, channel: str, handler: Handler) -> None:
-        """Call ``handler``, on the receiving thread, for each message on the channel."""
+        """Call ``handler``, on the thread that receives, for each message on the channel."""
         ...
 
     def unsubscribe(self, channel: str, handler: Handler) -> None:
         """Undo ``subscribe``."""
+        ...
+
+    def wait(self, descriptor: int, timeout: float | None) -> bool:
+        """Wait until a descriptor can be read or messages came, for ``timeout`` seconds at most.
+
+        The calling thread may receive meanwhile; it is to return soon, or to call ``hand_over``.
+        Returns whether the descriptor can be read; perhaps before anything has come.
+        """
+        ...
+
+    def hand_over(self) -> None:
+        """Receive without the threads that have called ``wait``, which do something long."""
         ...
 
     def close(self) -> None:

@@ -1,12 +1,17 @@
-"""The bus of nodes: an LCM instance with a receiving thread.
+"""The bus of nodes: an LCM instance, and the thread that receives.
 
-Subscribing, unsubscribing and receiving happen on that thread only. It drains the library at once,
-into queues of the subscribers that keep the newest messages. A lock keeps threads that publish or
-subscribe apart.
+Subscribing, unsubscribing and receiving happen on one thread at a time, the holder of a lock. It
+drains the library at once, into queues of the subscribers that keep the newest messages. Another
+lock keeps threads that publish or subscribe apart.
+
+The bus has a receiving thread of its own, and lends the lock to a thread that waits for messages
+(leader and follower): what arrives is handled where its callback runs, without a switch of threads
+on the way. While such a thread is away, in a callback for example, the bus's own thread waits for
+``_PATIENCE`` and then receives again.
 """
 
 import contextlib
-import os
+import math
 import queue
 import re
 import select
@@ -18,18 +23,22 @@ from lcmtools.bus.base import Handler
 from lcmtools.bus.liblcm import QUEUE_CAPACITY, Connection, Instance, Subscription
 from lcmtools.bus.paced import PACED_ABOVE_BYTES, PacedSender
 from lcmtools.bus.url import BusUrl
+from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.errors import BusError
 from lcmtools.names import check_channel
 
+_LENDABLE = ("udpm", "mpudpm", "memq")
+"""Providers whose messages any thread may wait for: a log ends, a server's connection breaks."""
 _BATCH = 100  # messages handled before a request to subscribe is served
+_PATIENCE = 0.05  # [s] for which a thread that waited for messages may be away
 _CHECK_PERIOD = 0.5  # [s] between checks for a connection that broke in sending
 _REQUEST_TIMEOUT = 15.0  # [s]; above liblcm's own ten seconds
 
 
 class LcmBus:
-    """A connection with one receiving thread.
+    """A connection with a receiving thread of its own.
 
-    Publishing is safe from any thread. Handlers run on the receiving thread and must be quick.
+    Publishing is safe from any thread. Handlers run on the thread that receives and must be quick.
 
     Args:
         url: The bus.
@@ -52,8 +61,14 @@ class LcmBus:
         self._has_ended = False  # as a log does
         self._paced = PacedSender(url) if url.is_multicast else None
         self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
-        self._wake_read, self._wake_write = os.pipe()
         self._requesting = threading.Lock()
+        self._receiving = threading.Lock()  # held by the thread that subscribes and receives
+        self._receiver = 0  # that thread
+        self._to_receiver, self._to_own_thread = WakeupEvent(), WakeupEvent()
+        self._leading = threading.RLock()  # held by the one thread that is in ``wait``
+        self._is_lendable = url.provider in _LENDABLE
+        self._is_leader_here = False
+        self._trusted_until = -math.inf  # a leader that is away, to come back [s]
         self._closed = False
         self._thread = threading.Thread(target=self._run, name="lcm receiver", daemon=True)
         self._thread.start()
@@ -106,10 +121,11 @@ class LcmBus:
             self._closed = True
         if self._paced:
             self._paced.close()
-        os.write(self._wake_write, b"\0")
+        self._wake_receivers()
         self._thread.join(timeout=2.0)
-        os.close(self._wake_read)
-        os.close(self._wake_write)
+        with self._leading:  # none waits any more
+            self._to_receiver.close()
+            self._to_own_thread.close()
         self._subscriptions.clear()
         self._connection.close()  # a thread that publishes now keeps the instance a moment longer
 
@@ -123,7 +139,7 @@ class LcmBus:
 
     def _on_receiver(self, work: Callable[[], None]) -> None:
         """Run ``work`` on the receiving thread and wait for it; its exception is raised here."""
-        if threading.current_thread() is self._thread:
+        if threading.get_ident() == self._receiver:
             work()
             return
         done: queue.SimpleQueue[Exception | None] = queue.SimpleQueue()
@@ -139,7 +155,7 @@ class LcmBus:
             if self._closed:
                 raise BusError("the bus is closed")
             self._requests.put(run)
-            os.write(self._wake_write, b"\0")
+            self._wake_receivers()
         try:
             error = done.get(timeout=_REQUEST_TIMEOUT)
         except queue.Empty:
@@ -179,23 +195,95 @@ class LcmBus:
         for handler in tuple(self._handlers.get(channel, ())):
             handler(payload, now)
 
+    def wait(self, descriptor: int, timeout: float | None) -> bool:
+        """Receive on this thread until handlers were called, or it is time (see ``Bus``)."""
+        if not self._lead():
+            return bool(select.select([descriptor], [], [], timeout)[0])
+        try:
+            return self._receive(descriptor, timeout)
+        except (BusError, OSError, ValueError):  # a signal handler has closed the bus
+            return False
+        finally:
+            self._leave()
+
+    def hand_over(self) -> None:
+        """Receive on the bus's own thread until this one waits again."""
+        if not self._is_leader_here and self._trusted_until > -math.inf:
+            self._trusted_until = -math.inf
+            self._to_own_thread.set()
+
+    def _lead(self) -> bool:
+        """Become the receiver, if no other thread wants to be; until ``_leave``."""
+        if self._closed or not self._is_lendable:
+            return False
+        if not self._leading.acquire(blocking=False):
+            self._is_lendable = False  # several threads wait, and each must hear of its messages
+            self._wake_receivers()
+            return False
+        self._is_leader_here = True
+        if not self._receiving.acquire(blocking=False):
+            self._to_receiver.set()
+            self._receiving.acquire()
+        self._receiver = threading.get_ident()
+        return True
+
+    def _leave(self) -> None:
+        """Trust the thread that has led to come back."""
+        self._receiver = 0
+        self._receiving.release()
+        self._trusted_until = time.monotonic() + _PATIENCE
+        self._is_leader_here = False
+        self._leading.release()
+        if not self._is_lendable:
+            self._to_own_thread.set()
+
+    def _receive(self, descriptor: int, timeout: float | None) -> bool:
+        """Wait for messages, requests or a descriptor; return whether that can be read."""
+        instance = self._instance()
+        if not self._is_lendable:  # since a moment ago
+            return False
+        wake, messages = self._to_receiver.fileno(), instance.fileno()
+        readable = select.select([descriptor, wake, messages], [], [], timeout)[0]
+        if messages in readable:
+            self._handle(instance)
+        if wake in readable:
+            self._serve_requests()
+        return descriptor in readable
+
     def _run(self) -> None:
-        """Wait, drain the library and serve requests, on the receiving thread."""
+        """Receive while no other thread does; the bus's own thread."""
         while not self._closed:
-            self._turn(None if self._has_ended else self._connection.instance)
+            if (trust := self._trust()) > 0.0:
+                self._to_own_thread.wait(trust)
+                if self._is_leader_here or self._requests.empty():
+                    continue
+            with self._receiving:
+                self._receiver = threading.get_ident()
+                self._turn(None if self._has_ended else self._connection.instance)
+                self._receiver = 0
         self._serve_requests()  # those made while it closed
+
+    def _trust(self) -> float:
+        """Return the time for which another thread receives, or is soon to do so again [s]."""
+        if self._is_leader_here:
+            return _PATIENCE
+        return self._trusted_until - time.monotonic() if self._is_lendable else 0.0
+
+    def _wake_receivers(self) -> None:
+        self._to_receiver.set()
+        self._to_own_thread.set()
 
     def _turn(self, instance: Instance | None) -> None:
         """Wait for messages, requests and attempts to connect, and handle them."""
         works, readable = self._wait(instance)
-        if self._wake_read in readable:
-            os.read(self._wake_read, 4096)
+        wake = self._to_receiver.fileno()
+        if wake in readable:
             self._serve_requests()
         if instance is None:
             if self._connection.left() == 0.0:
                 self._connection.try_again()
             return
-        if works and len(readable) > readable.count(self._wake_read):
+        if works and len(readable) > readable.count(wake):
             works = self._handle(instance)
         if works and not (self._can_break and self._broken is instance):
             return
@@ -210,14 +298,16 @@ class LcmBus:
     def _wait(self, instance: Instance | None) -> tuple[bool, list[int]]:
         """Return whether the connection works, and the descriptors that can be read, if any."""
         try:
+            wake = self._to_receiver.fileno()
             if instance is None:
-                return True, select.select([self._wake_read], [], [], self._connection.left())[0]
+                return True, select.select([wake], [], [], self._connection.left())[0]
             longest = _CHECK_PERIOD if self._can_break else None
-            return True, select.select([self._wake_read, instance.fileno()], [], [], longest)[0]
+            return True, select.select([wake, instance.fileno()], [], [], longest)[0]
         except (OSError, ValueError):  # closed by the publishing thread, when it broke
             return False, []
 
     def _serve_requests(self) -> None:
+        self._to_receiver.clear()
         while not self._requests.empty():
             self._requests.get()()
 

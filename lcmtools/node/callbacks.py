@@ -44,7 +44,7 @@ class Callbacks:
         self._has_waiting = False
 
     def note_message(self) -> None:
-        """Note that a message or a request waits; called on the receiving thread."""
+        """Note that a message or a request waits; called on the thread that receives."""
         self._has_waiting = True
 
     def clear(self) -> None:
@@ -76,7 +76,7 @@ class Callbacks:
 
         None if only a message can bring work.
         """
-        if isinstance(self.clock, ManualClock):
+        if not (self.timers or others) or isinstance(self.clock, ManualClock):
             return None
         now = self.time()
         waits = [wait for t in (*self.timers, *others) if (wait := t.remaining(now)) is not None]

@@ -3,8 +3,10 @@
 The choice among a process's contexts, and signals, are process.py's business.
 """
 
+import contextlib
 import os
 import socket
+import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
@@ -14,6 +16,7 @@ from lcmtools.bus.base import Bus
 from lcmtools.bus.listeners import PlainListeners
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl
+from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.graph.model import Node, Role
 from lcmtools.graph.protocol import SHUTDOWN_CHANNEL, decode_shutdown
 from lcmtools.names import base_name_of, resolve_namespace
@@ -21,7 +24,6 @@ from lcmtools.node.announcer import Announcer
 from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.graph_follower import GraphFollower
 from lcmtools.node.logger import Logger
-from lcmtools.node.wakeup import WakeupEvent
 from lcmtools.settings import usual_namespace
 
 
@@ -61,7 +63,7 @@ class Context:
         self.bus = bus
         bus.on_outage = self._warn
         self.arguments = arguments
-        self.wakeup = WakeupEvent()
+        self._wakeups: dict[int, WakeupEvent] = {}  # of threads that wait
         self.declared_parameters: set[str] = set()
         self.notices: list[str] = []
         """Warnings about the command line for the next node to log."""
@@ -72,6 +74,7 @@ class Context:
         self.host = socket.gethostname()
         self._records = records
         self._recorded: dict[str, frozenset[tuple[str, Role]]] = {}
+        self._recording = threading.Lock()
         self.plain_listeners = PlainListeners(url, self._pids_here) if url else None
         self._participants: list[Participant] = []
         self._stopping = False
@@ -94,7 +97,15 @@ class Context:
     def stop(self) -> None:
         """Make everything that spins return. Safe in signal handlers."""
         self._stopping = True
-        self.wakeup.set()
+        for wakeup in tuple(self._wakeups.values()):
+            wakeup.set()
+
+    def wake(self) -> None:
+        """Let the threads that wait look for work; from the thread that receives."""
+        receiver = threading.get_ident()  # it looks for work by itself
+        for thread, wakeup in tuple(self._wakeups.items()):
+            if thread != receiver:
+                wakeup.set()
 
     def run_once(self, callbacks: Sequence[Callbacks], timeout: float | None) -> None:
         """Wait for something to do, for ``timeout`` seconds at most (None: without end); do it.
@@ -103,13 +114,18 @@ class Context:
         """
         deadline = None if timeout is None else time.monotonic() + timeout
         while self.ok():
-            if sum(one.run_ready() for one in callbacks):
+            ran = 0
+            for one in callbacks:
+                ran += one.run_ready()
+            if ran:
                 return
-            left = None if deadline is None else deadline - time.monotonic()
-            if left is not None and left <= 0:
+            wait = None if deadline is None else deadline - time.monotonic()
+            if wait is not None and wait <= 0:
                 return
-            waits = (left, *(one.time_to_timer() for one in callbacks))
-            self.wakeup.wait(min((wait for wait in waits if wait is not None), default=None))
+            for one in callbacks:
+                due = one.time_to_timer()
+                wait = due if wait is None or (due is not None and due < wait) else wait
+            self._wait(wait)
 
     def add(self, participant: Participant) -> None:
         """Add a node: announce it, and record that it runs."""
@@ -136,6 +152,17 @@ class Context:
         """Return whether no node has been made yet: ``__name:=`` names the first one."""
         return not self._participants
 
+    def _wait(self, timeout: float | None) -> None:
+        """Wait for messages, or for ``timeout`` seconds; return early on any ``wake`` or stop."""
+        thread = threading.get_ident()
+        wakeup = self._wakeups.get(thread)
+        if wakeup is None:
+            wakeup = self._wakeups[thread] = WakeupEvent()
+            return  # one who wakes all may not have seen it: the caller looks for work first
+        with contextlib.suppress(OSError, ValueError):  # another thread closes it just now
+            if self.bus.wait(wakeup.fileno(), timeout):
+                wakeup.clear()
+
     def _pids_here(self) -> frozenset[int]:
         """Return the processes of this computer that are nodes, always with this one."""
         others = (node.pid for node in self.follower.graph().nodes if node.host == self.host)
@@ -152,7 +179,8 @@ class Context:
         self.announcer.close()
         self.follower.close()
         self.bus.close()
-        self.wakeup.close()
+        for wakeup in self._wakeups.values():
+            wakeup.close()
 
     def _warn(self, text: str) -> None:
         """Log once a trouble of all nodes of the process; commands report it themselves."""
@@ -168,13 +196,14 @@ class Context:
         """Return a node's description; write its record, again when it has other topics."""
         node = participant.describe()
         topics = frozenset((endpoint.topic, endpoint.role) for endpoint in node.endpoints)
-        if self._records and self._recorded.get(node.id) != topics:
-            self._recorded[node.id] = topics
-            self._records.write(node)
+        with self._recording:  # a node that has been made has a record, whoever writes it
+            if self._records and self._recorded.get(node.id) != topics:
+                self._recorded[node.id] = topics
+                self._records.write(node)
         return node
 
     def _receive_shutdown(self, payload: bytes, _time: int) -> None:
-        """End this program if the request is for one of its nodes; on the receiving thread.
+        """End this program if the request is for one of its nodes; on the thread that receives.
 
         It answers before it ends, so that the requester can recognize a program that hangs.
         """

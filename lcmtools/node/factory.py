@@ -286,9 +286,9 @@ class Factory:
         return resolved
 
     def __wake(self) -> None:
-        """Let the spinning thread run callbacks; called on the receiving thread."""
+        """Let the spinning thread run callbacks; called on the thread that receives."""
         self.__callbacks.note_message()  # before the thread wakes, which checks this alone
-        self.__context.wakeup.set()
+        self.__context.wake()
 
     def __log_lost_message(self, error: BusError) -> None:
         self.__logger.error(f"{error}", throttle=_LOST_MESSAGE_PERIOD)

@@ -45,7 +45,7 @@ class GraphFollower:
         self._url = url
         self._lock = threading.Lock()  # of the builder
         self._builder: GraphBuilder | None = None
-        self._announced_lock = threading.Lock()  # held for a moment only, on the receiving thread
+        self._announced_lock = threading.Lock()  # held for a moment only, while receiving
         self._announced: dict[bytes, tuple[Head, bytes, int]] = {}
         self._socket_lock = threading.Lock()
         self._socket: ChannelSocket | None = None

@@ -83,7 +83,7 @@ class Service(Generic[RequestT, ResponseT]):
         self._calls = 0
 
     def receive(self, payload: bytes, _time: int) -> None:
-        """Queue one request; called on the receiving thread. Other payloads are ignored."""
+        """Queue one request; called on the thread that receives. Other payloads are ignored."""
         try:
             request = decode(ServiceRequest, payload)
         except DecodeError:
@@ -210,7 +210,7 @@ class Client(Generic[RequestT, ResponseT]):
         return decode(self.service_type.Response, reply.payload)
 
     def receive(self, payload: bytes, _time: int) -> None:
-        """Take a reply that is for this client; called on the receiving thread."""
+        """Take a reply that is for this client; called on the thread that receives."""
         try:
             reply = decode(ServiceReply, payload)
         except DecodeError:
@@ -235,6 +235,7 @@ class Client(Generic[RequestT, ResponseT]):
         try:
             while (left := deadline - time.monotonic()) > 0 and not self.is_interrupted():
                 self._bus.publish(request_channel(self.name), payload)
+                self._bus.hand_over()
                 with self._changed:
                     wait = min(left, patience)
                     if self._changed.wait_for(lambda: self._replies[sequence], timeout=wait):

@@ -57,7 +57,7 @@ class Subscription:
         self._next_warning = 0.0
 
     def receive(self, payload: bytes, time: int) -> None:
-        """Queue one message; called on the receiving thread."""
+        """Queue one message; called on the thread that receives."""
         with self._lock:
             if self._closed:
                 return

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from lcmtools.node.wakeup import WakeupEvent
+from lcmtools.bus.wakeup import WakeupEvent
 
 
 @pytest.fixture(autouse=True, params=["as it is", "without eventfd"])

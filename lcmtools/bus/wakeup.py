@@ -30,14 +30,22 @@ class WakeupEvent:
             with contextlib.suppress(OSError, ValueError):  # closed: gone
                 self._write.write(_ONE)
 
+    def fileno(self) -> int:
+        """Return the descriptor that can be read while it is set."""
+        return self._read.fileno()
+
     def wait(self, timeout: float | None) -> None:
         """Wait until set, or for ``timeout`` seconds, and clear it; not at all when closed."""
         with contextlib.suppress(OSError, ValueError):  # another thread closes it just now
             if select.select([self._read], [], [], timeout)[0]:
-                self._read.read(_MUCH)
-                # cleared after reading: a thread that sets it in between has its work ready,
-                # and the waiting thread looks for work only after this
-                self._is_set = False
+                self.clear()
+
+    def clear(self) -> None:
+        """Make ready for the next wait; the waiting thread looks for work only after this."""
+        with contextlib.suppress(OSError, ValueError):
+            self._read.read(_MUCH)
+        # after reading: a thread that sets it in between has its work ready
+        self._is_set = False
 
     def close(self) -> None:
         """Free the descriptors."""

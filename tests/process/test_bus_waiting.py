@@ -1,0 +1,199 @@
+"""Receiving on the thread that waits for messages, and on the bus's own while that one is away."""
+
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+import lcmtools
+from lcmtools.bus import lcm_bus
+from lcmtools.bus.lcm_bus import LcmBus
+from lcmtools.bus.url import parse_url
+from lcmtools.bus.wakeup import WakeupEvent
+from lcmtools.types.std_msgs import String
+from lcmtools.types.std_srvs import Trigger
+
+WaitUntil = Callable[..., None]
+_LONG = 20.0  # [s]
+
+
+@pytest.fixture
+def endless_patience(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The bus's own thread does not receive by itself for a thread that is away."""
+    monkeypatch.setattr(lcm_bus, "_PATIENCE", 3600.0)
+
+
+@pytest.fixture
+def bus(bus_url: str) -> Iterator[LcmBus]:
+    bus = LcmBus(parse_url(bus_url))
+    yield bus
+    bus.close()
+
+
+@pytest.fixture
+def never() -> Iterator[int]:
+    """A descriptor that is not ready to read until the test ends."""
+    event = WakeupEvent()
+    yield event.fileno()
+    event.close()
+
+
+@pytest.fixture
+def sender(bus_url: str) -> Iterator[LcmBus]:
+    bus = LcmBus(parse_url(bus_url))
+    yield bus
+    bus.close()
+
+
+class Receivers:
+    """The threads on which a channel's messages were handled."""
+
+    def __init__(self, bus: LcmBus, channel: str = "a") -> None:
+        self.threads: list[int] = []
+        bus.subscribe(channel, lambda _payload, _time: self.threads.append(threading.get_ident()))
+
+    def wait(self, bus: LcmBus, descriptor: int, messages: int = 1) -> None:
+        """Wait on the bus until messages have come."""
+        deadline = time.monotonic() + _LONG
+        while len(self.threads) < messages and time.monotonic() < deadline:
+            bus.wait(descriptor, deadline - time.monotonic())
+        assert len(self.threads) >= messages
+
+
+@pytest.mark.usefixtures("endless_patience")
+def test_messages_are_handled_on_the_thread_that_waits(
+    bus: LcmBus, sender: LcmBus, never: int
+) -> None:
+    receivers = Receivers(bus)
+    assert not bus.wait(never, 0.0)
+    for count in range(1, 4):
+        sender.publish("a", b"x")
+        receivers.wait(bus, never, count)
+    assert set(receivers.threads) == {threading.get_ident()}
+
+
+def test_a_thread_that_stays_away_is_replaced(
+    bus: LcmBus, sender: LcmBus, never: int, wait_until: WaitUntil
+) -> None:
+    receivers = Receivers(bus)
+    bus.wait(never, 0.0)
+    for count in range(1, 4):  # it takes over once, and then receives each
+        sender.publish("a", b"x")
+        wait_until(lambda count=count: len(receivers.threads) == count)
+    assert threading.get_ident() not in receivers.threads
+    bus.wait(never, 0.0)
+    sender.publish("a", b"x")
+    receivers.wait(bus, never, 4)
+
+
+@pytest.mark.usefixtures("endless_patience")
+def test_a_thread_that_hands_over_is_replaced_at_once(
+    bus: LcmBus, sender: LcmBus, never: int, wait_until: WaitUntil
+) -> None:
+    receivers = Receivers(bus)
+    bus.wait(never, 0.0)
+    bus.hand_over()
+    sender.publish("a", b"x")
+    wait_until(lambda: receivers.threads)
+    assert receivers.threads[0] != threading.get_ident()
+
+
+@pytest.mark.usefixtures("endless_patience")
+def test_subscriptions_are_made_while_a_thread_waits_and_while_it_is_away(
+    bus: LcmBus, sender: LcmBus, never: int
+) -> None:
+    event = WakeupEvent()
+    with ThreadPoolExecutor(1) as threads:
+        waiting = threads.submit(_wait_for_event, bus, event)
+        Receivers(bus, "other")
+        event.set()
+        waiting.result(_LONG)
+    event.close()
+    receivers = Receivers(bus)  # it has gone
+    sender.publish("a", b"x")
+    receivers.wait(bus, never)
+
+
+def _wait_for_event(bus: LcmBus, event: WakeupEvent) -> None:
+    while not bus.wait(event.fileno(), _LONG):
+        pass
+
+
+@pytest.mark.usefixtures("endless_patience")
+def test_where_two_threads_wait_neither_depends_on_the_other(
+    bus: LcmBus, sender: LcmBus, wait_until: WaitUntil
+) -> None:
+    receivers = Receivers(bus)
+    events = [WakeupEvent(), WakeupEvent()]
+    with ThreadPoolExecutor(2) as threads:
+        waiting = [threads.submit(_wait_for_event, bus, event) for event in events]
+        events[0].set()  # the first one goes away for good
+        waiting[0].result(_LONG)
+        sender.publish("a", b"x")
+        wait_until(lambda: receivers.threads)
+        events[1].set()
+        waiting[1].result(_LONG)
+    for event in events:
+        event.close()
+
+
+def test_a_thread_that_waits_returns_when_the_bus_closes(bus: LcmBus) -> None:
+    event = WakeupEvent()
+    with ThreadPoolExecutor(1) as threads:
+        waiting = threads.submit(_wait_for_event, bus, event)
+        bus.close()
+        event.set()
+        waiting.result(_LONG)
+    event.close()
+
+
+@pytest.mark.usefixtures("endless_patience")
+def test_a_callback_may_call_a_service_of_another_program(bus_url: str) -> None:
+    """Its own thread, which would receive the reply, waits for it."""
+    lcmtools.init([], url=bus_url, handle_signals=False)
+    node = lcmtools.Node("caller")
+    client = node.create_client(Trigger, "/answer")
+    answers: list[bool] = []
+    node.create_timer(0.01, lambda: answers.append(client.call(Trigger.Request(), _LONG).success))
+    answering = threading.Event()
+    with ThreadPoolExecutor(1) as threads:
+        serving = threads.submit(_serve, bus_url, answering)
+        while not answers:
+            lcmtools.spin_once(node, 1.0)
+        answering.set()
+        serving.result(_LONG)
+    assert answers == [True]
+    lcmtools.shutdown()
+
+
+def _serve(bus_url: str, answering: threading.Event) -> None:
+    from lcmtools.arguments import NodeArguments
+    from lcmtools.node.process import open_context
+
+    def answer(_request: object, response: Trigger.Response) -> Trigger.Response:
+        response.success = True
+        return response
+
+    context = open_context(parse_url(bus_url), NodeArguments())
+    node = lcmtools.Node("server", context=context)
+    node.create_service(Trigger, "/answer", answer)
+    while not answering.is_set():
+        lcmtools.spin_once(node, 0.05)
+    context.close()
+
+
+@pytest.mark.usefixtures("endless_patience")
+def test_a_signal_handler_may_shut_down_while_the_node_waits(bus_url: str) -> None:
+    lcmtools.init([], url=bus_url, handle_signals=False)
+    node = lcmtools.Node("node")
+    node.create_subscription(String, "/a", lambda _: None)
+    before = signal.signal(signal.SIGALRM, lambda *_: lcmtools.shutdown())
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.1)
+        lcmtools.spin(node)
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    assert not lcmtools.ok()
