@@ -1,5 +1,6 @@
 """Commands and nodes in processes without the calls, files and options that only Linux has."""
 
+import re
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -65,7 +66,7 @@ def test_nodes_run_and_are_found(run: Callable[..., str]) -> None:
     assert run("node", "list").split() == ["/other", "/talker"]
     assert "reply from /talker" in run("node", "ping", "talker", "-c", "1")
     assert "/chatter: " in run("node", "info", "talker")
-    assert "rate: 10." in run("info", "/chatter")
+    assert re.search(r"messages: \d+, .* rate: \d", run("info", "/chatter"))
 
 
 def test_echo_hz_and_pub_work(run: Callable[..., str], start: Any, lcmtools_path: str) -> None:
