@@ -283,9 +283,11 @@ def _parse_row(columns: list[str]) -> UdpSocket | None:
 
 def _open_files() -> Iterator[tuple[int, str]]:
     """Yield processes with the targets of their descriptors; none of other users' processes."""
+    # by strings: thousands of Paths would take most of the time
     with contextlib.suppress(OSError):  # no such system
-        for folder in (entry for entry in _PROC.iterdir() if entry.name.isdigit()):
+        for pid in filter(str.isdigit, os.listdir(_PROC)):  # noqa: PTH208
+            folder = f"{_PROC}/{pid}/fd"
             with contextlib.suppress(OSError):  # another user's, or ended meanwhile
-                for descriptor in (folder / "fd").iterdir():
+                for descriptor in os.listdir(folder):  # noqa: PTH208
                     with contextlib.suppress(OSError):  # closed meanwhile
-                        yield int(folder.name), str(descriptor.readlink())
+                        yield int(pid), os.readlink(f"{folder}/{descriptor}")  # noqa: PTH115

@@ -11,7 +11,7 @@ from lcmtools.cli.commands import COMMANDS
 from lcmtools.cli.declare import CONTEXT, option
 from lcmtools.cli.lazy import COMMAND, LazyGroup
 from lcmtools.cli.options import bus_options, manner_options
-from lcmtools.messages.type_source import set_supply
+from lcmtools.messages.supply import set_supply
 from lcmtools.packages import provide_user_types
 
 EXIT_CODES = """\

@@ -1,7 +1,6 @@
 """Printing: data to standard output, talk to standard error; each line flushed."""
 
 import contextlib
-import json
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -32,6 +31,8 @@ def lines(rows: Iterable[str], decorate: Callable[[str], str] = str) -> None:
 
 def document(value: object) -> None:
     """Print one JSON document."""
+    import json
+
     data(json.dumps(value, ensure_ascii=False, indent=2).translate(_ESCAPES_IN_JSON))
 
 
@@ -73,6 +74,8 @@ def complain(command: str, error: LcmtoolsError, *, as_json: bool = False) -> No
     """Print an error in one line; as JSON where the data are JSON."""
     what, hint = (" ".join(part.split()) for part in (error.what, error.hint))
     if as_json:
+        import json
+
         record = {"command": command, "error": what, "hint": hint, "exit_code": error.exit_code}
         talk(json.dumps(record, ensure_ascii=False))
     else:

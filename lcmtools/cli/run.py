@@ -14,7 +14,6 @@ from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import bus_choice, bus_options, json_option
 from lcmtools.cli.output import show, talk
 from lcmtools.errors import LcmtoolsError, UsageError
-from lcmtools.node.process import set_note
 from lcmtools.packages.finding import find_node, own_answer
 from lcmtools.packages.nodes import OWN, NodeProgram, Runnable, runnables
 from lcmtools.packages.workspace import workspace
@@ -76,6 +75,8 @@ def _run(words: Sequence[str], known: Sequence[Runnable]) -> int:
         what = f"this is lcmtools' own {node.name}; {others[0]} has one too"
         talk(f"lcmtools run: {what}: lcmtools run {others[0]} {node.name}")
     elif words[0] == node.name:
+        from lcmtools.node.process import set_note
+
         set_note(own_answer(node))
     bus = bus_choice()
     chosen = NodeArguments(lcm_url=bus.url or None, domain=bus.domain or None)

@@ -7,7 +7,6 @@ ends. A lcmtools_msgs/Shutdown on SHUTDOWN_CHANNEL requests that a node's progra
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from hashlib import blake2b
 from typing import Any, NamedTuple, TypeVar
 
 from lcmtools.errors import DecodeError, InvalidName
@@ -156,11 +155,8 @@ def _revision(node: Node) -> int:
     zeros: dict[str, Any] = dict.fromkeys(_COUNTERS, 0)
     plain = [replace(endpoint, **zeros) for endpoint in node.endpoints]
     errors = sorted((error.callback, error.exception, error.place) for error in node.errors)
-    structure = repr((node.command, node.tool, node.ports, plain, errors)).encode(
-        "utf-8", "replace"
-    )
-    digest = blake2b(structure, digest_size=_REVISION_BYTES).digest()
-    return int.from_bytes(digest, "big", signed=True)
+    # of text, since Python's hash of some numbers is that of others; all by the node's own process
+    return hash(repr((node.command, node.tool, node.ports, plain, errors)))
 
 
 def _endpoint_message(endpoint: Endpoint) -> msgs.Endpoint:

@@ -2,7 +2,7 @@
 
 A look-up reads tables and imports no type but the one that is found. Of two types with the same
 name a user's own counts: it is the one under development. The others are still found by their
-fingerprints. Where users' types are is decided at the edge (``type_source.set_supply``); nothing
+fingerprints. Where users' types are is decided at the edge (``supply.set_supply``); nothing
 here reads the environment, the working directory or the command line.
 """
 
@@ -13,9 +13,9 @@ from functools import cache
 from typing import ClassVar, Protocol, cast
 
 from lcmtools.errors import UnknownType
-from lcmtools.messages import type_source
+from lcmtools.messages.supply import Supply, current_supply
 from lcmtools.messages.type_names import STUDENTS, find, full_name, near_miss, preference
-from lcmtools.messages.type_source import Problem, Supply, TypeSource
+from lcmtools.messages.type_source import Problem, TypeSource
 
 _SHIPPED = "lcmtools.types."
 _USERS = "lcmtools_types_"  # packages.cache writes all types below a package named so
@@ -118,6 +118,11 @@ class Registry:
                 return sorted(names, key=preference)
         return []
 
+    def file(self, name: str) -> str:
+        """The file of a type of the user's own; "" of one that is shipped."""
+        having = (one for some in self._tiers() for one in some if name in one.fingerprints)
+        return next((one.files.get(name, "") for one in having), "")
+
     def files(self) -> dict[str, str]:
         """The .lcm file of each type of the user's own."""
         return {
@@ -212,7 +217,7 @@ _current: tuple[Supply | None, Registry] | None = None
 def default_registry() -> Registry:
     """The registry of the shipped types and of those that the edge of the program supplies."""
     global _current  # noqa: PLW0603 - one registry a process, renewed with its supply
-    supply = type_source.supply()
+    supply = current_supply()
     if _current is None or _current[0] is not supply:
         _current = supply, Registry([shipped_types()], supply, _log)
     return _current[1]

@@ -1,12 +1,8 @@
-"""Sources of types as values: names, fingerprints, and the problems of files that lack them.
+"""Sources of types as values: names, fingerprints, and the problems of files that lack them."""
 
-The supply of users' own types is set here by the edge of the program.
-"""
-
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
 
 from lcmtools.errors import InvalidFile
 
@@ -55,36 +51,3 @@ def shown(path: str | Path) -> str:
         return str(Path(path).relative_to(Path.cwd()))
     except (ValueError, OSError):
         return str(path)
-
-
-class Supply(Protocol):
-    """Types of a user's own, found on request; None where there are none."""
-
-    def near(self) -> TypeSource | None:
-        """Types that take precedence over the shipped ones."""
-
-    def far(self) -> TypeSource | None:
-        """Types for names that are not known otherwise."""
-
-
-_make: Callable[[], Supply] | None = None
-_supply: Supply | None = None
-
-
-def set_supply(make: Callable[[], Supply] | None) -> None:
-    """Set the supply of users' types for this process; it is made with the first look-up."""
-    global _make, _supply
-    _make, _supply = make, None
-
-
-def supply() -> Supply | None:
-    """The supply of users' types; None where the edge has set none."""
-    global _supply  # noqa: PLW0603
-    if _supply is None and _make is not None:
-        _supply = _make()
-    return _supply
-
-
-def has_supply() -> bool:
-    """Return True if the edge of the program has set a supply."""
-    return _make is not None

@@ -14,7 +14,7 @@ from lcmtools.arguments import NodeArguments, looks_special, misspelt, split_arg
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl, choose_url
 from lcmtools.errors import LcmtoolsError, UsageError
-from lcmtools.messages.type_source import has_supply
+from lcmtools.messages.supply import has_supply
 from lcmtools.node import checks
 from lcmtools.node.context import Context
 from lcmtools.packages import provide_user_types

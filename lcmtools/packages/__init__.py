@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lcmtools.messages.type_source import Supply, has_supply, set_supply
+from lcmtools.messages.supply import Supply, has_supply, set_supply
 
 if TYPE_CHECKING:  # imported with the first look-up
     from lcmtools.messages.registry import Message

@@ -10,15 +10,17 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.machinery import PathFinder
-from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
-from typing import Protocol, cast
+from typing import TYPE_CHECKING, Protocol, cast
 
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.packages.type_files import GROUPS
 from lcmtools.packages.workspace import Package, read_project, table, workspace
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 GROUP = "lcmtools.nodes"
 """The entry points that are nodes; any installed package can add its own."""
@@ -139,6 +141,8 @@ def _provide_messages(package: Package) -> None:
 
 def runnables(*starts: Path) -> list[Runnable]:
     """All nodes that can be run, sorted by package; the workspace's before the installed one."""
+    from importlib.metadata import entry_points
+
     found: dict[tuple[str, str], Runnable] = {}
     space = workspace(*starts)
     names = {package.name for package in space.packages}
@@ -154,6 +158,8 @@ def runnables(*starts: Path) -> list[Runnable]:
 
 def installed_packages() -> list[str]:
     """The installed packages that have nodes or messages, sorted."""
+    from importlib.metadata import entry_points
+
     found = (entry for group in GROUPS for entry in entry_points(group=group))
     return sorted({_package_of(entry) for entry in found})
 
@@ -178,6 +184,6 @@ def _make_importable(folder: Path) -> None:
         _provide_messages(package)
 
 
-def _package_of(entry: EntryPoint) -> str:
+def _package_of(entry: "EntryPoint") -> str:
     module = entry.module.partition(".")[0]
     return OWN if module in (OWN, "lcmtools_sim") else module

@@ -11,16 +11,14 @@ from itertools import islice
 from pathlib import Path
 
 from lcmtools.messages.type_source import Problem
-from lcmtools.packages import ros_files
-from lcmtools.packages.ros_files import package_of
-from lcmtools.packages.workspace import LONGEST_FILE
+from lcmtools.packages.workspace import LONGEST_FILE, ROS_FOLDERS
 
 VARIABLE = "LCMTOOLS_TYPE_PATH"
 """Folders with .lcm files, also nested, with ':' between them."""
 GROUPS = ("lcmtools.nodes", "lcmtools.messages")
 """The entry points that say that an installed package may have .lcm files."""
 
-_SUFFIXES = (".lcm", *ros_files.SUFFIXES)
+_SUFFIXES = (".lcm", *(f".{kind}" for kind in ROS_FOLDERS))
 _MOST_FOLDERS = 2000  # somebody may name the home folder
 _OTHER_FOLDERS = {"build", "dist", "node_modules", "site-packages", "venv"}
 
@@ -102,7 +100,11 @@ def _read(path: Path) -> LcmFile | Problem:
         if path.stat().st_size > LONGEST_FILE:
             what = f"a {path.suffix} file has less than {LONGEST_FILE} bytes"
             return Problem(str(path), 0, what)
-        package = package_of(path) if path.suffix in ros_files.SUFFIXES else ""
+        package = ""
+        if path.suffix != ".lcm":
+            from lcmtools.packages.ros_files import package_of
+
+            package = package_of(path)
         return LcmFile(path, path.read_bytes(), package)
     except OSError as error:
         return Problem(str(path), 0, f"cannot be read: {error.strerror}")

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import cast
 
 from lcmtools.errors import LcmtoolsError, UnknownType
-from lcmtools.messages import type_source
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import (
     Message,
@@ -25,6 +24,7 @@ from lcmtools.messages.registry import (
     type_name,
     type_names,
 )
+from lcmtools.messages.supply import current_supply, has_supply
 from lcmtools.messages.type_source import TypeSource
 from lcmtools.names import did_you_mean
 from lcmtools.packages import provide_user_types
@@ -119,9 +119,9 @@ class UserTypes:
 
 def user_types() -> UserTypes:
     """The types of the user of this process; the environment is read if no edge has done so."""
-    if not type_source.has_supply():
+    if not has_supply():
         provide_user_types()
-    return cast("UserTypes", type_source.supply())
+    return cast("UserTypes", current_supply())
 
 
 def sources_of(words: Sequence[str]) -> list[Path]:
@@ -146,7 +146,7 @@ def sources_of(words: Sequence[str]) -> list[Path]:
 
 def source_file(name: str) -> str:
     """Return the path of the file of a message type, .lcm or of ROS."""
-    return default_registry().files().get(name) or f"{shipped_folder() / name}.lcm"
+    return default_registry().file(name) or f"{shipped_folder() / name}.lcm"
 
 
 def source_text(kind: type[Message]) -> str:

@@ -9,7 +9,7 @@ from lcmtools.bus.url import BusUrl, choose_url
 from lcmtools.messages.fill import Value
 from lcmtools.messages.message_template import MessageTemplate, draft, draft_from_values
 from lcmtools.messages.registry import Message, message_class
-from lcmtools.messages.type_source import has_supply
+from lcmtools.messages.supply import has_supply
 from lcmtools.packages import provide_user_types
 from lcmtools.publish.incoming import Incoming, Notify, Template
 from lcmtools.publish.own_node import own_node

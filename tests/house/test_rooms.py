@@ -191,6 +191,22 @@ def test_list_loads_only_what_it_needs() -> None:
     assert not loaded & {"lcm", "yaml", "numpy", "pybullet", "lcmtools.types.sensor_msgs"}
 
 
+@pytest.mark.parametrize(
+    ("line", "unneeded"),
+    [
+        ("--help", "lcmtools.messages.type_source"),
+        ("list --domain 99", "hashlib"),
+        ("lab list", "importlib.metadata"),
+        ("msg show geometry_msgs/Twist", "importlib.metadata"),
+        ("msg show geometry_msgs/Twist", "lcmtools.packages.ros_files"),
+        ("run --list", "lcmtools.node"),
+    ],
+)
+def test_a_command_leaves_out_what_only_others_need(line: str, unneeded: str) -> None:
+    (loaded,) = newly_loaded(line).values()
+    assert unneeded not in loaded
+
+
 def test_no_commands_help_loads_what_is_heavy() -> None:
     loaded = newly_loaded(*(" ".join([*words, "--help"]) for words in commands()))
     assert {line: names & HEAVY for line, names in loaded.items() if names & HEAVY} == {}

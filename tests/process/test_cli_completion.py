@@ -15,7 +15,7 @@ from lcmtools.bus.quick_probe import QuickProbe
 from lcmtools.bus.url import parse_url
 from lcmtools.cli.completion.answer import answer
 from lcmtools.cli.completion.tree import Tree
-from lcmtools.messages.type_source import set_supply
+from lcmtools.messages.supply import set_supply
 from lcmtools.wire.datagram import fragments, short_message
 
 BREAKS = " \t\n\"'><=;|&(:"

@@ -9,7 +9,8 @@ import pytest
 from lcmtools.errors import UnknownType
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Registry, fingerprint, message_class, type_name
-from lcmtools.messages.type_source import TypeSource, set_supply
+from lcmtools.messages.supply import set_supply
+from lcmtools.messages.type_source import TypeSource
 from lcmtools.packages import cache, provide_user_types
 from lcmtools.packages.user_types import UserTypes
 from lcmtools.types.fingerprints import FINGERPRINTS

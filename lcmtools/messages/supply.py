@@ -1,0 +1,40 @@
+"""The supply of users' own types, which the edge of the program sets."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:  # imported with the first look-up
+    from lcmtools.messages.type_source import TypeSource
+
+
+class Supply(Protocol):
+    """Types of a user's own, found on request; None where there are none."""
+
+    def near(self) -> "TypeSource | None":
+        """Types that take precedence over the shipped ones."""
+
+    def far(self) -> "TypeSource | None":
+        """Types for names that are not known otherwise."""
+
+
+_make: Callable[[], Supply] | None = None
+_supply: Supply | None = None
+
+
+def set_supply(make: Callable[[], Supply] | None) -> None:
+    """Set the supply of users' types for this process; it is made with the first look-up."""
+    global _make, _supply
+    _make, _supply = make, None
+
+
+def current_supply() -> Supply | None:
+    """The supply of users' types; None where the edge has set none."""
+    global _supply  # noqa: PLW0603
+    if _supply is None and _make is not None:
+        _supply = _make()
+    return _supply
+
+
+def has_supply() -> bool:
+    """Return True if the edge of the program has set a supply."""
+    return _make is not None
