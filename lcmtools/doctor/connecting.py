@@ -27,6 +27,7 @@ _COMMON = frozenset({"/clock", "/rosout", "/tf", "/tf_static"})
 
 _PERIODS = 3  # of a topic on average, without a message, are no sign that it is heard no more
 _FEWEST = 4  # messages that show that a topic is published again and again; pub -1 sends one
+_FEWEST_OF_PLAIN = 1  # where a program runs that is no node, and may be what publishes
 _LONG_AGO = 180_000_000_000  # [ns]
 
 End = tuple[Node, Endpoint]
@@ -48,18 +49,29 @@ def is_simulator(node: Node) -> bool:
     return any(e.topic == "/clock" and e.role is Role.PUBLISHER for e in node.endpoints)
 
 
-def loose_ends(graph: Graph, role: Role, *, of_tools: bool = False) -> list[End]:
-    """The publications, or subscriptions, of live nodes that have nothing at the other end."""
+def loose_ends(
+    graph: Graph, role: Role, *, of_tools: bool = False, beside_plain: bool = False
+) -> list[End]:
+    """The publications, or subscriptions, of live nodes that have nothing at the other end.
+
+    Args:
+        graph: The nodes, and the messages that were seen.
+        role: That of the endpoints.
+        of_tools: Those of commands too.
+        beside_plain: There are programs that are no nodes, which may publish.
+    """
     live = [node for node in graph.nodes if not node.stale]
     other = Role.PUBLISHER if role is Role.SUBSCRIBER else Role.SUBSCRIBER
     connected = {e.topic for node in live for e in node.endpoints if e.role is other}
     if role is Role.SUBSCRIBER:
-        connected |= {seen.channel for seen in graph.traffic} | _heard(live, graph.time)
+        connected |= {seen.channel for seen in graph.traffic} | _heard(
+            live, graph.time, _FEWEST_OF_PLAIN if beside_plain else _FEWEST
+        )
     nodes = (node for node in live if of_tools or not node.tool)
     return [(node, end) for node in nodes for end in _loose(node, role, connected)]
 
 
-def _heard(nodes: Iterable[Node], now: int) -> set[str]:
+def _heard(nodes: Iterable[Node], now: int, fewest: int) -> set[str]:
     """The topics of which messages came of late, by the counters of their subscribers.
 
     A program that is no node may publish too seldom to be seen in one look.
@@ -68,7 +80,7 @@ def _heard(nodes: Iterable[Node], now: int) -> set[str]:
     for node in nodes:
         for end in node.endpoints:
             lived, age = end.last_time - node.start_time, node.time_there(now) - end.last_time
-            is_fed = end.role is Role.SUBSCRIBER and end.messages >= _FEWEST
+            is_fed = end.role is Role.SUBSCRIBER and end.messages >= fewest
             if is_fed and age < min(_PERIODS * lived / end.messages, _LONG_AGO):
                 heard.add(end.topic)
     return heard

@@ -24,8 +24,9 @@ def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
     # other rules report topics of other buses, and of publishers that hang
     elsewhere = {topic for process in evidence.processes for topic in process.topics}
     elsewhere |= evidence.stale_published
-    every = loose_ends(evidence.graph, Role.SUBSCRIBER)
-    loose = [(node, end) for node, end in every if end.topic not in elsewhere]
+    loose = [
+        (node, end) for node, end in loose_subscriptions(evidence) if end.topic not in elsewhere
+    ]
     remedies = [way.remedy for way in _connecting(evidence).ways(loose)]
     if not remedies:
         topics = dict.fromkeys(end.topic for _, end in loose)
@@ -63,13 +64,22 @@ def publications_have_subscribers(evidence: Evidence) -> Iterator[Finding]:
 
 def missed_topics(evidence: Evidence) -> set[str]:
     """The topics of subscriptions without a publisher."""
-    return {end.topic for _, end in loose_ends(evidence.graph, Role.SUBSCRIBER)}
+    return {end.topic for _, end in loose_subscriptions(evidence)}
+
+
+@derived
+def loose_subscriptions(evidence: Evidence) -> list[End]:
+    """The subscriptions of live nodes without a publisher."""
+    nodes = {node.pid for node in evidence.own_nodes()}
+    plain = (one for one in evidence.processes if not one.bus and one.pid not in nodes)
+    beside_plain = evidence.has_others() or any(plain)
+    return loose_ends(evidence.graph, Role.SUBSCRIBER, beside_plain=beside_plain)
 
 
 @derived
 def proposed_ways(evidence: Evidence) -> list[Way]:
     """The remedies for unconnected subscriptions: other rules need not repeat them."""
-    return _connecting(evidence).ways(loose_ends(evidence.graph, Role.SUBSCRIBER))
+    return _connecting(evidence).ways(loose_subscriptions(evidence))
 
 
 @derived

@@ -338,6 +338,18 @@ def test_a_subscription_that_was_fed_of_late_is_connected() -> None:
     assert "unconnected-subscriptions" in found(replace(HEALTHY, graph=later))
 
 
+def test_a_few_messages_come_from_a_publisher_only_beside_programs_that_are_no_nodes() -> None:
+    """Else it was ``pub -1``, typed twice."""
+    ear = Endpoint("/a", Role.SUBSCRIBER, messages=2, last_time=NOW - 4 * SECOND)
+    graph = Graph((Node("/ear", "2", "h", 2, NOW - 14 * SECOND, endpoints=(ear,)),), SOMEBODY, NOW)
+    evidence = replace(HEALTHY, graph=graph, processes=(LcmProcess(2, "ear"),))
+    assert "unconnected-subscriptions" in found(evidence)
+    beside = (*evidence.processes, LcmProcess(7, "beacon"))
+    assert found(replace(evidence, processes=beside)) == {}
+    elsewhere = (*evidence.processes, LcmProcess(7, "beacon", "239.255.76.67:7670"))
+    assert "unconnected-subscriptions" in found(replace(evidence, processes=elsewhere))
+
+
 def test_ttl_above_1_leaves_the_network() -> None:
     senders = (SenderFacts(ALICE, "/talker", ttl=7),)
     assert only(replace(HEALTHY, senders=senders)).items == (" * /talker sends with ttl=7",)
