@@ -90,10 +90,10 @@ service = _group(
 _PARAM = {
     "list": Entry("cli.param.read:list_parameters", "List the parameters of nodes."),
     "get": Entry("cli.param.read:get", "Print a parameter, or all of a node's."),
-    "set": Entry("cli.param.write:set_parameters", "Set parameters of a node."),
+    "set": Entry("cli.param.set:set_parameters", "Set parameters of a node."),
     "describe": Entry("cli.param.read:describe", "Show a parameter's description and range."),
-    "dump": Entry("cli.param.read:dump", "Write parameters into a YAML file."),
-    "load": Entry("cli.param.write:load", "Set parameters from a YAML file."),
+    "dump": Entry("cli.param.files:dump", "Write parameters into a YAML file."),
+    "load": Entry("cli.param.files:load", "Set parameters from a YAML file."),
 }
 param = _group(
     "param",

@@ -6,7 +6,6 @@ from lcmtools.cli.bus import in_names, open_monitor
 from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import document, lines
-from lcmtools.cli.param.read import block, json_values
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.graph.model import Graph, Node
 from lcmtools.observe import node_report as report
@@ -14,6 +13,7 @@ from lcmtools.observe.find import find_nodes
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.nodes import find_programs
 from lcmtools.observe.senders import Program
+from lcmtools.publish.parameter_report import block, values
 from lcmtools.publish.parameters import Answers, ParameterClient, has_parameters
 
 _TIMEOUT = 0.5  # [s] for parameters: the rest of the answer does not wait for a busy node
@@ -82,5 +82,5 @@ def _record(one: Node | Program, graph: Graph, known: Answers, now: int) -> dict
     if isinstance(one, Program):
         return report.program_record(one)
     parameters = known.get(one.name)
-    values = None if parameters is None else json_values(parameters)
-    return {**report.record(one, graph, now), "parameters": values}
+    known_values = None if parameters is None else values(parameters)
+    return {**report.record(one, graph, now), "parameters": known_values}

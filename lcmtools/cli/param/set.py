@@ -1,0 +1,53 @@
+"""``lcmtools param set``."""
+
+from collections.abc import Mapping
+
+from lcmtools.cli.declare import argument, examples, subcommand
+from lcmtools.cli.options import looking_options
+from lcmtools.cli.output import talk
+from lcmtools.cli.param.common import look, named, timeout_option
+from lcmtools.cli.words import CommandWithWords
+from lcmtools.errors import UsageError
+from lcmtools.messages.documents import parse_values
+from lcmtools.messages.setting import ANY, text_of
+from lcmtools.publish.parameters import ParameterClient, Target
+
+_EXAMPLE = "for example: lcmtools param set /husky0/simple_controller kp 0.5"
+
+
+@subcommand("set", timeout_option, looking_options, cls=CommandWithWords)
+@examples(
+    "param set simple_controller kp 0.5",
+    "param set /husky0/simple_controller/kp 0.5",
+    'param set simple_controller "{kp: 0.5, ki: 3.3}"',
+)
+@argument("words", metavar="NODE NAME VALUE", nargs=-1, completer="bus:parameters")
+def set_parameters(words: tuple[str, ...], *, timeout: float) -> None:
+    """Set a parameter of a running node: NODE NAME VALUE, or /node/name VALUE.
+
+    VALUE is YAML, of the parameter's type. A dict sets several parameters of a node, all or none.
+    The exit code is 1 if the node rejects the change.
+    """
+    if len(words) <= 1:
+        raise UsageError("the value is missing", _EXAMPLE)
+    if len(words) > 3:  # noqa: PLR2004 - node, name and value
+        raise UsageError("there are more words than a value", "put the value in quotes")
+    graph, client = look(timeout)
+    target = named(graph, *words[:-1])
+    texts = _texts(client, target, words[-1])
+    parameters = client.request(target.node.name, texts)
+    for name in texts:
+        talk(f"{target.node.name}/{name} is now {parameters[name].text}")
+
+
+def _texts(client: ParameterClient, target: Target, value: str) -> Mapping[str, str]:
+    if target.parameter is not None:
+        return {target.parameter: value}
+    values = parse_values([value])
+    if not isinstance(values, dict):
+        raise UsageError(
+            f"the parameter's name or its value is missing, for {target.node.name}", _EXAMPLE
+        )
+    known = client.request(target.node.name)
+    kinds = {name: known[name].kind if name in known else ANY for name in values}
+    return {name: text_of(part, kinds[name]) for name, part in values.items()}

@@ -1,0 +1,58 @@
+"""Parameters as YAML for people and for files, and as values for JSON."""
+
+from collections.abc import Iterator
+
+from lcmtools.messages.plain import finite
+from lcmtools.messages.setting import write_setting
+from lcmtools.publish.parameters import Answers, Parameters, RemoteParameter
+
+
+def block(parameters: Parameters, indent: str = "") -> list[str]:
+    """Return the lines of a node's parameters."""
+    return [f"{indent}{write_setting(name)}: {p.text}" for name, p in parameters.items()]
+
+
+def tree(answers: Answers) -> list[str]:
+    """Return the lines of several nodes' parameters, below the nodes' names, for ``param load``."""
+    return [
+        row
+        for node, parameters in answers.items()
+        for row in (f"{write_setting(node)}:", *block(parameters, "  "))
+    ]
+
+
+def values(parameters: Parameters) -> dict[str, object]:
+    """Return the values of a node's parameters for JSON."""
+    return {name: finite(parameter.value()) for name, parameter in parameters.items()}
+
+
+def all_values(answers: Answers) -> dict[str, object]:
+    """Return the values of several nodes' parameters for JSON."""
+    return {node: values(parameters) for node, parameters in answers.items()}
+
+
+def record(node: str, parameter: RemoteParameter) -> dict[str, object]:
+    """Return a parameter with its description and range, for JSON."""
+    return {
+        "node": node,
+        "name": parameter.name,
+        "type": parameter.kind,
+        "value": finite(parameter.value()),
+        "description": parameter.description,
+        "minimum": parameter.minimum or None,
+        "maximum": parameter.maximum or None,
+        "read_only": parameter.read_only,
+    }
+
+
+def description(node: str, parameter: RemoteParameter) -> Iterator[str]:
+    """Yield the lines of ``param describe``."""
+    yield f"Parameter: {node}/{parameter.name}"
+    yield f"  Type: {parameter.kind}"
+    yield f"  Value: {parameter.text}"
+    if parameter.description:
+        yield f"  Description: {parameter.description}"
+    if parameter.minimum or parameter.maximum:
+        yield f"  Range: {parameter.minimum or '-.inf'} to {parameter.maximum or '.inf'}"
+    if parameter.read_only:
+        yield "  Read only: it is set when the node starts"
