@@ -20,49 +20,55 @@ def _group(
     return bus_options(group) if has_bus else group
 
 
-_TOPIC = {
-    "list": Entry("cli.topic.list:command", "List the topics on the bus."),
-    "info": Entry("cli.topic.info:command", "Show a topic's type, publishers and subscribers."),
-    "echo": Entry("cli.topic.echo:command", "Print the messages of a topic."),
-    "pub": Entry("cli.topic.pub:command", "Publish messages written in YAML."),
-    "hz": Entry("cli.topic.rates:hz", "Measure the rate of topics."),
-    "bw": Entry("cli.topic.rates:bw", "Measure the bandwidth of topics."),
-    "delay": Entry("cli.topic.rates:delay", "Measure the delay of a topic's messages."),
-    "type": Entry("cli.topic.types:print_type", "Print a topic's type."),
-    "find": Entry("cli.topic.types:find", "List the topics of a type."),
-}
+def _entries(table: str) -> Mapping[str, Entry]:
+    """Read a table: name, home and help line of each command; "=" is before an alias's."""
+    rows = (line.split(None, 2) for line in table.splitlines())
+    return {name: Entry(home, said.removeprefix("= "), said[0] == "=") for name, home, said in rows}
+
+
+_TOPIC = _entries("""\
+list   cli.topic.list:command      List the topics on the bus.
+info   cli.topic.info:command      Show a topic's type, publishers and subscribers.
+echo   cli.topic.echo:command      Print the messages of a topic.
+pub    cli.topic.pub:command       Publish messages written in YAML.
+hz     cli.topic.rates:hz          Measure the rate of topics.
+bw     cli.topic.rates:bw          Measure the bandwidth of topics.
+delay  cli.topic.rates:delay       Measure the delay of a topic's messages.
+type   cli.topic.types:print_type  Print a topic's type.
+find   cli.topic.types:find        List the topics of a type.
+""")
 topic = _group("topic", "Look at topics and publish on them.", _TOPIC, "list", "echo /chatter")
-_NODE = {
-    "list": Entry("cli.node.list:list_nodes", "List the nodes on the bus."),
-    "info": Entry("cli.node.info:command", "Show a node's publications and more."),
-    "machine": Entry("cli.node.list:machine", "List the computers that nodes run on."),
-    "ping": Entry("cli.node.ping:command", "Measure a node's response time."),
-    "kill": Entry("cli.node.kill:command", "Ask nodes to shut down."),
-    "cleanup": Entry("cli.node.list:cleanup", "Forget nodes that were killed."),
-}
+_NODE = _entries("""\
+list     cli.node.list:list_nodes  List the nodes on the bus.
+info     cli.node.info:command     Show a node's publications and more.
+machine  cli.node.list:machine     List the computers that nodes run on.
+ping     cli.node.ping:command     Measure a node's response time.
+kill     cli.node.kill:command     Ask nodes to shut down.
+cleanup  cli.node.list:cleanup     Forget nodes that were killed.
+""")
 node = _group("node", "Query nodes, and end them.", _NODE, "list", "info simple_controller")
-_MSG = {
-    "list": Entry("cli.msg.look:list_types", "List the message types."),
-    "show": Entry("cli.msg.look:show_type", "Show the fields of a message type."),
-    "proto": Entry("cli.msg.look:proto", "Print a message to fill in, for pub."),
-    "find-field": Entry("cli.msg.look:find_field", "Find types by a field's name."),
-    "package": Entry("cli.msg.look:package_command", "List the message types of a package."),
-    "packages": Entry("cli.msg.look:packages_command", "List the packages."),
-    "fingerprint": Entry("cli.msg.look:print_fingerprint", "Print a type's fingerprint."),
-    "build": Entry("cli.msg.build:build", "Check and compile your own .lcm files."),
-    "generate": Entry("cli.msg.build:generate_code", "Write C, C++, Java or Python code."),
-    "info": Entry("cli.msg.look:show_type", "show, as ROS.", is_alias=True),
-    "md5": Entry("cli.msg.look:print_fingerprint", "fingerprint, as ROS.", is_alias=True),
-}
+_MSG = _entries("""\
+list         cli.msg.list:list_types         List the message types.
+show         cli.msg.show:show_type          Show the fields of a message type.
+proto        cli.msg.show:proto              Print a message to fill in, for pub.
+find-field   cli.msg.list:find_field         Find types by a field's name.
+package      cli.msg.list:package_command    List the message types of a package.
+packages     cli.msg.list:packages_command   List the packages.
+fingerprint  cli.msg.show:print_fingerprint  Print a type's fingerprint.
+build        cli.msg.build:build             Check and compile your own .lcm files.
+generate     cli.msg.build:generate_code     Write C, C++, Java or Python code.
+info         cli.msg.show:show_type          = show, as ROS.
+md5          cli.msg.show:print_fingerprint  = fingerprint, as ROS.
+""")
 msg = _group("msg", "Show message types.", _MSG, "list", "show geometry_msgs/Twist", has_bus=False)
-_PKG = {
-    "create": Entry("cli.pkg.create:command", "Create a package: a node, a test and more."),
-    "add-node": Entry("labs.commands.add_node:command", "Add a node to a package."),
-    "list": Entry("cli.pkg.look:list_packages", "List the packages and their folders."),
-    "find": Entry("cli.pkg.look:find_command", "Print a package's folder."),
-    "build": Entry("cli.pkg.look:build", "Check and compile packages' messages."),
-    "prefix": Entry("cli.pkg.look:find_command", "find, as ROS 2 names it.", is_alias=True),
-}
+_PKG = _entries("""\
+create    cli.pkg.create:command          Create a package: a node, a test and more.
+add-node  labs.commands.add_node:command  Add a node to a package.
+list      cli.pkg.look:list_packages      List the packages and their folders.
+find      cli.pkg.look:find_command       Print a package's folder.
+build     cli.pkg.look:build              Check and compile packages' messages.
+prefix    cli.pkg.look:find_command       = find, as ROS 2 names it.
+""")
 pkg = _group(
     "pkg",
     "Create and find packages of nodes and messages.",
@@ -71,30 +77,30 @@ pkg = _group(
     "list",
     has_bus=False,
 )
-_SRV = {
-    "list": Entry("cli.msg.look:list_services", "List the service types."),
-    "show": Entry("cli.msg.look:show_service", "Show the fields of a service type."),
-}
+_SRV = _entries("""\
+list  cli.msg.list:list_services  List the service types.
+show  cli.msg.show:show_service   Show the fields of a service type.
+""")
 srv = _group("srv", "Show service types.", _SRV, "list", "show std_srvs/Trigger", has_bus=False)
-_SERVICE = {
-    "list": Entry("cli.service.look:list_services", "List the services of nodes."),
-    "info": Entry("cli.service.look:info", "Show a service's node, type and arguments."),
-    "call": Entry("cli.service.call:command", "Call a service and print its response."),
-    "type": Entry("cli.service.look:type_", "Print a service's type."),
-    "find": Entry("cli.service.look:find", "List the services of a type."),
-    "args": Entry("cli.service.look:args", "Print a service's arguments."),
-}
+_SERVICE = _entries("""\
+list  cli.service.look:list_services  List the services of nodes.
+info  cli.service.look:info           Show a service's node, type and arguments.
+call  cli.service.call:command        Call a service and print its response.
+type  cli.service.look:type_          Print a service's type.
+find  cli.service.look:find           List the services of a type.
+args  cli.service.look:args           Print a service's arguments.
+""")
 service = _group(
     "service", "List and call services.", _SERVICE, "list", 'call /switch "data: true"'
 )
-_PARAM = {
-    "list": Entry("cli.param.read:list_parameters", "List the parameters of nodes."),
-    "get": Entry("cli.param.read:get", "Print a parameter, or all of a node's."),
-    "set": Entry("cli.param.set:set_parameters", "Set parameters of a node."),
-    "describe": Entry("cli.param.read:describe", "Show a parameter's description and range."),
-    "dump": Entry("cli.param.files:dump", "Write parameters into a YAML file."),
-    "load": Entry("cli.param.files:load", "Set parameters from a YAML file."),
-}
+_PARAM = _entries("""\
+list      cli.param.read:list_parameters  List the parameters of nodes.
+get       cli.param.read:get              Print a parameter, or all of a node's.
+set       cli.param.set:set_parameters    Set parameters of a node.
+describe  cli.param.read:describe         Show a parameter's description and range.
+dump      cli.param.files:dump            Write parameters into a YAML file.
+load      cli.param.files:load            Set parameters from a YAML file.
+""")
 param = _group(
     "param",
     "Read and set the parameters of running nodes.",
@@ -102,18 +108,18 @@ param = _group(
     "list",
     "set simple_controller kp 0.5",
 )
-_SIM = {
-    "pause": Entry("cli.sim.time:pause", "Pause simulated time."),
-    "resume": Entry("cli.sim.time:resume", "Resume simulated time."),
-    "step": Entry("cli.sim.time:step", "Advance a paused simulator by some steps."),
-    "reset": Entry("cli.sim.time:reset", "Start again at time 0."),
-    "set-rate": Entry("cli.sim.time:set_rate", "Set the rate of simulated time."),
-    "state": Entry("cli.sim.robots:state", "Show the true state of a robot."),
-    "set-pose": Entry("cli.sim.robots:set_pose", "Place a robot at a pose."),
-    "spawn": Entry("cli.sim.robots:spawn", "Add a robot."),
-    "delete": Entry("cli.sim.robots:delete", "Remove a robot."),
-    "snapshot": Entry("cli.sim.snapshot:command", "Write an image of the world to a file."),
-}
+_SIM = _entries("""\
+pause     cli.sim.time:pause        Pause simulated time.
+resume    cli.sim.time:resume       Resume simulated time.
+step      cli.sim.time:step         Advance a paused simulator by some steps.
+reset     cli.sim.time:reset        Start again at time 0.
+set-rate  cli.sim.time:set_rate     Set the rate of simulated time.
+state     cli.sim.robots:state      Show the true state of a robot.
+set-pose  cli.sim.robots:set_pose   Place a robot at a pose.
+spawn     cli.sim.robots:spawn      Add a robot.
+delete    cli.sim.robots:delete     Remove a robot.
+snapshot  cli.sim.snapshot:command  Write an image of the world to a file.
+""")
 sim = _group(
     "sim",
     "Control a simulator on the bus; lcmtools run sim starts one.",
@@ -121,12 +127,12 @@ sim = _group(
     "pause",
     "set-pose husky0 1 -2 90deg",
 )
-_LAB = {
-    "list": Entry("labs.commands.lab:list_labs", "List the labs."),
-    "start": Entry("labs.commands.lab:start", "Run a lab's simulator."),
-    "check": Entry("labs.commands.check:command", "Check the programs of a lab."),
-    "skeleton": Entry("labs.commands.lab:skeleton", "Copy a lab's node to complete."),
-}
+_LAB = _entries("""\
+list      labs.commands.lab:list_labs  List the labs.
+start     labs.commands.lab:start      Run a lab's simulator.
+check     labs.commands.check:command  Check the programs of a lab.
+skeleton  labs.commands.lab:skeleton   Copy a lab's node to complete.
+""")
 lab = _group(
     "lab",
     "Work on the labs: start their simulators, and check your programs.",
@@ -136,23 +142,25 @@ lab = _group(
 )
 COMMANDS = {
     **_TOPIC,
-    "spy": Entry("cli.spy.command:command", "Watch all channels of the bus, live."),
-    "node": Entry("cli.commands:node", "Query nodes: list, info, ping and more."),
-    "msg": Entry("cli.commands:msg", "Show message types: list, show, proto and more."),
-    "service": Entry("cli.commands:service", "List and call services."),
-    "param": Entry("cli.commands:param", "Read and set parameters of nodes."),
-    "srv": Entry("cli.commands:srv", "Show service types: list, show."),
-    "graph": Entry("cli.graph.command:command", "Draw the graph of nodes and topics."),
-    "wtf": Entry("cli.wtf:command", "Report faults and how to fix them."),
-    "sim": Entry("cli.commands:sim", "Control a simulator: pause, reset, set-pose and more."),
-    "run": Entry("cli.run:command", "Run a node, or the simulator."),
-    "lab": Entry("cli.commands:lab", "Work on the labs: list, start, check and more."),
-    "launch": Entry("cli.launch.command:command", "Run the nodes of a launch file."),
-    "pkg": Entry("cli.commands:pkg", "Create and find packages: create, list, build."),
-    "config": Entry("cli.config:command", "Show the settings and their sources."),
-    "completion": Entry("cli.completion.command:command", "Complete words with TAB."),
-    "help": Entry("cli.help:command", "Show the help of a command."),
-    "topic": Entry("cli.commands:topic", "topic list is list, and so on.", is_alias=True),
-    "doctor": Entry("cli.wtf:command", "wtf, as ROS 2 names it.", is_alias=True),
-    "interface": Entry("cli.commands:msg", "msg, as ROS 2 names it.", is_alias=True),
+    **_entries("""\
+spy         cli.spy.command:command         Watch all channels of the bus, live.
+node        cli.commands:node               Query nodes: list, info, ping and more.
+msg         cli.commands:msg                Show message types: list, show, proto and more.
+service     cli.commands:service            List and call services.
+param       cli.commands:param              Read and set parameters of nodes.
+srv         cli.commands:srv                Show service types: list, show.
+graph       cli.graph.command:command       Draw the graph of nodes and topics.
+wtf         cli.wtf:command                 Report faults and how to fix them.
+sim         cli.commands:sim                Control a simulator: pause, reset, set-pose and more.
+run         cli.run:command                 Run a node, or the simulator.
+lab         cli.commands:lab                Work on the labs: list, start, check and more.
+launch      cli.launch.command:command      Run the nodes of a launch file.
+pkg         cli.commands:pkg                Create and find packages: create, list, build.
+config      cli.config:command              Show the settings and their sources.
+completion  cli.completion.command:command  Complete words with TAB.
+help        cli.help:command                Show the help of a command.
+topic       cli.commands:topic              = topic list is list, and so on.
+doctor      cli.wtf:command                 = wtf, as ROS 2 names it.
+interface   cli.commands:msg                = msg, as ROS 2 names it.
+"""),
 }

@@ -3,18 +3,14 @@
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import click
 from click.core import ParameterSource
 
 from lcmtools.arguments import NodeArguments, is_assignment, split_arguments
-from lcmtools.cli.declare import CommandT, duration, option, together
+from lcmtools.cli.declare import CommandT, duration, option, rate, together, whole_number
 from lcmtools.errors import UsageError
 from lcmtools.settings import COLORS
-
-if TYPE_CHECKING:  # lcmtools --help and usage errors do without the bus
-    pass
 
 COLOR = "lcmtools.color"  # the key of a click context's ``meta`` for the value of ``--color``
 
@@ -108,6 +104,17 @@ def is_looking(command: click.Command) -> bool:
     """Return whether a command has ``looking_options``; pub is a node of its own name."""
     names = {parameter.name for parameter in command.params if not parameter.expose_value}
     return "ns" in names and command.name != "pub"
+
+
+def rate_option(verb: str) -> Callable[[CommandT], CommandT]:
+    """Return ``--rate`` of a command that does something again and again."""
+    return option("-r", "--rate", type=rate, help=f"{verb} at this rate [Hz] until Ctrl-C.")
+
+
+def times_option(verb: str) -> Callable[[CommandT], CommandT]:
+    """Return ``--times`` of a command that does something again and again."""
+    text = f"{verb} N times, at 1 Hz or -r."
+    return option("-t", "--times", metavar="N", type=whole_number(1), help=text)
 
 
 def timeout_option(seconds: float) -> Callable[[CommandT], CommandT]:

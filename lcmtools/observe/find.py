@@ -136,6 +136,15 @@ class OfferedService:
         except UnknownType as error:
             raise LcmtoolsError(f"{self.name}: {error.what}", error.hint) from None
 
+    def record(self) -> dict[str, object]:
+        """Return it as lists show it, for JSON."""
+        return {
+            "service": self.name,
+            "types": list(self.types),
+            "nodes": [node.name for node, _ in self.servers],
+            "stale": not self.is_alive,
+        }
+
     def arguments(self) -> list[str] | None:
         """Return the names of the request's fields; None where its type is not known here."""
         try:

@@ -67,6 +67,17 @@ class NodeEnd:
         if is_here(self.node) and process_of(self.node.pid) is None:
             self.has_ended = True
 
+    def record(self) -> dict[str, object]:
+        """Return it for JSON."""
+        return {
+            "node": self.node.name,
+            "host": self.node.host,
+            "pid": self.node.pid,
+            "heard": self.has_answered or self.has_ended,
+            "ended": self.has_ended,
+            "ended_with_it": list(self.others) if self.has_ended else [],
+        }
+
     def complaint(self, timeout: float) -> str:
         """Return the state of a node that does not end, and the command that ends it."""
         what = f"{self.node.name} does not answer"

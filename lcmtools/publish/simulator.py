@@ -26,16 +26,19 @@ def call_simulator(
     name: str | None,
     verb: str,
     service_type: "ServiceType[RequestT, ResponseT]",
-    request: RequestT,
     *,
     timeout: float,
+    **fields: object,
 ) -> ResponseT:
-    """Call ``<node>/<verb>`` of the simulator ``name``, or of the only one.
+    """Call ``<node>/<verb>`` of the simulator ``name``, or of the only one, with these fields.
 
     Raises:
         LcmtoolsError: There is no simulator, or it could not do it, with the reason.
         ServiceTimeout: It did not answer.
     """
+    request = service_type.Request()
+    for field, value in fields.items():
+        setattr(request, field, value)
     graph = monitor.settle(foreign=False)
     if _may_be_late(graph):
         graph = monitor.settle(foreign=False)

@@ -179,7 +179,7 @@ def test_debug_after_the_command_shows_the_traceback(monkeypatch: pytest.MonkeyP
     def fail() -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("lcmtools.cli.msg.look.type_names", fail)
+    monkeypatch.setattr("lcmtools.cli.msg.list.type_names", fail)
     monkeypatch.setenv("LCMTOOLS_DEBUG", "")
     with pytest.raises(ZeroDivisionError):
         main(["msg", "list", "--debug"])

@@ -10,7 +10,7 @@ from lcmtools.cli.graph.written import FORMATS, STDOUT, chosen
 from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import talk
 from lcmtools.errors import UsageError
-from lcmtools.graph.drawing.diagram import Diagram
+from lcmtools.graph.drawing.labels import counted
 from lcmtools.graph.drawing.subgraph import DiagramOptions, members_only, select
 from lcmtools.observe.activity import Activity
 from lcmtools.observe.diagram import diagram_of
@@ -103,8 +103,7 @@ def command(
     )
     activity, wait = Activity(), _MEASURED if hz and wait is None else wait
     with open_monitor("graph") as monitor:
-        graph = monitor.settle(wait=wait, count=activity.add)
-        url = monitor.url
+        graph, url = monitor.settle(wait=wait, count=activity.add), monitor.url
     whole = diagram_of(graph, programs(graph, url), activity.rates() if hz else None)
     diagram, left = select(whole, wanted)
     diagram = replace(members_only(diagram) if nodes_only else diagram, is_grouped=is_grouped)
@@ -113,18 +112,6 @@ def command(
         meant = " ".join((*namespace, *topics))
         talk(f"nothing{f' of {meant}' if meant else ''} to draw on {url}")
     if output.file != STDOUT:
-        talk(f"wrote {output.file}: {_counted(diagram)}")
+        talk(f"wrote {output.file}: {counted(diagram)}")
     if left.text() and (output.format == "text" or output.file != STDOUT):
         talk(left.text())
-
-
-def _counted(diagram: Diagram) -> str:
-    services = sum(channel.is_service for channel in diagram.channels)
-    counts = {
-        "node": sum(member.is_node for member in diagram.members),
-        "other program": sum(not member.is_node for member in diagram.members),
-        "topic": len(diagram.channels) - services,
-        "service": services,
-    }
-    said = [f"{n} {noun}{'' if n == 1 else 's'}" for noun, n in counts.items() if n]
-    return ", ".join(said) or "nothing"

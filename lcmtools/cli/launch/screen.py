@@ -29,9 +29,7 @@ class Screen:
         if not is_error:
             data(f"{prefix} {text}")
             return
-        with contextlib.suppress(OSError):
-            sys.stderr.write(f"{prefix} {text}\n")
-            sys.stderr.flush()
+        _write_error(f"{prefix} {text}\n")
 
     def stream(self, *, is_error: bool) -> int:
         """Return the descriptor that is written to."""
@@ -40,8 +38,12 @@ class Screen:
     def event(self, text: str, *, is_bad: bool = False) -> None:
         """Show an event of the processes."""
         if is_bad and self._colors_talk:
-            with contextlib.suppress(OSError):
-                sys.stderr.write(f"{paint(text, BOLD_RED)}\n")
-                sys.stderr.flush()
+            _write_error(f"{paint(text, BOLD_RED)}\n")
         else:
             talk(text)
+
+
+def _write_error(text: str) -> None:
+    with contextlib.suppress(OSError):
+        sys.stderr.write(text)
+        sys.stderr.flush()

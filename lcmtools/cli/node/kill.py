@@ -44,7 +44,7 @@ def command(
             lines(several if len(found) > 1 else [f"killing {found[0].name}"])
         ends = end_nodes(monitor, found, timeout)
     if as_json:
-        document(list(map(_record, ends)))
+        document([end.record() for end in ends])
     elif found:  # as rosnode kill says it; which ones where not all have ended
         killed = [f"killed {end.node.name}" for end in ends if end.has_ended]
         lines(["killed"] if len(killed) == len(ends) else killed)
@@ -79,14 +79,3 @@ def _complain(ends: list[NodeEnd], timeout: float) -> int:
         elif others:
             talk(f"ended with {end.node.name}, in the same process: {', '.join(others)}")
     return 0 if all(end.has_ended for end in ends) else 1
-
-
-def _record(end: NodeEnd) -> dict[str, object]:
-    return {
-        "node": end.node.name,
-        "host": end.node.host,
-        "pid": end.node.pid,
-        "heard": end.has_answered or end.has_ended,
-        "ended": end.has_ended,
-        "ended_with_it": list(end.others) if end.has_ended else [],
-    }

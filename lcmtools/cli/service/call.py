@@ -3,16 +3,14 @@
 import math
 
 from lcmtools.cli.bus import looking_names, notify, open_monitor
-from lcmtools.cli.declare import (
-    argument,
-    duration,
-    examples,
-    option,
-    rate,
-    subcommand,
-    whole_number,
+from lcmtools.cli.declare import argument, duration, examples, option, subcommand
+from lcmtools.cli.options import (
+    bus_options,
+    json_option,
+    rate_option,
+    timeout_option,
+    times_option,
 )
-from lcmtools.cli.options import bus_options, json_option, timeout_option
 from lcmtools.cli.output import data, talk
 from lcmtools.cli.words import WITHOUT_END, CommandWithWords
 from lcmtools.messages.plain import to_json
@@ -48,8 +46,8 @@ def _wait(value: str | float) -> float:
     help="Read requests from a YAML file ('-': standard input).",
     completer="files",
 )
-@option("-r", "--rate", type=rate, help="Call at this rate [Hz] until Ctrl-C.")
-@option("-t", "--times", metavar="N", type=whole_number(1), help="Call N times, at 1 Hz or -r.")
+@rate_option("Call")
+@times_option("Call")
 @option("-v", "--verbose", is_flag=True, help="Print the called node.")
 def command(
     service: str,

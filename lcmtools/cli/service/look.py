@@ -1,7 +1,5 @@
 """``lcmtools service list``, ``find``, ``type``, ``args`` and ``info``."""
 
-from collections.abc import Iterator
-
 from lcmtools.cli.bus import in_names, look, looking_names
 from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
@@ -9,7 +7,6 @@ from lcmtools.cli.output import show
 from lcmtools.errors import LcmtoolsError
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.registry import service_name
-from lcmtools.observe.describe import listed_node, node_record
 from lcmtools.observe.find import OfferedService, find_service, offered_services
 
 
@@ -29,32 +26,19 @@ def list_services(
     services = offered_services(graph, in_names(namespace), show_all=show_all)
     rows = (_row(s, show_types=show_types, show_nodes=show_nodes) for s in services)
     none = f"no services{f' in {namespace}' if namespace else ''} on {url}"
-    show(list(map(_listed_record, services)), rows, as_json=as_json, none=none)
+    show([one.record() for one in services], rows, as_json=as_json, none=none)
+
+
+def _row(service: OfferedService, *, show_types: bool, show_nodes: bool) -> str:
+    words = [service.name, *[f"[{service.type_text}]"] * show_types]
+    words += [node.name for node, _ in service.servers if show_nodes]
+    words += [] if service.is_alive else [f"(stale: {service.servers[0][0].stale})"]
+    return " ".join(words)
 
 
 def _find(tool: str, *words: str) -> list[OfferedService]:
     graph, _ = look(tool)
     return [find_service(graph, in_names(word), looking_names().namespace) for word in words]
-
-
-def _row(service: OfferedService, *, show_types: bool, show_nodes: bool) -> str:
-    words = [service.name]
-    if show_types:
-        words.append(f"[{service.type_text}]")
-    if show_nodes:
-        words += [node.name for node, _ in service.servers]
-    if not service.is_alive:
-        words.append(f"(stale: {service.servers[0][0].stale})")
-    return " ".join(words)
-
-
-def _listed_record(service: OfferedService) -> dict[str, object]:
-    return {
-        "service": service.name,
-        "types": list(service.types),
-        "nodes": [node.name for node, _ in service.servers],
-        "stale": not service.is_alive,
-    }
 
 
 @subcommand("find", all_option, json_option, looking_options)
@@ -98,36 +82,8 @@ def args(service: str, *, as_json: bool) -> None:
 @argument("services", metavar="SERVICE...", nargs=-1, required=True, completer="bus:services")
 def info(services: tuple[str, ...], *, as_json: bool) -> None:
     """Show a service's node, type, arguments and clients."""
+    from lcmtools.observe.topic_report import service_record, service_rows  # the others do without
+
     found = _find("service_info", *services)
-    rows = (row for one in found for row in _text(one, is_only=len(found) == 1))
-    show(list(map(_record, found)), rows, as_json=as_json)
-
-
-def _text(service: OfferedService, *, is_only: bool) -> Iterator[str]:
-    from lcmtools.observe.counters import callback_times  # the others do without
-
-    yield from [] if is_only else [f"Service: {service.name}"]
-    for node, endpoint in service.servers:
-        took = callback_times(endpoint)
-        yield from (f"Node: {listed_node(node)}", f"Host: {node.host}", f"Pid: {node.pid}")
-        yield f"Calls: {endpoint.messages}{f', {took}' if took else ''}"
-    names = service.arguments()
-    yield f"Type: {service.type_text}"
-    yield f"Args: {'unknown' if names is None else ' '.join(names)}"
-    if service.clients:
-        yield from ("Clients:", *(f" * {listed_node(node)}" for node in service.clients))
-
-
-def _record(service: OfferedService) -> dict[str, object]:
-    from lcmtools.observe.counters import callback_record
-
-    return {
-        "service": service.name,
-        "types": list(service.types),
-        "args": service.arguments(),
-        "servers": [
-            {**node_record(n), "calls": e.messages, **callback_record(e)}
-            for n, e in service.servers
-        ],
-        "clients": [node.name for node in service.clients],
-    }
+    rows = (row for one in found for row in service_rows(one, is_only=len(found) == 1))
+    show(list(map(service_record, found)), rows, as_json=as_json)

@@ -1,6 +1,6 @@
 """Parts of the ``sim`` commands: their options, the call, and what is printed."""
 
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from lcmtools.cli.bus import open_monitor
 from lcmtools.cli.declare import option, together
@@ -8,13 +8,10 @@ from lcmtools.cli.options import bus_options, json_option, timeout_option
 from lcmtools.cli.output import data, document
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import Message
-from lcmtools.publish.simulator import call_simulator
+from lcmtools.publish.simulator import RequestT, ResponseT, call_simulator
 
 if TYPE_CHECKING:
     from lcmtools.node.service import ServiceType
-
-RequestT = TypeVar("RequestT", bound=Message)
-ResponseT = TypeVar("ResponseT", bound=Message)
 
 _simulator = "The simulator's node, if there are several."
 _sim_option = option("--sim", "name", metavar="NODE", help=_simulator, completer="bus:nodes")
@@ -31,11 +28,8 @@ def call(
     **fields: object,
 ) -> ResponseT:
     """Call a service of the simulator with these fields; see ``call_simulator``."""
-    request = service_type.Request()
-    for field, value in fields.items():
-        setattr(request, field, value)
     with open_monitor(f"sim_{verb}") as monitor:
-        return call_simulator(monitor, name, verb, service_type, request, timeout=timeout)
+        return call_simulator(monitor, name, verb, service_type, timeout=timeout, **fields)
 
 
 def show(response: Message, *, as_json: bool) -> None:

@@ -6,7 +6,7 @@ import sys
 
 import click
 
-from lcmtools.cli.bus import in_names, looking_names, open_monitor
+from lcmtools.cli.bus import in_names, looking_names, notify, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, option, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
 from lcmtools.cli.output import document, lines, talk
@@ -82,15 +82,12 @@ def command(
         where = f" in {', '.join(topics)}" if topics else ""
         talk(f"no topics{where}{f' with {text!r}' if text else ''} on {url}")
     if any(row.lost for row in rows):
-        talk(
-            "lcmtools spy: loss is of a channel's senders: LCM numbers a sender's messages, not"
-            " channels'"
-        )
+        notify("loss is of a channel's senders: LCM numbers a sender's messages, not channels'")
     for error in all_callback_errors(graph):
-        talk(f"lcmtools spy: {error}")
+        notify(error)
     if programs := plain_listeners(graph, url):
         who = ", ".join(programs)
-        talk(f"lcmtools spy: {who}: also receives, but is not a node; its channels are unknown")
+        notify(f"{who}: also receives, but is not a node; its channels are unknown")
     return 0
 
 

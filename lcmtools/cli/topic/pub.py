@@ -6,16 +6,8 @@ import click
 
 from lcmtools.arguments import split_arguments
 from lcmtools.cli.bus import chosen_url
-from lcmtools.cli.declare import (
-    argument,
-    duration,
-    examples,
-    option,
-    rate,
-    subcommand,
-    whole_number,
-)
-from lcmtools.cli.options import bus_choice, bus_options, names_options
+from lcmtools.cli.declare import argument, duration, examples, option, subcommand, whole_number
+from lcmtools.cli.options import bus_choice, bus_options, names_options, rate_option, times_option
 from lcmtools.cli.output import talk
 from lcmtools.cli.words import CommandWithOnce, ends_in_one
 from lcmtools.errors import UsageError
@@ -38,9 +30,9 @@ from lcmtools.publish.schedule import Schedule
 @argument("topic", completer="bus:topics")
 @argument("type_", metavar="TYPE", completer="messages:types")
 @argument("values", nargs=-1, completer="messages:prototypes")
-@option("-r", "--rate", type=rate, help="Publish at this rate [Hz] until Ctrl-C.")
+@rate_option("Publish")
 @option("-1", "--once", is_flag=True, help="Publish one message and exit.")
-@option("-t", "--times", metavar="N", type=whole_number(1), help="Publish N times, at 1 Hz or -r.")
+@times_option("Publish")
 @option("-l", "--latch", is_flag=True, help="Keep running; latch the last message.")
 @option("-f", "--file", type=click.Path(), help="Read a file ('-': standard input).")
 @option(

@@ -44,6 +44,19 @@ def names(diagram: Diagram) -> dict[str, str]:
     return found
 
 
+def counted(diagram: Diagram) -> str:
+    """Return the numbers of nodes, programs, topics and services in words."""
+    services = sum(channel.is_service for channel in diagram.channels)
+    counts = {
+        "node": sum(member.is_node for member in diagram.members),
+        "other program": sum(not member.is_node for member in diagram.members),
+        "topic": len(diagram.channels) - services,
+        "service": services,
+    }
+    said = [f"{n} {noun}{'' if n == 1 else 's'}" for noun, n in counts.items() if n]
+    return ", ".join(said) or "nothing"
+
+
 def rate_text(rate: float | None) -> str:
     """Return a rate in words; "" if it was not measured."""
     return "" if rate is None else f"{rate:.1f} Hz"

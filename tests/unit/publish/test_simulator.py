@@ -75,7 +75,6 @@ def ask(monkeypatch: pytest.MonkeyPatch) -> Ask:
             name,
             "step",
             sim_msgs.Step,
-            sim_msgs.Step.Request(),
             timeout=1.0,
         )
         return bus.called

@@ -166,14 +166,11 @@ class Overview(LivePage):
         self.table.show(self._headings(), list(rows), cells)
 
     def _headings(self) -> list[tuple[str, int]]:
-        found = []
-        gap = len(self._layout.gap)
-        for column, width, text in zip(
-            self._layout.columns, self._layout.widths, self._layout.row(), strict=True
-        ):
+        shown, found = self._layout, []
+        for column, width, text in zip(shown.columns, shown.widths, shown.row(), strict=True):
             arrow = "▼" if column.is_number != self.view.inverted else "▲"
             is_sorted = column.name == self.view.column
-            found.append((text.rstrip() + arrow if is_sorted else text, width + gap))
+            found.append((text.rstrip() + arrow if is_sorted else text, width + len(shown.gap)))
         return found
 
     def _title(self) -> Text:

@@ -5,72 +5,16 @@ import sys
 from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import data, document, show, talk
-from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
+from lcmtools.errors import UsageError
 from lcmtools.messages.registry import (
     fingerprint,
     message_class,
-    packages,
-    problems,
     service_class,
     service_name,
-    service_names,
     type_name,
     type_names,
 )
 from lcmtools.messages.type_source import shown
-from lcmtools.names import did_you_mean
-
-_single_line_option = option(
-    "-s", "--single-line", is_flag=True, help="All on one line, separated by spaces."
-)
-
-
-@subcommand("list", json_option)
-@examples("msg list", "msg list --json")
-def list_types(*, as_json: bool) -> None:
-    """List the message types that lcmtools knows."""
-    for problem in problems():
-        talk(str(problem.error()), "lcmtools msg list")
-    show(type_names(), type_names(), as_json=as_json)
-
-
-@subcommand("package", json_option)
-@examples("msg package geometry_msgs", "msg package std_msgs --json")
-@argument("package", completer="messages:packages")
-@_single_line_option
-def package_command(package: str, *, single_line: bool, as_json: bool) -> None:
-    """List the message types of a package."""
-    found = [name for name in type_names() if name.startswith(f"{package}/")]
-    if not found:
-        hint = did_you_mean(package, packages()) or "see: lcmtools msg packages"
-        raise UnknownType(f"unknown package '{package}'", hint)
-    show(found, [" ".join(found)] if single_line else found, as_json=as_json)
-
-
-@subcommand("packages", json_option)
-@examples("msg packages", "msg packages --json")
-@_single_line_option
-def packages_command(*, single_line: bool, as_json: bool) -> None:
-    """List the packages that have message types."""
-    found = packages()
-    show(found, [" ".join(found)] if single_line else found, as_json=as_json)
-
-
-@subcommand("find-field", json_option)
-@examples("msg find-field covariance", "msg find-field header --json")
-@argument("name")
-def find_field(name: str, *, as_json: bool) -> None:
-    """Find the message types with a field of this name, nested types not included."""
-    from lcmtools.messages.definition import declaration  # the others do without
-    from lcmtools.messages.fields import visible_fields
-
-    known = [(t, field) for t in type_names() for field in visible_fields(message_class(t))]
-    found = [(type_, declaration(field)) for type_, field in known if field.name == name]
-    if not found:
-        hint = did_you_mean(name, sorted({field.name for _, field in known}))
-        raise LcmtoolsError(f"no message type has a field '{name}'", hint)
-    record = [{"type": type_, "field": text} for type_, text in found]
-    show(record, (f"{type_}: {text}" for type_, text in found), as_json=as_json)
 
 
 @subcommand("fingerprint", json_option)
@@ -140,13 +84,6 @@ def _piped() -> str:
     if len(words) != 1:
         raise UsageError(f"standard input has {'several types' if words else 'no type'}", example)
     return words[0]
-
-
-@subcommand("list", json_option)
-@examples("srv list", "srv list --json")
-def list_services(*, as_json: bool) -> None:
-    """List the service types that lcmtools knows."""
-    show(service_names(), service_names(), as_json=as_json)
 
 
 @subcommand("show", json_option)
