@@ -1,19 +1,83 @@
 """One of several processes that simulate one world together: it follows the leader's clock.
 
 With ``--only`` each process simulates some of the world's robots; the one that has the first robot
-leads and publishes /clock, the others step up to its time. Each has all objects of the world for
-itself, and robots of different processes neither meet nor see each other.
+leads and publishes /clock, the others step up to its time and acknowledge it: the leader waits for
+all of them before its next step. LCM may lose either message, so both are repeated while a process
+waits. Each process has all objects of the world for itself, and robots of different processes
+neither meet nor see each other.
 """
 
+import os
+import socket
+import time
 from collections.abc import Callable
 
 from lcmtools import Node, spin_once
-from lcmtools.clock import NANOSECONDS
+from lcmtools.clock import NANOSECONDS, split_stamp
 from lcmtools.types.rosgraph_msgs import Clock
+from lcmtools.types.std_msgs import Header
+from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.schedule import Pacer
 from lcmtools_sim.simulation import CLOCK_TOPIC, Simulation
 
-_LONGEST_WAIT = 0.1  # [s]; the longest delay of a request to end
+_ACKNOWLEDGEMENT_TOPIC = "/clock/_followed"
+"""Header: the leader's time that a follower has simulated, and its node's name as frame_id."""
+_LONGEST_WAIT = 0.1  # [s]; the longest delay of a request to end, and between repetitions
+_SILENCE = 1.0  # [s] after which the leader looks if a follower still runs
+
+
+class Followers:
+    """The followers of a leader: all have simulated its last step before it does the next one."""
+
+    def __init__(self, node: Node, simulation: Simulation, bridge: Bridge) -> None:
+        self._node = node
+        self._simulation = simulation
+        self._bridge = bridge
+        self._acknowledged: dict[str, int] = {}
+        """The leader's time that each has simulated [ns]."""
+        self._heard: dict[str, float] = {}
+        node.create_subscription(Header, _ACKNOWLEDGEMENT_TOPIC, self._receive)
+
+    def wait(self, go_on: Callable[[], bool]) -> None:
+        """Wait until all of them have simulated the present time, or ``go_on`` returns False."""
+        repeat = time.monotonic() + _LONGEST_WAIT
+        while (late := self._late()) and go_on():
+            self._bridge.publish_clock()
+            spin_once(self._node, _LONGEST_WAIT)
+            if time.monotonic() >= repeat:
+                repeat = time.monotonic() + _LONGEST_WAIT
+                self._bridge.publish([self._simulation.tick()])
+                for name in filter(self._has_ended, late):
+                    del self._acknowledged[name]
+                    self._bridge.warn(f"{name} has ended: the simulation goes on without it")
+
+    def _late(self) -> list[str]:
+        now = self._simulation.time
+        return [name for name, reached in self._acknowledged.items() if reached != now]
+
+    def _receive(self, message: Header) -> None:
+        name, stamp = message.frame_id, message.stamp
+        self._acknowledged[name] = stamp.sec * NANOSECONDS + stamp.nsec
+        self._heard[name] = time.monotonic()
+
+    def _has_ended(self, name: str) -> bool:
+        """True for a follower that is silent because it has ended, and is not slow or stopped."""
+        if time.monotonic() - self._heard[name] < _SILENCE:
+            return False
+        node = next((one for one in self._node.graph().nodes if one.name == name), None)
+        if node and node.host == socket.gethostname() and os.name == "posix":
+            return not _runs(node.pid)
+        return node is None or bool(node.stale)
+
+
+def _runs(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:  # another user's
+        return True
+    return True
 
 
 class LeaderClock(Pacer):
@@ -30,6 +94,7 @@ class LeaderClock(Pacer):
         self._simulation = simulation
         self._on_restart = on_restart
         self._leader: int | None = None
+        self._publisher = node.create_publisher(Header, _ACKNOWLEDGEMENT_TOPIC)
         node.create_subscription(Clock, CLOCK_TOPIC, self._receive)
 
     def restart(self) -> None:
@@ -38,12 +103,20 @@ class LeaderClock(Pacer):
     def wait(self, go_on: Callable[[], bool], meanwhile: Callable[[], None]) -> float:
         """Wait until the leader has reached the next step, or ``go_on`` returns False."""
         while go_on() and not self._may_step():
+            self._acknowledge()
             spin_once(self._node, _LONGEST_WAIT)
             meanwhile()
         return 0.0
 
     def _may_step(self) -> bool:
         return self._leader is not None and self._simulation.steps < self._steps(self._leader)
+
+    def _acknowledge(self) -> None:
+        if self._leader is not None:
+            message = Header()
+            message.frame_id = self._node.name
+            message.stamp.sec, message.stamp.nsec = split_stamp(self._leader)
+            self._publisher.publish(message)
 
     def _receive(self, message: Clock) -> None:
         now = message.clock.sec * NANOSECONDS + message.clock.nsec

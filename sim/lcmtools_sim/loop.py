@@ -14,7 +14,8 @@ class Loop:
     """Runs a simulation: by the wall clock, or step by step while it is paused.
 
     It ends when ``go_on`` returns False, and after ``last_step``, if that is given. A loop that is
-    ``paused`` waits for ``step``.
+    ``paused`` waits for ``step``. ``let_step`` is called before each step, and waits until that may
+    be done, or a function that it is given returns False.
     """
 
     def __init__(
@@ -25,8 +26,10 @@ class Loop:
         *,
         go_on: Callable[[], bool],
         last_step: int | None = None,
+        let_step: Callable[[Callable[[], bool]], None] = lambda _: None,
     ) -> None:
         self.paused = False
+        self._let_step = let_step
         self._simulation = simulation
         self._bridge = bridge
         self._pacer = pacer
@@ -40,9 +43,10 @@ class Loop:
             self._bridge.receive(_PAUSED_WAIT if self.paused else 0.0)
             if not self._may_go_on():
                 return
+            self._let_step(lambda: self._may_go_on() and not self.paused)
             if self.paused:
                 self._pacer.restart()
-            else:
+            elif self._may_go_on():
                 self._step()
                 self._wait()
 
@@ -54,6 +58,7 @@ class Loop:
         self._bridge.find_subscribers()
         done = 0
         while done < count and self._may_go_on():
+            self._let_step(self._may_go_on)
             self._step()
             done += 1
         self._bridge.publish_clock()

@@ -2,13 +2,14 @@
 
 import os
 from collections.abc import Sequence
+from functools import partial
 
 import lcmtools
 from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.control import Control
 from lcmtools_sim.engines import chosen_engine, engine_version
 from lcmtools_sim.engines.native import check_display
-from lcmtools_sim.follow import LeaderClock
+from lcmtools_sim.follow import Followers, LeaderClock
 from lcmtools_sim.loop import Loop
 from lcmtools_sim.options import Options
 from lcmtools_sim.paths import PathPublisher
@@ -42,12 +43,14 @@ def _run(simulation: Simulation, options: Options, engine: str) -> None:
     scene = simulation.scene
     with lcmtools.Node(scene.node) as node:
         bridge = Bridge(node, simulation)
-        if options.follow:
-            pacer: Pacer = LeaderClock(node, simulation, bridge.refresh)
-        else:
-            pacer = Pacer(scene.dt / options.rate if options.rate else 0.0)
+        pacer = Pacer(scene.dt / options.rate if options.rate else 0.0)
         last_step = round(options.duration / scene.dt) if options.duration else None
-        loop = Loop(simulation, bridge, pacer, go_on=lcmtools.ok, last_step=last_step)
+        make_loop = partial(Loop, simulation, bridge, go_on=lcmtools.ok, last_step=last_step)
+        if options.follow:
+            pacer = LeaderClock(node, simulation, bridge.refresh)
+            loop = make_loop(pacer)
+        else:
+            loop = make_loop(pacer, let_step=Followers(node, simulation, bridge).wait)
         loop.paused = options.paused
         Control(node, simulation, loop, bridge.refresh)
         for path in () if options.follow else scene.paths:

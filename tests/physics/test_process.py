@@ -14,11 +14,13 @@ from typing import Any
 import pytest
 
 import lcmtools
+from lcmtools.errors import ServiceTimeout
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.types.sensor_msgs import JointState
-from lcmtools.types.sim_msgs import Step
+from lcmtools.types.sim_msgs import GetState, Step
 from lcmtools.types.std_msgs import String
+from lcmtools.types.std_srvs import Trigger
 
 Start = Callable[..., subprocess.Popen[str]]
 
@@ -219,3 +221,85 @@ def test_where_the_engine_cannot_be_imported_it_says_what_to_type_and_ends_with_
     assert error.startswith(
         "lcmtools run sim: the engine bullet cannot be imported: not here; type: pip install"
     )
+
+
+class Fleet:
+    """A leader with the first Husky and a follower with the second one, watched step by step."""
+
+    def __init__(self, start: Start, node: lcmtools.Node) -> None:
+        self.leader = start("multi", "--robots", "2", "--only", "husky0")
+        self.follower = start("multi", "--robots", "2", "--only", "husky1")
+        self.times: dict[str, list[int]] = {"/husky0": [], "/husky1": []}
+        for robot, times in self.times.items():
+            node.create_subscription(
+                Odometry,
+                f"{robot}/odometry",
+                lambda o, seen=times: seen.append(utime(o.header.stamp)),
+            )
+        self._node = node
+        spin_until(node, lambda: all(times for times in self.times.values()))
+
+    def later(self, seconds: float) -> bool:
+        """Return if the leader's robot comes so far by the simulation's time."""
+        end = self.times["/husky0"][-1] + round(seconds * 1e9)
+        spin_for(self._node, 2.0, lambda: self.times["/husky0"][-1] >= end)
+        return self.times["/husky0"][-1] >= end
+
+
+def utime(stamp: Any) -> int:
+    return int(stamp.sec * 10**9 + stamp.nsec)
+
+
+def spin_for(node: lcmtools.Node, seconds: float, done: Callable[[], object]) -> None:
+    """Handle messages until ``done``, or for so long."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end and not done():
+        lcmtools.spin_once(node, 0.05)
+
+
+def test_a_leader_is_never_more_than_a_step_ahead_of_a_follower(
+    start: Start, node: lcmtools.Node
+) -> None:
+    fleet = Fleet(start, node)
+    node.create_client(Trigger, "/sim/pause").call(Trigger.Request(), 5.0)
+    step = node.create_client(Step, "/sim/step")
+    request = Step.Request()
+    request.steps = 3
+    reached = step.call(request, 5.0).time
+    spin_until(node, lambda: time_of(node, "/sim_husky1", "husky1") == reached)
+
+    fleet.follower.send_signal(signal.SIGSTOP)
+    with pytest.raises(ServiceTimeout):
+        step.call(request, 1.5)
+    assert time_of(node, "/sim", "husky0") == pytest.approx(reached + 1e9 / 240, abs=1)
+    fleet.follower.send_signal(signal.SIGCONT)
+
+    for simulator, robot in (("/sim", "husky0"), ("/sim_husky1", "husky1")):
+        spin_until(node, lambda: time_of(node, simulator, robot) >= reached + 2.9e9 / 240)  # noqa: B023 - called here
+    assert fleet.leader.poll() is None
+
+
+def time_of(node: lcmtools.Node, simulator: str, robot: str) -> int:
+    """The time that a simulator has reached [ns]."""
+    question = GetState.Request()
+    question.robot = robot
+    return int(node.create_client(GetState, f"{simulator}/get_state").call(question, 5.0).time)
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
+def test_a_followers_end_is_told_once_and_lets_the_leader_go_on(
+    start: Start, node: lcmtools.Node, number: signal.Signals
+) -> None:
+    fleet = Fleet(start, node)
+    told: list[str] = []
+    node.create_subscription(Log, "/rosout", lambda log: told.append(log.msg))
+
+    fleet.follower.send_signal(number)
+    fleet.follower.wait(10)
+
+    spin_until(node, lambda: any("has ended" in text for text in told))
+    assert fleet.later(0.5)
+    assert fleet.later(0.5)
+    assert [text for text in told if "has ended" in text] == [
+        "/sim_husky1 has ended: the simulation goes on without it"
+    ]
