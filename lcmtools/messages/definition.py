@@ -9,7 +9,7 @@ from lcmtools.messages.fields import Field, visible_fields
 from lcmtools.messages.plain import Plain, to_plain
 from lcmtools.messages.registry import Message
 from lcmtools.messages.scalars import INTEGERS
-from lcmtools.messages.text import quoted
+from lcmtools.messages.setting import write_setting
 
 
 def definition(cls: type[Message]) -> str:
@@ -91,6 +91,4 @@ def _inline(value: Plain) -> str:
         return f"{{{', '.join(f'{name}: {_inline(part)}' for name, part in value.items())}}}"
     if isinstance(value, list):
         return f"[{', '.join(map(_inline, value))}]"
-    if isinstance(value, bool):
-        return str(value).lower()
-    return quoted(value) if isinstance(value, str) else repr(value)
+    return write_setting(value)

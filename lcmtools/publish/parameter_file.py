@@ -5,6 +5,7 @@ and ``lcmtools param dump``, compared with the parameters that nodes have.
 """
 
 import contextlib
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -12,8 +13,8 @@ from typing import TypeAlias
 from lcmtools.errors import InvalidFile, LcmtoolsError, ValueMismatch
 from lcmtools.formats.strict_yaml import Node, read_documents
 from lcmtools.formats.yaml_problem import BadYaml
-from lcmtools.messages.documents import parse
 from lcmtools.messages.fill import Value
+from lcmtools.messages.plain import plain_json
 from lcmtools.messages.setting import read_setting, text_of
 from lcmtools.names import did_you_mean
 from lcmtools.publish.parameters import (
@@ -81,9 +82,9 @@ def changes_of(leaves: Sequence[Leaf], known: Answers, node: str | None) -> Chan
             has = known[target]
             name = _found(rest, has) or "/".join(rest)
             parameter = pick(has, name, target, f"{leaf.place}: ")
-            text = text_of(leaf.value, parameter.kind)
+            text = text_of(leaf.value, parameter.type)
             try:
-                read_setting(text, parameter.kind, f"parameter {name}")
+                read_setting(text, parameter.type, f"parameter {name}")
             except ValueMismatch as mismatch:
                 raise InvalidFile(f"{leaf.place}: {mismatch.what}", mismatch.hint) from None
             changes.setdefault(target, {})[name] = Change(text, leaf.place)
@@ -142,17 +143,10 @@ def _documents(text: str, source: str) -> list[Node]:
     try:
         return [node for node in read_documents(text) if node]
     except BadYaml as bad:
-        with contextlib.suppress(ValueMismatch):  # JSON has escapes that YAML does not have
-            return [_without_places(document.value) for document in parse(text)]
+        with contextlib.suppress(ValueError, RecursionError, BadYaml):
+            # JSON has escapes that YAML does not have
+            return [node for node in read_documents(plain_json(json.loads(text))) if node]
         raise InvalidFile(f"{source}:{bad.line or 1}: not YAML: {bad.problem}", bad.hint) from None
-
-
-def _without_places(value: Value) -> Node:
-    if isinstance(value, dict):
-        return Node({key: _without_places(part) for key, part in value.items()})
-    if isinstance(value, list):
-        return Node([_without_places(part) for part in value])
-    return Node("" if value is None else str(value), is_quoted=value is not None)
 
 
 def _flat(node: Node, path: _Path) -> Iterator[tuple[_Path, Node]]:

@@ -4,12 +4,13 @@ from collections.abc import Iterator
 
 from lcmtools.messages.plain import finite
 from lcmtools.messages.setting import write_setting
-from lcmtools.publish.parameters import Answers, Parameters, RemoteParameter
+from lcmtools.publish.parameters import Answers, Parameters, value_of
+from lcmtools.types.lcmtools_msgs import Parameter
 
 
 def block(parameters: Parameters, indent: str = "") -> list[str]:
     """Return the lines of a node's parameters."""
-    return [f"{indent}{write_setting(name)}: {p.text}" for name, p in parameters.items()]
+    return [f"{indent}{write_setting(name)}: {p.value}" for name, p in parameters.items()]
 
 
 def tree(answers: Answers) -> list[str]:
@@ -23,7 +24,7 @@ def tree(answers: Answers) -> list[str]:
 
 def values(parameters: Parameters) -> dict[str, object]:
     """Return the values of a node's parameters for JSON."""
-    return {name: finite(parameter.value()) for name, parameter in parameters.items()}
+    return {name: finite(value_of(parameter)) for name, parameter in parameters.items()}
 
 
 def all_values(answers: Answers) -> dict[str, object]:
@@ -31,13 +32,13 @@ def all_values(answers: Answers) -> dict[str, object]:
     return {node: values(parameters) for node, parameters in answers.items()}
 
 
-def record(node: str, parameter: RemoteParameter) -> dict[str, object]:
+def record(node: str, parameter: Parameter) -> dict[str, object]:
     """Return a parameter with its description and range, for JSON."""
     return {
         "node": node,
         "name": parameter.name,
-        "type": parameter.kind,
-        "value": finite(parameter.value()),
+        "type": parameter.type,
+        "value": finite(value_of(parameter)),
         "description": parameter.description,
         "minimum": parameter.minimum or None,
         "maximum": parameter.maximum or None,
@@ -45,11 +46,11 @@ def record(node: str, parameter: RemoteParameter) -> dict[str, object]:
     }
 
 
-def description(node: str, parameter: RemoteParameter) -> Iterator[str]:
+def description(node: str, parameter: Parameter) -> Iterator[str]:
     """Yield the lines of ``param describe``."""
     yield f"Parameter: {node}/{parameter.name}"
-    yield f"  Type: {parameter.kind}"
-    yield f"  Value: {parameter.text}"
+    yield f"  Type: {parameter.type}"
+    yield f"  Value: {parameter.value}"
     if parameter.description:
         yield f"  Description: {parameter.description}"
     if parameter.minimum or parameter.maximum:

@@ -24,26 +24,6 @@ from lcmtools.types import lcmtools_msgs as msgs
 _AT_ONCE = 16  # nodes that are read at the same time
 
 
-@dataclass(frozen=True, slots=True)
-class RemoteParameter:
-    """A parameter as its node reports it; texts are "" where the node gives none."""
-
-    name: str  # its name, without the node's
-    kind: str  # its type: see lcmtools.messages.setting.kind_of
-    text: str  # its value as YAML in one line
-    description: str = ""  # its meaning
-    minimum: str = ""  # its smallest value as YAML
-    maximum: str = ""  # its largest value as YAML
-    read_only: bool = False  # it cannot change while the node runs
-
-    def value(self) -> ParameterValue:
-        """Return the value; the text of one that this version cannot read."""
-        try:
-            return read_setting(self.text, self.kind, self.name)
-        except (ValueMismatch, KeyError):
-            return self.text
-
-
 class RefusedParameters(LcmtoolsError):  # noqa: N818 - named for the event, as in errors.py
     """A node has not changed its parameters; ``reasons`` has one for each that is wrong."""
 
@@ -53,8 +33,8 @@ class RefusedParameters(LcmtoolsError):  # noqa: N818 - named for the event, as 
         self.reasons = reasons
 
 
-Parameters: TypeAlias = Mapping[str, RemoteParameter]
-"""A node's parameters by name."""
+Parameters: TypeAlias = Mapping[str, msgs.Parameter]
+"""A node's parameters by name, as it reports them."""
 Answers: TypeAlias = Mapping[str, Parameters]
 """The parameters of each node that answered, by its name."""
 
@@ -128,12 +108,15 @@ def request_parameters(
         raise ServiceError(error.what.replace(client.name, node, 1)) from None
     if response.errors:
         raise RefusedParameters(node, tuple(response.errors))
-    return {
-        p.name: RemoteParameter(
-            p.name, p.type, p.value, p.description, p.minimum, p.maximum, bool(p.read_only)
-        )
-        for p in response.parameters
-    }
+    return {parameter.name: parameter for parameter in response.parameters}
+
+
+def value_of(parameter: msgs.Parameter) -> ParameterValue:
+    """Return a parameter's value; the text of one that this version cannot read."""
+    try:
+        return read_setting(parameter.value, parameter.type, parameter.name)
+    except (ValueMismatch, KeyError):
+        return parameter.value
 
 
 def has_parameters(node: Node) -> bool:
@@ -169,7 +152,7 @@ def require_parameters(node: Node) -> Node:
     return node
 
 
-def pick(parameters: Parameters, name: str, node: str, place: str = "") -> RemoteParameter:
+def pick(parameters: Parameters, name: str, node: str, place: str = "") -> msgs.Parameter:
     """Return a parameter by its name.
 
     Raises:

@@ -6,7 +6,7 @@ from lcmtools.cli.output import show, talk
 from lcmtools.cli.param.common import complain_of, living_nodes, look, named, timeout_option
 from lcmtools.messages.plain import finite
 from lcmtools.publish import parameter_report as report
-from lcmtools.publish.parameters import pick
+from lcmtools.publish.parameters import pick, value_of
 
 
 @subcommand("list", timeout_option, all_option, json_option, looking_options)
@@ -26,7 +26,7 @@ def list_parameters(
     answers, errors = client.get_all(nodes)
     found = [(name, p) for name, parameters in answers.items() for p in parameters.values()]
     rows = (
-        f"{name}/{p.name}{f' [{p.kind}]' * show_types}{f': {p.text}' * show_values}"
+        f"{name}/{p.name}{f' [{p.type}]' * show_types}{f': {p.value}' * show_values}"
         for name, p in found
     )
     show([report.record(*one) for one in found], rows, as_json=as_json)
@@ -62,8 +62,8 @@ def get(
         show(report.values(found), report.block(found), as_json=as_json)
         return 0
     parameter = pick(found, target.parameter, target.node.name)
-    value = parameter.value()
-    text = value if is_pretty and isinstance(value, str) else parameter.text
+    value = value_of(parameter)
+    text = value if is_pretty and isinstance(value, str) else parameter.value
     show(finite(value), text.split("\n"), as_json=as_json)
     return 0
 

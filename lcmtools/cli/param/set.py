@@ -37,7 +37,7 @@ def set_parameters(words: tuple[str, ...], *, timeout: float) -> None:
     texts = _texts(client, target, words[-1])
     parameters = client.request(target.node.name, texts)
     for name in texts:
-        talk(f"{target.node.name}/{name} is now {parameters[name].text}")
+        talk(f"{target.node.name}/{name} is now {parameters[name].value}")
 
 
 def _texts(client: ParameterClient, target: Target, value: str) -> Mapping[str, str]:
@@ -49,5 +49,5 @@ def _texts(client: ParameterClient, target: Target, value: str) -> Mapping[str, 
             f"the parameter's name or its value is missing, for {target.node.name}", _EXAMPLE
         )
     known = client.request(target.node.name)
-    kinds = {name: known[name].kind if name in known else ANY for name in values}
+    kinds = {name: known[name].type if name in known else ANY for name in values}
     return {name: text_of(part, kinds[name]) for name, part in values.items()}

@@ -9,7 +9,7 @@ from lcmtools import Node
 from lcmtools.errors import LcmtoolsError, ServiceError, ServiceTimeout, UsageError
 from lcmtools.node.context import Context
 from lcmtools.node.parameters import Parameter, ParameterValue, SetParametersResult
-from lcmtools.publish.parameters import Parameters, RefusedParameters, request_parameters
+from lcmtools.publish.parameters import Parameters, RefusedParameters, request_parameters, value_of
 
 Begin = Callable[..., Context]
 Serve = Callable[[Node], None]
@@ -113,15 +113,15 @@ def test_another_node_sees_all_parameters_in_order(remote: Remote) -> None:
     found = remote(5.0)
     assert list(found) == ["gain", "name", "steps", "use_sim_time"]
     gain = found["gain"]
-    assert (gain.kind, gain.text, gain.value()) == ("float", "1.0", 1.0)
+    assert (gain.type, gain.value, value_of(gain)) == ("float", "1.0", 1.0)
     assert (gain.description, gain.minimum, gain.maximum) == ("effort [N]", "0.0", "10.0")
-    assert found["steps"].value() == [1, 2]
+    assert value_of(found["steps"]) == [1, 2]
     assert found["use_sim_time"].read_only
 
 
 def test_another_node_changes_all_or_none(node: Node, remote: Remote) -> None:
     found = remote(5.0, {"gain": "2.5", "name": "on", "steps": "[3, 0x4]"})
-    assert (found["gain"].text, found["name"].value()) == ("2.5", "on")
+    assert (found["gain"].value, value_of(found["name"])) == ("2.5", "on")
     assert node.get_parameter("steps").value == [3, 4]
     with pytest.raises(RefusedParameters) as caught:
         remote(5.0, {"gain": "3", "name": "x", "steps": "[a]", "gian": "1"})
