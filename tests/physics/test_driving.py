@@ -270,3 +270,31 @@ def test_a_skidding_husky_turns_on_the_spot_as_the_balance_of_moments_says(
 
     assert state.angular_velocity[2] == pytest.approx(wheel_speed * b / (a * a + b * b), rel=1e-3)
     assert state.odometry_speed[1] == pytest.approx(turn_rate)  # which encoders cannot know
+
+
+@pytest.mark.parametrize(
+    ("forward", "turn_rate"), [(0.2, 0.5), (0.5, 0.3), (1.0, 0.5), (-0.5, 1.0)]
+)
+def test_a_skidding_husky_under_a_twist_is_in_balance(
+    simulate: Simulate, twist: Steer, forward: float, turn_rate: float
+) -> None:
+    husky = replace(HUSKY, drive=replace(HUSKY.drive, skids=True))
+    simulation = simulate(scene=Scene("skid", robots=(RobotPlacement(husky, "/husky0"),)))
+    simulation.robots[0].command(twist(forward, turn_rate))
+
+    state = run(simulation, 5.0)
+
+    # Each wheel pulls against its own slip; together they turn the momentum, and nothing else.
+    vx, vy, _ = state.velocity
+    rate, radius, mass = state.angular_velocity[2], husky.drive.wheel_radius, husky.body.mass
+    load = mass * 9.81 / 4 * husky.drive.tyre_friction
+    along = across = moment = 0.0
+    for x, y in husky.drive.wheels:
+        speed = (state.wheel_speeds.left if y > 0 else state.wheel_speeds.right) * radius
+        slip = vx - rate * y - speed, vy + rate * x
+        fx, fy = (-load * part / math.hypot(*slip) for part in slip)
+        along, across, moment = along + fx, across + fy, moment + x * fy - y * fx
+    assert along == pytest.approx(-mass * rate * vy, abs=0.002 * load)
+    assert across == pytest.approx(mass * rate * vx, abs=0.002 * load)
+    assert moment == pytest.approx(0.0, abs=0.002 * load)
+    assert rate / turn_rate == pytest.approx(1.04, abs=0.012)  # Clearpath's track is 4 % more

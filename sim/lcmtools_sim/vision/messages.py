@@ -34,8 +34,11 @@ def in_millimetres(depth: Floats32, near: float, far: float) -> npt.NDArray[np.u
 
     Depth that 16 bits cannot hold, above 65.535 m, is 0 too.
     """
-    valid = _valid(depth, near, min(far, _MOST_MILLIMETRES))
-    return np.rint(np.where(valid, depth, np.float32(0)) * np.float32(1000)).astype(np.uint16)
+    metric = depth * np.float32(1000)
+    with np.errstate(invalid="ignore"):  # what is out of range becomes 0 below
+        millimetres: npt.NDArray[np.uint16] = np.rint(metric, out=metric).astype(np.uint16)
+    millimetres *= _valid(depth, near, min(far, _MOST_MILLIMETRES))
+    return millimetres
 
 
 def depth_message(depth: Floats32, encoding: str, near: float, far: float) -> Image:

@@ -16,8 +16,8 @@ from lcmtools_sim.vision.camera import Camera, PixelBounds, pixel_bounds
 from lcmtools_sim.vision.solids import Floats, Solids, matrix
 from lcmtools_sim.vision.surfaces import Floats32, Surfaces, evaluate, ground, hollow_exit, surfaces
 
-GROUND = -1
 SKY = -2
+GROUND = SKY + 1
 _REACH = 1e-6  # relative; solids at the greatest depth are still seen
 _STRIP = 1 << 16  # [pixels]
 
@@ -87,7 +87,8 @@ class _DepthBuffer:
         """Draw the ground into the empty picture."""
         inverse_depth = evaluate(form, self._x, self._y, self._inverse_depth)
         np.maximum(inverse_depth, self._least, out=inverse_depth)
-        self.solid[inverse_depth > self._least] = GROUND
+        # Sums and products of masks, here and below: to assign by a mask takes far longer.
+        np.add(inverse_depth > self._least, np.int16(SKY), out=self.solid)
 
     def draw(self, bounds: PixelBounds, seen: Surfaces) -> None:
         """Draw a solid in front of what is behind it."""
@@ -102,7 +103,7 @@ class _DepthBuffer:
     def depth(self) -> Floats32:
         """The depth [m]; it takes the buffer's place."""
         inverse_depth = self._inverse_depth
-        inverse_depth[self.solid == SKY] = 0
+        np.multiply(inverse_depth, self.solid != SKY, out=inverse_depth)
         return np.divide(np.float32(1), inverse_depth, out=inverse_depth)
 
     def _interval(self, seen: Surfaces, x: Floats, y: Floats) -> tuple[Floats32, Floats32]:
