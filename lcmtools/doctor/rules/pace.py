@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from statistics import median
 
+from lcmtools.doctor.connecting import is_simulator
 from lcmtools.doctor.evidence import Evidence, Stream
 from lcmtools.doctor.findings import Finding, Observed, Severity, Statement, found, rule, state
 from lcmtools.doctor.rules.callbacks import busy_nodes
@@ -85,8 +86,9 @@ def publishers_publish(evidence: Evidence) -> Iterator[Finding]:
 
 def _silent(evidence: Evidence) -> Iterator[tuple[str, Observed, str, str, float, float]]:
     """Of each silence: kind of fact, publisher, its name, topic, duration [s], rate before [Hz]."""
-    for node, endpoint in _subscribed_publications(evidence):
-        rate = average_rate(node, endpoint)
+    for node, endpoint, is_subscribed in _publications(evidence):
+        # a simulator measures for subscribers only
+        rate = average_rate(node, endpoint) if is_subscribed or not is_simulator(node) else None
         age = _silence(evidence, node, endpoint)
         if endpoint.messages >= _ENOUGH and rate and age > max(_SILENCE, _PERIODS / rate):
             yield "silent-node", node, node.name, endpoint.topic, age, rate
@@ -184,9 +186,10 @@ def _paces(evidence: Evidence) -> Iterator[_Pace]:
         for node in evidence.before.nodes
         for endpoint in node.having(Role.PUBLISHER)
     }
-    for node, endpoint in _subscribed_publications(evidence):
+    for node, endpoint, is_subscribed in _publications(evidence):
         was, earlier = before.get((node.id, endpoint.topic), (node, endpoint))
-        usual = average_rate(was, earlier) if earlier.messages >= _ENOUGH else None
+        is_known = is_subscribed and earlier.messages >= _ENOUGH
+        usual = average_rate(was, earlier) if is_known else None
         span = (node.sent - was.sent) / 1e9 if was.sent < node.sent else evidence.listened
         if usual and span and earlier is not endpoint:
             sent, age = endpoint.messages - earlier.messages, _silence(evidence, node, endpoint)
@@ -230,8 +233,8 @@ def _resting(evidence: Evidence) -> set[str]:
     return clocks - ticking
 
 
-def _subscribed_publications(evidence: Evidence) -> Iterator[tuple[Node, Endpoint]]:
-    """The publications of nodes that have subscribers, but for simulators that rest."""
+def _publications(evidence: Evidence) -> Iterator[tuple[Node, Endpoint, bool]]:
+    """The publications of nodes, with whether they have subscribers; not of those that rest."""
     taken = {
         endpoint.topic
         for node in evidence.graph.nodes
@@ -243,8 +246,8 @@ def _subscribed_publications(evidence: Evidence) -> Iterator[tuple[Node, Endpoin
         for endpoint in node.having(Role.PUBLISHER):
             usual = not is_hidden(endpoint.topic) and endpoint.topic not in SHARED
             is_silent_on_purpose = node.name in resting or node.stale or node.tool
-            if usual and endpoint.topic in taken and not is_silent_on_purpose:
-                yield node, endpoint
+            if usual and not is_silent_on_purpose:
+                yield node, endpoint, endpoint.topic in taken
 
 
 def _wanted_topics(evidence: Evidence) -> Callable[[str], bool]:

@@ -150,3 +150,16 @@ def test_a_look_goes_on_where_a_slow_node_may_have_become_slower() -> None:
     assert doubt(usual) == 0.0
     beat = _graphs(_node(99, 0.5, NOW - SECOND), _node(99, 1.2))  # 1 Hz, a little late
     assert doubt(beat) == 0.0
+
+
+def test_a_node_that_fell_silent_is_told_without_subscribers_too_but_no_simulator() -> None:
+    (ear, mouth) = _node(500, 60).nodes
+    alone = Evidence("udpm://", graph=Graph((mouth,), time=NOW), listened=1.0)
+    assert "silent" in {one.rule for one in judge(alone)}
+    clock = Endpoint("/clock", Role.PUBLISHER)
+    simulator = replace(mouth, endpoints=(*mouth.endpoints, clock))
+    tick = Stream("/clock", ALICE, "/mouth", (NOW,))
+    resting = replace(alone, graph=Graph((simulator,), time=NOW), streams=(tick,))
+    assert "silent" not in {one.rule for one in judge(resting)}
+    heard = replace(resting, graph=Graph((ear, simulator), time=NOW))
+    assert "silent" in {one.rule for one in judge(heard)}
