@@ -166,7 +166,6 @@ REMEDIES = {
     "connect": "plug its cable in, or connect its Wi-Fi",
     "correct": "correct {place}, and start {node} again",
     "depth": "give the subscription of {topic} a greater queue depth",
-    "depth-1": "where only the newest message counts, subscribe with depth=1",
     "drop-remap": "start {node} without {argument}",
     "encode-by-lcm": "if that is not intended, describe them in a .lcm file, and encode them with"
     " the code that lcm-gen makes of it",

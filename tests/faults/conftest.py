@@ -17,7 +17,7 @@ import subprocess
 import sys
 import sysconfig
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -167,7 +167,14 @@ class World:
         started.wait_for("ready")
         return started
 
-    def again(self, program: Any, *arguments: str, without: str = "", **environment: str) -> Any:
+    def again(
+        self,
+        program: Any,
+        *arguments: str,
+        without: str = "",
+        replacing: Mapping[str, str] = {},
+        **environment: str,
+    ) -> Any:
         """End a program and start it as it was, with these arguments and variables added.
 
         Of arguments like __ns:=/a it has each once: the new ones replace.
@@ -176,7 +183,7 @@ class World:
         self.end(program)
         said = {word.partition(":=")[0] for word in arguments if ":=" in word}
         kept = [
-            word
+            replacing.get(word, word)
             for word in command
             if word != without and (":=" not in word or word.partition(":=")[0] not in said)
         ]
@@ -188,19 +195,32 @@ class World:
             self.until(lambda: program.lines or _listens(program.pid))
         return program
 
-    def obey(self, found: Found) -> None:
-        """Do what the remedies say: start nodes otherwise, run commands."""
-        orders = {}
+    def obey(self, found: Found, *kinds: str) -> None:
+        """Do what the remedies of these kinds say (else all): start programs otherwise, type."""
+        pids = [one["pid"] for one in found.subjects if one["pid"] in self._programs]
+        nodes: dict[tuple[str, ...], None] = {}
         for action in found.actions:
-            kind, without = action["kind"], action.get("argument", "")
-            added = f"__ns:={action['namespace']}" if kind == "namespace" else ""
-            added = f"{action['old']}:={action['new']}" if "old" in action else added
-            if added or kind == "drop-remap":
-                orders[action["node"], added, without] = None
-        for name, added, without in orders:
+            if action["kind"] in kinds or not kinds:
+                if "node" in action and _change(action):
+                    nodes[(action["node"], *_change(action))] = None
+                else:
+                    self._do(action, list(dict.fromkeys(pids)))
+        for name, added, without in nodes:
             self.again(self.of_node(name), *filter(None, [added]), without=without)
-        for command in found.commands:
-            self.type(command)
+
+    def _do(self, action: Mapping[str, Any], pids: Sequence[int]) -> None:
+        kind = action["kind"]
+        if kind == "republish":
+            words = {action["channel"]: action["topic"]}
+            self.again(self.of_node(action["publisher"]), replacing=words)
+        elif kind == "end-or-rename":
+            self.again(self._programs[pids[-1]], f"__name:={action['name']}")
+        elif "variable" in action or kind == "restart-listeners":
+            variables = {action["variable"]: action["value"]} if "variable" in action else {}
+            for pid in pids:
+                self.again(self._programs[pid], **variables)
+        elif action["commands"]:  # others in it are further ways
+            self.type(action["commands"][0].replace("sudo ", ""))
 
     def program(self, name: str) -> str:
         """The path of a program of the lcm package."""
@@ -249,6 +269,9 @@ class World:
         """Type a command into a shell, as it stands; its output."""
         words = {"lcmtools": self.command}
         first, _, rest = command.partition(" ")
+        if command.startswith("lcmtools run "):  # goes on running
+            self.node(*rest.split()[1:], **environment)
+            return ""
         result = subprocess.run(
             ["/bin/sh", "-c", f"{words.get(first, first)} {rest}"],
             env={**os.environ, **environment},
@@ -318,6 +341,14 @@ class World:
         found = self.look(**options)
         self.alarms += len(found)
         assert found == [], _told(found)
+
+
+def _change(action: Mapping[str, Any]) -> tuple[str, ...]:
+    """The argument that a node is to have, and the one that it is not to have any more."""
+    kind, without = action["kind"], action.get("argument", "")
+    added = f"__ns:={action['namespace']}" if kind == "namespace" else ""
+    added = f"{action['old']}:={action['new']}" if "old" in action else added
+    return (added, without) if added or kind == "drop-remap" else ()
 
 
 def _missing(found: Sequence[Found], texts: Sequence[str]) -> list[str]:

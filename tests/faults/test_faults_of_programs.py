@@ -193,3 +193,11 @@ def test_watch_shows_what_appears_and_clears(world: Any) -> None:
         program.send_signal(signal.SIGINT)
         assert program.wait() == 130
     world.is_silent()
+
+
+def test_a_topic_that_nothing_publishes(world: Any) -> None:
+    world.node("listener")
+    found = world.finds(UNFED, "start what publishes /chatter")
+    assert [action["kind"] for action in found.actions] == ["start-publisher"]
+    world.node("talker")
+    world.is_silent()

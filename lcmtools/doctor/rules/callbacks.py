@@ -14,7 +14,7 @@ _NEARLY_ALL = 0.9  # of the time between two messages: a callback that takes it 
 _ALWAYS = 0.95  # of the time in callbacks: everything else that waits comes late
 _UNBROKEN = 0.999  # without a pause: no busy computer makes it so
 _ENOUGH_CALLS = 5  # the first ones may load what the later ones need
-_HANGS = 3_000_000_000  # [ns] in one call
+_LONG_CALL, _HANGS = 20_000_000, 3_000_000_000  # [ns] in one call
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,8 +96,6 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     for node, share, busiest in busy:
         facts.append(state("busy-node", node=node, percent=100 * share, busiest=busiest))
         remedies.append(state("busiest-less", node=node, busiest=busiest))
-    if slow:
-        remedies.append(state("depth-1"))
     return found("slow-callbacks", facts, *remedies)
 
 
@@ -152,7 +150,7 @@ def _cause(one: _Subscription) -> tuple[Statement, Statement]:
     if share >= _NEARLY_ALL and busiest:
         remedy = state("busiest-less", node=node, busiest=busiest)
         return lost("by-busy-node", busiest=busiest), remedy
-    if endpoint.depth * one.interval < endpoint.longest:
+    if endpoint.longest > max(endpoint.depth * one.interval, _LONG_CALL):
         fact = lost("long-call", seconds=endpoint.longest / 1e9)
         return fact, state("never-wait-or-depth", topic=topic)
     return lost("in-bursts"), state("depth", topic=topic)

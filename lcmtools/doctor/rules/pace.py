@@ -25,6 +25,8 @@ _LATE = 3  # periods without a message are a reason to look longer
 _BURSTS = 3.0  # [s] between two bursts that are no silence
 _LONGEST = 5.0  # [s] of a look that goes on to be sure
 _AGE = 5.0  # [s] of a process whose average rate means something
+_BURST = 4  # times the median interval on average
+_AT_ONCE = 500_000  # [ns] between messages that are sent one after another
 _UNEVEN = 8  # times the usual interval
 _BLAME = 0.6  # of a gap: a program that waited so long for a processor is not to blame for it
 _SHORTEST = 0.1  # [s] an interval that is worth reporting
@@ -161,7 +163,7 @@ def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
     facts = []
     for stream in _wanted_streams(evidence):
         interval = usual_interval(stream)
-        if interval and len(stream.times) >= 2 * _ENOUGH and not is_hidden(stream.channel):
+        if interval and len(stream.times) >= 2 * _ENOUGH and not _comes_in_bursts(stream):
             longest = max(later - earlier for earlier, later in pairwise(stream.times)) / 1e9
             # a program that had to wait for a processor is not to blame
             is_late = longest * _BLAME > evidence.processor_wait
@@ -169,6 +171,13 @@ def rates_are_even(evidence: Evidence) -> Iterator[Finding]:
                 times = {"longest": longest, "usual": interval}
                 facts.append(state("gap", sender=stream, topic=stream.channel, **times))
     return found("irregular", facts)
+
+
+def _comes_in_bursts(stream: Stream) -> bool:
+    """Return whether most messages follow others at once, or there are several long pauses."""
+    gaps = sorted(later - earlier for earlier, later in pairwise(stream.times))
+    usual, average = median(gaps), sum(gaps) / len(gaps)
+    return usual < _AT_ONCE or (average > _BURST * usual and gaps[-2] > gaps[-1] / 2)
 
 
 def usual_interval(stream: Stream) -> float | None:
@@ -196,8 +205,8 @@ def _paces(evidence: Evidence) -> Iterator[_Pace]:
             yield _Pace("slower", node, node.name, endpoint.topic, usual, sent, span, age)
     nodes = {sender for node in evidence.graph.nodes for sender in node.senders()}
     for one in evidence.senders:
-        is_known = one.average_rate and one.process_age > _AGE and one.sender not in nodes
-        if is_known and not evidence.own_drops:
+        has_average = one.average_rate and one.process_age > _AGE and one.sender not in nodes
+        if has_average and not evidence.own_drops:
             sent = one.messages + one.lost
             yield _Pace(
                 "slower-program", one, one.name, "", one.average_rate, sent, evidence.listened

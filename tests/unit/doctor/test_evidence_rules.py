@@ -236,6 +236,12 @@ def test_a_stream_with_a_gap_is_irregular() -> None:
     assert finding.items == (" * alice: 'A', 1.02 s without a message, usually 20 ms",)
 
 
+def test_bursts_are_not_irregular() -> None:
+    times = tuple(NOW - pause * 300_000_000 + n for pause in (3, 2, 1) for n in range(30))
+    assert found(replace(HEALTHY, streams=(stream("A", 1, times=times),))) == {}
+    assert found(replace(HEALTHY, streams=(stream("A", 1, times=times[30:]),))) == {}
+
+
 def test_a_full_queue_names_node_topic_and_depth() -> None:
     def graph(drops: int, depth: int) -> Graph:
         slow = Endpoint("/a", Role.SUBSCRIBER, depth=depth, drops=drops)
@@ -462,7 +468,7 @@ def test_what_a_nodes_filter_drops_is_no_slowness() -> None:
 
 def test_a_stream_that_nobody_has_subscribed_to_may_rest() -> None:
     def rules(*nodes: Node) -> dict[str, Judged]:
-        times = tuple(NOW - (9 if n < 50 else 7) * SECOND + n for n in range(100))
+        times = tuple(NOW - (9 if n < 50 else 7) * SECOND + n * 5_000_000 for n in range(100))
         resting = stream("/imu", 1, times=times)
         return found(replace(HEALTHY, streams=(resting,), graph=Graph(nodes, time=NOW)))
 
