@@ -75,11 +75,7 @@ def given_inside(element: Element, scope: Scope) -> tuple[Scope, dict[str, str]]
 
 
 def check_given(roots: Sequence[Element], passed: Mapping[str, str]) -> None:
-    """Refuse arguments that no file takes.
-
-    Raises:
-        UsageError: There is one.
-    """
+    """Raise UsageError for an argument that no file takes."""
     known = {name for root in roots for name in names_in(root)}
     for name, text in passed.items():
         if name not in known:

@@ -108,11 +108,7 @@ def find_typed(words: Sequence[str], folder: Path) -> Executable:
 
 
 def find_program(word: str, folder: Path) -> str:
-    """Return a program by its path, relative to the launch file's folder, or by its name.
-
-    Raises:
-        UsageError: There is none, or it is not executable.
-    """
+    """Return a program by its path from a folder on, or by its name; UsageError for none."""
     if "/" not in word:
         if shutil.which(word) is None:
             raise UsageError(f"there is no program '{word}' on the PATH", "write a path: ./name")

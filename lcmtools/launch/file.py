@@ -22,11 +22,7 @@ class File:
 
 
 def read_file(path: Path, place: str = "") -> File:
-    """Read a launch file, which another one may name at a place.
-
-    Raises:
-        InvalidFile: It cannot be read, or is none.
-    """
+    """Read a launch file, which another one may name at a place; InvalidFile for none."""
     before = f"{place}: " if place else ""
     try:
         with path.open("rb") as file:
@@ -38,11 +34,7 @@ def read_file(path: Path, place: str = "") -> File:
 
 
 def read_standard_input() -> File:
-    """Read the launch file that comes from a pipe.
-
-    Raises:
-        InvalidFile: It is none.
-    """
+    """Read the launch file that comes from a pipe; InvalidFile for none."""
     root = _read(sys.stdin.buffer.read(LARGEST + 1), "standard input")
     return File(root, STANDARD_INPUT, Path.cwd())
 

@@ -87,11 +87,7 @@ class NodeProcess:
     def start(
         self, environment: Mapping[str, str], guard: ProcessGuard, timeouts: StopTimeouts
     ) -> ChildProcess:
-        """Start it.
-
-        Raises:
-            OSError: The system does not start it.
-        """
+        """Start it; OSError where the system does not."""
         plan = self.plan
         start = Start(
             startable(plan.command),

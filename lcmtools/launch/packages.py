@@ -25,11 +25,7 @@ _MOST_FILES = 10_000
 
 
 def path_from(folder: Path, name: str) -> Path:
-    """Return the path that a launch file in a folder names; "~" is the home folder.
-
-    Raises:
-        UsageError: It cannot be one.
-    """
+    """Return the path that a launch file in a folder names, also with "~"; UsageError for none."""
     try:
         os.fsencode(name)
         path = folder / Path(name).expanduser()
@@ -49,11 +45,7 @@ def is_there(path: Path) -> bool:
 
 
 def find_package(name: str, *starts: Path) -> Path:
-    """Return a package's folder; the workspaces of ``starts`` count besides the current one.
-
-    Raises:
-        UsageError: There is no such package.
-    """
+    """Return a package's folder, also of the workspaces of ``starts``; UsageError for none."""
     space = workspace(Path.cwd(), *starts)
     if name.replace("_", "a").replace("-", "a").isalnum():
         own = (package.folder for package in space.packages if package.name == name)

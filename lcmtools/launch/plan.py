@@ -62,11 +62,7 @@ class Plan:
     notes: tuple[str, ...] = ()  # things that have no meaning here, each with its place
 
     def find(self, name: str) -> NodePlan:
-        """Return a node by its full name, or by the last part of it if that is enough.
-
-        Raises:
-            UsageError: There is none, or several.
-        """
+        """Return a node by its full name, or by the last part; UsageError for none, or several."""
         full = [node for node in self.nodes if node.name == f"/{name.strip('/')}"]
         found = full or [node for node in self.nodes if base_name_of(node.name) == name]
         if len(found) == 1:

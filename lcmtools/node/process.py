@@ -134,11 +134,7 @@ def ok() -> bool:
 
 
 def current_context() -> Context:
-    """The process's context.
-
-    Raises:
-        LcmtoolsError: ``init`` has not been called.
-    """
+    """The process's context; LcmtoolsError where ``init`` has not been called."""
     if _process.context is None:
         raise LcmtoolsError("there is no bus yet", "call lcmtools.init() first")
     return _process.context

@@ -86,11 +86,7 @@ class Subscription:
         return len(self._queue)
 
     def decode(self, payload: bytes) -> Message:
-        """Return the message in a payload.
-
-        Raises:
-            DecodeError: It is of another type than this subscription's, or damaged.
-        """
+        """Return the message in a payload; DecodeError for another type, or a damaged one."""
         kind = self._by_fingerprint.get(payload[:FINGERPRINT_BYTES])
         if kind is None:
             expected = " or ".join(map(type_name, self.message_types))

@@ -87,11 +87,7 @@ def load_toml(text: str) -> dict[str, object]:
 
 
 def read_project(folder: Path) -> dict[str, object]:
-    """A package's pyproject.toml.
-
-    Raises:
-        InvalidFile: It cannot be read or is no TOML, with the line.
-    """
+    """A package's pyproject.toml; InvalidFile, with the line, for one that is no TOML."""
     path = folder / "pyproject.toml"
     try:
         return load_toml(path.read_text("utf-8"))

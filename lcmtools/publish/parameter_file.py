@@ -53,11 +53,7 @@ Changes: TypeAlias = Mapping[str, Mapping[str, Change]]
 
 
 def read_leaves(text: str, source: str) -> list[Leaf]:
-    """Return the values in the text of a file.
-
-    Raises:
-        InvalidFile: It is no YAML, or no mapping of names to values, or has none.
-    """
+    """Return the values in the text of a file; InvalidFile for no YAML of names and values."""
     found: list[Leaf] = []
     for document in _documents(text, source):
         if not isinstance(document.value, dict):

@@ -135,11 +135,7 @@ def nodes_with_parameters(graph: Graph) -> list[Node]:
 
 
 def require_parameters(node: Node) -> Node:
-    """Return the node.
-
-    Raises:
-        LcmtoolsError: It has ended, or has no service for its parameters.
-    """
+    """Return a node that runs and has parameters; LcmtoolsError for another."""
     if node.stale:
         raise LcmtoolsError(f"{node.name} {node.stale}", "lcmtools node list shows the nodes")
     if not has_parameters(node):
@@ -153,11 +149,7 @@ def require_parameters(node: Node) -> Node:
 
 
 def pick(parameters: Parameters, name: str, node: str, place: str = "") -> msgs.Parameter:
-    """Return a parameter by its name.
-
-    Raises:
-        LcmtoolsError: The node has none of this name; with a hint at what may have been meant.
-    """
+    """Return a parameter by its name; LcmtoolsError, with a hint, where the node has none."""
     if name not in parameters:
         hint = did_you_mean(name, parameters) or f"it has {', '.join(parameters)}"
         raise LcmtoolsError(f"{place}{node} has no parameter '{name}'", hint)
@@ -174,11 +166,7 @@ class Target:
 
     @property
     def node(self) -> Node:
-        """The only node.
-
-        Raises:
-            UsageError: It is a namespace.
-        """
+        """The only node; UsageError for a namespace."""
         if self.is_namespace:
             names = ", ".join(node.name for node in self.nodes)
             raise UsageError("a node is needed here, not a namespace", f"write one of {names}")

@@ -61,11 +61,7 @@ class SubscriberWait:
             )
 
     def wait_for_clock(self, timeout: float | None) -> None:
-        """Wait until the simulated time is known.
-
-        Raises:
-            NothingReceived: It does not come within the time.
-        """
+        """Wait until the simulated time is known; NothingReceived if it does not come in time."""
         if not wait_until(
             self._node.get_clock().now,
             timeout,
