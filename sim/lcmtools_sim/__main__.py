@@ -67,11 +67,11 @@ def _warn(text: str) -> None:
 
 def _check_starts(scene: Scene, engine: str) -> None:
     """Refuse robots that start inside something, warn of such objects; if there is an engine."""
-    from lcmtools_sim.simulation import check_starts, misplaced_objects
+    from lcmtools_sim.simulation import Simulation
 
     try:
-        notes = misplaced_objects(scene, engine)
-        check_starts(scene, engine)
+        with Simulation(scene, engine=engine) as simulation:
+            notes = simulation.misplaced
     except MissingExtra:
         notes = ["whether something starts inside something else is not checked without an engine"]
     for note in notes:

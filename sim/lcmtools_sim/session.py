@@ -15,7 +15,7 @@ from lcmtools_sim.options import Options
 from lcmtools_sim.paths import PathPublisher
 from lcmtools_sim.scene import Scene, contents
 from lcmtools_sim.schedule import Pacer
-from lcmtools_sim.simulation import Simulation, misplaced_objects
+from lcmtools_sim.simulation import Simulation
 
 
 def simulate(scene: Scene, options: Options, arguments: Sequence[str]) -> None:
@@ -56,7 +56,7 @@ def _run(simulation: Simulation, options: Options, engine: str) -> None:
         for path in () if options.follow else scene.paths:
             PathPublisher(node, path)
         log = node.get_logger()
-        for line in (*scene.notes, *misplaced_objects(scene, options.engine)):
+        for line in (*scene.notes, *simulation.misplaced):
             log.warning(line)
         paused = "; paused: lcmtools sim resume starts it" if options.paused else ""
         log.info(f"simulating {scene.name} with {engine}: {contents(scene)}{paused}")

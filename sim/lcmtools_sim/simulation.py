@@ -38,6 +38,7 @@ class Simulation(AbstractContextManager["Simulation"]):
     Attributes:
         scene: As given.
         steps: Their number so far.
+        misplaced: Warnings of movable objects that start inside another body, one line each.
         publishes_clock: True if its steps return the clock; else ``tick`` returns it on request.
 
     Raises:
@@ -151,6 +152,12 @@ class Simulation(AbstractContextManager["Simulation"]):
         self._timetable: Timetable[MountedSensor | None] = Timetable(self.scene.dt)
         self._timetable.add(CLOCK_RATE, _TICK, after=steps)
         self._add(self.scene.robots)
+        self.misplaced = [
+            f"{thing.where or self.scene.name}: {thing.name} starts {depth:.2f} m inside {other},"
+            " and is thrown out of it"
+            for thing, depth, other in self._world.overlaps()
+            if depth > START_OVERLAP
+        ]
 
     def _add(self, placements: Sequence[RobotPlacement]) -> list[Robot]:
         robots = [Robot(self._world, self.scene, placement) for placement in placements]
@@ -193,23 +200,3 @@ class Simulation(AbstractContextManager["Simulation"]):
                 states[vehicles] = vehicles.state(time)
             samples += MountedSensor.measure_together(sensors, states[vehicles])
         return samples
-
-
-def check_starts(scene: Scene, engine: str = "") -> None:
-    """Return if every robot can start, tried in a simulation that ends at once; raise as that."""
-    with Simulation(scene, engine=engine):
-        pass
-
-
-def misplaced_objects(scene: Scene, engine: str = "") -> list[str]:
-    """Warnings of movable objects that start inside another body, one line each."""
-    if not any(thing.mass for thing in scene.objects):
-        return []
-    with World(scene, engine=engine) as world:
-        found = world.overlaps()
-    return [
-        f"{thing.where or scene.name}: {thing.name} starts {depth:.2f} m inside {other}, and is"
-        " thrown out of it"
-        for thing, depth, other in found
-        if depth > START_OVERLAP
-    ]

@@ -93,7 +93,7 @@ class World(AbstractContextManager["World"]):
         self._wake()
 
     def detect_contacts(self) -> None:
-        """Find the contacts at the present poses, for ``overlap``."""
+        """Find the contacts at the present poses, for ``overlap`` and ``overlaps``."""
         self._engine.detect_contacts()
 
     def overlap(self, body: int) -> tuple[float, str]:
@@ -106,7 +106,6 @@ class World(AbstractContextManager["World"]):
 
     def overlaps(self) -> list[tuple[SceneObject, float, str]]:
         """The same of every movable object that overlaps another body."""
-        self._engine.detect_contacts()
         found = [(thing, *self.overlap(body)) for thing, body in self._objects if thing.mass]
         return [(thing, depth, other) for thing, depth, other in found if depth]
 

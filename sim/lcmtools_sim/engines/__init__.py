@@ -47,11 +47,13 @@ def is_installed(name: str) -> bool:
 
 def engine_version(name: str) -> str:
     """An engine's name and version, for people ("pybullet 3.2.7")."""
-    from importlib.metadata import packages_distributions, version
+    from importlib.metadata import PackageNotFoundError, version
 
     package = _PACKAGES[name]
-    distributions = packages_distributions().get(package, [package])
-    return f"{package} {version(distributions[0])}"
+    try:
+        return f"{package} {version(package)}"
+    except PackageNotFoundError:
+        return f"{package} {version(f'{package}-core')}"  # MuJoCo's engine alone
 
 
 def start_engine(name: str, *, window: bool = False) -> Engine:
