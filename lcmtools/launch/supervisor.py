@@ -39,15 +39,7 @@ class Watcher(Protocol):
 
 
 class Supervisor:
-    """Runs processes until they have all ended, or are asked to end.
-
-    Args:
-        nodes: The nodes to run.
-        environment: The variables of all of them.
-        folder: For log files.
-        watcher: Shows lines and events.
-        timeouts: For the signals that end a process.
-    """
+    """Runs processes until they have all ended, or are asked to; ``folder`` is for log files."""
 
     def __init__(
         self,

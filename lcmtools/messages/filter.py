@@ -27,14 +27,7 @@ _LANGUAGE = Language(
 
 
 class Filter:
-    """A condition on messages.
-
-    Args:
-        text: The expression.
-
-    Raises:
-        UsageError: It is none, is too long, or has a part that is not allowed, which is named.
-    """
+    """A condition on messages; UsageError names the part of it that is wrong or not allowed."""
 
     def __init__(self, text: str) -> None:
         self._expression = Expression(text, _LANGUAGE)

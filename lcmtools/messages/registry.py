@@ -75,18 +75,7 @@ class Registry:
         return sorted({name for source in self._all() for name in source.services})
 
     def message_class(self, name: str, number: int | None = None) -> type[Message]:
-        """The class of a type, imported now.
-
-        Args:
-            name: geometry_msgs/Twist, geometry_msgs/msg/Twist, geometry_msgs.Twist or, where only
-                one package has it, Twist.
-            number: Its fingerprint, where that is known: of several types with the same name, the
-                one that has it.
-
-        Raises:
-            UnknownType: There is no such type, or several packages have it.
-            InvalidFile: The .lcm file that should have it is wrong.
-        """
+        """The class of a type, imported now; see ``lcmtools.message_class``."""
         source, found = self._type(name, number)
         self._warn_once(source, found)
         return cast("type[Message]", _load(source.prefix, found))

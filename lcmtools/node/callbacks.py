@@ -20,13 +20,7 @@ from lcmtools.node.timer import Timer
 
 
 class Callbacks:
-    """The callbacks of one node.
-
-    Args:
-        logger: The node's log, for messages that cannot be read.
-        errors: Takes their exceptions.
-        go_on: Returns whether the program should go on.
-    """
+    """The callbacks of one node, run while ``go_on`` returns True; ``errors`` takes exceptions."""
 
     def __init__(self, logger: Logger, errors: CallbackErrors, go_on: Callable[[], bool]) -> None:
         self.subscriptions: list[Subscription] = []

@@ -137,14 +137,7 @@ def check_words(args: object) -> None:
 
 
 def misfit(where: str, expected: str, kind: type, value: object) -> ValueMismatch:
-    """Return the error for a value in place of a message of a class.
-
-    Args:
-        where: The topic or service.
-        expected: The class, as the error is to name it.
-        kind: The class.
-        value: The value that came.
-    """
+    """Return the error for a value in place of a message of a class, ``expected`` by its name."""
     name = expected.rpartition("/")[2]
     fields = [field.name for field in visible_fields(kind)]
     is_scalar = isinstance(value, (bool, int, float, str))

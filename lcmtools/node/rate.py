@@ -12,13 +12,7 @@ _POLL_PERIOD = 0.001  # [s] while another thread runs the callbacks, and sets si
 
 
 class Rate:
-    """Keeps a loop at a rate, on the node's clock. Made by ``Node.create_rate``.
-
-    Args:
-        context: The node's context.
-        callbacks: The node's callbacks, which run during ``sleep``.
-        timer: A timer of the rate's period.
-    """
+    """Keeps a loop at the rate of a timer, on the node's clock. Made by ``Node.create_rate``."""
 
     def __init__(self, context: Context, callbacks: Callbacks, timer: Timer) -> None:
         self._context = context

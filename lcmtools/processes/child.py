@@ -58,19 +58,11 @@ class Start:
 
 
 class ChildProcess:
-    """A process in a session and group of its own.
-
-    Args:
-        start: The way in which it is started.
-        guard: Ends its group if this process is killed.
-        timeouts: For the signals that end it.
+    """A process in a session and group of its own; OSError where the system does not start it.
 
     Attributes:
         pid: Its number, and its group's.
         next_step: The time at which the next signal is due, see ``tick``.
-
-    Raises:
-        OSError: The system does not start it.
     """
 
     def __init__(self, start: Start, guard: ProcessGuard, timeouts: StopTimeouts) -> None:
