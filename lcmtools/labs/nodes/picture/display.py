@@ -4,6 +4,7 @@ import json
 import os
 import re
 import sys
+from abc import ABC, abstractmethod
 from array import array
 from pathlib import Path
 
@@ -17,7 +18,7 @@ _NUMBER = re.compile(r"%(0?\d{0,2})[di]")
 _COMPRESSION = 1  # of PNG files: a tenth larger than the usual 6, and several times faster
 
 
-class Display:
+class Display(ABC):
     """Something that shows one picture after the other.
 
     Attributes:
@@ -26,21 +27,21 @@ class Display:
 
     is_over = False
 
-    def open(self, title: str) -> None:
+    def open(self, title: str) -> None:  # noqa: B027 - not every display needs it
         """Get ready; the title is the topic."""
 
+    @abstractmethod
     def show(self, picture: Picture) -> None:
         """Show a picture in place of the one before."""
-        raise NotImplementedError
 
+    @abstractmethod
     def show_text(self, text: str) -> None:
         """Show a reason in place of a picture."""
-        raise NotImplementedError
 
-    def attend(self) -> None:
+    def attend(self) -> None:  # noqa: B027
         """Handle keys and a change of size; called many times a second."""
 
-    def close(self) -> None:
+    def close(self) -> None:  # noqa: B027
         """Leave everything as it was."""
 
 
