@@ -19,6 +19,7 @@ class LabProgram:
         types: The message types that these may have.
         subscribes: Topics that it is to subscribe to.
         has_keys: It is driven by keys, and not by its callbacks.
+        rate: Simulated seconds per second of its check, where simulated time counts.
     """
 
     option: str
@@ -28,6 +29,7 @@ class LabProgram:
     types: tuple[str, ...] = ()
     subscribes: tuple[str, ...] = ()
     has_keys: bool = False
+    rate: float = 4.0
 
     @property
     def answer(self) -> tuple[str, ...]:
@@ -108,8 +110,9 @@ _PIONEER = Lab(
             publishes=("/RosAria/cmd_vel",),
             types=("geometry_msgs/Twist",),
             has_keys=True,
+            rate=1.0,
         ),
-        LabProgram("viewer", "kinect_viewer", subscribes=("/camera/depth/image_raw",)),
+        LabProgram("viewer", "kinect_viewer", subscribes=("/camera/depth/image_raw",), rate=1.0),
         LabProgram(
             "path",
             "path_follower",

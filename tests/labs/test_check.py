@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from lcmtools.labs.checks import dolly, husky, programs
+from lcmtools.labs.checks import dolly, programs, test_bench
 from lcmtools.processes.child import StopTimeouts
 
 pytestmark = pytest.mark.usefixtures("quiet_network")
@@ -204,7 +204,7 @@ def test_a_program_that_prints_without_end_is_stopped_before_the_disk_is_full(
 def test_a_program_that_is_silent_and_ignores_signals_is_ended(
     check: Callable[..., dict[str, dict[str, object]]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(husky, "_FIRST_MESSAGE", 2.0)
+    monkeypatch.setattr(test_bench, "_FIRST_MESSAGE", 2.0)
     monkeypatch.setattr(programs, "_TIMEOUTS", StopTimeouts(0.5, 0.5))
     source = (
         "import signal, subprocess, time\n"
@@ -231,6 +231,28 @@ def test_a_check_that_is_broken_off_leaves_no_process(
     code = program.wait()  # type: ignore[attr-defined]
     assert code == (-number if number == signal.SIGKILL else 128 + number)
     wait_until(lambda: left_over() == [], 20.0)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_class_that_is_broken_off_leaves_no_process_and_no_file(
+    number: signal.Signals,
+    start: Callable[..., object],
+    lcmtools_path: str,
+    tmp_path: Path,
+    left_over: LeftOver,
+    wait_until: Callable[..., None],
+) -> None:
+    folder = tmp_path / "class"
+    folder.mkdir()
+    for name in ("anna", "bo", "cy"):
+        (folder / f"{name}.py").write_text(ONE_HERTZ)
+    command = ("lab", "check", "dolly", "--programs", str(folder), "--jobs", "2")
+    program = start(lcmtools_path, *command, TMPDIR=str(tmp_path))
+    wait_until(lambda: sum(" sim --world " in one for one in left_over()) == 2)
+    os.kill(program.pid, number)  # type: ignore[attr-defined]
+    assert program.wait() == 128 + number  # type: ignore[attr-defined]
+    assert left_over() == []
+    assert [path.name for path in tmp_path.iterdir() if "lcmtools" in path.name] == []
 
 
 def test_start_says_what_to_type_runs_the_simulator_and_refuses_a_second_one(

@@ -3,7 +3,6 @@
 import json
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,9 @@ import pytest
 
 pytestmark = pytest.mark.usefixtures("quiet_network")
 Check = Callable[..., list[dict[str, Any]]]
+
+LONGEST = 25.0
+"""Of a check [s], by the simulation's pace; its start and end take less than 5 s more."""
 
 CONTROLLER = """
 import sys
@@ -43,12 +45,14 @@ class Controller(Node):
         self.count += 1
         forward = self.desired.linear.x - odometry.twist.twist.linear.x
         turn = self.desired.angular.z - odometry.twist.twist.angular.z
-        if FAULT == "raised":
+        if FAULT == "raised" or (FAULT == "sometimes" and self.count % 20 == 7):
             self.desird
         if FAULT == "publish" or (FAULT == "seldom" and self.count % 50):
             return
         if FAULT == "died" and self.count > 100:
             raise SystemExit("no more efforts")
+        if FAULT == "swings":
+            forward, turn = 40 * forward, 80 * turn
         forward = -forward if FAULT == "speed-sign" else forward
         turn = -turn if FAULT == "turn-sign" else turn
         self.left = max(-1.0, min(1.0, self.left + 0.1 * forward - 0.05 * turn))
@@ -134,12 +138,12 @@ def check(lcmtools: Callable[..., "subprocess.CompletedProcess[str]"], tmp_path:
     def run(lab: str, program: str, source: str, fault: str) -> list[dict[str, Any]]:
         script = tmp_path / "program.py"
         script.write_text(source)
-        start = time.monotonic()
         command = f"{sys.executable} {script} {fault}"
         result = lcmtools("lab", "check", lab, f"--{program}", command, "--json", timeout=100)
-        assert time.monotonic() - start < 60.0  # 30 s on a computer that does nothing else
         assert result.returncode == 1, result.stderr
-        return [row for row in json.loads(result.stdout)["rows"] if not row["ok"]]
+        answer = json.loads(result.stdout)
+        assert answer["programs"][program]["duration"] < LONGEST
+        return [row for row in answer["rows"] if not row["ok"]]
 
     return run
 
@@ -159,13 +163,15 @@ def check(lcmtools: Callable[..., "subprocess.CompletedProcess[str]"], tmp_path:
         ("zero", "drive at 0.1 m/s", "its commands are all 0"),
         ("speed-sign", "drive at 0.1 m/s", "wrong sign of speed (-1.00 m/s in place of +0.1)"),
         ("turn-sign", "turn at 0.3 rad/s", "wrong sign of turn"),
+        ("sometimes", "raises no exception", "callback of /husky0/odometry raised"),
     ],
 )
 def test_the_cause_of_a_wrong_controller_is_named_once(
     fault: str, row: str, words: str, check: Check
 ) -> None:
     first, *others = check("husky", "controller", CONTROLLER, fault)
-    assert (first["what"], first["cause"]) == (row, fault), first
+    assert first["what"] == row, first
+    assert first["cause"] == {"sometimes": "raised"}.get(fault, fault)
     assert words in first["hint"]
     assert first["said"]
     assert all(other["follows"] == row for other in others), others
@@ -193,7 +199,6 @@ def test_the_cause_of_wrong_keys_is_named_once(fault: str, words: str, check: Ch
     [
         ("once", "0.00 Hz", "one command came, and no other in"),
         ("timer", "none within 10 s", "no callback of its node was ever called"),
-        ("velocity", "0.5 m/s, 0 rad/s", "set linear.x and angular.z"),
     ],
 )
 def test_the_cause_of_a_wrong_mover_is_named(
@@ -206,8 +211,11 @@ def test_the_cause_of_a_wrong_mover_is_named(
 
 
 def test_a_robot_that_got_stuck_says_on_what_and_where(check: Check) -> None:
-    row = check("dolly", "mover", MOVER, "velocity")[1]
-    assert "stuck on shed, at (5.1, 0.0) m" in row["measured"]
+    first, circle = check("dolly", "mover", MOVER, "velocity")
+    assert first["measured"] == "0.5 m/s, 0 rad/s"
+    assert "set linear.x and angular.z" in first["hint"]
+    assert circle["follows"] == first["what"]
+    assert "stuck on shed, at (5.1, 0.0) m" in circle["measured"]
 
 
 @pytest.fixture
@@ -215,19 +223,20 @@ def class_folder(tmp_path: Path) -> Iterator[Path]:
     folder = tmp_path / "class"
     (folder / "anna").mkdir(parents=True)
     (folder / "anna" / "moving_robot.py").write_text(MOVER.replace("sys.argv[1]", "''"))
+    (folder / "anna" / "yaml.py").write_text("raise ImportError('not for the check')")
     (folder / "bo.py").write_text("raise ValueError('/dolly/cmd_vel')")
     (folder / "cy").mkdir()
     yield folder
     assert sorted(path.name for path in folder.iterdir()) == ["anna", "bo.py", "cy"]
 
 
-def test_a_class_is_checked_one_by_one_with_a_table_a_report_and_pictures(
+def test_a_class_is_checked_with_a_table_a_report_and_pictures(
     class_folder: Path,
     tmp_path: Path,
     lcmtools: Callable[..., "subprocess.CompletedProcess[str]"],
 ) -> None:
     files = ("--junit", str(tmp_path / "class.xml"), "--plot", str(tmp_path / "plot.png"))
-    command = ("lab", "check", "dolly", "--programs", str(class_folder), *files)
+    command = ("lab", "check", "dolly", "--programs", str(class_folder), "--jobs", "2", *files)
     result = lcmtools(*command, timeout=200)
     assert result.returncode == 1
     table = [row.split(maxsplit=4) for row in result.stdout.splitlines()[-3:]]

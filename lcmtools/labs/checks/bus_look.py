@@ -5,7 +5,8 @@ command: from another terminal it would look at another bus.
 """
 
 import os
-from collections.abc import Iterable, Iterator
+import re
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 
 from lcmtools.bus.url import parse_url
@@ -14,12 +15,17 @@ from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Severity, Statement
 from lcmtools.doctor.rules import examine
 from lcmtools.doctor.words import describe
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, Node, Role, Topic
 from lcmtools.labs.checks.observations import BusLook, Failure, Wire
 
 _LISTEN = 1.0  # [s]
 _OF_PACE = ("queue-drops", "kernel-drops", "slow-callbacks", "irregular", "slow-rate", "loss")
 """Rules that judge a pace: here the simulator is faster than real time."""
+_TOLD = ("callback-errors", "logged")
+"""Rules whose findings a row's cause, or the program's own words, tell already."""
+_ELSEWHERE = ("remap-one", "rename-one")
+"""Remedies at either end of a wire: the names of the topics are the lab's."""
+_OBSERVER = re.compile(r"/_lcmtools_lab_\d+")
 
 
 def look_at_bus(url: str, group: int) -> BusLook:
@@ -43,7 +49,7 @@ def program_on(evidence: Evidence, group: int) -> BusLook:
         nodes=sorted(names),
         publications=[wire for wire in publications if not _is_own_affair(wire.topic)],
         subscriptions=[
-            _wire(end)
+            _wire(end, _offered(end, evidence.graph.topic(end.topic), names))
             for end in ends
             if end.role is Role.SUBSCRIBER and not _is_own_affair(end.topic)
         ],
@@ -69,8 +75,16 @@ def _is_own_affair(topic: str) -> bool:
     return topic in ("/rosout", "/clock") or "/_" in topic
 
 
-def _wire(end: Endpoint) -> Wire:
-    return Wire(end.topic, end.type, end.messages, end.calls, end.longest / 1e9)
+def _wire(end: Endpoint, offered: str = "") -> Wire:
+    times = end.longest / 1e9, end.busy / 1e9
+    return Wire(end.topic, end.type, end.messages, end.calls, *times, offered)
+
+
+def _offered(end: Endpoint, topic: Topic, names: Collection[str]) -> str:
+    """Return the type that other nodes publish, where a subscription cannot take it."""
+    others = (one for node, one in topic.publishers if node.name not in names)
+    odd = (one.type for one in others if not {*one.fingerprints} & {*end.fingerprints})
+    return next(odd, "")
 
 
 def _texts(findings: Iterable[Finding], nodes: Iterable[Node], group: int) -> Iterator[str]:
@@ -85,13 +99,13 @@ def _texts(findings: Iterable[Finding], nodes: Iterable[Node], group: int) -> It
 
     def is_at_this_end(remedy: Statement) -> bool:
         others = {one.name for one in remedy.subjects() if one.kind in ("node", "process")}
-        return others <= names
+        return others <= names and remedy.kind not in _ELSEWHERE
 
     for finding in findings:
         facts = tuple(fact for fact in finding.facts if is_about(fact))
         if (
             finding.severity is Severity.NOTE
-            or finding.rule in _OF_PACE
+            or finding.rule in (*_OF_PACE, *_TOLD)
             or not (facts or is_about(finding.title))
         ):
             continue
@@ -99,4 +113,5 @@ def _texts(findings: Iterable[Finding], nodes: Iterable[Node], group: int) -> It
         words = describe(replace(finding, facts=facts, remedies=remedies))
         items = ", ".join(item.strip(" *") for item in words.items).replace(":,", ":")
         wanted = [text for text in words.remedies if "lcmtools " not in text]
-        yield " -> ".join((f"{words.title} {items}".strip(), *wanted))
+        line = " -> ".join((f"{words.title} {items}".strip(), *wanted))
+        yield _OBSERVER.sub("this check", line)

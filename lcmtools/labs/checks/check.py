@@ -7,9 +7,9 @@ from typing import Any
 
 from lcmtools.errors import UsageError
 from lcmtools.labs.catalogue import Lab, LabProgram
-from lcmtools.labs.checks import dolly, husky, path, pioneer
-from lcmtools.labs.checks.diagnosis import DIED, SAME, cause_of
-from lcmtools.labs.checks.observations import last_words
+from lcmtools.labs.checks import dolly, husky, path, teleop, viewer
+from lcmtools.labs.checks.diagnosis import DIED, RAISED, SAME, cause_of, raised
+from lcmtools.labs.checks.observations import last_failure, last_words
 from lcmtools.labs.checks.programs import split_command
 from lcmtools.labs.checks.results import Cause, CheckResult, Report
 from lcmtools.labs.checks.test_bench import TestBench, TimeLimitReached
@@ -21,16 +21,14 @@ Check = Callable[[TestBench, Sequence[str]], Iterator[CheckResult]]
 CHECKS: Mapping[str, Check] = {
     "controller": husky.check_controller,
     "evaluator": husky.check_evaluator,
-    "teleop": pioneer.check_teleop,
-    "viewer": pioneer.check_viewer,
+    "teleop": teleop.check_teleop,
+    "viewer": viewer.check_viewer,
     "path": path.check_path,
     "mover": dolly.check_mover,
     "reader": dolly.check_reader,
 }
 """By the program's option."""
 
-_FAST, _REAL = 4.0, 1.0  # simulated seconds per second
-_ALWAYS_FAST = ("mover", "reader", "evaluator")  # what is measured does not depend on it
 _NOTHING_SAID = "it printed nothing"
 
 
@@ -41,38 +39,32 @@ class Run:
     Attributes:
         program: Which one of the lab it is.
         command: Its command line.
-        rate: Simulated seconds per second that suit it.
         is_answer: It is the model answer of lcmtools.
-        directory: Its working directory; "" for this process's.
     """
 
     program: LabProgram
     command: Sequence[str]
-    rate: float
     is_answer: bool = False
-    directory: str = ""
 
 
-def choose(lab: Lab, programs: Mapping[str, str], directory: str = "") -> list[Run]:
+def choose(lab: Lab, programs: Mapping[str, str]) -> list[Run]:
     """Return the programs to be checked.
 
-    A student's controller may go by the real clock, and gets real time; the model answers go by the
-    odometry's. The lab's names are added unless a command line has some of its own.
+    The lab's names are added unless a command line has some of its own.
 
     Args:
         lab: The lab.
         programs: The student's command lines by option; of none, the nodes of the workspace that
             have the names of the lab's are checked or, if there are none, the model answers.
-        directory: The programs' working directory; "" for this process's.
 
     Raises:
         UsageError: A program is of another lab, a command line is wrong, or a file of the workspace
             is not declared as a node.
     """
     known = {program.option: program for program in lab.programs}
-    nodes = {} if directory else _workspace_nodes(lab)
+    nodes = _workspace_nodes(lab)
     if not programs and not nodes:
-        return [Run(p, [*p.answer, *p.arguments], _FAST, is_answer=True) for p in lab.programs]
+        return [Run(p, [*p.answer, *p.arguments], is_answer=True) for p in lab.programs]
     chosen = []
     programs = programs or {one: f"lcmtools run {node}" for one, node in nodes.items()}
     for option, text in programs.items():
@@ -83,8 +75,7 @@ def choose(lab: Lab, programs: Mapping[str, str], directory: str = "") -> list[R
         is_answer = tuple(words[:3]) == known[option].answer and option not in nodes
         if not any(":=" in word for word in words):
             words += known[option].arguments
-        rate = _FAST if option in _ALWAYS_FAST else _REAL
-        chosen.append(Run(known[option], words, rate, is_answer, directory))
+        chosen.append(Run(known[option], words, is_answer))
     return chosen
 
 
@@ -123,18 +114,48 @@ def check(
         LcmtoolsError: The simulator does not start.
     """
     results = []
-    bench = TestBench(lab, run.program, rate or run.rate, run.directory, time_limit)
-    with bench:
+    with TestBench(lab, run.program, rate, time_limit) as bench:
         explanation = Explanation(bench)
-        for result in _limited(CHECKS[run.program.option](bench, run.command), time_limit):
+        for result in _limited(_rows(bench, run), time_limit):
             explained = explanation.of(result)
+            if result.cause == RAISED and explained.follows:
+                continue  # it has been told as the cause of another row
             results.append(explained)
             show(explained)
             if explained.cause == DIED:
                 break  # nothing more can be asked of it
         observed = bench.observe() if bench.program else None
-    report = Report(run.program.option, run.command, results, observed, run.is_answer)
+        duration = bench.recorder.duration
+    report = Report(run.program.option, run.command, results, observed, run.is_answer, duration)
     return report, bench.world
+
+
+def _rows(bench: TestBench, run: Run) -> Iterator[CheckResult]:
+    """Return the lab's own rows, and those of each program."""
+    is_ok = True
+    for result in CHECKS[run.program.option](bench, run.command):
+        yield result
+        is_ok = is_ok and result.is_ok
+    program = bench.program
+    if program is None:
+        return
+    if exception := _exception(bench):
+        yield exception
+    if is_ok and (look := bench.observe().look) and look.findings:
+        found = "1 finding" if len(look.findings) == 1 else f"{len(look.findings)} findings"
+        row = CheckResult("what wtf says of it", "nothing", found, is_ok=True)
+        yield replace(row, findings=tuple(look.findings))
+    yield program.check_ctrl_c()
+
+
+def _exception(bench: TestBench) -> CheckResult | None:
+    """Return the row of an exception in the program; None if it has printed none."""
+    assert bench.program is not None
+    if failure := last_failure(bench.program.printed()):
+        cause = raised(bench.observe()) or Cause(RAISED, str(failure))
+        what, name = "raises no exception", failure.exception
+        return CheckResult(what, "none", name, is_ok=False, hint=cause.text, cause=RAISED)
+    return None
 
 
 def _limited(results: Iterator[CheckResult], time_limit: float) -> Iterator[CheckResult]:

@@ -5,22 +5,35 @@ beside its checks.
 """
 
 import math
+import re
 import signal
 from collections.abc import Mapping, Sequence
 
 from lcmtools.doctor.renaming import are_near
-from lcmtools.labs.checks.observations import BusLook, Observations, last_failure, last_words
+from lcmtools.labs.checks.observations import (
+    BusLook,
+    Failure,
+    Observations,
+    last_failure,
+    last_words,
+)
 from lcmtools.labs.checks.results import Cause, CheckResult
-from lcmtools.messages.registry import Message
+from lcmtools.messages.registry import Message, type_names
 from lcmtools.names import base_name_of, namespace_of
 from lcmtools.types.geometry_msgs import Twist
 
 DIED = "died"
-SILENT = "silent"
+"""The key of a row's cause: the program has ended."""
+SILENT, SELDOM = "silent", "seldom"
+"""Nothing has come of the program, or too little."""
 SAME = "same"
-"""Keys of rows: the program has ended; nothing came of it; the row before is the cause."""
+"""The cause is that of the row before."""
+RAISED, IGNORED = "raised", "ignored"
+"""Its callbacks raise exceptions; the simulator ignores its commands."""
 
-_LONG_CALL = 1.0  # [s]
+_LONG_CALL, _LONG_MEAN = 1.0, 0.1  # [s]
+_RARE = 10  # calls for each exception
+_MISSING = re.compile(r"No module named '([\w.]+)'")
 _SMALL = 1e-6
 _NO_SPIN = "does it call lcmtools.spin(node), or often spin_once?"
 
@@ -30,8 +43,11 @@ def cause_of(result: CheckResult, observed: Observations) -> Cause:
     given = Cause(result.cause or result.what, result.hint)
     if result.cause == DIED or (observed.code not in (None, 0)):
         return died(observed)
-    found = raised(observed) or ignored(observed)
-    if not found and result.cause == SILENT:
+    is_silent = result.cause == SILENT
+    found = raised(observed, frequent_only=not is_silent) or ignored(observed)
+    if not found and result.cause in (SILENT, SELDOM):
+        found = busy(observed)
+    if not found and is_silent:
         found = disconnected(observed, result.hint)
     return found or given
 
@@ -42,20 +58,45 @@ def died(observed: Observations) -> Cause:
     code = observed.code or 0
     how = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}"
     end = "; a node runs as long as it spins: lcmtools.spin(node)" if code == 0 else ""
-    return Cause(DIED, f"the program died: it {how}: {words}{end}")
+    return Cause(DIED, f"the program died: it {how}: {words}{end or _missing_module(words)}")
 
 
-def raised(observed: Observations) -> Cause | None:
-    """Return the exception that its callbacks raise, if they do."""
+def _missing_module(words: str) -> str:
+    """Return what takes the place of a module of ROS that is missing."""
+    name = match[1].partition(".")[0] if (match := _MISSING.search(words)) else ""
+    if name in ("rospy", "rclpy"):
+        return "; here it is lcmtools: import lcmtools"
+    if any(text.startswith(f"{name}/") for text in type_names()):
+        return f"; here it is lcmtools.types.{name}"
+    return ""
+
+
+def raised(observed: Observations, *, frequent_only: bool = False) -> Cause | None:
+    """Return the exception that its callbacks raise, if they do.
+
+    Args:
+        observed: What was observed.
+        frequent_only: Only one that can be why the robot does not do as it should: of a callback
+            that raises most of the time, not now and then.
+    """
     failures = list(observed.look.failures) if observed.look else []
     if not failures and (printed := last_failure(observed.printed)):
         failures = [printed]
+    if frequent_only:
+        failures = [failure for failure in failures if not _is_rare(failure, observed)]
     if not failures:
         return None
     failure = max(failures, key=lambda one: one.count)
     times = f" {failure.count} times" if failure.count > 1 else ""
     where = f"its callback of {failure.callback}" if failure.callback else "it"
-    return Cause("raised", f"{where} raised{times} {failure}")
+    return Cause(RAISED, f"{where} raised{times} {failure}")
+
+
+def _is_rare(failure: Failure, observed: Observations) -> bool:
+    """Return True if most calls of the callback raise nothing, by their number or the commands'."""
+    inputs = observed.look.subscriptions if observed.look else ()
+    calls = next((one.calls for one in inputs if one.topic == failure.callback), 0)
+    return _RARE * failure.count < (calls or len(observed.commands))
 
 
 def ignored(observed: Observations) -> Cause | None:
@@ -63,7 +104,17 @@ def ignored(observed: Observations) -> Cause | None:
     for text in observed.warnings:
         topic, found, reason = text.partition(": command ignored: ")
         if found:
-            return Cause("ignored", f"the robot ignores its commands on {topic}: {reason}")
+            return Cause(IGNORED, f"the robot ignores its commands on {topic}: {reason}")
+    return None
+
+
+def busy(observed: Observations) -> Cause | None:
+    """Return the callback that does not return at once, if there is one."""
+    for one in observed.look.subscriptions if observed.look else ():
+        mean = one.busy / one.calls if one.calls else 0.0
+        if one.longest > _LONG_CALL or mean > _LONG_MEAN:
+            text = f"its callback of {one.topic} runs for {one.longest:.1f} s: it must return at"
+            return Cause("busy", f"{text} once, without a sleep or a loop that waits")
     return None
 
 
@@ -76,7 +127,7 @@ def disconnected(observed: Observations, hint: str = "") -> Cause | None:
         text = "nothing of it is on the check's bus, no node and no message: does it make its node,"
         return Cause("no-node", f"{text} and take the bus from LCM_DEFAULT_URL?")
     wrong = _elsewhere(look, program.publishes, program.types)
-    wrong = wrong or _not_subscribed(look, program.subscribes)
+    wrong = wrong or _not_hearing(look, program.subscribes)
     if wrong or program.has_keys:
         return wrong
     return _not_running(look) or _not_publishing(look, program.publishes, hint)
@@ -106,8 +157,13 @@ def _elsewhere(look: BusLook, wanted: Sequence[str], types: Sequence[str]) -> Ca
     )
 
 
-def _not_subscribed(look: BusLook, wanted: Sequence[str]) -> Cause | None:
-    """Return the topic that it does not subscribe to; plain LCM programs announce none."""
+def _not_hearing(look: BusLook, wanted: Sequence[str]) -> Cause | None:
+    """Return the topic that it does not hear; plain LCM programs announce none."""
+    odd = next((w for w in look.subscriptions if w.topic in wanted and w.offered), None)
+    if odd:
+        return Cause(
+            "type", f"it subscribes to {odd.topic} as {odd.type}, where {odd.offered} comes"
+        )
     have = [wire.topic for wire in look.subscriptions]
     for topic in wanted if look.nodes else ():
         if topic in have:
@@ -124,10 +180,6 @@ def _not_subscribed(look: BusLook, wanted: Sequence[str]) -> Cause | None:
 
 def _not_running(look: BusLook) -> Cause | None:
     """Return why its callbacks do not run, if they do not."""
-    slow = next((one for one in look.subscriptions if one.longest > _LONG_CALL), None)
-    if slow:
-        text = f"its callback of {slow.topic} runs for {slow.longest:.1f} s: it must return at once"
-        return Cause("busy", text)
     if look.nodes and not look.runs_callbacks:
         return Cause("spin", f"no callback of its node was ever called: {_NO_SPIN}")
     return None
@@ -175,8 +227,8 @@ def misplaced(twist: Twist) -> Cause | None:
     return Cause("field", text)
 
 
-def velocity_of(message: Message) -> tuple[float, float] | None:
-    """Return the forward speed and turn rate of a Twist; None for another message."""
+def velocity_of(message: Message | None) -> tuple[float, float] | None:
+    """Return the forward speed and turn rate of a Twist; None for anything else."""
     return (message.linear.x, message.angular.z) if isinstance(message, Twist) else None
 
 

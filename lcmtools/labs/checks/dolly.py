@@ -23,7 +23,7 @@ _FIRST, _SOME = 10.0, 8  # [s], commands
 _ROUND = 2 * math.pi / _TURN_RATE  # [s] simulated
 _NUMBER = re.compile(r"(?<![\w.])\d+\.(\d+)(?![\w.])")
 _ANY_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+)?(?![\w.])")
-_ENOUGH = 3  # numbers
+_NEWEST = 20  # numbers
 _LONGEST_DRIVE = 25.0  # [s]
 _SILENCE = 2.0  # [s]
 _MOMENT = 0.5  # [s]
@@ -32,15 +32,14 @@ _NOISE = 0.03  # [m]
 
 def check_mover(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
     """Check a program that drives the Dolly in a circle."""
-    times: list[float] = []
-    bench.subscribe(Twist, _VELOCITY, lambda _: times.append(time.monotonic()))
-    commands = bench.record(Twist, _VELOCITY)
-    bench.record_command(Twist)
+    seen, times = bench.recorder, list[float]()
+    bench.node.create_subscription(Twist, _VELOCITY, lambda _: times.append(time.monotonic()))
+    commands = seen.record(Twist, _VELOCITY)
+    seen.record_command(Twist)
     program = bench.start(command)
-    bench.wait(lambda: commands or program.code is not None, _FIRST)
-    if not commands:
-        hint = f"does it publish on {_VELOCITY}?"
-        yield program.nothing_within(_FIRST, "commands the robot", "messages that come", hint)
+    first = bench.first_command(f"does it publish on {_VELOCITY}?")
+    if not first.is_ok:
+        yield first
         return
     bench.wait(lambda: len(times) >= _SOME, _SOME / _RATE * 2)
     yield _rate(times, time.monotonic())
@@ -48,13 +47,10 @@ def check_mover(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResul
     if program.code is not None:
         yield program.early_end("circle that it drives")
         return
-    start = bench.time
+    start, sample, touch = bench.time, len(seen.motion), len(seen.touches)
     longest = min(3 * _ROUND, _LONGEST_DRIVE)
     bench.wait(lambda: bench.time - start > _ROUND or program.code is not None, longest)
-    path = [sample for sample in bench.motion if sample.time >= start]
-    touches = [touch for touch in bench.touches if touch.time >= start]
-    yield _circle(path, touches, commands[-1])
-    yield program.check_ctrl_c()
+    yield _circle(seen.motion[sample:], seen.touches[touch:], commands[-1])
 
 
 def _rate(times: Sequence[float], now: float) -> CheckResult:
@@ -143,7 +139,7 @@ def circle_cause(radius: float | None, touches: Sequence[Touch], twist: Twist) -
 
 def check_reader(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
     """Check a program that prints what the laser measures, with a robot at rest."""
-    scans = bench.record(LaserScan, _SCAN)
+    scans = bench.recorder.record(LaserScan, _SCAN)
     program = bench.start(command)
     bench.wait(lambda: _lines(program) > 1 or program.code is not None, _FIRST)
     bench.wait(lambda: program.code is not None, _MOMENT)  # several lines may be a crash
@@ -166,7 +162,6 @@ def check_reader(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
         hint=cause.text,
         cause=cause.key,
     )
-    yield program.check_ctrl_c()
 
 
 def ranges_in(text: str, ranges: Sequence[float]) -> list[str]:
@@ -184,9 +179,10 @@ def ranges_cause(printed: str, ranges: Sequence[float], found: Sequence[str]) ->
     """Return why a program's output has no ranges, or one line of them only."""
     if found:
         return Cause("once", "it prints once only: print in the callback of each message")
+    numbers = _ANY_NUMBER.findall(printed)[-_NEWEST:]
     for unit, factor in (("centimetres", 100.0), ("millimetres", 1000.0)):
-        scaled = " ".join(f"{float(n) / factor:.3f}" for n in _ANY_NUMBER.findall(printed))
-        if len(ranges_in(scaled, ranges)) >= _ENOUGH:
+        scaled = [f"{float(number) / factor:.3f}" for number in numbers]
+        if 2 * sum(bool(ranges_in(number, ranges)) for number in scaled) > len(scaled) > 1:
             return Cause("unit", f"it prints {unit}: ranges are in metres, and are wanted so")
     text = "print some of scan.ranges with two decimals, again and again"
     return Cause("ranges", text)

@@ -1,13 +1,21 @@
 """The Husky lab: the step responses of a controller, and the statistics of an evaluator."""
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
-from lcmtools.labs.checks.diagnosis import SAME, explain_number, ignored
-from lcmtools.labs.checks.measures import BAND, Response, analyse, is_within
-from lcmtools.labs.checks.observations import Command, Desire, Sample, Touch
-from lcmtools.labs.checks.results import Cause, CheckResult
+from lcmtools.labs.checks.diagnosis import IGNORED, RAISED, SAME, cause_of, explain_number
+from lcmtools.labs.checks.observations import Sample
+from lcmtools.labs.checks.results import CheckResult
+from lcmtools.labs.checks.step_response import (
+    LONGEST,
+    REST,
+    Step,
+    StepRun,
+    command_cause,
+    is_at_rest,
+    judge,
+)
 from lcmtools.labs.checks.test_bench import TestBench
 from lcmtools.types.air_lab0 import ControllerEvaluationStat
 from lcmtools.types.geometry_msgs import Twist
@@ -15,69 +23,15 @@ from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import JointState
 
 _ROBOT = "/husky0"
-_REPEAT = 0.2  # [s] a desired velocity is repeated: LCM loses messages, and programs start late
-_LONGEST, _STEADY = 8.0, 2.0  # [s] simulated
-_SLOW = 0.02  # [m/s] or [rad/s]: at rest
-_FIRST_MESSAGE = 10.0  # [s]
+_REPEAT, _TIMES = 0.2, 5  # [s]; a desired velocity is repeated, for LCM loses messages
 _SOME = 6  # messages
-_LOST = ("speed-sign", "zero", "weak", "unmoved-linear.x", "stop")
+_SOME_TIME = 10.0  # [s] in which they are to come
+_NEAR = 0.5  # [m]
+_LATE = 10.0  # [s] of a check, after which further causes need not be confirmed in real time
+_FASTEST, _TURN = Step(1.0, 0.0), Step(0.0, 0.3)
+_STEPS = (Step(0.1, 0.0), Step(0.5, 0.0), _FASTEST, REST, _TURN)
+_LOST = ("speed-sign", "measured", "zero", "weak", "unmoved-linear.x", "stop")
 """Causes after which other speeds would show nothing new."""
-_LOST_CAUSE = 3.0  # [s] simulated: a robot that goes the wrong way is watched no longer
-_SELDOM = 3.0  # [Hz] of commands, in real time, below which a robot is not controlled
-_SIDES = ("left", "right")
-_RUN_AWAY = 0.3  # [m/s] of a robot that is to turn on the spot
-_SPIN = 0.2  # [rad/s] of a robot that is to drive straight ahead
-_WEAK, _SMALLEST = 0.05, 1e-6  # effort
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """A desired velocity, from rest: forward speed [m/s] and turn rate [rad/s]."""
-
-    forward: float
-    turn_rate: float
-
-    @property
-    def target(self) -> float:
-        """The one of both that is not 0."""
-        return self.forward or self.turn_rate
-
-    @property
-    def unit(self) -> str:
-        """The target's unit."""
-        return "m/s" if self.forward else "rad/s"
-
-    @property
-    def title(self) -> str:
-        """The step in words."""
-        if not self.target:
-            return "stop from 1 m/s"
-        return f"{'drive' if self.forward else 'turn'} at {self.target:g} {self.unit}"
-
-
-_STEPS = (Step(0.1, 0.0), Step(0.5, 0.0), Step(1.0, 0.0))
-_TURN = Step(0.0, 0.3)
-_REST = Step(0.0, 0.0)
-
-
-@dataclass(frozen=True, slots=True)
-class StepRun:
-    """The observations after a step of the desired velocity.
-
-    ``pace`` is that of the simulation: simulated seconds per second.
-    """
-
-    step: Step
-    motion: Sequence[Sample]
-    commands: Sequence[Command]
-    touches: Sequence[Touch] = ()
-    pace: float = 1.0
-
-    def values(self) -> list[tuple[float, float]]:
-        """Return the time since the step [s], and the velocity of the step's kind."""
-        start = self.motion[0].time
-        forward = bool(self.step.forward)
-        return [(s.time - start, s.forward if forward else s.turn_rate) for s in self.motion]
 
 
 class _Robot:
@@ -87,29 +41,53 @@ class _Robot:
         self._bench = bench
         self._publisher = bench.node.create_publisher(Twist, f"{_ROBOT}/desired_velocity")
         self._samples: list[Sample] = []
-        self._start = 0.0
+        self._first_command, self._start = 0, 0.0
         self._desired = Twist()
-        bench.subscribe(Odometry, f"{_ROBOT}/odometry", self._take_odometry)
-        bench.node.create_timer(_REPEAT, self._publish)
+        self._repeats = 0
+        bench.node.create_subscription(Odometry, f"{_ROBOT}/odometry", self._take_odometry, 1000)
+        bench.node.create_timer(_REPEAT, self._repeat)
 
     def desire(self, step: Step) -> None:
         """Publish a desired velocity, and forget what was measured before."""
         self._desired.linear.x, self._desired.angular.z = step.forward, step.turn_rate
-        self._publish()
+        self._publisher.publish(self._desired)
+        self._repeats = _TIMES
         self._samples.clear()
-        self._start = self._bench.time
-        self._bench.desired.append(Desire(self._start, step.forward, step.turn_rate))
+        seen = self._bench.recorder
+        self._first_command = len(seen.commands)
+        self._start = seen.motion[-1].time if seen.motion else 0.0
+        seen.desire(step.forward, step.turn_rate)
 
     def run(self, step: Step) -> StepRun:
-        """Return what was observed since the velocity was desired."""
-        commands = [one for one in self._bench.commands if one.time > self._start]
-        touches = [one for one in self._bench.touches if one.time > self._start]
-        return StepRun(step, self._samples, commands, touches, self._bench.rate)
+        """Return what has been observed since the velocity was desired."""
+        seen = self._bench.recorder
+        touches = [touch for touch in seen.touches if touch.time > self._start]
+        return StepRun(
+            step, self._samples, seen.commands[self._first_command :], touches, seen.rate
+        )
 
-    def is_at_rest(self) -> bool:
-        """Return True if the newest odometry is of a robot that does not move."""
-        newest = self._samples[-1] if self._samples else None
-        return newest is not None and max(abs(newest.forward), abs(newest.turn_rate)) < _SLOW
+    def prepare(self, step: Step) -> None:
+        """Put the robot at rest, or drive it if it is to stop."""
+        if step == REST:
+            self._settle(_FASTEST, lambda: self._samples[-1].forward > _FASTEST.forward / 2)
+        else:
+            self._settle(REST, lambda: is_at_rest(self._samples))
+            self._bench.reset_pose()
+            self._bench.wait(self._is_at_origin, _SOME_TIME)  # messages of before may still come
+
+    def measure(self, step: Step) -> StepRun:
+        """Return what was observed of a step, for which the robot is prepared."""
+        self.desire(step)
+        self._bench.wait(lambda: self.run(step).is_over(), 2 * LONGEST / self._bench.rate + 5.0)
+        return self.run(step)
+
+    def _is_at_origin(self) -> bool:
+        motion = self._bench.recorder.motion
+        return bool(motion) and math.hypot(motion[-1].x, motion[-1].y) < _NEAR
+
+    def _settle(self, step: Step, is_settled: Callable[[], bool]) -> None:
+        self.desire(step)
+        self._bench.wait(lambda: self._samples and is_settled(), LONGEST / 2 / self._bench.rate)
 
     def _take_odometry(self, odometry: Odometry) -> None:
         stamp, twist = odometry.header.stamp, odometry.twist.twist
@@ -117,206 +95,81 @@ class _Robot:
         time = stamp.sec + stamp.nsec / 1e9
         self._samples.append(Sample(time, place.x, place.y, twist.linear.x, twist.angular.z))
 
-    def _publish(self) -> None:
-        self._publisher.publish(self._desired)
+    def _repeat(self) -> None:
+        """Publish it some times: a program does not get one whenever it has odometry.
+
+        Until a first command comes, the program may not have started yet.
+        """
+        self._repeats -= 1
+        if self._repeats > 0 or not self._bench.recorder.commands:
+            self._publisher.publish(self._desired)
 
 
 def check_controller(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
     """Check a controller of the Husky's speed."""
     robot = _Robot(bench)
-    bench.record_command((JointState, Twist))
-    program = bench.start(command)
-    robot.desire(_REST)
-    bench.wait(lambda: bench.commands or program.code is not None, _FIRST_MESSAGE)
-    what, wanted = "commands the robot", "messages that come"
-    if not bench.commands:
-        hint = (
-            f"does it publish on {_ROBOT}/velocity_cmd or wheel_cmd, once it has odometry and a"
-            " desired velocity?"
-        )
-        yield program.nothing_within(_FIRST_MESSAGE, what, wanted, hint)
-        return
-    yield CheckResult(what, wanted, "they come", is_ok=True)
-    is_lost = is_whole = False
-    for step in (*_STEPS, _REST, _TURN):
-        if is_whole or (is_lost and step != _TURN):
-            yield CheckResult(step.title, _wanted(step), "not measured", is_ok=False, cause=SAME)
-            continue
-        result = _stop(bench, robot) if step == _REST else _drive(bench, robot, step)
-        yield result
-        run = robot.run(step)
-        is_whole = not (result.is_ok or (run.motion and not _command_cause(run) and _obeyed(bench)))
-        is_lost = not result.is_ok and result.cause in _LOST
-    yield program.check_ctrl_c()
-
-
-def _obeyed(bench: TestBench) -> bool:
-    return ignored(bench.observe()) is None
-
-
-def _wanted(step: Step) -> str:
-    if step == _REST:
-        return f"0 m/s within {_LONGEST:g} s"
-    return f"{step.target:g} {step.unit} within {BAND:.0%}"
-
-
-def _drive(bench: TestBench, robot: _Robot, step: Step) -> CheckResult:
-    assert bench.program is not None
-    if bench.program.code is not None:
-        return bench.program.early_end(step.title)
-    robot.desire(_REST)
-    bench.wait(robot.is_at_rest, _LONGEST / 2 / bench.rate)
-    bench.reset_pose(_ROBOT)
-    robot.desire(step)
-
-    def is_over() -> bool:
-        run = robot.run(step)
-        if not run.motion:
-            return False
-        response = analyse(run.values(), step.target)
-        settled, now = response.settled_after, run.values()[-1][0]
-        is_wrong = now > _LOST_CAUSE and response.reached / step.target < -BAND
-        is_over = now > _LONGEST or is_wrong or _stays(run.values(), now, step.target)
-        return is_over or (settled is not None and now - settled > _STEADY)
-
-    bench.wait(is_over, 2 * _LONGEST / bench.rate + 5.0)
-    run = robot.run(step)
-    if bench.program.code is not None:
-        return bench.program.early_end(step.title)
-    if not run.motion:
-        hint = "does the simulator still run?"
-        return CheckResult(step.title, _wanted(step), "no odometry", is_ok=False, hint=hint)
-    response = analyse(run.values(), step.target)
-    settled = response.settled_after
-    after = "never settled" if settled is None else f"settled after {settled:.1f} s"
-    measured = f"{response.reached:.3f} {step.unit}, {after}, overshoot {response.overshoot:.0%}"
-    is_ok = settled is not None and is_within(response.reached, step.target)
-    cause = step_cause(run, response)
-    return CheckResult(step.title, _wanted(step), measured, is_ok, cause.text, cause.key)
-
-
-def _stays(values: Sequence[tuple[float, float]], now: float, target: float) -> bool:
-    """Return True if a robot that moves has kept a wrong speed for some time."""
-    last = [value for time, value in values if time > now - _STEADY]
-    is_steady = max(last) - min(last) < BAND / 5 * abs(target)
-    return now > 2 * _STEADY and is_steady and abs(last[-1]) > _SLOW
-
-
-def step_cause(run: StepRun, response: Response) -> Cause:
-    """Return why a step of the desired velocity was not followed."""
-    return _command_cause(run) or _motion_cause(run, response)
-
-
-def _command_cause(run: StepRun) -> Cause | None:
-    """Return the fault of the commands themselves."""
-    duration = run.motion[-1].time - run.motion[0].time
-    if not run.commands:
-        text = f"no command came in {duration:.1f} s: publish one for each odometry message"
-        return Cause("stopped", text)
-    rate = len(run.commands) / max(duration, 0.1) * run.pace
-    if duration > 1.0 and rate < _SELDOM:
-        text = f"commands come too seldom, {rate:.2g} a second: publish one for each odometry"
-        times = len(run.motion) / duration * run.pace
-        return Cause("seldom", f"{text} message, which come {times:.0f} times")
-    fastest = max((one.forward for one in run.motion), key=abs)
-    if run.step.turn_rate and abs(fastest) > _RUN_AWAY:
-        text = f"wrong sign of speed (it drives at {fastest:+.2f} m/s, and should not)"
-        return Cause("speed-sign", text)
-    if run.touches:
-        return Cause("stuck", f"the robot is stuck on {run.touches[0]}")
-    return _effort_cause([m.message for m in run.commands if isinstance(m.message, JointState)])
-
-
-def _effort_cause(states: Sequence[JointState]) -> Cause | None:
-    """Return what is missing in the commands of the wheels."""
-    if states and not any(state.effort for state in states):
-        field = "velocity" if any(state.velocity for state in states) else "position"
-        text = f"its commands are in {field}, and the wheels are driven by effort, from -1 to 1"
-        return Cause("field", text)
-    sides = [tuple(state.effort) for state in states if len(state.effort) == len(_SIDES)]
-    moving = [any(efforts) for efforts in zip(*sides, strict=True)]
-    if any(moving) and not all(moving):
-        still = _SIDES[moving.index(False)]
-        return Cause("one-side", f"the effort of the {still} wheels is always 0: set both sides")
-    return None
-
-
-def _motion_cause(run: StepRun, response: Response) -> Cause:
-    """Return the fault that the motion shows, while commands come as they should."""
-    step, part = run.step, response.reached / run.step.target
-    spin = run.motion[-1].turn_rate
-    reached = f"{response.reached:+.2f} {step.unit} in place of {step.target:+g}"
-    if part < -BAND and step.forward:
-        text = f"wrong sign of speed ({reached}): the error is desired minus measured"
-        return Cause("speed-sign", f"{text}, and an effort above 0 drives forward")
-    if part < -BAND or (step.forward and abs(spin) > _SPIN):
-        turned = reached if step.turn_rate else f"it turns at {spin:+.2f} rad/s, and should not"
-        text = f"wrong sign of turn ({turned}): the sign, or left and right, are exchanged"
-        return Cause("turn-sign", f"{text}; to turn left the right wheels are the faster ones")
-    if part < BAND:
-        return _unmoved_cause(run)
-    if part < 1 - BAND:
-        return Cause("slow", "too slow: let the effort grow as long as the speed is too low")
-    if part > 1 + BAND:
-        return Cause("fast", "too fast: let the effort shrink as long as the speed is too high")
-    text = "it swings around the target: a smaller gain, or smaller steps of the effort"
-    return Cause("swings", text)
-
-
-def _unmoved_cause(run: StepRun) -> Cause:
-    field = "linear.x" if run.step.forward else "angular.z"
-    strongest = max((abs(e) for one in run.commands for e in _efforts(one)), default=0.0)
-    if strongest < _SMALLEST:
-        text = "it does not move: its commands are all 0: is desired_velocity kept and used?"
-        return Cause("zero", text)
-    if strongest < _WEAK:
-        text = f"it does not move: the largest effort is {strongest:.3f}, below the dead band"
-        return Cause("weak", text)
-    return Cause(f"unmoved-{field}", f"it does not move: does it use {field}?")
-
-
-def _efforts(command: Command) -> Sequence[float]:
-    """Return what a command makes of the two sides, in its own unit."""
-    message = command.message
-    if isinstance(message, JointState):
-        return [*message.effort, *message.velocity]
-    assert isinstance(message, Twist)
-    return message.linear.x, message.angular.z
-
-
-def _stop(bench: TestBench, robot: _Robot) -> CheckResult:
-    assert bench.program is not None
-    if bench.program.code is not None:
-        return bench.program.early_end(_REST.title)
-    robot.desire(_REST)
-    start = bench.time
-    stopped = bench.wait(robot.is_at_rest, _LONGEST / bench.rate + 1.0)
-    seconds = bench.time - start
-    run = robot.run(_REST)
-    cause = run.motion and _command_cause(run)
-    cause = cause or Cause("stop", "a desired velocity of 0 is one like any other")
-    return CheckResult(
-        _REST.title,
-        _wanted(_REST),
-        f"at rest after {seconds:.1f} s" if stopped else "still moves",
-        is_ok=stopped and seconds <= _LONGEST,
-        hint=cause.text,
-        cause=cause.key,
+    bench.recorder.record_command(JointState, Twist)
+    bench.start(command)
+    robot.desire(REST)
+    first = bench.first_command(
+        f"does it publish on {_ROBOT}/velocity_cmd or wheel_cmd, once it has odometry and a desired"
+        " velocity?"
     )
+    yield first
+    confirmed: set[str] = set()
+    is_lost, is_whole = False, not first.is_ok
+    for step in _STEPS if first.is_ok else ():
+        if is_whole or (is_lost and step != _TURN):
+            yield CheckResult(step.title, step.wanted, "not measured", is_ok=False, cause=SAME)
+            continue
+        run, result = _measured(bench, robot, step, confirmed)
+        yield result
+        is_lost = not result.is_ok and result.cause in _LOST
+        is_whole = not result.is_ok and (
+            command_cause(run) is not None
+            or cause_of(result, bench.observe()).key in (RAISED, IGNORED)
+        )
+
+
+def _measured(
+    bench: TestBench, robot: _Robot, step: Step, confirmed: set[str]
+) -> tuple[StepRun, CheckResult]:
+    """Return a step's run and row, of a program that may go by the real clock.
+
+    The step is measured faster than real time first. A cause of failure counts once real time has
+    confirmed it, unless that has taken long; a program that is right then goes on in real time.
+    """
+    assert bench.program is not None
+    robot.prepare(step)
+    run = robot.measure(step)
+    result = judge(run)
+    is_late = confirmed and bench.recorder.duration > _LATE
+    is_known = result.is_ok or result.cause in confirmed or is_late
+    if not is_known and bench.program.code is None:
+        robot.prepare(step)
+        if bench.has_slowed_down():
+            run = robot.measure(step)
+            result = judge(run)
+            if not result.is_ok:
+                confirmed.add(result.cause)
+                bench.speed_up()
+    if bench.program.code is not None:
+        result = bench.program.early_end(step.title)
+    return run, result
 
 
 def check_evaluator(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
     """Check a node that evaluates a controller, with a robot at rest."""
-    stats = bench.record(ControllerEvaluationStat, f"{_ROBOT}/evaluation_stat")
+    stats = bench.recorder.record(ControllerEvaluationStat, f"{_ROBOT}/evaluation_stat")
     robot = _Robot(bench)
     program = bench.start(command)
     desired = Step(0.3, 0.4)
     error = math.hypot(desired.forward, desired.turn_rate)
     robot.desire(desired)
-    bench.wait(lambda: len(stats) >= _SOME or program.code is not None, _FIRST_MESSAGE)
+    bench.wait(lambda: len(stats) >= _SOME or program.code is not None, _SOME_TIME)
     if not stats:
         hint = f"does it read odometry and desired_velocity, and publish {_ROBOT}/evaluation_stat?"
-        yield program.nothing_within(_FIRST_MESSAGE, "publishes", "messages that come", hint)
+        yield program.nothing_within(_SOME_TIME, "publishes", "messages that come", hint)
         return
     first, last = stats[0].samples, stats[-1].samples
     counts = last - first == len(stats) - 1
@@ -328,33 +181,37 @@ def check_evaluator(bench: TestBench, command: Sequence[str]) -> Iterator[CheckR
         hint="count in the odometry callback, and only there: one message for each odometry",
     )
     yield _error_result("last_error", stats[-1].last_error, desired)
-    average = _error_result("average_error", stats[-1].average_error, desired)
+    average = _error_result("average_error", stats[-1].average_error, desired, last)
     yield average if counts else replace(average, cause="samples")
-    robot.desire(_REST)
+    robot.desire(REST)
     bench.wait(lambda: stats[-1].last_error < error / 100, 3.0)
-    yield _error_result("last_error at the goal", stats[-1].last_error, _REST)
+    yield _error_result("last_error at the goal", stats[-1].last_error, REST)
     yield CheckResult(
         "average_error remembers",
         f"between 0 and {error:g}",
         f"{stats[-1].average_error:.3f}",
         is_ok=0.0 < stats[-1].average_error < error,
         hint="it is the average of all samples, not of the last one",
+        cause="" if average.is_ok else SAME,
     )
-    yield program.check_ctrl_c()
 
 
-def _error_result(what: str, measured: float, desired: Step) -> CheckResult:
+def _error_result(what: str, measured: float, desired: Step, samples: int = 0) -> CheckResult:
     wanted = math.hypot(desired.forward, desired.turn_rate)
     is_ok = math.isclose(measured, wanted, rel_tol=0.02, abs_tol=0.005)
     formula = "the root of (v - desired v)^2 + (w - desired w)^2"
-    cause = error_cause(measured, desired)
+    cause = error_cause(measured, desired, samples)
     hint = f"it is {cause}, and should be {formula}" if cause else formula
     return CheckResult(what, f"{wanted:.3f}", f"{measured:.3f}", is_ok, hint, cause or what)
 
 
-def error_cause(measured: float, desired: Step) -> str:
-    """Return the formula that gives the error measured of a robot at rest; "" if none does."""
+def error_cause(measured: float, desired: Step, samples: int = 0) -> str:
+    """Return the formula that gives the error measured of a robot at rest; "" if none does.
+
+    ``samples`` is the number that an average is of.
+    """
     v, w = desired.forward, desired.turn_rate
+    sums = {"the sum, not divided by the samples": samples * math.hypot(v, w)} if samples else {}
     return explain_number(
         measured,
         {
@@ -367,5 +224,6 @@ def error_cause(measured: float, desired: Step) -> str:
             "the negative error of linear.x only": -v,
             "the mean of both errors": (v + w) / 2,
             "the root of the mean of both squares": math.sqrt((v * v + w * w) / 2),
+            **sums,
         },
     )

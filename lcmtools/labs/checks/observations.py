@@ -88,7 +88,9 @@ class Wire:
         type: The type's name; "" where not known.
         messages: Number of messages.
         calls: Calls of the callback; of a publisher, 0.
-        longest: The longest call [s].
+        longest: The longest call, of a running one so far [s].
+        busy: The time of all calls [s].
+        offered: The type that others publish on it, where it cannot take that.
     """
 
     topic: str
@@ -96,6 +98,8 @@ class Wire:
     messages: int = 0
     calls: int = 0
     longest: float = 0.0
+    busy: float = 0.0
+    offered: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,10 +153,13 @@ class Observations:
 
 
 def last_failure(printed: str) -> Failure | None:
-    """Return the last exception of which a traceback was printed; None if there is none."""
-    _, found, traceback = printed.rpartition(_TRACEBACK)
-    if not found:
-        return None
+    """Return the last exception of which a traceback was printed, but for that of Ctrl-C."""
+    tracebacks = printed.split(_TRACEBACK)[1:] or [f"\n{printed}"] * ("SyntaxError: " in printed)
+    found = (failure for text in reversed(tracebacks) if (failure := _failure_in(text)))
+    return next((one for one in found if one.exception != "KeyboardInterrupt"), None)
+
+
+def _failure_in(traceback: str) -> Failure | None:
     place = ""
     for line in traceback.splitlines()[1:]:
         if frame := _FRAME.match(line):
@@ -166,8 +173,7 @@ def last_failure(printed: str) -> Failure | None:
 
 def last_words(printed: str) -> str:
     """Return a program's last exception, else its last line, else ""."""
-    failure = last_failure(printed)
-    if failure and failure.exception != "KeyboardInterrupt":
+    if failure := last_failure(printed):
         return str(failure)
     lines = [line.strip() for line in printed.splitlines() if line.strip()]
     return lines[-1][:_LONGEST_LINE] if lines else ""

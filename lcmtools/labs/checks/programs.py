@@ -29,7 +29,6 @@ class CheckedProgram(ChildProcess):
         environment: Its variables.
         output: The file for what it prints.
         guard: Ends it with this process.
-        directory: Its working directory; "" for this process's.
         has_keys: Give it a terminal to read keys from.
 
     Raises:
@@ -42,18 +41,16 @@ class CheckedProgram(ChildProcess):
         environment: Mapping[str, str],
         output: Path,
         guard: ProcessGuard,
-        directory: str = "",
         *,
         has_keys: bool = False,
     ) -> None:
         self.was_interrupted = False
         words = [which(command[0], path=environment.get("PATH")) or command[0], *command[1:]]
-        if command[0] == "lcmtools":  # the one that runs now, wherever it is installed
-            words[:1] = [sys.executable, "-m", "lcmtools"]
+        if command[0] == "lcmtools":
+            words[:1] = own_command()
         start = Start(
             words,
             environment,
-            directory,
             has_keyboard=has_keys,
             output=output,
             most_bytes=_MOST_BYTES,
@@ -72,15 +69,17 @@ class CheckedProgram(ChildProcess):
 
     def ends_on_interrupt(self) -> bool:
         """Press Ctrl-C; return True if it ends in time."""
+        if not self.was_interrupted:
+            self.ask_to_end(0.0)
         self.was_interrupted = True
-        return self.interrupt(_TIMEOUTS.interrupt)
+        return self.wait(_TIMEOUTS.interrupt)
 
     def check_ctrl_c(self) -> CheckResult:
         """Check that Ctrl-C ends it; it has ended afterwards."""
         what = "ends on Ctrl-C"
-        if self.code is not None:
+        if self.code is not None and not self.was_interrupted:
             return self.early_end(what)
-        ends = self.ends_on_interrupt()
+        ends = self.code is not None or self.ends_on_interrupt()
         hint = "let the loop end when lcmtools.ok() is false, or catch KeyboardInterrupt"
         return CheckResult(what, "within 4 s", "it ends" if ends else "it goes on", ends, hint)
 
@@ -94,6 +93,15 @@ class CheckedProgram(ChildProcess):
             return self.early_end(what, wanted)
         measured = f"none within {seconds:g} s"
         return CheckResult(what, wanted, measured, is_ok=False, hint=hint, cause=SILENT)
+
+
+def own_command() -> list[str]:
+    """Return the command line of the lcmtools that runs now.
+
+    Its script where there is one: with -m, files of the working directory are taken for modules.
+    """
+    script = Path(sys.executable).with_name("lcmtools")
+    return [str(script)] if script.exists() else [sys.executable, "-m", "lcmtools"]
 
 
 def split_command(text: str) -> list[str]:

@@ -3,25 +3,25 @@
 import dataclasses
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 from xml.etree import ElementTree as ET
 
-from lcmtools.labs.checks.check import Run
 from lcmtools.labs.checks.results import CheckResult, Report, as_specified
 
 _LINE = "  {:6}  {:34}  {:24}  {}"
 _BELOW = " " * 10
 
 
-def heading(run: Run) -> list[str]:
+def heading(program: str, command: Sequence[str], *, is_answer: bool = False) -> list[str]:
     """Return the lines above a program's rows: whose program it is, and the columns."""
-    whose = "the model answer of lcmtools" if run.is_answer else "your program"
-    title = _LINE.format("", f"{run.program.option}:", "wanted", "measured")
-    return ["", f"checking {whose}: {shlex.join(run.command)}", title]
+    whose = "the model answer of lcmtools" if is_answer else "your program"
+    title = _LINE.format("", f"{program}:", "wanted", "measured")
+    return ["", f"checking {whose}: {shlex.join(command)}", title]
 
 
 def result_lines(result: CheckResult) -> list[str]:
     """Return a row, and below one that is not ok its cause and what else is known."""
-    verdict = "ok" if result.is_ok else "NOT OK"
+    verdict = ("note" if result.findings else "ok") if result.is_ok else "NOT OK"
     rows = [_LINE.format(verdict, result.what, result.wanted, result.measured)]
     if result.hint:
         rows.append(f"{_BELOW}-> {result.hint}")
@@ -41,15 +41,6 @@ def summary(reports: Sequence[Report]) -> list[str]:
     return [*rows, f"first of all, {first.program}: {first.first_cause}"]
 
 
-def rows_of(reports: Sequence[Report]) -> list[dict[str, object]]:
-    """Return the rows for JSON."""
-    return [
-        {"program": report.program, **plain, "ok": plain.pop("is_ok")}
-        for report in reports
-        for plain in map(dataclasses.asdict, report.results)
-    ]
-
-
 def record(lab: str, reports: Sequence[Report]) -> dict[str, object]:
     """Return the reports of a lab for JSON."""
     return {
@@ -59,11 +50,35 @@ def record(lab: str, reports: Sequence[Report]) -> dict[str, object]:
             report.program: {
                 "command": shlex.join(report.command),
                 "model_answer": report.is_answer,
+                "duration": round(report.duration, 1),
             }
             for report in reports
         },
-        "rows": rows_of(reports),
+        "rows": [
+            {"program": report.program, **plain, "ok": plain.pop("is_ok")}
+            for report in reports
+            for plain in map(dataclasses.asdict, report.results)
+        ],
     }
+
+
+def read_record(plain: Mapping[str, Any]) -> list[Report]:
+    """Return the reports of a record; what was observed is not in it."""
+
+    def result(row: Mapping[str, Any]) -> CheckResult:
+        renamed = {**row, "is_ok": row["ok"], "findings": tuple(row["findings"])}
+        return CheckResult(**{name: renamed[name] for name in CheckResult.__dataclass_fields__})
+
+    return [
+        Report(
+            program,
+            shlex.split(about["command"]),
+            [result(row) for row in plain["rows"] if row["program"] == program],
+            is_answer=about["model_answer"],
+            duration=about["duration"],
+        )
+        for program, about in plain["programs"].items()
+    ]
 
 
 def junit(lab: str, submissions: Mapping[str, Sequence[Report]]) -> str:
@@ -83,6 +98,7 @@ def junit(lab: str, submissions: Mapping[str, Sequence[Report]]) -> str:
                 tests=str(len(report.results)),
                 failures=str(len(failed)),
                 skipped=str(sum(bool(r.follows) for r in report.results)),
+                time=f"{report.duration:.1f}",
             )
             for result in report.results:
                 _add_case(suite, f"{lab}.{report.program}", result)

@@ -51,6 +51,8 @@ class Report:
         results: Its rows.
         observations: What was observed of it; None if it could not be run.
         is_answer: It is the model answer of lcmtools.
+        duration: The time that the check takes where the simulation keeps its pace, without the
+            simulator's start [s].
     """
 
     program: str
@@ -58,6 +60,7 @@ class Report:
     results: Sequence[CheckResult]
     observations: Observations | None = None
     is_answer: bool = False
+    duration: float = 0.0
 
     @property
     def passed(self) -> int:

@@ -12,41 +12,31 @@ import tempfile
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import lcmtools
 from lcmtools import Node
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.labs.catalogue import Lab, LabProgram
 from lcmtools.labs.checks.bus_look import look_at_bus
-from lcmtools.labs.checks.observations import (
-    BusLook,
-    Command,
-    Desire,
-    Observations,
-    Sample,
-    Touch,
-    last_words,
-)
+from lcmtools.labs.checks.observations import BusLook, Observations, last_words
 from lcmtools.labs.checks.programs import CheckedProgram
-from lcmtools.messages.registry import Message
+from lcmtools.labs.checks.recorder import BUMPER, Recorder
+from lcmtools.labs.checks.results import CheckResult
 from lcmtools.processes.process_guard import ProcessGuard
-from lcmtools.types.gazebo_msgs import ContactsState
-from lcmtools.types.nav_msgs import Odometry
-from lcmtools.types.rosgraph_msgs import Clock, Log
-from lcmtools.types.sim_msgs import SetPose
+from lcmtools.types.rosgraph_msgs import Log
+from lcmtools.types.sim_msgs import SetPose, SetRate
+from lcmtools.types.std_srvs import Trigger
 
 _START_TIMEOUT = 30.0
 """Time that a simulator has to start [s]."""
 _GROUP = "239.255.76.67"
 _SPIN_TIME = 0.05
 _OTHER_BUSES = ("LCMTOOLS_DOMAIN", "LCMTOOLS_NAMESPACE")
-_BUMPER = "lab_bumper"
 _AFTER_END = 0.5  # [s] for messages that a program sent before it ended
 _SLOWEST_PRINT = 15.0  # [s] for the simulator to print a world's file
-_DEPTH = 1000  # messages that wait while the bus is looked at
-
-MessageT = TypeVar("MessageT", bound=Message)
+_ANSWER_TIMEOUT = 5.0  # [s] for the simulator to answer a service's call
+_FIRST_MESSAGE = 10.0  # [s] from a program's start
 
 
 class TimeLimitReached(Exception):  # noqa: N818 - no error: a result
@@ -59,23 +49,20 @@ class TestBench:
     Args:
         lab: The lab.
         program: The program of it that is checked.
-        rate: Simulated seconds per second.
-        directory: The program's working directory; "" for this process's.
+        rate: Simulated seconds per second; None for what suits the program.
         time_limit: Real time for all of it [s].
 
     Attributes:
         node: The observer, which also commands the robot.
+        recorder: Records what happens on the bus, while ``wait`` runs.
         folder: For files of the check; it goes away with the bench.
-        time: Simulated time [s].
-        commands: Messages on the topics that the program is to publish.
-        motion: The robot's true motion.
-        desired: The velocities that were desired.
-        touches: The robot's contacts.
+        program: The program under check, once it is started.
         world: The world file's content.
         path: The path that the robot is to follow [m], set by its check.
     """
 
     node: Node
+    recorder: Recorder
     folder: Path
     program: CheckedProgram | None = None
 
@@ -83,23 +70,16 @@ class TestBench:
         self,
         lab: Lab,
         program: LabProgram,
-        rate: float,
-        directory: str = "",
+        rate: float | None = None,
         time_limit: float = float("inf"),
     ) -> None:
         self.lab = lab
-        self.rate = rate
-        self.time = 0.0
         self.world: dict[str, Any] = {}
-        self.commands: list[Command] = []
-        self.desired: list[Desire] = []
-        self.motion: list[Sample] = []
-        self.touches: list[Touch] = []
         self.path: Sequence[tuple[float, float]] = ()
         self._lab_program = program
-        self._directory = directory
+        self._first_rate = rate or program.rate
+        self._has_fixed_rate = rate is not None
         self._deadline = time.monotonic() + time_limit
-        self._warnings: list[str] = []
         self._look: BusLook | None = None
         self._url = f"udpm://{_GROUP}:{_free_port()}?ttl=0"
         self._owned = contextlib.ExitStack()
@@ -123,58 +103,57 @@ class TestBench:
         """End everything."""
         self._owned.close()
 
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self.recorder.time
+
+    @property
+    def rate(self) -> float:
+        """Simulated seconds per second."""
+        return self.recorder.rate
+
     def start(self, command: Sequence[str], *, has_keys: bool = False) -> CheckedProgram:
         """Start the program under check on this bus; it ends with the bench at the latest.
+
+        One that has been started before is ended, and forgotten.
 
         Raises:
             UsageError: It cannot be started.
         """
-        self.program = self._start(command, self._directory, has_keys=has_keys)
+        self._running.close()
+        self.recorder.forget()
+        self.program = self._running.enter_context(self._start(command, has_keys=has_keys))
         return self.program
+
+    def first_command(self, hint: str) -> CheckResult:
+        """Wait for the program's first command; return the row of it, with a hint if none comes."""
+        program, commands = self.program, self.recorder.commands
+        assert program is not None
+        self.wait(lambda: commands or program.code is not None, _FIRST_MESSAGE)
+        what, wanted = "commands the robot", "messages that come"
+        if commands:
+            return CheckResult(what, wanted, "they come", is_ok=True)
+        return program.nothing_within(_FIRST_MESSAGE, what, wanted, hint)
 
     def observe(self) -> Observations:
         """Return what has been observed so far; the bus is looked at once, if it runs."""
-        program = self.program
+        program, recorder = self.program, self.recorder
         assert program is not None
         if self._look is None and program.code is None:
             self._look = look_at_bus(self._url, program.pid)
         return Observations(
             self._lab_program,
-            self.commands,
-            self.desired,
-            self.motion,
-            self.touches,
-            self._warnings,
+            recorder.commands,
+            recorder.desired,
+            recorder.motion,
+            recorder.touches,
+            recorder.warnings,
             program.printed(),
             None if program.was_interrupted else program.code,
             self._look,
             self.path,
         )
-
-    def _start(
-        self, command: Sequence[str], directory: str = "", *, has_keys: bool = False
-    ) -> CheckedProgram:
-        self._programs += 1
-        output = self.folder / f"output_{self._programs}"
-        program = CheckedProgram(
-            command, self._environment(), output, self._guard, directory, has_keys=has_keys
-        )
-        return self._owned.enter_context(program)
-
-    def subscribe(
-        self,
-        message_type: type[MessageT] | tuple[type[MessageT], ...],
-        topic: str,
-        callback: Callable[[MessageT], object],
-    ) -> None:
-        """Have a callback called with each message of a topic, while ``wait`` runs."""
-        self.node.create_subscription(message_type, topic, callback, _DEPTH)
-
-    def record(self, message_type: type[MessageT], topic: str) -> list[MessageT]:
-        """Return a list to which each message of a topic is appended, while ``wait`` runs."""
-        messages: list[MessageT] = []
-        self.subscribe(message_type, topic, messages.append)
-        return messages
 
     def wait(self, condition: Callable[[], object], timeout: float) -> bool:
         """Call callbacks until a condition is true; return False if it was not in time [s].
@@ -198,18 +177,59 @@ class TestBench:
             lcmtools.spin_once(self.node, min(left, _SPIN_TIME))
         return True
 
-    def reset_pose(self, robot: str) -> None:
-        """Put a robot at the origin, at rest.
+    def reset_pose(self) -> None:
+        """Put the robot at the origin, at rest.
 
         Raises:
             LcmtoolsError: The simulator does not do it.
         """
         request = SetPose.Request()
-        request.robot = robot
+        request.robot = self.lab.robot
         request.pose.orientation.w = 1.0
-        response = self._set_pose.call(request, 5.0)
+        self._check(self._set_pose.call(request, _ANSWER_TIMEOUT))
+
+    def start_again(self) -> None:
+        """End the program, and let the simulation begin again.
+
+        Raises:
+            LcmtoolsError: The simulator does not do it.
+        """
+        self._running.close()
+        before = self.time
+        self._check(self._reset.call(Trigger.Request(), _ANSWER_TIMEOUT))
+        self.wait(lambda: self.time < before, _ANSWER_TIMEOUT)
+
+    def set_rate(self, rate: float) -> None:
+        """Let simulated time pass at another rate.
+
+        Raises:
+            LcmtoolsError: The simulator does not do it.
+        """
+        request = SetRate.Request()
+        request.rate = rate
+        self._check(self._set_rate.call(request, _ANSWER_TIMEOUT))
+        self.recorder.rate = rate
+
+    def has_slowed_down(self) -> bool:
+        """Go on in real time; return False if it was real time, or a rate that the user chose."""
+        if self._has_fixed_rate or self.rate <= 1.0:
+            return False
+        self.set_rate(1.0)
+        return True
+
+    def speed_up(self) -> None:
+        """Go on at the rate of the beginning."""
+        self.set_rate(self._first_rate)
+
+    def _check(self, response: SetPose.Response | SetRate.Response | Trigger.Response) -> None:
         if not response.success:
             raise LcmtoolsError(f"{self.lab.simulator}: {response.message}")
+
+    def _start(self, command: Sequence[str], *, has_keys: bool = False) -> CheckedProgram:
+        self._programs += 1
+        output = self.folder / f"output_{self._programs}"
+        environment = self._environment()
+        return CheckedProgram(command, environment, output, self._guard, has_keys=has_keys)
 
     def _set_up(self) -> None:
         folder = tempfile.TemporaryDirectory(prefix="lcmtools-lab-")
@@ -221,10 +241,13 @@ class TestBench:
         # what it cannot read, it has to judge, and not to warn of
         self.node.get_logger().threshold = Log.ERROR
         self._set_pose = self.node.create_client(SetPose, f"{self.lab.simulator}/set_pose")
-        self.subscribe(Clock, "/clock", self._take_clock)
-        self._record()
-        world = ("--world", self._world_file(), "--rate", f"{self.rate:g}")
-        simulator = self._start(("lcmtools", "run", "lcmtools", "sim", *world))
+        self._reset = self.node.create_client(Trigger, f"{self.lab.simulator}/reset")
+        self._set_rate = self.node.create_client(SetRate, f"{self.lab.simulator}/set_rate")
+        self.recorder = Recorder(self.node, self.lab, self._lab_program, self._first_rate)
+        world = ("--world", self._world_file(), "--rate", f"{self._first_rate:g}")
+        words = ("lcmtools", "run", "lcmtools", "sim", *world)
+        simulator = self._owned.enter_context(self._start(words))
+        self._running = self._owned.enter_context(contextlib.ExitStack())
         self.wait(lambda: self.time > 0.0 or simulator.code is not None, _START_TIMEOUT)
         if not self.time > 0.0:
             reason = (
@@ -234,54 +257,20 @@ class TestBench:
             error = MissingExtra if is_missing else LcmtoolsError
             raise error(f"the simulator did not start: {reason}")
 
-    def _record(self) -> None:
-        """Record what the robot does, and the simulator's warnings."""
-        robot = self.lab.robot.rstrip("/")
-        self.subscribe(Odometry, f"{robot}/ground_truth", self._take_motion)
-        self.subscribe(ContactsState, f"{robot}/{_BUMPER}", self._take_contacts)
-        self.subscribe(Log, "/rosout", self._take_log)
-
-    def record_command(self, message_type: type[MessageT] | tuple[type[MessageT], ...]) -> None:
-        """Record the messages on the topics that the program is to publish."""
-        for topic in self._lab_program.publishes:
-
-            def take(message: MessageT, topic: str = topic) -> None:
-                self.commands.append(Command(self.time, topic, message))
-
-            self.subscribe(message_type, topic, take)
-
-    def _take_motion(self, odometry: Odometry) -> None:
-        place, twist = odometry.pose.pose.position, odometry.twist.twist
-        self.motion.append(Sample(self.time, place.x, place.y, twist.linear.x, twist.angular.z))
-
-    def _take_contacts(self, contacts: ContactsState) -> None:
-        place = self.motion[-1] if self.motion else Sample(0.0, 0.0, 0.0, 0.0, 0.0)
-        self.touches += [
-            Touch(self.time, state.collision2_name, place.x, place.y) for state in contacts.states
-        ]
-
-    def _take_log(self, log: Log) -> None:
-        if log.level >= Log.WARN and log.name == self.lab.simulator:
-            self._warnings.append(log.msg)
-
     def _world_file(self) -> str:
         """Write the lab's world with a bumper around the robot, which tells what it touches."""
-        printer = self._start(
-            ("lcmtools", "run", "lcmtools", "sim", "--print-world", self.lab.world)
-        )
+        words = ("lcmtools", "run", "lcmtools", "sim", "--print-world", self.lab.world)
+        printer = self._owned.enter_context(self._start(words))
         if not printer.wait(_SLOWEST_PRINT) or printer.code:
             return self.lab.world  # starting it will show the reason
         import yaml
 
         self.world = yaml.safe_load(printer.printed())
         for robot in self.world["robots"]:
-            robot.setdefault("sensors", []).append({"type": "bumper", "topic": _BUMPER})
+            robot.setdefault("sensors", []).append({"type": "bumper", "topic": BUMPER})
         file = self.folder / f"{self.lab.world}.yaml"
         file.write_text(yaml.safe_dump(self.world), encoding="utf-8")
         return str(file)
-
-    def _take_clock(self, clock: Clock) -> None:
-        self.time = clock.clock.sec + clock.clock.nsec / 1e9
 
     def _environment(self) -> dict[str, str]:
         """Return a program's environment: this bus, this Python first, unbuffered output."""

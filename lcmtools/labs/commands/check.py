@@ -1,12 +1,13 @@
 """``lcmtools lab check``."""
 
-import tempfile
+import os
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 import click
 
-from lcmtools.cli.declare import argument, duration, option, rate, subcommand
+from lcmtools.cli.declare import argument, duration, option, rate, subcommand, whole_number
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import LcmtoolsError, UsageError
@@ -15,6 +16,8 @@ from lcmtools.labs.checks.results import CheckResult, Report, as_specified
 
 _FILE = click.Path(dir_okay=False, path_type=Path)
 _CLASS_LIMIT = 120.0  # [s] for each program of a class
+_PROCESSORS = 2  # that a check keeps busy: the simulator's, and the program's
+_Show = Callable[[Sequence[str]], object]
 
 
 def _program_options(command: Callable[..., int]) -> Callable[..., int]:
@@ -39,7 +42,8 @@ def _program_options(command: Callable[..., int]) -> Callable[..., int]:
     help="Check each submission in FOLDER.",
     metavar="FOLDER",
 )
-@option("--rate", type=rate, help="Times real time (else 1; 4 for model answers).")
+@option("--jobs", type=whole_number(1), help="Programs of a class at a time.", metavar="N")
+@option("--rate", type=rate, help="Times real time (else 4, and 1 to confirm what fails).")
 @option("--time-limit", type=duration, help="Real time for each program.")
 @option("--plot", type=_FILE, help="Write a PNG of velocities and the path.")
 @option("--junit", type=_FILE, help="Write the results as JUnit's XML.")
@@ -48,6 +52,7 @@ def command(
     name: str,
     *,
     folder: Path | None,
+    jobs: int | None,
     rate: float | None,
     time_limit: float | None,
     plot: Path | None,
@@ -65,6 +70,7 @@ def command(
 
     With --programs each file or folder in FOLDER is a submission, run in a copy of its own; its
     programs are found by name (simple_controller.py), or run by COMMAND with {program} in it.
+    Several are checked at a time where the computer has the processors, or as --jobs says.
 
     \b
     Examples:
@@ -74,18 +80,25 @@ def command(
       lcmtools lab check husky --controller "python mine.py" --plot mine.png
       lcmtools lab check dolly --programs class/ --junit results.xml
     """
+    from lcmtools.labs.checks.class_check import ClassCheck
     from lcmtools.labs.checks.reporters import junit as junit_text
     from lcmtools.labs.checks.reporters import record, summary, table
 
     lab = find_lab(name)
     chosen = {option: text for option, text in programs.items() if text is not None}
-    checker = _Checker(lab, rate, time_limit, plot, is_quiet=as_json)
+    show = (lambda _: None) if as_json else lines
     if folder is None:
-        submissions = {"": checker.check(chosen)}
+        if jobs:
+            raise UsageError("--jobs is for --programs FOLDER", "leave it out")
+        submissions = {"": _check(lab, chosen, rate, time_limit, plot, show)}
         report: object = record(lab.name, submissions[""])
         text: Sequence[str] = summary(submissions[""])
     else:
-        submissions = checker.check_class(folder, chosen)
+        arguments = ["--time-limit", f"{time_limit or _CLASS_LIMIT:g}"]
+        arguments += ["--rate", f"{rate:g}"] if rate else []
+        at_a_time = jobs or max(1, (os.cpu_count() or 1) // _PROCESSORS)
+        checker = ClassCheck(lab, chosen, arguments, plot, at_a_time)
+        submissions = checker.run(folder, partial(_show_report, show))
         report = [{"submission": one, **record(lab.name, r)} for one, r in submissions.items()]
         text = ["", *table(submissions)]
     if junit:
@@ -94,83 +107,44 @@ def command(
     return 0 if all(map(as_specified, submissions.values())) else 1
 
 
-class _Checker:
-    """Checks the programs of submissions, and shows each result as it comes."""
+def _check(
+    lab: Lab,
+    programs: Mapping[str, str],
+    rate: float | None,
+    time_limit: float | None,
+    plot: Path | None,
+    show: _Show,
+) -> list[Report]:
+    """Check the programs of one person, and show each row as it comes."""
+    from lcmtools.labs.checks.check import check, choose
+    from lcmtools.labs.checks.reporters import heading, result_lines
 
-    def __init__(
-        self,
-        lab: Lab,
-        rate: float | None,
-        time_limit: float | None,
-        plot: Path | None,
-        *,
-        is_quiet: bool,
-    ) -> None:
-        self._lab, self._rate, self._time_limit, self._plot = lab, rate, time_limit, plot
-        self._show = (lambda _: None) if is_quiet else lines
+    reports: list[Report] = []
+    world: Mapping[str, object] = {}
+    for run in choose(lab, programs):
+        # shown only of a program that can be started
+        head = heading(run.program.option, run.command, is_answer=run.is_answer)
 
-    def check(
-        self, programs: Mapping[str, str], directory: str = "", plot_name: str = ""
-    ) -> list[Report]:
-        """Check the programs of one submission."""
-        from lcmtools.labs.checks.check import check, choose
-        from lcmtools.labs.checks.reporters import heading, result_lines
+        def show_row(result: CheckResult, head: list[str] = head) -> None:
+            show([*head, *result_lines(result)])
+            head.clear()
 
-        reports: list[Report] = []
-        world: Mapping[str, object] = {}
-        limit = self._time_limit or float("inf")
-        for run in choose(self._lab, programs, directory):
-            head = list(heading(run))  # only of a program that can be started
+        report, world = check(lab, run, rate, time_limit or float("inf"), show_row)
+        reports.append(report)
+    if plot:
+        from lcmtools.labs.checks.plot import plot as plotted
 
-            def show(result: CheckResult, head: list[str] = head) -> None:
-                self._show([*head, *result_lines(result)])
-                head.clear()
-
-            report, world = check(self._lab, run, self._rate, limit, show)
-            reports.append(report)
-        if self._plot:
-            from lcmtools.labs.checks.plot import plot
-
-            file = self._plot
-            if plot_name:
-                file = file.with_name(f"{file.stem}_{plot_name}{file.suffix}")
-            _write(file, plot(world, reports))
-            talk(f"saved {file}")
-        return reports
-
-    def check_class(self, folder: Path, commands: Mapping[str, str]) -> dict[str, list[Report]]:
-        """Check each submission in a folder; one that cannot be run does not end the others."""
-        from lcmtools.labs.checks.submissions import submissions_in
-
-        self._time_limit = self._time_limit or _CLASS_LIMIT
-        return {path.name: self._submission(path, commands) for path in submissions_in(folder)}
-
-    def _submission(self, path: Path, commands: Mapping[str, str]) -> list[Report]:
-        from lcmtools.labs.checks.submissions import copy_submission, programs_of
-
-        self._show(["", f"== {path.name}"])
-        with tempfile.TemporaryDirectory(prefix="lcmtools-class-") as own:
-            copy_submission(path, Path(own))
-            programs = programs_of(self._lab, Path(own), commands)
-            if not programs:
-                names = " or ".join(program.node for program in self._lab.programs)
-                return [_failed("", f"it has no program of this lab: {names}")]
-            return [
-                report
-                for option, text in programs.items()
-                for report in self._run(option, text, own, path.stem)
-            ]
-
-    def _run(self, option: str, text: str, directory: str, name: str) -> list[Report]:
-        try:
-            return self.check({option: text}, directory, f"{name}_{option}")
-        except UsageError as error:
-            return [_failed(option, str(error))]
+        _write(plot, plotted(world, reports))
+        talk(f"saved {plot}")
+    return reports
 
 
-def _failed(program: str, reason: str) -> Report:
-    result = CheckResult("can be run", "a program", "none", is_ok=False, hint=reason)
-    return Report(program, (), [result])
+def _show_report(show: _Show, name: str, report: Report) -> None:
+    """Show the rows of a program of a class, once it is done."""
+    from lcmtools.labs.checks.reporters import heading, result_lines
+
+    rows = [row for result in report.results for row in result_lines(result)]
+    show(["", f"== {name}", *heading(report.program, report.command)[1:], *rows])
 
 
 def _write(file: Path, data: bytes) -> None:

@@ -1,7 +1,7 @@
 """The causes that checks give, from records of what was observed; no processes."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -9,8 +9,8 @@ import pytest
 
 from lcmtools.labs.catalogue import LABS
 from lcmtools.labs.checks import dolly, husky
-from lcmtools.labs.checks.diagnosis import DIED, SILENT, cause_of, misplaced
-from lcmtools.labs.checks.measures import analyse
+from lcmtools.labs.checks.diagnosis import DIED, SELDOM, SILENT, cause_of, misplaced
+from lcmtools.labs.checks.keys import DIRECTIONS, KeyPress, key_cause
 from lcmtools.labs.checks.observations import (
     BusLook,
     Command,
@@ -22,8 +22,8 @@ from lcmtools.labs.checks.observations import (
     last_failure,
     last_words,
 )
-from lcmtools.labs.checks.pioneer import DIRECTIONS, KeyPress, key_cause
 from lcmtools.labs.checks.results import CheckResult
+from lcmtools.labs.checks.step_response import REST, Step, StepRun, judge
 from lcmtools.labs.nodes.driving.motion import Motion
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
@@ -49,6 +49,27 @@ AttributeError: 'C' object has no attribute 'desird'
 """
 
 
+INTERRUPTED = """\
+Traceback (most recent call last):
+  File "/home/anna/simple_controller.py", line 60, in <module>
+KeyboardInterrupt
+"""
+SYNTAX_ERROR = """\
+  File "/home/anna/simple_controller.py", line 12
+    if speed > 0
+                ^
+SyntaxError: expected ':'
+"""
+
+
+def missing(module: str) -> str:
+    return f"""\
+Traceback (most recent call last):
+  File "/home/anna/simple_controller.py", line 1, in <module>
+ModuleNotFoundError: No module named '{module}'
+"""
+
+
 def twist(forward: float, turn_rate: float, **others: float) -> Twist:
     message = Twist()
     message.linear.x, message.angular.z = forward, turn_rate
@@ -66,6 +87,8 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file() -> N
     expected = "AttributeError: 'C' object has no attribute 'desird' (simple_controller.py:35)"
     assert str(last_failure(TRACEBACK)) == expected
     assert last_words(TRACEBACK + "[INFO] later\n") == expected
+    assert last_words(SYNTAX_ERROR) == "SyntaxError: expected ':' (simple_controller.py:12)"
+    assert last_words(TRACEBACK + INTERRUPTED) == expected
     assert last_words("one\n two \n\n") == "two"
     assert last_words("") == ""
 
@@ -86,6 +109,8 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file() -> N
             "ignored",
             "the robot ignores its commands on /husky0/velocity_cmd: unknown wheel 'l'",
         ),
+        ({"code": 1, "printed": missing("rclpy.node")}, DIED, "; here it is lcmtools: import lcm"),
+        ({"code": 1, "printed": missing("nav_msgs")}, DIED, "; here it is lcmtools.types.nav_msgs"),
         ({"look": BusLook()}, "no-node", "nothing of it is on the check's bus"),
         (
             {"look": replace(WELL, publications=[Wire("/husky0/velocty_cmd", OUTPUT.type)])},
@@ -118,6 +143,16 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file() -> N
             "busy",
             "its callback of /husky0/odometry runs for 7.5 s",
         ),
+        (
+            {"look": replace(WELL, subscriptions=[replace(INPUTS[0], busy=250.0), INPUTS[1]])},
+            "busy",
+            "it must return at once, without a sleep",
+        ),
+        (
+            {"look": replace(WELL, subscriptions=[replace(INPUTS[0], offered="a_msgs/A")])},
+            "type",
+            "it subscribes to /husky0/odometry as nav_msgs/Odometry, where a_msgs/A comes",
+        ),
         ({"look": WELL}, "publish", "its callbacks run (500 calls), but publish() is never called"),
         ({"look": replace(WELL, publications=[])}, "publisher", "it makes no publisher of"),
     ],
@@ -128,6 +163,34 @@ def test_the_cause_of_silence_is_named(changes: dict[str, Any], key: str, words:
     assert (cause.key, words in cause.text) == (key, True), cause
 
 
+@pytest.mark.parametrize(
+    ("callback", "count", "key"),
+    [
+        ("/husky0/odometry", 49, "slow"),
+        ("/husky0/odometry", 51, "raised"),
+        ("/husky0/desired_velocity", 50, "raised"),
+        ("timer 0.1 s", 9, "slow"),
+        ("timer 0.1 s", 11, "raised"),
+    ],
+)
+def test_an_exception_now_and_then_is_not_why_the_robot_is_too_slow(
+    callback: str, count: int, key: str
+) -> None:
+    row = CheckResult("drive at 0.1 m/s", "0.1 m/s", "0.05 m/s", is_ok=False, cause="slow")
+    failure = Failure("KeyError", "'a'", "c.py:3", count, callback)
+    commands = [Command(0.0, OUTPUT.topic, effort(1, 1))] * 100
+    look = replace(WELL, failures=[failure])
+    assert cause_of(row, Observations(CONTROLLER, commands, look=look)).key == key
+
+
+def test_a_callback_that_sleeps_is_why_commands_come_too_seldom() -> None:
+    row = CheckResult("drive at 0.1 m/s", "0.1 m/s", "0.05 m/s", is_ok=False, cause=SELDOM)
+    slow = replace(INPUTS[0], calls=10, longest=0.5, busy=5.0)
+    look = replace(WELL, subscriptions=[slow])
+    cause = cause_of(row, Observations(CONTROLLER, look=look))
+    assert cause.text.startswith("its callback of /husky0/odometry runs for 0.5 s: it must return")
+
+
 def test_a_program_of_keys_is_not_advised_to_spin() -> None:
     teleop = Observations(LABS["pioneer"].programs[0], look=BusLook(["/teleop"]))
     cause = cause_of(replace(SILENT_ROW, hint="read single keys"), teleop)
@@ -135,19 +198,19 @@ def test_a_program_of_keys_is_not_advised_to_spin() -> None:
 
 
 def step_run(
-    step: husky.Step,
+    step: Step,
     reached: tuple[float, float],
     message: Any,
     count: int = 400,
     touches: Sequence[Touch] = (),
-) -> husky.StepRun:
+) -> StepRun:
     motion = [Sample(i / 50, 0.0, 0.0, *reached) for i in range(400)]
     commands = [Command(i * 8 / max(count, 1), "/husky0/velocity_cmd", message)
                 for i in range(count)]  # fmt: skip
-    return husky.StepRun(step, motion, commands, touches)
+    return StepRun(step, motion, commands, touches)
 
 
-FORWARD, TURN = husky.Step(0.5, 0.0), husky.Step(0.0, 0.3)
+FORWARD, TURN = Step(0.5, 0.0), Step(0.0, 0.3)
 
 
 @pytest.mark.parametrize(
@@ -173,19 +236,90 @@ FORWARD, TURN = husky.Step(0.5, 0.0), husky.Step(0.0, 0.3)
     ],
 )
 def test_the_cause_of_a_step_that_was_not_followed_is_named(
-    run: husky.StepRun, key: str, words: str
+    run: StepRun, key: str, words: str
 ) -> None:
-    cause = husky.step_cause(run, analyse(run.values(), run.step.target))
-    assert (cause.key, words in cause.text) == (key, True), cause
+    row = judge(run)
+    assert (row.cause, words in row.hint) == (key, True), row
+
+
+def varied_run(
+    step: Step, speeds: Callable[[float], tuple[float, float]], force: Callable[[float], float]
+) -> StepRun:
+    """A step of 8 s, with the velocity and the effort of both sides at each time [s]."""
+    times = [i / 50 for i in range(400)]
+    motion = [Sample(t, 0.0, 0.0, *speeds(t)) for t in times]
+    commands = [Command(t, "/husky0/velocity_cmd", effort(force(t), force(t))) for t in times]
+    return StepRun(step, motion, commands)
+
+
+def rising(time: float) -> float:
+    return min(1.0, time / 4)
+
+
+@pytest.mark.parametrize(
+    ("run", "key", "words"),
+    [
+        (
+            varied_run(FORWARD, lambda _: (0.4, 0.0), lambda _: 0.4),
+            "slow",
+            "its effort is the same whatever the measured speed is: the odometry has it as twist.",
+        ),
+        (
+            varied_run(FORWARD, lambda _: (1.0, 0.0), rising),
+            "fast",
+            "its effort grows although the speed is too high",
+        ),
+        (
+            varied_run(FORWARD, lambda t: (t / 20, 0.0), rising),
+            "slow",
+            "still changing after 8 s: use a greater gain",
+        ),
+        (
+            varied_run(FORWARD, lambda _: (0.3, 0.0), lambda t: 0.3 + 0.1 * math.exp(-t)),
+            "slow",
+            "let the effort grow as long as the speed is too low",
+        ),
+        (
+            varied_run(FORWARD, lambda t: (1.0 if t < 4 else -1.0, 0.0), rising),
+            "measured",
+            "the effort does not follow the measured velocity",
+        ),
+        (varied_run(FORWARD, lambda _: (0.9, -0.4), rising), "measured", "the effort does not"),
+        (
+            varied_run(TURN, lambda _: (0.0, math.radians(0.3)), rising),
+            "unit",
+            "it turns at 0.0052 rad/s, which are 0.30 in degrees",
+        ),
+        (
+            varied_run(REST, lambda t: (math.exp(-t / 4), 0.0), rising),
+            "slow",
+            "still changing after 8 s",
+        ),
+        (varied_run(REST, lambda _: (1.0, 0.0), rising), "stop", "a desired velocity of 0"),
+    ],
+)
+def test_the_cause_of_a_wrong_speed_is_told_by_the_efforts(
+    run: StepRun, key: str, words: str
+) -> None:
+    row = judge(run)
+    assert (row.is_ok, row.cause, words in row.hint) == (False, key, True), row
+
+
+def test_a_robot_that_stands_is_watched_no_longer_than_its_effort_changes() -> None:
+    still = varied_run(FORWARD, lambda _: (0.0, 0.0), lambda _: 0.01)
+    growing = varied_run(FORWARD, lambda _: (0.0, 0.0), lambda t: t / 1000)
+    seen = [replace(run, motion=run.motion[:250], commands=run.commands[:250])
+            for run in (still, growing)]  # fmt: skip
+    assert [run.is_over() for run in seen] == [True, False]
 
 
 def test_wheel_speeds_in_place_of_efforts_are_named() -> None:
     message = JointState()
     message.velocity = [0.3, 0.3]
     run = step_run(FORWARD, (0.1, 0.0), message)
-    cause = husky.step_cause(run, analyse(run.values(), run.step.target))
-    assert cause.key == "field"
-    assert cause.text.startswith("its commands are in velocity, and the wheels are driven by effo")
+    row = judge(run)
+    assert row.cause == "field"
+    assert row.hint.startswith("its commands are in velocity, and the wheels are driven by effo")
 
 
 @pytest.mark.parametrize(
@@ -198,7 +332,7 @@ def test_wheel_speeds_in_place_of_efforts_are_named() -> None:
     ],
 )
 def test_the_formula_of_a_wrong_error_is_recognised(measured: float, words: str) -> None:
-    assert husky.error_cause(measured, husky.Step(0.3, 0.4)) == words
+    assert husky.error_cause(measured, Step(0.3, 0.4)) == words
 
 
 def presses(change: Any) -> dict[str, KeyPress]:

@@ -11,8 +11,9 @@ from lcmtools.errors import UsageError
 from lcmtools.labs.catalogue import LABS, find_lab
 from lcmtools.labs.checks.check import CHECKS, choose
 from lcmtools.labs.checks.dolly import ranges_in
+from lcmtools.labs.checks.keys import DIRECTIONS, SPEED_CHANGES, is_alike
 from lcmtools.labs.checks.measures import GOOD, analyse, explained, fit_radius
-from lcmtools.labs.checks.pioneer import DIRECTIONS, SPEED_CHANGES, is_alike, viewer_command
+from lcmtools.labs.checks.viewer import viewer_command
 from lcmtools.labs.nodes.driving import motion
 from lcmtools.packages.create import NewPackage, create
 

@@ -50,6 +50,13 @@ def test_a_robot_that_rests_far_from_the_end_is_not_waited_for() -> None:
     assert drive.is_over(8.1)
 
 
+def test_a_robot_that_creeps_is_not_waited_for() -> None:
+    drive = drive_along([(n / 500, 0, 0.02, 0) for n in range(120)])  # 0.02 m/s for 12 s
+
+    assert drive.along == pytest.approx(0.24, abs=0.01)
+    assert drive.is_over(11.9)
+
+
 def test_a_good_drive_is_as_specified_in_all_rows() -> None:
     rows = list(judge(drive_along(circle(1.95)), []))
 
@@ -66,6 +73,7 @@ def test_a_good_drive_is_as_specified_in_all_rows() -> None:
         ([(n / 10, -n * n / 100, 0.4, -0.5) for n in range(12)], "turn-sign"),
         (circle(2.0, 0.5), "stops"),
         (circle(2.4), "strays"),
+        ([(0.2 * (n % 2), 0, 0.4, 5.2) for n in range(12)], "unit"),
     ],
 )
 def test_the_cause_is_told_by_the_places(

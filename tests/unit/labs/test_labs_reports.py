@@ -1,6 +1,8 @@
 """The reports of checks: text, JSON, JUnit, the table of a class, and the picture."""
 
 import io
+import json
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -9,10 +11,17 @@ import pytest
 
 from lcmtools.errors import UsageError
 from lcmtools.labs.catalogue import LABS
-from lcmtools.labs.checks.check import Run
 from lcmtools.labs.checks.observations import Desire, Observations, Sample, Touch
 from lcmtools.labs.checks.plot import plot, series
-from lcmtools.labs.checks.reporters import heading, junit, record, result_lines, summary, table
+from lcmtools.labs.checks.reporters import (
+    heading,
+    junit,
+    read_record,
+    record,
+    result_lines,
+    summary,
+    table,
+)
 from lcmtools.labs.checks.results import CheckResult, Report, as_specified
 from lcmtools.labs.checks.submissions import copy_submission, programs_of, submissions_in
 
@@ -43,7 +52,7 @@ OBSERVED = Observations(
     motion=[Sample(t / 10, t / 20, 0.0, 0.5, float("nan")) for t in range(40)],
     touches=[Touch(3.0, "pillar", 4.0, -3.0)],
 )
-REPORT = Report("controller", ("python", "my c.py"), [OK, WRONG, FOLLOWS], OBSERVED)
+REPORT = Report("controller", ("python", "my c.py"), [OK, WRONG, FOLLOWS], OBSERVED, duration=12.34)
 WORLD = {
     "objects": [
         {"type": "walls", "points": [[-6, -5], [6, -5], [6, 5]], "closed": True},
@@ -55,10 +64,10 @@ WORLD = {
 
 
 def test_a_heading_says_whose_program_is_checked() -> None:
-    assert heading(Run(CONTROLLER, ["python", "my c.py"], 1.0))[1] == (
+    assert heading("controller", ["python", "my c.py"])[1] == (
         "checking your program: python 'my c.py'"
     )
-    answer = heading(Run(CONTROLLER, ["lcmtools"], 1.0, is_answer=True))
+    answer = heading("controller", ["lcmtools"], is_answer=True)
     assert answer[1] == "checking the model answer of lcmtools: lcmtools"
 
 
@@ -83,7 +92,7 @@ def test_the_summary_ends_with_the_first_cause() -> None:
 def test_json_says_whose_programs_and_what_follows_from_what() -> None:
     plain = record("husky", [REPORT])
     assert plain["programs"] == {
-        "controller": {"command": "python 'my c.py'", "model_answer": False}
+        "controller": {"command": "python 'my c.py'", "model_answer": False, "duration": 12.3}
     }
     assert not plain["ok"]
     rows = plain["rows"]
@@ -93,11 +102,25 @@ def test_json_says_whose_programs_and_what_follows_from_what() -> None:
     assert not as_specified([])
 
 
+def test_a_record_can_be_read_back() -> None:
+    plain = json.loads(json.dumps(record("husky", [REPORT])))
+    (report,) = read_record(plain)
+    assert report == replace(
+        REPORT, observations=None, command=["python", "my c.py"], duration=12.3
+    )
+
+
+def test_findings_about_a_program_that_is_right_are_a_note() -> None:
+    rows = result_lines(replace(OK, findings=("2 nodes have the name /a",)))
+    assert rows[0].split()[0] == "note"
+    assert rows[1].strip() == "wtf: 2 nodes have the name /a"
+
+
 def test_junit_counts_a_cause_once_and_is_legal_xml() -> None:
     root = ET.fromstring(junit("husky", {"anna": [REPORT]}))  # noqa: S314 - our own
     (suite,) = root
     assert suite.attrib == {
-        "name": "anna.controller", "tests": "3", "failures": "1", "skipped": "1",
+        "name": "anna.controller", "tests": "3", "failures": "1", "skipped": "1", "time": "12.3",
     }  # fmt: skip
     assert [child.tag for case in suite for child in case] == ["failure", "skipped"]
     failure = suite[1][0]

@@ -8,7 +8,7 @@ from typing import Any
 
 import PIL.Image
 
-from lcmtools.labs.checks.pioneer import check_viewer
+from lcmtools.labs.checks.viewer import check_viewer
 
 _FILE = io.BytesIO()
 PIL.Image.new("I;16", (4, 2)).save(_FILE, "PNG")
@@ -25,7 +25,7 @@ def bench(folder: Path, later: bytes) -> Any:
 
     return SimpleNamespace(
         folder=folder,
-        record=lambda *_: [],
+        recorder=SimpleNamespace(record=lambda *_: []),
         start=lambda *_: SimpleNamespace(code=None),
         wait=wait,
     )

@@ -1,0 +1,141 @@
+"""The check of a class: several submissions at a time, each program by a process of its own.
+
+Each runs ``lcmtools lab check`` in a folder that holds a copy of its submission; here its report is
+read. Whatever ends this, all of them are ended politely, so that they leave nothing behind.
+"""
+
+import json
+import os
+import select
+import tempfile
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from pathlib import Path
+
+from lcmtools.labs.catalogue import Lab
+from lcmtools.labs.checks.programs import own_command
+from lcmtools.labs.checks.reporters import read_record
+from lcmtools.labs.checks.results import CheckResult, Report
+from lcmtools.labs.checks.submissions import copy_submission, programs_of, submissions_in
+from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
+from lcmtools.processes.process_guard import ProcessGuard
+
+_PAUSE = 0.2  # [s] between two looks at whether the check has been broken off
+
+
+@dataclass(frozen=True, slots=True)
+class _Job:
+    """A program of a submission."""
+
+    submission: Path
+    option: str
+    command: str
+
+
+class ClassCheck:
+    """Checks the submissions in a folder.
+
+    Args:
+        lab: The lab.
+        commands: Command lines by option, with {program} in them; see ``programs_of``.
+        arguments: Further arguments of ``lab check``.
+        plot: A PNG file's path, to which the names of submission and program are added.
+        jobs: The number of programs that are checked at a time.
+    """
+
+    def __init__(
+        self,
+        lab: Lab,
+        commands: Mapping[str, str],
+        arguments: Sequence[str],
+        plot: Path | None,
+        jobs: int,
+    ) -> None:
+        self._lab, self._commands, self._arguments = lab, commands, arguments
+        self._plot, self._jobs = plot, jobs
+        self._is_over = threading.Event()
+
+    def run(self, folder: Path, show: Callable[[str, Report], object]) -> dict[str, list[Report]]:
+        """Check them; return the reports by the submissions' names.
+
+        Args:
+            folder: Each file or folder in it is a submission.
+            show: Called with a submission's name and the report of a program of it, as it comes.
+
+        Raises:
+            UsageError: The folder has no submissions.
+        """
+        submissions = submissions_in(folder)
+        found = {path.name: self._jobs_of(path) for path in submissions}
+        reports = {name: dict[str, Report]() for name in found}
+        with ProcessGuard() as guard, ThreadPoolExecutor(self._jobs) as pool:
+            running = {
+                pool.submit(self._check, job, guard): (name, job.option)
+                for name, jobs in found.items()
+                for job in jobs
+            }
+            try:
+                for future in as_completed(running):
+                    name, option = running[future]
+                    reports[name][option] = future.result()
+                    show(name, reports[name][option])
+            finally:
+                self._is_over.set()
+                pool.shutdown(wait=False, cancel_futures=True)
+        return {
+            name: [reports[name][job.option] for job in jobs] or [self._without_program()]
+            for name, jobs in found.items()
+        }
+
+    def _jobs_of(self, submission: Path) -> list[_Job]:
+        with tempfile.TemporaryDirectory(prefix="lcmtools-class-") as own:
+            copy_submission(submission, Path(own))
+            programs = programs_of(self._lab, Path(own), self._commands)
+        return [_Job(submission, option, text) for option, text in programs.items()]
+
+    def _check(self, job: _Job, guard: ProcessGuard) -> Report:
+        """Check a program in a process and a folder of its own."""
+        words = [*own_command(), "lab", "check", self._lab.name, "--json"]
+        words += [f"--{job.option}", job.command, *self._arguments]
+        if self._plot:
+            name = f"{self._plot.stem}_{job.submission.stem}_{job.option}{self._plot.suffix}"
+            words += ["--plot", str(self._plot.absolute().with_name(name))]
+        with tempfile.TemporaryDirectory(prefix="lcmtools-class-") as own:
+            copy_submission(job.submission, Path(own))
+            start = Start(words, dict(os.environ), own)
+            with ChildProcess(start, guard, StopTimeouts()) as child:
+                output, errors = self._lines(child)
+        if output:
+            return read_record(json.loads("\n".join(output)))[0]
+        return _failed(job.option, _reason(errors))
+
+    def _lines(self, child: ChildProcess) -> tuple[list[str], list[str]]:
+        """Return the lines of standard output and error, until its end or the end of all."""
+        output: list[str] = []
+        errors: list[str] = []
+        while child.streams and not self._is_over.is_set():
+            for stream in select.select(child.streams, [], [], _PAUSE)[0]:
+                for is_error, line in child.read(stream):
+                    (errors if is_error else output).append(line)
+        return output, errors
+
+    def _without_program(self) -> Report:
+        names = " or ".join(program.node for program in self._lab.programs)
+        return _failed("", f"it has no program of this lab: {names}")
+
+
+def _reason(errors: Sequence[str]) -> str:
+    """Return the error of a check that has no report, which its last line is."""
+    last = errors[-1] if errors else "its check was ended"
+    try:
+        error = json.loads(last)
+        return "; ".join(filter(None, (error["error"], error["hint"])))
+    except ValueError:
+        return last
+
+
+def _failed(program: str, reason: str) -> Report:
+    result = CheckResult("can be run", "a program", "none", is_ok=False, hint=reason)
+    return Report(program, (), [result])

@@ -1,0 +1,128 @@
+"""Keys that drive: what each is to do, and why its command is wrong. Pure."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from lcmtools.labs.checks.diagnosis import misplaced, velocity_of
+from lcmtools.labs.checks.results import Cause, CheckResult
+from lcmtools.types.geometry_msgs import Twist
+
+_TOLERANCE = 0.01
+_FASTEST_TURN = 10.0  # [rad/s]; a Pioneer turns at 5.2 rad/s at most
+
+DIRECTIONS = {
+    "i": "forward",
+    ",": "backward",
+    "j": "left on the spot",
+    "l": "right on the spot",
+    "u": "forward to the left",
+    "o": "forward to the right",
+    "m": "backward, clockwise",
+    ".": "backward, counter-clockwise",
+    "k": "stop",
+}
+"""Meanings of the keys that drive, which are those of teleop_twist_keyboard."""
+SPEED_CHANGES = {
+    "q": "both 10 % more",
+    "z": "both 10 % less",
+    "w": "speed 10 % more",
+    "x": "speed 10 % less",
+    "e": "turning 10 % more",
+    "c": "turning 10 % less",
+}
+"""Meanings of the keys that change a speed."""
+
+Velocity = tuple[float, float]
+"""Forward speed [m/s] and turn rate [rad/s], positive to the left."""
+
+
+def is_alike(velocity: Velocity | None, wanted: Velocity) -> bool:
+    """Return True if both are the same, but for rounding."""
+    return velocity is not None and all(
+        math.isclose(value, target, rel_tol=_TOLERANCE, abs_tol=1e-6)
+        for value, target in zip(velocity, wanted, strict=True)
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class KeyPress:
+    """A key that was pressed, the command that it is to bring, and the one that came, if any."""
+
+    key: str
+    wanted: Velocity
+    twist: Twist | None
+
+
+def key_cause(press: KeyPress, drives: Mapping[str, KeyPress]) -> Cause:
+    """Return why a key brought the wrong command, by what the keys that drive brought."""
+    key, wanted, got = press.key, press.wanted, velocity_of(press.twist)
+    if press.twist is None or got is None:
+        text = f"nothing is published for '{key}': is each key read at once, and is it known?"
+        return Cause("unanswered", text)
+    if odd := misplaced(press.twist):
+        return odd
+    for index, name in enumerate(("speed", "turn")):
+        if _is_reversed(drives, index) and is_alike(got, _reversed(wanted, index)):
+            side = ("forward is linear.x above 0", "left is angular.z above 0")[index]
+            return Cause(f"{name}-sign", f"wrong sign of {name}: {side}")
+    other = next((k for k, one in drives.items() if k != key and is_alike(got, one.wanted)), "")
+    if not any(got):
+        text = f"'{key}' stops the robot: is it in the program's table of keys?"
+        return Cause(f"key-{key}", text)
+    if other:
+        pair = "".join(sorted((key, other)))
+        text = f"'{key}' does what '{other}' should do ({DIRECTIONS[other]})"
+        return Cause(f"key-{pair}", f"{text}: one key for another")
+    return Cause(f"key-{key}", f"compare '{key}' with the table of keys in the lab")
+
+
+def _is_reversed(drives: Mapping[str, KeyPress], index: int) -> bool:
+    """Return True if most keys bring the opposite of what they should, in speed or in turn."""
+    moving = [one for one in drives.values() if one.wanted[index]]
+    wrong = [
+        one
+        for one in moving
+        if one.twist and (velocity_of(one.twist) or (0, 0))[index] * one.wanted[index] < 0
+    ]
+    return len(wrong) > len(moving) / 2
+
+
+def _reversed(velocity: Velocity, index: int) -> Velocity:
+    return (-velocity[0], velocity[1]) if index == 0 else (velocity[0], -velocity[1])
+
+
+def speeds_result(drives: Mapping[str, KeyPress]) -> CheckResult:
+    """Return the row of the directions of the two basic keys."""
+    i, j = (velocity_of(drives[key].twist) or (0.0, 0.0) for key in "ij")
+    speeds = i[0], j[1]
+    cause = key_cause(drives["i" if speeds[0] <= 0 else "j"], drives)
+    is_ok = min(speeds) > 0 and speeds[1] < _FASTEST_TURN
+    if speeds[1] >= _FASTEST_TURN:
+        cause = Cause("unit", "angular.z is in rad/s, not in degrees")
+    what, wanted = "speeds of i and j", f"above 0, below {_FASTEST_TURN:g} rad/s"
+    return CheckResult(what, wanted, text_of(speeds), is_ok, cause.text, cause.key)
+
+
+def key_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) -> CheckResult:
+    """Return the row of a key that drives."""
+    got = velocity_of(press.twist)
+    is_ok = is_alike(got, press.wanted) and not (press.twist and misplaced(press.twist))
+    cause = key_cause(press, drives)
+    measured = text_of(got) if got else "nothing comes"
+    return CheckResult(what, text_of(press.wanted), measured, is_ok, cause.text, cause.key)
+
+
+def change_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) -> CheckResult:
+    """Return the result of 'u' after a key that changes a speed; 'u' itself may be wrong."""
+    result = key_result(press, what, drives)
+    before = drives["u"]
+    if result.is_ok or not is_alike(velocity_of(before.twist), before.wanted):
+        return result
+    text = f"'{what.split()[2].rstrip(',')}' is to change the speeds by 10 %, and keep the motion"
+    return replace(result, hint=text, cause=f"change-{what}")
+
+
+def text_of(velocity: Velocity) -> str:
+    """Return a velocity with its units."""
+    return "{:+.3f} m/s, {:+.3f} rad/s".format(*velocity)

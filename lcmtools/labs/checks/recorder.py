@@ -1,0 +1,107 @@
+"""The recorder of a check: a program's commands, the robot's motion, the simulator's warnings.
+
+It only listens, and judges nothing.
+"""
+
+from typing import TypeVar
+
+from lcmtools import Node
+from lcmtools.labs.catalogue import Lab, LabProgram
+from lcmtools.labs.checks.observations import Command, Desire, Sample, Touch
+from lcmtools.messages.registry import Message
+from lcmtools.types.gazebo_msgs import ContactsState
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.rosgraph_msgs import Clock, Log
+from lcmtools.types.std_msgs import Time
+
+BUMPER = "lab_bumper"
+"""The topic, below the robot's, of the contacts that a check's world adds."""
+DEPTH = 1000
+"""Messages that wait while the bus is looked at."""
+
+MessageT = TypeVar("MessageT", bound=Message)
+
+
+class Recorder:
+    """Records what happens on a check's bus, as long as its node spins.
+
+    Args:
+        node: The observer.
+        lab: The lab.
+        program: The program of it that is checked.
+        rate: Simulated seconds per second.
+
+    Attributes:
+        rate: The same, now.
+        time: Simulated time [s].
+        duration: The simulated time that has passed, each part of it divided by its rate [s].
+        commands: Messages on the topics that the program is to publish.
+        motion: The robot's true motion.
+        desired: The velocities that were desired.
+        touches: The robot's contacts.
+        warnings: What the simulator warned of.
+    """
+
+    def __init__(self, node: Node, lab: Lab, program: LabProgram, rate: float) -> None:
+        self.rate = rate
+        self.time = self.duration = 0.0
+        self.commands: list[Command] = []
+        self.desired: list[Desire] = []
+        self.motion: list[Sample] = []
+        self.touches: list[Touch] = []
+        self.warnings: list[str] = []
+        self._node, self._program, self._simulator = node, program, lab.simulator
+        robot = lab.robot.rstrip("/")
+        node.create_subscription(Clock, "/clock", self._take_clock, DEPTH)
+        node.create_subscription(Odometry, f"{robot}/ground_truth", self._take_motion, DEPTH)
+        node.create_subscription(ContactsState, f"{robot}/{BUMPER}", self._take_contacts, DEPTH)
+        node.create_subscription(Log, "/rosout", self._take_log, DEPTH)
+
+    def forget(self) -> None:
+        """Forget what the robot and the program have done."""
+        for one in (self.commands, self.desired, self.motion, self.touches, self.warnings):
+            one.clear()
+
+    def record(self, message_type: type[MessageT], topic: str) -> list[MessageT]:
+        """Return a list to which each message of a topic is appended."""
+        messages: list[MessageT] = []
+        self._node.create_subscription(message_type, topic, messages.append, DEPTH)
+        return messages
+
+    def record_command(self, *message_types: type[Message]) -> None:
+        """Record the messages on the topics that the program is to publish."""
+        for topic in self._program.publishes:
+
+            def take(message: Message, topic: str = topic) -> None:
+                self.commands.append(Command(self.time, topic, message))
+
+            self._node.create_subscription(message_types, topic, take, DEPTH)
+
+    def desire(self, forward: float, turn_rate: float) -> None:
+        """Record that a velocity is desired from now on [m/s], [rad/s]."""
+        self.desired.append(Desire(self.time, forward, turn_rate))
+
+    def _take_clock(self, clock: Clock) -> None:
+        now = _seconds(clock.clock)
+        self.duration += max(0.0, now - self.time) / self.rate
+        self.time = now
+
+    def _take_motion(self, odometry: Odometry) -> None:
+        place, twist = odometry.pose.pose.position, odometry.twist.twist
+        time = _seconds(odometry.header.stamp)
+        self.motion.append(Sample(time, place.x, place.y, twist.linear.x, twist.angular.z))
+
+    def _take_contacts(self, contacts: ContactsState) -> None:
+        place = self.motion[-1] if self.motion else Sample(0.0, 0.0, 0.0, 0.0, 0.0)
+        self.touches += [
+            Touch(_seconds(contacts.header.stamp), state.collision2_name, place.x, place.y)
+            for state in contacts.states
+        ]
+
+    def _take_log(self, log: Log) -> None:
+        if log.level >= Log.WARN and log.name == self._simulator:
+            self.warnings.append(log.msg)
+
+
+def _seconds(stamp: Time) -> float:
+    return float(stamp.sec + stamp.nsec / 1e9)

@@ -1,0 +1,145 @@
+"""The check of a program that drives by keys: the command that each key brings."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from lcmtools.labs.checks.diagnosis import misplaced, velocity_of
+from lcmtools.labs.checks.keys import (
+    DIRECTIONS,
+    SPEED_CHANGES,
+    KeyPress,
+    Velocity,
+    change_result,
+    is_alike,
+    key_result,
+    speeds_result,
+    text_of,
+)
+from lcmtools.labs.checks.programs import CheckedProgram
+from lcmtools.labs.checks.results import Cause, CheckResult
+from lcmtools.labs.checks.test_bench import TestBench
+from lcmtools.labs.nodes.driving.motion import Motion
+from lcmtools.types.geometry_msgs import Twist
+
+_FIRST, _NEXT = 10.0, 2.0  # [s] until a key's command comes
+_STALE = 0.5  # [s] in which commands of the key before may still come
+_AGAIN = 0.5  # [s] the first key is pressed again: a program that starts may throw it away
+
+
+class _Keyboard:
+    """Presses keys, and watches the commands that follow."""
+
+    def __init__(self, bench: TestBench, program: CheckedProgram) -> None:
+        self._bench = bench
+        self._first = 0
+        self._patience = _NEXT
+        self.program = program
+        bench.recorder.record_command(Twist)
+
+    def last(self) -> Twist | None:
+        """Return the newest command since the last key."""
+        commands = self._bench.recorder.commands
+        message = commands[-1].message if len(commands) > self._first else None
+        return message if isinstance(message, Twist) else None
+
+    def press(self, key: str) -> None:
+        """Press a key; what came before counts no longer."""
+        self._first = len(self._bench.recorder.commands)
+        self.program.press(key)
+
+    def is_answered(self, key: str) -> bool:
+        """Return True if pressing a key, again and again, brings a command that moves the robot."""
+        for _ in range(round(_FIRST / _AGAIN)):
+            self.program.press(key)
+            if self._bench.wait(self._moves, _AGAIN) or self.program.code is not None:
+                break
+        return self._moves()
+
+    def receives(self, wanted: Velocity) -> bool:
+        """Return True if the wanted command comes in time, or another one and not this."""
+        if not self._bench.wait(self.last, self._patience):
+            self._patience = _STALE  # for the other keys: there may be many that it does not know
+            return False
+        return self._bench.wait(lambda: is_alike(velocity_of(self.last()), wanted), _STALE)
+
+    def settled(self, key: str) -> Velocity:
+        """Press a key; return its command, once no older command is under way."""
+        self.press(key)
+        self._bench.wait(self.last, _NEXT)
+        self._bench.wait(lambda: False, _STALE)
+        return velocity_of(self.last()) or (0.0, 0.0)
+
+    def measured(self) -> str:
+        """Return the newest command in words."""
+        velocity = velocity_of(self.last())
+        return text_of(velocity) if velocity else "nothing comes"
+
+    def _moves(self) -> bool:
+        return any(velocity_of(self.last()) or ()) or bool(self._odd())
+
+    def _odd(self) -> Cause | None:
+        twist = self.last()
+        return misplaced(twist) if twist else None
+
+
+def check_teleop(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
+    """Check a program that drives by keys."""
+    program = bench.start(command, has_keys=True)
+    keyboard = _Keyboard(bench, program)
+    what, wanted = "answers to i", "a Twist"
+    if not keyboard.is_answered("i"):
+        if keyboard.last():
+            hint = "'i' stops the robot: is it in the program's table of keys, in lower case?"
+            yield CheckResult(what, "a speed above 0", "a Twist of 0", is_ok=False, hint=hint)
+            return
+        hint = "read single keys, without Enter (tty.setcbreak), and publish on /RosAria/cmd_vel"
+        yield program.nothing_within(_FIRST, what, wanted, f"{hint} after each")
+        return
+    yield CheckResult(what, wanted, "it comes", is_ok=True)
+    speed, turn = abs(keyboard.settled("i")[0]) or 0.5, abs(keyboard.settled("j")[1]) or 1.0
+    motion = Motion(speed, turn)
+    drives = {}
+    for key in DIRECTIONS:  # all are pressed before one is judged: the others show the cause
+        motion = motion.after(key)
+        drives[key] = _pressed(keyboard, key, motion)
+    yield speeds_result(drives)
+    for key, meaning in DIRECTIONS.items():
+        yield key_result(drives[key], f"{key}  {meaning}", drives)
+    if program.code is not None:
+        yield program.early_end("answers to all keys")
+        return
+    for key, meaning in SPEED_CHANGES.items():
+        motion = motion.after(key)
+        program.press(key)
+        motion = motion.after("u")
+        press = _pressed(keyboard, "u", motion)
+        yield change_result(press, f"u  after {key}, {meaning}", drives)
+        speed, turn = map(abs, velocity_of(press.twist) or (0.0, 0.0))
+        if speed and turn:  # one wrong change does not make the next ones wrong
+            motion = replace(motion, speed=speed, turn=turn)
+    yield _stop_at_end(keyboard)
+
+
+def _pressed(keyboard: _Keyboard, key: str, motion: Motion) -> KeyPress:
+    wanted = motion.forward, motion.turn_rate
+    keyboard.press(key)
+    keyboard.receives(wanted)
+    return KeyPress(key, wanted, keyboard.last())
+
+
+def _stop_at_end(keyboard: _Keyboard) -> CheckResult:
+    what = "stops at the end"
+    if keyboard.program.code is not None:
+        return keyboard.program.early_end(what)
+    keyboard.settled("i")
+    keyboard.press("")
+    keyboard.program.ends_on_interrupt()
+    stops = keyboard.receives((0.0, 0.0))
+    return CheckResult(
+        what,
+        "a Twist of 0 at last",
+        "it comes" if stops else keyboard.measured(),
+        is_ok=stops,
+        hint="publish a last Twist of 0 in a finally: the robot keeps its last command",
+        cause="no-stop",
+    )

@@ -1,0 +1,113 @@
+"""The check of a viewer: the picture that it saves of a depth camera."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+import PIL.Image
+
+from lcmtools.errors import DecodeError
+from lcmtools.labs.checks.measures import GOOD, explained
+from lcmtools.labs.checks.results import CheckResult
+from lcmtools.labs.checks.test_bench import TestBench
+from lcmtools.labs.nodes.picture.pixels import Kind, Picture, read_file, read_picture
+from lcmtools.types.sensor_msgs import Image
+
+PICTURE = "{picture}"
+"""The placeholder in a viewer's command line for the name of the file to save."""
+_DEPTH = "/camera/depth/image_raw"
+_PICTURE = 15.0  # [s] until a picture is whole: a program may take seconds for a PNG
+_COLUMNS, _ROWS = 160, 120  # so many pixels are compared
+_FLIP = PIL.Image.Transpose
+
+
+def viewer_command(words: Sequence[str], picture: str) -> list[str]:
+    """Return a viewer's command line, with the file that it is to save."""
+    if any(PICTURE in word for word in words):
+        return [word.replace(PICTURE, picture) for word in words]
+    return [*words, "--save", picture]
+
+
+def check_viewer(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
+    """Check a program that saves the Kinect's picture as a PNG file."""
+    truths = bench.recorder.record(Image, _DEPTH)
+    file = bench.folder / "picture.png"
+    program = bench.start(viewer_command(command, str(file)))
+    seen: list[Picture] = []  # a viewer may rewrite the file with each message
+
+    def has_come() -> bool:
+        seen.extend(filter(None, [_read(file)]))
+        return bool(seen)
+
+    bench.wait(lambda: has_come() or program.code is not None, _PICTURE)
+    what, wanted = "saves a picture", "a PNG file"
+    if not has_come() and file.exists():
+        hint = "save it as PNG or JPEG"
+        yield CheckResult(what, wanted, "a file that is no picture", is_ok=False, hint=hint)
+        return
+    if not seen:
+        hint = f"does it subscribe to {_DEPTH}, and save what comes where --save or {PICTURE} says?"
+        yield program.nothing_within(_PICTURE, what, wanted, hint)
+        return
+    yield CheckResult(what, wanted, "{} x {} pixels".format(*seen[0].image.size), is_ok=True)
+    part, reason = 0.0, ""
+    if bench.wait(lambda: truths, _PICTURE):
+        part = _likeness(truths[-1], seen[0])
+        reason = picture_cause(truths[-1], seen[0]) if part < GOOD else ""
+    yield CheckResult(
+        "shows the depth",
+        f"{GOOD:.0%} or more alike",
+        f"{part:.0%}",
+        is_ok=part >= GOOD,
+        hint=reason
+        or "pixels of the same depth do not look the same: 16UC1 is two bytes a pixel, low byte"
+        " first, in mm, 0 for none; rows from the top",
+        cause="picture",
+    )
+
+
+def _read(file: Path) -> Picture | None:
+    """Return the picture; None while it is not there, or not whole."""
+    try:
+        return read_file(file.read_bytes())
+    except (OSError, DecodeError):
+        return None
+
+
+def _likeness(truth: Image, picture: Picture) -> float:
+    """Return the part of the colours that the true depths explain, at points of a grid."""
+    depths = _sampled(read_picture(truth)).values()
+    shown = _sampled(picture)
+    if shown.kind is not Kind.COLOR:
+        return explained(depths, [(value,) for value in shown.values()])
+    channels = shown.image.tobytes()
+    return explained(depths, list(zip(channels[::3], channels[1::3], channels[2::3], strict=True)))
+
+
+_TURNED: Mapping[str, Callable[[PIL.Image.Image], PIL.Image.Image]] = {
+    "upside down: rows go from the top": lambda i: i.transpose(_FLIP.FLIP_TOP_BOTTOM),
+    "mirrored: columns go from the left": lambda i: i.transpose(_FLIP.FLIP_LEFT_RIGHT),
+    "turned by 180 degrees: the first pixel is at the top left": lambda i: i.transpose(
+        _FLIP.ROTATE_180
+    ),
+    "turned by 90 degrees: data is row by row, not column by column": lambda i: i.transpose(
+        _FLIP.TRANSPOSE
+    ),
+}
+
+
+def picture_cause(truth: Image, picture: Picture) -> str:
+    """Return the way in which a picture is turned; "" if it is in no such way."""
+    if picture.image.getextrema() in ((0, 0), ((0, 0),) * 3):
+        return "the picture is all black: is it the data of a message, and in a visible range?"
+    if picture.image.size == (truth.height, truth.width) != (truth.width, truth.height):
+        return f"width and height are exchanged: it is {truth.width} wide, {truth.height} high"
+    for name, turn in _TURNED.items():
+        turned = Picture(turn(picture.image), picture.encoding, picture.kind)
+        if _likeness(truth, turned) >= GOOD:
+            return f"the picture is {name}"
+    return ""
+
+
+def _sampled(picture: Picture) -> Picture:
+    grid = picture.image.resize((_COLUMNS, _ROWS), 0)  # 0: the nearest pixel
+    return Picture(grid, picture.encoding, picture.kind)
