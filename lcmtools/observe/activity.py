@@ -5,14 +5,21 @@ quarter of a second, so that a busy channel costs no more to look at than a slow
 """
 
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from lcmtools.wire.packet import Packet
+
+if TYPE_CHECKING:  # lcmtools list --help does without the bus
+    from lcmtools.graph.model import Graph
+    from lcmtools.observe.monitor import BusMonitor
 
 SILENT_AFTER = 3_000_000_000
 """A channel on which nothing has come for so long is silent [ns]; a slow one for longer."""
 
 _SLOT = 250_000_000  # [ns]
+_MEASURED = 1.0  # [s] for rates, where no other time is given
 _FEWEST = 3  # intervals that are kept however old they are, for channels that are slow
 _SILENT_PERIODS = 3  # without a message are silence, where they are longer than SILENT_AFTER
 
@@ -139,3 +146,16 @@ def _flow(channel: _Channel) -> Flow:
         jitter=jitter / 1e9 if intervals > 1 else None,
         bandwidth=sum(slot.bytes for slot in slots) * 1e9 / waited,
     )
+
+
+def settled(
+    monitor: "BusMonitor", wait: float | None, *, hz: bool
+) -> "tuple[Graph, Mapping[str, float] | None]":
+    """Return the graph of a bus, and the rates of its channels [Hz]; None without ``hz``.
+
+    ``wait`` is the time to listen [s]; None for as long as it takes.
+    """
+    activity = Activity()
+    wait = _MEASURED if hz and wait is None else wait
+    graph = monitor.settle(wait=wait, count=activity.add)
+    return graph, activity.rates() if hz else None

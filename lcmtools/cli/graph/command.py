@@ -12,11 +12,9 @@ from lcmtools.cli.output import talk
 from lcmtools.errors import UsageError
 from lcmtools.graph.drawing.labels import counted
 from lcmtools.graph.drawing.subgraph import DiagramOptions, members_only, select
-from lcmtools.observe.activity import Activity
+from lcmtools.observe.activity import settled
 from lcmtools.observe.diagram import diagram_of
 from lcmtools.observe.senders import programs
-
-_MEASURED = 1.0  # [s]
 
 
 @subcommand("graph", json_option, looking_options)
@@ -101,10 +99,9 @@ def command(
     wanted = DiagramOptions(
         parts, wanted_topics, left_out, show_all, leaf_topics, tools, with_services
     )
-    activity, wait = Activity(), _MEASURED if hz and wait is None else wait
     with open_monitor("graph") as monitor:
-        graph, url = monitor.settle(wait=wait, count=activity.add), monitor.url
-    whole = diagram_of(graph, programs(graph, url), activity.rates() if hz else None)
+        (graph, rates), url = settled(monitor, wait, hz=hz), monitor.url
+    whole = diagram_of(graph, programs(graph, url), rates)
     diagram, left = select(whole, wanted)
     diagram = replace(members_only(diagram) if nodes_only else diagram, is_grouped=is_grouped)
     output.write(diagram)

@@ -9,10 +9,8 @@ from lcmtools.cli.options import all_option, json_option, looking_options
 from lcmtools.cli.output import columns, data, show
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Topic
-from lcmtools.observe.activity import Activity
+from lcmtools.observe.activity import settled
 from lcmtools.observe.describe import by_computer, type_text
-
-_MEASURED = 1.0  # [s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,10 +66,8 @@ def command(
     """
     if published and subscribed:
         raise UsageError("-p and -s exclude each other", "leave out both for all topics")
-    activity, wait = Activity(), _MEASURED if hz and wait is None else wait
     with open_monitor("list") as monitor:
-        graph, url = monitor.settle(wait=wait, count=activity.add), monitor.url
-    rates = activity.rates() if hz else None
+        (graph, rates), url = settled(monitor, wait, hz=hz), monitor.url
     options = _ListOptions(not subscribed, not published, verbose, show_types, rates)
     pattern = looking_pattern(namespace, hidden=show_all)
     known = [graph.topic(name) for name in graph.topic_names() if pattern.covers(name)]
