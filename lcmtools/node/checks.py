@@ -104,27 +104,30 @@ def check_callback(call: str, callback: object, *arguments: str) -> None:
         raise _arity_fault(call, name, list(signature.parameters), arguments) from None
 
 
-def check_period(call: str, seconds: object) -> str:
-    """Make sure that this is a period; return a warning if it is suspiciously long, else ""."""
+def check_period(seconds: object) -> str:
+    """Make sure that this is a timer's period; return a warning if it is very long, else ""."""
     if callable(seconds):
-        raise UsageError(f"{call} takes the period first", f"write {call}(0.1, self.tick)")
+        raise UsageError(
+            "create_timer takes the period first", "write create_timer(0.1, self.tick)"
+        )
     if isinstance(seconds, (str, bool)) or not hasattr(seconds, "__float__"):
         got = described(seconds)
-        raise UsageError(f"{call}: the period is a number of seconds, got {got}")
+        raise UsageError(f"create_timer: the period is a number of seconds, got {got}")
     period = float(seconds)
     if not 0 < period < math.inf:
         raise UsageError(f"a timer's period must be positive and finite, got {seconds} s")
     if period <= _LONGEST_USUAL_PERIOD:
         return ""
-    return f"{call}: a period of {period:g} s; if {period:g} ms are meant, write {period / 1000:g}"
+    meant = f"if {period:g} ms are meant, write {period / 1000:g}"
+    return f"create_timer: a period of {period:g} s; {meant}"
 
 
 def period_of(frequency: object) -> float:
     """Return the period of a rate [s]."""
-    is_number = isinstance(frequency, (int, float)) and not isinstance(frequency, bool)
-    if not is_number or not 0 < cast("float", frequency) < math.inf:
+    number = frequency if isinstance(frequency, (int, float)) else 0
+    if isinstance(frequency, bool) or not 0 < number < math.inf or math.isinf(1 / number):
         raise UsageError(f"create_rate takes a positive number of Hz, got {described(frequency)}")
-    return 1 / cast("float", frequency)
+    return 1 / number
 
 
 def check_words(args: object) -> None:

@@ -155,7 +155,9 @@ class Factory:
         Raises:
             UsageError: The period is not positive, or the function takes arguments.
         """
-        self.__check_period("create_timer", seconds)
+        self.__check_alive("create_timer")
+        if warning := checks.check_period(seconds):
+            self.__logger.warning(warning)
         checks.check_callback("create_timer", callback)
         timer = Timer(seconds, callback, self.__callbacks.time)
         self.__callbacks.timers.append(timer)
@@ -171,8 +173,8 @@ class Factory:
         Raises:
             UsageError: The frequency is not positive and finite.
         """
+        self.__check_alive("create_rate")
         period = checks.period_of(frequency)
-        self.__check_period("create_rate", period)
         timer = Timer(period, lambda: None, self.__callbacks.time)
         return Rate(self.__context, self.__callbacks, timer)
 
@@ -272,11 +274,6 @@ class Factory:
     def __check_alive(self, call: str) -> None:
         if self.__is_destroyed:
             raise UsageError(f"{call}: the node {self.__resolver.node} was destroyed")
-
-    def __check_period(self, call: str, seconds: object) -> None:
-        self.__check_alive(call)
-        if warning := checks.check_period(call, seconds):
-            self.__logger.warning(warning)
 
     def __resolve_service(self, call: str, service_type: object, name: str) -> str:
         self.__check_alive(call)

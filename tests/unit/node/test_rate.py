@@ -70,8 +70,16 @@ def test_a_rate_in_a_callback_is_an_error_and_beside_spin_it_waits(begin: Begin)
     assert error.message.startswith("rate.sleep() in a callback keeps all others waiting")
 
 
-@pytest.mark.parametrize("frequency", [0, -1, math.nan, math.inf, "10", None, True])
+@pytest.mark.parametrize("frequency", [0, -1, 1e-320, math.nan, math.inf, "10", None, True])
 def test_a_rate_that_is_none_is_refused(begin: Begin, frequency: Any) -> None:
     begin()
     with pytest.raises(LcmtoolsError, match="create_rate takes a positive number of Hz, got"):
         Node("a").create_rate(frequency)
+
+
+def test_a_slow_rate_is_no_timer_that_is_meant_in_milliseconds(
+    begin: Begin, capsys: pytest.CaptureFixture[str]
+) -> None:
+    begin()
+    Node("a").create_rate(0.01)
+    assert capsys.readouterr().err == ""
