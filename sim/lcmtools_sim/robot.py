@@ -5,14 +5,24 @@ import math
 from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
-from lcmtools_sim.arithmetic import FLOATS
 from lcmtools_sim.command import interpret
 from lcmtools_sim.engines.engine import Motion
-from lcmtools_sim.geometry import Pose, Vector, yaw_of
+from lcmtools_sim.geometry import (
+    Pose,
+    Vector,
+    add,
+    axes,
+    components,
+    dot,
+    multiply,
+    scaled,
+    subtract,
+    yaw_of,
+)
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.sensors.motion import OdometrySettings
 from lcmtools_sim.sensors.sensor import RobotState, random_numbers
-from lcmtools_sim.vehicles import Variables, Vehicles, constants, measured, planar_motion
+from lcmtools_sim.vehicles import Variables, Vehicles, constants, measured, planar_motions
 from lcmtools_sim.vision.solids import solids_of
 from lcmtools_sim.world import World
 
@@ -104,8 +114,7 @@ class Robot:
         """The present motion of its body."""
         if not self.is_free:
             return self._motion
-        known, now = self.vehicles.row(self.index)
-        return planar_motion(now, known.height, FLOATS)
+        return planar_motions(*self.vehicles.row(self.index))[0]
 
     @property
     def stands(self) -> bool:
@@ -135,10 +144,7 @@ class Robot:
     def hold(self) -> None:
         """Have the engine move the body from now on."""
         if self.is_free:
-            now = self.vehicles.row(self.index)[1]
-            before = (now.before_vx, now.before_vy, 0.0), (0.0, 0.0, now.before_turn_rate)
-            self._motion = self.motion
-            self._before = Motion(*self._motion[:2], *before)
+            self._motion, self._before = planar_motions(*self.vehicles.row(self.index))
             self.world.hold(self.body, self._motion)
             self.is_free = False
 
@@ -166,14 +172,10 @@ class Robot:
 
     def state(self, time: int) -> RobotState:
         """The state that its sensors measure; ``time`` in simulated nanoseconds."""
-        if self.is_free and self.vehicles.is_single:
-            return self.vehicles.state(time)
-        values = known, now = self.vehicles.row(self.index)
-        motion, before = self._motion, self._before[2:]
         if self.is_free:
-            motion = planar_motion(now, known.height, FLOATS)
-            before = (now.before_vx, now.before_vy, 0.0), (0.0, 0.0, now.before_turn_rate)
-        return measured(motion, before, values, (time, self._dt), FLOATS)
+            return self.vehicles.state(time, self.index)
+        values = self.vehicles.row(self.index)
+        return measured(self._motion, self._before, values, (time, self._dt))
 
     def _wheel_angles(self) -> tuple[float, float]:
         left, right = self.vehicles.get(self.index, "left_angle", "right_angle")
@@ -185,38 +187,23 @@ class Robot:
         The pull acts along the heading in the middle of the step, so that the engine's straight
         steps are the chords of the robot's arc. It compensates the effect of gravity in this step,
         or the robot would creep down every slope; on a slope the wheels carry less.
-
-        The rotations are written out, as this is called in every step; tests compare it with
-        geometry's functions.
         """
-        _, (x, y, z, w), velocity, angular_velocity = self._motion
-        (vx, vy, vz), (wx, wy, wz) = velocity, angular_velocity
+        motion, velocity = self._motion, self._motion.velocity
         left, right = self.vehicles.get(self.index, "left", "right")
         quarter_turn = (right - left) / self._track * self._dt / 4
-        s, c = math.sin(quarter_turn), math.cos(quarter_turn)
-        x, y, z, w = c * x + s * y, c * y - s * x, c * z + s * w, c * w - s * z
-        x2, y2, z2 = x + x, y + y, z + z
-        xx, yy, zz, xy, xz, yz = x * x2, y * y2, z * z2, x * y2, x * z2, y * z2
-        wx2, wy2, wz2 = w * x2, w * y2, w * z2
-        ux, uy, uz = xz + wy2, yz - wx2, 1 - xx - yy
-        if uz < _UPRIGHT or abs(vx * ux + vy * uy + vz * uz) > _LIFTING_OFF:
-            return velocity, angular_velocity
-        fx, fy, fz = 1 - yy - zz, xy + wz2, xz - wy2
-        lx, ly, lz = xy - wz2, 1 - xx - zz, yz + wx2
-        falling = vz - self._fall
-        forward, sideways, turn_rate = self._tyres(
-            vx * fx + vy * fy + falling * fz,
-            vx * lx + vy * ly + falling * lz,
-            wx * ux + wy * uy + wz * uz,
+        mid_turn = 0.0, 0.0, math.sin(quarter_turn), math.cos(quarter_turn)
+        frame = axes(multiply(motion.rotation, mid_turn))
+        up = frame[2]
+        if up[2] < _UPRIGHT or abs(dot(velocity, up)) > _LIFTING_OFF:
+            return motion[2:]
+        forward, sideways, _ = components(subtract(velocity, (0.0, 0.0, self._fall)), frame)
+        along, across, twist = self._tyres(
+            forward,
+            sideways,
+            dot(motion.angular_velocity, up),
             left,
             right,
-            self._largest_impulse * uz,
+            self._largest_impulse * up[2],
         )
-        return (
-            (
-                vx + forward * fx + sideways * lx,
-                vy + forward * fy + sideways * ly,
-                vz + forward * fz + sideways * lz,
-            ),
-            (wx + turn_rate * ux, wy + turn_rate * uy, wz + turn_rate * uz),
-        )
+        pull = add(scaled(frame[0], along), scaled(frame[1], across))
+        return add(velocity, pull), add(motion.angular_velocity, scaled(up, twist))

@@ -12,10 +12,10 @@ from typing import TypeVar, cast
 import numpy as np
 
 from lcmtools.clock import split_stamp
-from lcmtools_sim.arithmetic import FLOATS, Arithmetic, Value, arithmetic_of
+from lcmtools_sim.arithmetic import FLOATS, Value, arithmetic_of
 from lcmtools_sim.drive import body_velocity, dead_reckoning, followed
 from lcmtools_sim.engines.engine import Motion
-from lcmtools_sim.geometry import Vector, add, axes, components, cross, scaled, subtract
+from lcmtools_sim.geometry import add, axes, components, cross, scaled, subtract
 from lcmtools_sim.robots.model import RobotModel
 from lcmtools_sim.sensors.sensor import RobotState, Sides
 from lcmtools_sim.tyres import Tyres, gripping, skidding
@@ -233,51 +233,48 @@ class Vehicles:
             self.ops,
         )
 
-    def state(self, time: int) -> RobotState:
-        """The state that sensors measure on level ground; ``time`` in simulated nanoseconds."""
-        now, ops = self.now, self.ops
-        return measured(
-            planar_motion(now, self.constants.height, ops),
-            ((now.before_vx, now.before_vy, 0.0), (0.0, 0.0, now.before_turn_rate)),
-            (self.constants, now),
-            (time, self.dt),
-            ops,
-        )
+    def state(self, time: int, index: int | None = None) -> RobotState:
+        """The state that sensors measure on level ground: of one robot, or as arrays of all.
+
+        ``time`` in simulated nanoseconds.
+        """
+        values = (self.constants, self.now) if index is None else self.row(index)
+        motion, before = planar_motions(*values)
+        return measured(motion, before, values, (time, self.dt))
 
 
-def planar_motion(now: Variables, height: Value, ops: Arithmetic) -> Motion:
-    """The motion on level ground of bodies whose centres of mass are so high [m]."""
-    half = now.yaw / 2
-    return Motion(
-        (now.x, now.y, height),
-        (0.0, 0.0, ops.sin(half), ops.cos(half)),
-        (now.vx, now.vy, 0.0),
-        (0.0, 0.0, now.turn_rate),
+def planar_motions(known: Constants, now: Variables) -> tuple[Motion, Motion]:
+    """The motion of bodies on level ground; and with the velocities of one step ago."""
+    ops, half = arithmetic_of(now.yaw), now.yaw / 2
+    pose = (now.x, now.y, known.height), (0.0, 0.0, ops.sin(half), ops.cos(half))
+    return (
+        Motion(*pose, (now.vx, now.vy, 0.0), (0.0, 0.0, now.turn_rate)),
+        Motion(*pose, (now.before_vx, now.before_vy, 0.0), (0.0, 0.0, now.before_turn_rate)),
     )
 
 
 def measured(
     motion: Motion,
-    before: tuple[Vector, Vector],
+    before: Motion,
     values: tuple[Constants, Variables],
     times: tuple[int, float],
-    ops: Arithmetic,
 ) -> RobotState:
     """The state that sensors measure.
 
     Args:
         motion: Of the body.
-        before: Its velocity and angular velocity one step ago.
+        before: Its motion one step ago.
         values: Of the robot.
         times: Simulated nanoseconds, and seconds of a step.
-        ops: For these values.
     """
     (known, now), (time, dt) = values, times
+    ops = arithmetic_of(now.yaw)
     frame = axes(motion.rotation)
     base_link = scaled(frame[2], known.base)
     swing = cross(motion.angular_velocity, base_link)
-    change = scaled(subtract(motion.velocity, before[0]), 1 / dt)
-    angular_acceleration = scaled(subtract(motion.angular_velocity, before[1]), 1 / dt)
+    change = scaled(subtract(motion.velocity, before.velocity), 1 / dt)
+    turning = subtract(motion.angular_velocity, before.angular_velocity)
+    angular_acceleration = scaled(turning, 1 / dt)
     of_lever = add(cross(angular_acceleration, base_link), cross(motion.angular_velocity, swing))
     angular_velocity = components(motion.angular_velocity, frame)
     # The body moved along a chord, in the direction of its heading in the middle of the step.

@@ -223,6 +223,8 @@ class Mujoco:
         self._speeds = adr[:, None] + np.arange(3)
         """The places of each shape's velocity in qvel with three zeros behind it."""
         self._friction = model.geom_friction[:, 0].copy()
+        self._pairs: bytes | None = None
+        """The shapes of each contact of the last step."""
         self._objects = [
             (number, min(part.shape.least_radius for part in body.parts))
             for number, body in self._bodies.items()
@@ -252,19 +254,21 @@ class Mujoco:
         """
         if not self._objects:
             return
-        contact = self._data.contact
-        rough = np.flatnonzero(contact.dim == _ROUGH)
-        first, second = contact.geom1[rough], contact.geom2[rough]
-        friction = self._friction[first] * self._friction[second]
-        contact.friction[rough, :2] = np.maximum(friction, _LEAST_FRICTION)[:, None]
-        speeds = np.concatenate((self._qvel, (0.0, 0.0, 0.0)))
-        slip = speeds[self._speeds[first]] - speeds[self._speeds[second]]
+        contact, speeds = self._data.contact, np.concatenate((self._qvel, (0.0, 0.0, 0.0)))
+        if (pairs := contact.geom.tobytes()) != self._pairs:  # mostly they are the same again
+            self._pairs, self._rough = pairs, np.flatnonzero(contact.dim == _ROUGH)
+            first, second = contact.geom[self._rough].T
+            friction = self._friction[first] * self._friction[second]
+            self._products = np.maximum(friction, _LEAST_FRICTION)[:, None]
+            self._places = self._speeds[first], self._speeds[second]
+        contact.friction[self._rough, :2] = self._products
+        slip = speeds[self._places[0]] - speeds[self._places[1]]
         time = 2 / _BRAKING * np.sqrt(np.einsum("ni,ni->n", slip, slip))
         is_slow = time > _STEPS * self._dt
         if is_slow.any():
             reference = contact.solreffriction
-            reference[rough[is_slow], 0] = time[is_slow]
-            reference[rough[is_slow], 1] = 1.0
+            reference[self._rough[is_slow], 0] = time[is_slow]
+            reference[self._rough[is_slow], 1] = 1.0
 
     def _stop_at_walls(self) -> None:
         """Put an object that would pass through something in this step before it, without bounce.
