@@ -15,7 +15,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from lcmtools.errors import UsageError
-from lcmtools.launch.packages import files_below, find_package, is_there, lab_packages, path_from
+from lcmtools.launch.packages import files_below, is_there, lab_packages, package_folder, path_from
 from lcmtools.names import did_you_mean
 from lcmtools.packages.finding import find_node, own_answer, undeclared
 from lcmtools.packages.nodes import OWN, Runnable, runnables
@@ -74,7 +74,7 @@ def find_executable(package: str, name: str, folder: Path) -> Executable:
         if is_own and spelling in nodes:
             return _own(spelling, known, package)
     if not nodes:
-        find_package(package, folder)  # says that there is none
+        package_folder(package, folder)  # says that there is none
     if error := undeclared((package, plain), known, (Path.cwd(), folder)):
         raise error
     listed = f"it has {', '.join(sorted(nodes))}" if nodes else "make its file executable: chmod +x"
@@ -173,7 +173,7 @@ def _as_lcmtools() -> set[str]:
 def _script(package: str, name: str, folder: Path) -> str:
     """Return an executable file of a package's folder, as rosrun finds them, or ""."""
     try:
-        files = files_below(find_package(package, folder))
+        files = files_below(package_folder(package, folder))
     except UsageError:
         return ""
     wanted = (name, f"{name}.py")

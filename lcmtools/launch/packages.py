@@ -44,7 +44,7 @@ def is_there(path: Path) -> bool:
         return False
 
 
-def find_package(name: str, *starts: Path) -> Path:
+def package_folder(name: str, *starts: Path) -> Path:
     """Return a package's folder, also of the workspaces of ``starts``; UsageError for none."""
     space = workspace(Path.cwd(), *starts)
     if name.replace("_", "a").replace("-", "a").isalnum():
@@ -62,7 +62,7 @@ def find_package(name: str, *starts: Path) -> Path:
 def is_package(name: str) -> bool:
     """Return True if there is a package of this name."""
     try:
-        find_package(name)
+        package_folder(name)
     except UsageError:
         return False
     return True
@@ -85,7 +85,7 @@ def lab_files() -> list[tuple[str, str]]:
 def launch_files(package: str) -> list[str]:
     """Return the names of a package's launch files; none if there is no such package."""
     try:
-        return [path.name for path in _launch_files(find_package(package))]
+        return [path.name for path in _launch_files(package_folder(package))]
     except UsageError:
         return []
 
@@ -113,7 +113,7 @@ def find_files(words: Sequence[str]) -> list[Path]:
         return list(map(Path, words))
     if not rest:
         return [_find_alone(first)]
-    folder = find_package(first)
+    folder = package_folder(first)
     return [_find_in(folder, first, name) for name in rest]
 
 
@@ -128,9 +128,9 @@ def _find_alone(word: str) -> Path:
         raise InvalidFile(f"{word} is a folder, not a launch file")
     known = {name: package for package, name in lab_files()}
     if name := next((name for name in names if name in known), ""):
-        return _find_in(find_package(known[name]), known[name], name)
+        return _find_in(package_folder(known[name]), known[name], name)
     if is_package(word):
-        return _only_file(find_package(word), word)
+        return _only_file(package_folder(word), word)
     here = [path.name for path in (*Path().glob("*"), *Path("launch").glob("*"))]
     here = [name for name in here if name.endswith(SUFFIXES)]
     hint = did_you_mean(word, [*known, *here]) or f"those of the labs: {', '.join(known)}"

@@ -12,7 +12,7 @@ from typing import TypeVar
 
 from lcmtools.errors import UsageError
 from lcmtools.formats.strict_xml import Element
-from lcmtools.launch.packages import find_package
+from lcmtools.launch.packages import package_folder
 from lcmtools.launch.substitution import Known, substitute
 from lcmtools.launch.tags import unknown_attributes
 from lcmtools.names import check_legal, resolve
@@ -44,7 +44,7 @@ class Scope:
             self.arguments,
             self.environment,
             str(self.folder),
-            lambda name: str(find_package(name, self.folder)),
+            lambda name: str(package_folder(name, self.folder)),
             self.names,
         )
         return located(element, lambda: substitute(text, known))

@@ -34,7 +34,7 @@ class Known:
     arguments: Mapping[str, str]
     environment: Mapping[str, str]
     folder: str  # of the file
-    find_package: Callable[[str], str]  # returns a package's folder
+    package_folder: Callable[[str], str]  # returns a package's folder
     names: dict[str, str] = field(default_factory=dict)  # of ``$(anon x)``; new ones are added
 
     def argument(self, name: str) -> str:
@@ -136,7 +136,7 @@ def _functions(known: Known) -> dict[str, Callable[[str], str]]:
     return {
         "arg": known.argument,
         "env": known.variable,
-        "find": known.find_package,
+        "find": known.package_folder,
         "anon": known.anonymous,
     }
 

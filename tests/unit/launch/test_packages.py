@@ -8,7 +8,7 @@ import pytest
 
 from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.launch.executables import Executable, find_executable, find_typed, startable
-from lcmtools.launch.packages import LABS, find_files, find_package
+from lcmtools.launch.packages import LABS, find_files, package_folder
 
 Make = Callable[..., Path]
 
@@ -52,7 +52,7 @@ def test_labs_files_are_found_by_name_and_by_package(
 
 def test_own_package_and_own_file_come_before_the_labs(workspace: Make, folder: Path) -> None:
     package = workspace("air_lab0", "launch/simple_controller.launch", "deep/er/b.yaml")
-    assert find_package("air_lab0") == package
+    assert package_folder("air_lab0") == package
     assert find_files(["air_lab0", "simple_controller.launch"]) == [
         package / "launch" / "simple_controller.launch"
     ]
@@ -75,14 +75,14 @@ def test_package_is_found_from_within_and_below_src(
     workspace: Make, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     package = workspace("src/mine", "launch/a.launch")
-    assert find_package("mine") == package
+    assert package_folder("mine") == package
     monkeypatch.chdir(package / "launch")
-    assert find_package("mine") == package
+    assert package_folder("mine") == package
     assert folder in package.parents
 
 
 def test_installed_package_is_a_package() -> None:
-    assert find_package("lcmtools") == LABS.parents[1]
+    assert package_folder("lcmtools") == LABS.parents[1]
 
 
 def test_several_files_are_taken_together(folder: Path) -> None:

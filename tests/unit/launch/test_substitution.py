@@ -9,7 +9,7 @@ KNOWN = Known(
     arguments={"robot": "husky0", "n": "2", "flag": "true", "text": "$(arg n)"},
     environment={"HOME": "/home/me"},
     folder="/labs",
-    find_package=lambda name: f"/packages/{name}",
+    package_folder=lambda name: f"/packages/{name}",
 )
 
 
