@@ -7,56 +7,18 @@ from contextlib import suppress
 from io import TextIOWrapper
 from typing import Any, ClassVar, TextIO, cast
 
-from rich.text import Text
-from textual.app import App, ComposeResult
+from textual.app import App
 from textual.binding import Binding, BindingType
-from textual.containers import VerticalScroll
 from textual.drivers.linux_driver import LinuxDriver
 from textual.events import Event, InputEvent
-from textual.screen import ModalScreen
-from textual.widgets import Static
 
 from lcmtools.cli.ending import BY_SIGNAL, INTERRUPTED
-from lcmtools.cli.spy.columns import COLUMNS, TableView
+from lcmtools.cli.spy.columns import TableView
 from lcmtools.cli.spy.live.overview import Overview
-from lcmtools.cli.spy.live.rows import Page
+from lcmtools.cli.spy.live.screens import HelpScreen
 from lcmtools.observe.channels import ChannelSelection
 from lcmtools.observe.feed import Feed
 from lcmtools.observe.monitor import BusMonitor
-
-_HELP = f"""\
-Enter         the channel's message, decoded; there: a number's
-              curve, or an array's elements
-F3 /          search a channel; F3 again: the next one
-F4 \\          only rows with this text anywhere; Esc: all
-F6 < >        sort by: choose; the previous column, the next
-{" ".join(column.letter for column in COLUMNS.values())}
-              sort by this column, as F6 lists them
-I             sort the other way round
-Space c       pause; count from zero
-F1 h ?        this help
-F10 q Ctrl-C  quit; Ctrl-Z: back to the shell, until fg
-
-Hz bandwidth  of the last two seconds
-jitter        the longest recent interval less the shortest
-loss          of the channel's senders: LCM numbers a sender's
-              messages, not a channel's; what this computer
-              is too busy to take counts too
-type +2       it may be two others with the same fingerprint
-dim           silent for three seconds, or ever"""
-
-
-class HelpScreen(ModalScreen[None], Page[None]):
-    """The keys, and the meaning of the columns."""
-
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape,q,enter,f1,h,question_mark", "back", "Back", show=False)
-    ]
-
-    def compose(self) -> ComposeResult:
-        text = VerticalScroll(Static(Text(_HELP)))
-        text.border_title = "keys and columns"
-        yield text
 
 
 class TerminalFile:

@@ -17,7 +17,8 @@ from lcmtools.cli.spy.details import (
     number_text,
     properties,
 )
-from lcmtools.cli.spy.live.rows import Cell, Cells, CurveCell, LivePage, RowTable
+from lcmtools.cli.spy.live.rows import Cell, Cells, CurveCell, RowTable
+from lcmtools.cli.spy.live.screens import LivePage
 from lcmtools.graph.drawing.labels import printable
 from lcmtools.observe.feed import Feed
 from lcmtools.observe.study import Study, curve

@@ -6,13 +6,12 @@ from typing import ClassVar
 from rich.text import Text
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.screen import ModalScreen
-from textual.widgets import DataTable, Footer, Input, OptionList
-from textual.widgets.option_list import Option
+from textual.widgets import DataTable, Footer, Input
 
-from lcmtools.cli.spy.columns import COLUMNS, Column, TableView, bandwidth_text, heading, rate_text
+from lcmtools.cli.spy.columns import COLUMNS, Column, TableView, bandwidth_text, rate_text
 from lcmtools.cli.spy.live.detail import Detail
-from lcmtools.cli.spy.live.rows import Cell, Cells, LivePage, Page, RowTable
+from lcmtools.cli.spy.live.rows import Cell, Cells, RowTable
+from lcmtools.cli.spy.live.screens import LivePage, SortScreen
 from lcmtools.cli.spy.table import ColumnLayout, layout, natural_widths
 from lcmtools.graph.drawing.labels import printable
 from lcmtools.observe.channels import ChannelRow
@@ -207,23 +206,3 @@ def cell_style(row: ChannelRow, column: Column) -> str:
     if row.is_silent:
         return "dim"
     return "bold yellow" if column.name == "type" and not row.types else ""
-
-
-class SortScreen(ModalScreen[str | None], Page[str | None]):
-    """The columns to sort by, in front of the table; returns the one chosen."""
-
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape,q,f6", "back", "Back", show=False)]
-
-    def __init__(self, column: str) -> None:
-        super().__init__()
-        self._column = column
-
-    def compose(self) -> ComposeResult:
-        options = [Option(f"{c.letter}  {heading(c)}", id=c.name) for c in COLUMNS.values()]
-        columns = OptionList(*options)
-        columns.border_title = "sort by"
-        columns.highlighted = list(COLUMNS).index(self._column)
-        yield columns
-
-    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        self.dismiss(event.option_id)

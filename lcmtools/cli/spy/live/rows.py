@@ -1,4 +1,4 @@
-"""A table of rows that are refreshed several times a second, and the screens' common part."""
+"""A table of rows that are refreshed several times a second."""
 
 from collections.abc import Callable, Sequence
 from typing import ClassVar, NamedTuple
@@ -6,14 +6,11 @@ from typing import ClassVar, NamedTuple
 from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
-from textual.await_complete import AwaitComplete
 from textual.binding import Binding, BindingType
 from textual.color import Color
 from textual.renderables.sparkline import Sparkline
-from textual.screen import Screen, ScreenResultType
-from textual.widgets import DataTable, Static
+from textual.widgets import DataTable
 
-PERIOD = 0.2  # time between two looks at what is new [s]
 CURVE = Color.parse("ansi_cyan").rich_color
 
 
@@ -118,39 +115,3 @@ class RowTable(DataTable[Cell | CurveCell]):
             for number, (old, new) in enumerate(zip(before, self._shown[key], strict=True)):
                 if old != new:
                     self.update_cell(key, f"{number}", new)
-
-
-class Page(Screen[ScreenResultType]):
-    """A screen that is left once, however fast somebody types."""
-
-    def dismiss(self, result: ScreenResultType | None = None) -> AwaitComplete:
-        in_front = self.app.screen_stack[-1:] == [self]
-        return super().dismiss(result) if in_front else AwaitComplete()
-
-    def action_back(self) -> None:
-        self.dismiss()
-
-
-class LivePage(Page[None]):
-    """A screen that ``draw`` draws several times a second, unless it is paused."""
-
-    def __init__(self, draw: Callable[[], None]) -> None:
-        super().__init__()
-        self.draw = draw
-        self.is_paused = False
-        self.top = Static(id="title")
-
-    def on_mount(self) -> None:
-        self.draw()
-        self.set_interval(PERIOD, self.update)
-
-    def on_resize(self) -> None:
-        self.call_after_refresh(self.draw)
-
-    def action_pause(self) -> None:
-        self.is_paused = not self.is_paused
-        self.draw()
-
-    def update(self) -> None:
-        if not self.is_paused:
-            self.draw()

@@ -13,7 +13,8 @@ from textual.drivers._writer_thread import WriterThread
 from textual.events import Key
 
 from lcmtools.cli.spy.live.app import SpyApp, TerminalFile
-from lcmtools.cli.spy.live.rows import Page, RowTable
+from lcmtools.cli.spy.live.rows import RowTable
+from lcmtools.cli.spy.live.screens import Page
 from lcmtools.messages.codec import encode
 from lcmtools.observe.feed import Snapshot
 from lcmtools.types.geometry_msgs import Vector3
@@ -161,7 +162,7 @@ def test_a_screen_is_opened_once_and_left_once_however_fast_somebody_types(
 def test_a_storm_of_keys_and_sizes_leaves_the_table_standing(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("lcmtools.cli.spy.live.rows.PERIOD", 0.01)
+    monkeypatch.setattr("lcmtools.cli.spy.live.screens.PERIOD", 0.01)
     chance = random.Random(seed)  # noqa: S311 - no secret
     keys = ["escape", "left", "enter", "enter", "f1", "h", "f6", "f3", "f4", "x", "plus", "c", "r"]
 
