@@ -2,6 +2,7 @@
 # make test       the same environment, and the tests that a change should pass at once
 # make test-slow  the faults suite, the labs, every block of the documents, several hosts
 # make man        the man pages, into build/man; a built wheel has them
+# make bench      what is measured, beside its anchor and its goal, in one table
 # make check      types fresh, ruff, mypy, import rules, spelling
 
 # the first that is new enough; where there is none, uv brings its own
@@ -54,7 +55,7 @@ format: $(VENV)/.installed-dev
 	$(BIN)/ruff format $(SOURCES)
 
 bench: $(VENV)/.installed-dev
-	for script in $(filter-out bench/common.py bench/commands.py bench/compared.py,$(wildcard bench/*.py)); do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+	$(BIN)/python bench/goals.py $(ARGS)
 
 $(VENV)/.venv:
 	@if [ -n "$(PYTHON)" ]; then \
