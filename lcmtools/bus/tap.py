@@ -33,6 +33,8 @@ _MAX_DATAGRAM = 65536
 _BATCH = 256  # datagrams taken in one turn
 _STREAM, _STREAM_GAP, _NAP = 8, 0.005, 0.01
 """After so many turns, each within so many seconds of the last, a turn begins with a nap [s]."""
+_OF_A_NAP = 128
+"""Messages that may come meanwhile: half of what a usual buffer holds of small ones."""
 
 
 class Tap(contextlib.AbstractContextManager["Tap"]):
@@ -46,6 +48,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         always_whole: Channels that begin so come whole nevertheless.
 
     Attributes:
+        longest_nap: The time [s] that messages of a stream may wait, to be read together.
         malformed, sequences, ttls: As of ``Reader``.
 
     Raises:
@@ -68,7 +71,9 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         self._receiver.settimeout(0.0)
         self._sender = sending_socket(url)
         self._seqno = 0
-        self._whole, self._wants_whole = whole, bool(always_whole)
+        self.longest_nap = 0.0 if whole else _NAP
+        self._nap = _NAP
+        self._wants_whole = whole or bool(always_whole)
         self._passing = 0  # bytes of the messages of which the filter lets all fragments pass
         self._filtered = not whole and in_kernel and attach(self._receiver, heads_only())
         self._reader = Reader(whole=whole, always_whole=(PROTOCOL_PREFIX, *always_whole))
@@ -130,8 +135,9 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
     def receive(self, timeout: float) -> list[Packet]:
         """Return the messages that have arrived, waiting up to ``timeout`` [s] for the first."""
         timeout = max(0.0, timeout)
-        if self._is_streaming():  # waking up for each message costs more than reading it
-            time.sleep(min(_NAP, timeout))
+        is_streaming = self._is_streaming()
+        if is_streaming:  # waking up for each message costs more than reading it
+            time.sleep(min(self._nap, timeout))
         if not select.select([self._receiver], [], [], timeout)[0]:
             return []
         packets: list[Packet] = []
@@ -145,6 +151,8 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
                     packets.append(packet)
                     if packet.channel == SELF_TEST_CHANNEL:  # it stays here even if others do not
                         self._reader.ttls.pop(Sender(*address), None)
+        if is_streaming:
+            self._nap = min(self.longest_nap, self._nap * _OF_A_NAP / max(1, len(packets)))
         needed = self._reader.largest_whole
         if self._filtered and needed > self._passing:  # for the next messages of their kind
             self._passing = needed
@@ -154,14 +162,14 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
     def _is_streaming(self) -> bool:
         """Return whether turns follow each other at once, so that a nap pays.
 
-        Never with whole messages, which would fill the kernel's buffer meanwhile, nor where a
-        message's receive time is that of its reading.
+        Never with large messages, which would fill the kernel's buffer meanwhile, where they are
+        wanted whole, nor where a message's receive time is that of its reading.
         """
         now = time.monotonic()
         self._turns = self._turns + 1 if now - self._last_turn < _STREAM_GAP else 0
         self._last_turn = now
-        has_whole = self._whole or (self._wants_whole and self._reader.needs_all)
-        if self._turns < _STREAM or has_whole or not self._has_times:
+        has_large = self._wants_whole and self._reader.largest_whole > 0
+        if self._turns < _STREAM or has_large or not (self.longest_nap and self._has_times):
             return False
-        self._last_turn += _NAP
+        self._last_turn += self._nap
         return True

@@ -27,6 +27,7 @@ from lcmtools.observe.selection import OneTopic
 from lcmtools.wire.packet import Packet
 
 _REPORT_PERIOD = 1.0  # [s]
+_NAP = 0.04  # [s] that messages may wait to be counted: the kernel notes their times
 _LONGEST = 0.5  # [s] that counters are compared over
 _ENOUGH = 4  # messages on each topic, to end sooner
 _AWAKENING = 0.3  # [s] that publishers have for a first message
@@ -131,6 +132,8 @@ class Measurement(Generic[ItemT, FoundT]):
         self._silent = dict.fromkeys(windows)
         self._now = 0
         monitor.discover()
+        if monitor.tap:
+            monitor.tap.longest_nap = _NAP
         self._stream = ArrivalStream(
             monitor,
             [OneTopic(topic, options.names, with_path=False) for topic in windows],

@@ -40,7 +40,7 @@ class Reader:
         self.needs_all = whole
         """True if it needs other fragments than the first of their message."""
         self.largest_whole = 0
-        """Bytes of the largest message so far on the channels that come whole."""
+        """Bytes of the largest message of several fragments on the channels that come whole."""
         self.malformed: dict[Sender, str] = {}
         """The last reason for each sender whose datagrams could not be read."""
         self.sequences: dict[Sender, Sequence] = {}
@@ -82,6 +82,7 @@ class Reader:
                 return None
             head = fragment.part[:HEAD_BYTES]
             return Packet(channel, head, time, sender, seqno, fragment.message_size)
+        self.largest_whole = max(self.largest_whole, fragment.message_size)
         if channel is not None or sender in self.sequences:  # else it had begun before
             self._sequence(sender).begin(seqno)
         whole = self._reassembler.add(sender, fragment)
@@ -96,7 +97,6 @@ class Reader:
         if fragment.channel is None or not fragment.channel.startswith(self._always_whole):
             return fragment.channel is None and key in self._joined
         self.needs_all = True
-        self.largest_whole = max(self.largest_whole, fragment.message_size)
         if len(self._joined) >= _MOST_SENDERS:
             self._joined.pop(next(iter(self._joined)))
         self._joined[key] = None

@@ -152,10 +152,11 @@ def _self_tests(packets: list[Packet]) -> int:
 
 
 @pytest.mark.usefixtures("private_network")
-def test_a_stream_is_read_to_its_last_message() -> None:
+@pytest.mark.parametrize("longest_nap", [0.0, 0.01, 0.04])
+def test_a_stream_is_read_to_its_last_message(longest_nap: float) -> None:
     """Turns that follow each other at once begin with a nap, in which nothing may be lost."""
     with Tap(_URL) as tap, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-        count = 0
+        count, tap.longest_nap = 0, longest_nap
         for seqno in range(500):
             sender.sendto(short_message(seqno, "A", b"x"), _GROUP)
             count += sum(packet.channel == "A" for packet in tap.receive(0.001))

@@ -1,8 +1,10 @@
 """``lcmtools echo``."""
 
 import os
+import stat
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from itertools import islice
 
 import click
@@ -26,6 +28,7 @@ from lcmtools.observe.selection import select_topics
 from lcmtools.observe.sources import LogObserver
 
 _FORMS: dict[str, Form] = {"--json": "json", "--csv": "csv", "--flow-style": "flow", "--raw": "raw"}
+_NAP = 0.01  # [s] that messages may wait for each other on their way to a screen
 _ALL_TOPICS = "**"
 _SHORT = 200  # elements of an array on a terminal
 _MORE = "... {} more, which --full-length shows"
@@ -142,6 +145,8 @@ def command(
     meant = [select_topics(topic, names) for topic in topics]
     with _open(bag) as monitor:
         monitor.discover()
+        if monitor.tap:
+            monitor.tap.longest_nap = _NAP if _may_wait() else 0.0
         stream = ArrivalStream(monitor, meant, names)
         for types, path in stream.announced():
             options.check(types, path)
@@ -184,6 +189,14 @@ def _open(bag: str | None) -> BusMonitor:
     if bus_choice().url or bus_choice().domain:
         raise UsageError("-b reads a log in place of the bus", "leave out --lcm-url and --domain")
     return BusMonitor(BusUrl("file", bag), "echo", os.environ, LogObserver(bag))
+
+
+def _may_wait() -> bool:
+    """Return True where a person or a file takes the output: a program at a pipe must not wait."""
+    with suppress(OSError):  # it is no file of the system
+        mode = os.fstat(sys.stdout.fileno()).st_mode
+        return stat.S_ISREG(mode) or stat.S_ISCHR(mode)
+    return False
 
 
 def _can_clear() -> bool:

@@ -103,3 +103,12 @@ def test_large_messages_that_never_become_whole_are_lost() -> None:
         parts += list(fragments(number, "/image", bytes(150_000)))[:-1]
     read(reader, parts)
     assert (reader.sequences[SENDER].messages, reader.sequences[SENDER].lost) == (0, 2)
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_the_size_of_large_messages_is_known_where_they_come_whole(*, whole: bool) -> None:
+    reader = Reader(whole=whole)
+    read(reader, [short_message(2, "EXAMPLE", b"12345678abc")])
+    assert reader.largest_whole == 0
+    read(reader, list(fragments(4, "/image", bytes(150_000))))
+    assert reader.largest_whole == (150_000 if whole else 0)
