@@ -126,6 +126,9 @@ def disconnected(observed: Observations, hint: str = "") -> Cause | None:
     if not (look.nodes or look.publications):
         text = "nothing of it is on the check's bus, no node and no message: does it make its node,"
         return Cause("no-node", f"{text} and take the bus from LCM_DEFAULT_URL?")
+    is_bare = not (look.publications or look.subscriptions)
+    if is_bare and program.publishes and not program.has_keys:
+        return Cause("publisher", f"it makes no publisher of {program.publishes[0]}")
     wrong = _elsewhere(look, program.publishes, program.types)
     wrong = wrong or _not_hearing(look, program.subscribes)
     if wrong or program.has_keys:

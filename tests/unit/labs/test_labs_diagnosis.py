@@ -155,6 +155,7 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file() -> N
         ),
         ({"look": WELL}, "publish", "its callbacks run (500 calls), but publish() is never called"),
         ({"look": replace(WELL, publications=[])}, "publisher", "it makes no publisher of"),
+        ({"look": BusLook([NODE])}, "publisher", "it makes no publisher of /husky0/velocity_cmd"),
     ],
 )
 def test_the_cause_of_silence_is_named(changes: dict[str, Any], key: str, words: str) -> None:
