@@ -16,6 +16,8 @@ from lcmtools_sim.scene import Scene, SceneObject
 from lcmtools_sim.sensors.sensor import Contact
 from lcmtools_sim.shapes import Part, Sphere, centre_of_mass, inertials_of, moments
 
+_SHOWN = 8
+"""Steps between two pictures of released bodies in a window."""
 _AT_REST = 1e-6
 """[m/s, rad/s] A thing that is slower, twice after each other, is left at rest."""
 
@@ -32,6 +34,7 @@ class World(AbstractContextManager["World"]):
 
     def __init__(self, scene: Scene, *, engine: str = "", window: bool = False) -> None:
         self._engine = start_engine(chosen_engine(engine), window=window)
+        self._steps = 0
         self._rests = self._rested = False
         """All in the engine was at rest at the last looks, and at the last one."""
         self.reset(scene)
@@ -52,7 +55,8 @@ class World(AbstractContextManager["World"]):
         """Simulate one dt of all bodies in the engine; those at rest stay so."""
         if not self._rests:
             self._engine.step()
-        if self._engine.has_window:
+        self._steps += 1
+        if self._engine.has_window and self._steps % _SHOWN == 0:
             for body, motion in self._released.items():
                 self._engine.place(body, *motion()[:2])
 

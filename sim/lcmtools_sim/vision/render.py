@@ -85,10 +85,14 @@ class _DepthBuffer:
 
     def fill(self, form: Floats) -> None:
         """Draw the ground into the empty picture."""
-        inverse_depth = evaluate(form, self._x, self._y, self._inverse_depth)
-        np.maximum(inverse_depth, self._least, out=inverse_depth)
-        # Sums and products of masks, here and below: to assign by a mask takes far longer.
-        np.add(inverse_depth > self._least, np.int16(SKY), out=self.solid)
+        a, b, c = form
+        numbers = np.flatnonzero(b * self._y + c + np.abs(a * self._x).max() > self._least)
+        if len(numbers):  # rows below the horizon
+            rows = slice(numbers[0], numbers[-1] + 1)
+            inverse_depth = evaluate(form, self._x, self._y[rows], self._inverse_depth[rows])
+            np.maximum(inverse_depth, self._least, out=inverse_depth)
+            # Sums and products of masks, here and below: to assign by a mask takes far longer.
+            np.add(inverse_depth > self._least, np.int16(SKY), out=self.solid[rows])
 
     def draw(self, bounds: PixelBounds, seen: Surfaces) -> None:
         """Draw a solid in front of what is behind it."""
@@ -103,7 +107,8 @@ class _DepthBuffer:
     def depth(self) -> Floats32:
         """The depth [m]; it takes the buffer's place."""
         inverse_depth = self._inverse_depth
-        np.multiply(inverse_depth, self.solid != SKY, out=inverse_depth)
+        if self._least:  # which the sky has
+            np.multiply(inverse_depth, self.solid != SKY, out=inverse_depth)
         return np.divide(np.float32(1), inverse_depth, out=inverse_depth)
 
     def _interval(self, seen: Surfaces, x: Floats, y: Floats) -> tuple[Floats32, Floats32]:
