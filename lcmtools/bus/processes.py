@@ -13,6 +13,7 @@ import time
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from ipaddress import IPv4Address
+from itertools import pairwise
 from pathlib import Path
 
 _PROC = Path("/proc")
@@ -22,6 +23,8 @@ _ANY_V6, _MAPPED_V6 = "0" * 32, f"{'0' * 16}FFFF0000"  # IPv6 sockets that recei
 
 _INTERPRETERS = ("python", "pypy", "ruby", "perl", "lua", "node", "bash", "sh")
 """The beginnings of the names of programs whose first argument is a script."""
+_CLASS_PATHS = frozenset({"-cp", "-classpath", "--class-path"})
+"""Java's options with a value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,15 +50,20 @@ class Process:
     def called(self, most: int) -> str:
         """Return the command line in so many characters.
 
-        First the program, and the script that an interpreter runs, lose their folders; then words
-        at the end are left out. Arguments are not changed.
+        First the program, and the script that an interpreter runs, lose their folders, and Java its
+        options; then words at the end are left out. Arguments are not changed.
         """
         if len(self.command) <= most:
             return self.command
         program, *arguments = self.command.split(" ")
         program = program.rpartition("/")[2] or program
+        if program == "java":  # its options come first, and tell nothing of what it runs
+            pairs = pairwise(["", *arguments])
+            arguments = [word for before, word in pairs if before not in _CLASS_PATHS]
         place = next((n for n, word in enumerate(arguments) if not word.startswith("-")), None)
-        if program.startswith(_INTERPRETERS) and place is not None:
+        if program == "java":
+            arguments = arguments[place:]
+        elif program.startswith(_INTERPRETERS) and place is not None:
             arguments[place] = arguments[place].rpartition("/")[2]
         text = " ".join([program, *arguments])
         if len(text) <= most:

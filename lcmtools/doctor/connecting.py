@@ -5,7 +5,7 @@ Pure: the graph in, remedies out. Each changes one argument, and names the node 
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 
 from lcmtools.doctor.findings import Part, Statement, Subject, state, subject
@@ -148,8 +148,24 @@ class Connecting:
         }
 
     def ways(self, loose: Iterable[End]) -> list[Way]:
-        """The known ways to connect loose subscriptions."""
-        return [way for node, end in loose for way in self._ways(node, end)]
+        """The known ways to connect loose subscriptions.
+
+        What a node finds in the namespace to which it is to be moved needs no other way.
+        """
+        found = [(node, way) for node, end in loose for way in self._ways(node, end)]
+        moves = {
+            way.listener: way.remedy
+            for node, way in found
+            if way.remedy.kind == "namespace" and way.remedy.parts["node"] == subject(node)
+        }
+
+        def is_met(way: Way) -> bool:
+            move = moves.get(way.listener)
+            return move is not None and namespace_of(way.channel) == move.parts["namespace"]
+
+        return [
+            replace(way, remedy=moves[way.listener]) if is_met(way) else way for _, way in found
+        ]
 
     def ways_out(self, node: Node, endpoint: Endpoint) -> Iterator[Statement]:
         """The remedies that lead a loose publication to a subscription that has a publisher."""

@@ -159,7 +159,7 @@ def _lcm_process(pid: int, bus: str) -> LcmProcess:
         open_files = sum(1 for _ in (_PROC / str(pid) / "fd").iterdir())
     return LcmProcess(
         pid,
-        process.command if process else "",
+        process.called(_NAME_CHARACTERS) if process else "",
         bus,
         next((f"{name}={value}" for name, value in _variables(pid).items()), ""),
         open_files,

@@ -4,6 +4,7 @@ In a sentence, ``{name}`` is a part of the statement; backticks enclose a comman
 as it is, and are not shown. Pure.
 """
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from string import Formatter
 from typing import Any, NamedTuple
@@ -51,10 +52,12 @@ TITLES = {
     "open-files": "The following programs have nearly as many files open as LCM can handle:",
     "other-buses": "The following programs of yours are on other buses{topics:with}:",
     "other-users": "Other users of this computer share this bus:",
+    "paused-simulator": "Simulated time stands still:",
     "overloaded-simulator": "Simulated time passes at {ratio:.2f} of real time{target:not}:"
     " the simulator has too much to do",
     "quaternion": "Rotations that are published are invalid:",
     "queue-drops": "The following nodes are too slow for the messages they receive:",
+    "never-called": "The following nodes do not run their callbacks:",
     "reassembly": "{datagrams} datagrams came without some of their fragments",
     "rp-filter": "rp_filter is strict on {interface}: it may drop other computers' messages",
     "replayed": "Stamps are old and advance as the clock does, as in a log that is played again:",
@@ -128,6 +131,7 @@ FACTS = {
     "publisher": "{sender}: {topic}",
     "publishes": "{node} publishes {type}",
     "raised": "{node} raised {exception} {count:times}, {place}: {message} (in {callback:call})",
+    "received": "{node} has received {messages} messages of {topic}",
     "sender-reason": "{sender}: {reason}",
     "sends": "{sender} sends {type}",
     "sends-with-ttl": "{sender} sends with ttl={ttl}",
@@ -205,6 +209,7 @@ REMEDIES = {
     "rename-one": "let one of them use another channel",
     "replace-remap": "start {node} with {old}:={new} in place of {argument}",
     "republish": "let it publish on '{topic}'",
+    "resume": "if that was not intended: `lcmtools sim resume`",
     "restart-listeners": "start the listeners again, or let the route lead there:"
     " `ip route show 224.0.0.0/4`",
     "restart-or-forget": "start {node} again, or forget it: `lcmtools node cleanup`",
@@ -360,7 +365,7 @@ _SPECS: Mapping[str, Callable[[Any], str]] = {
     "not": lambda target: f", not {target:g}" if target != 1 else "",
     "or": lambda values: " or ".join(map(str, values)),
     "call": lambda name: f"the callback of {name}" if str(name).startswith("/") else str(name),
-    "repr": lambda value: repr(str(value)),
+    "repr": lambda value: re.sub(r"\\udc(?=[89a-f])", r"\\x", repr(str(value))),  # a stray byte
     "times": lambda count: f"{count} times" if count > 1 else "once",
     "use": lambda several: "uses" if len(several) == 1 else "use",
     "time": lambda seconds: duration_text(seconds * 1e9),

@@ -195,3 +195,12 @@ def test_an_old_definition_of_a_message(world: Any) -> None:
     world.end(sender)
     world.sends("bus.publish('/at', Pose2D().encode())")
     world.is_silent()
+
+
+def test_two_versions_of_a_type_among_plain_programs(world: Any) -> None:
+    fingerprint = world.fingerprint("package old; struct Pose2D { double x; double y; }")
+    sender = world.c("sends", "POSE", fingerprint, "16", "20")
+    world.sends("bus.publish('POSE', Pose2D().encode())")
+    like = "like geometry_msgs/Pose2D, but without the field theta"
+    older = f"the older version is probably that of sends POSE {fingerprint}"
+    world.finds("type-mismatch", sender.pid, like, older)

@@ -201,3 +201,45 @@ def test_a_topic_that_nothing_publishes(world: Any) -> None:
     assert [action["kind"] for action in found.actions] == ["start-publisher"]
     world.node("talker")
     world.is_silent()
+
+
+def test_a_node_without_spin_is_told_before_its_queue_is_full(world: Any) -> None:
+    world.sends("bus.publish('/chatter', String().encode())", 0.5)
+    ear = world.script(EARS.replace("lcmtools.spin(node)", "import time; time.sleep(1000)"))
+    world.until(lambda: _received(world) > 5)
+    world.finds("slow-callbacks", "/ear has received", "lcmtools.spin(node)")
+    world.end(ear)
+    ear = world.script(EARS)
+    world.until(lambda: ear.pid in world.pids() and _received(world) > 5)
+    world.is_silent()
+
+
+def _received(world: Any) -> int:
+    ends = [end for node in world.graph().nodes for end in node.endpoints]
+    return max((end.messages for end in ends if end.topic == "/chatter"), default=0)
+
+
+SELDOM = """
+import lcm, time
+bus = lcm.LCM()
+bus.publish("/other", b"")
+print("runs", flush=True)
+time.sleep(1000)
+"""
+
+
+def test_what_a_quiet_program_may_publish_is_a_note(world: Any) -> None:
+    world.node("listener")
+    assert world.finds(UNFED).severity == "warning"
+    program = world.script(SELDOM, ready="runs")
+    found = world.finds(UNFED, f"(pid {program.pid}) uses LCM, and may publish seldom")
+    assert found.severity == "note"
+
+
+def test_a_stopped_java_program_is_called_by_its_class(world: Any) -> None:
+    listener = world.java("Listens", "/cmd_vel")
+    world.c("sends", "/cmd_vel", "2e7c07d7cdf7e027", "56", "100")
+    listener.send_signal(signal.SIGSTOP)
+    found = world.finds("stuck-listeners", f"java Listens /cmd_vel (pid {listener.pid})")
+    world.obey(found)
+    world.is_silent()

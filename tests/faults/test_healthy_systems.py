@@ -78,3 +78,52 @@ def test_nodes_that_ended_as_they_should(world: Any) -> None:
     world.end(talker)
     world.node("talker")
     world.is_silent()
+
+
+IMU = "m = Imu(); m.header.stamp.sec = int(time.time()); m.orientation_covariance[0] = -1.0"
+RANDOM = "time.sleep(__import__('random').expovariate(8)); bus.publish('A', String().encode())"
+IMAGES = """
+import lcmtools
+from lcmtools.types.std_msgs import String
+lcmtools.init()
+node, image = lcmtools.Node("camera"), String()
+image.data = 300_000 * "x"
+publisher = node.create_publisher(String, "/image")
+node.create_timer(0.1, lambda: publisher.publish(image))
+lcmtools.spin(node)
+"""
+
+
+def test_a_thousand_messages_a_second(world: Any) -> None:
+    world.hears("A")
+    world.lcm("lcm-logger", "-q", "a.log")
+    world.sends("bus.publish('A', Twist().encode())", 0.001)
+    world.is_silent(wait="1s")
+
+
+def test_an_imu_without_an_orientation(world: Any) -> None:
+    world.hears("IMU")
+    world.sends(f"{IMU}; bus.publish('IMU', m.encode())")
+    world.is_silent()
+
+
+def test_events_that_come_by_chance(world: Any) -> None:
+    world.hears("A")
+    world.sends(RANDOM, 0.0)
+    for _ in range(3):
+        world.is_silent(wait="1s")
+
+
+def test_large_images_of_a_node(world: Any) -> None:
+    camera = world.script(IMAGES)
+    world.until(lambda: camera.pid in world.pids())
+    world.hears("/image")
+    world.tool("hz", "/image")
+    world.is_silent(wait="1s")
+
+
+def test_a_simulator_that_runs_faster_than_real_time(world: Any) -> None:
+    world.node("sim", "--world", "dolly", "--rate", "3")
+    world.node("moving_robot")
+    world.node("reading_laser")
+    world.is_silent(wait="1s")

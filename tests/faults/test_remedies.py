@@ -184,6 +184,11 @@ def _frozen_sender(world: Any) -> None:
     world.sends("bus.publish('A', Twist().encode())").send_signal(signal.SIGSTOP)
 
 
+def _paused(world: Any) -> None:
+    world.node("sim", "--world", "empty")
+    world.type("lcmtools sim pause")
+
+
 def _plugged_out(world: Any) -> None:
     for command in (
         "ip link add lan0 type veth peer name peer0",
@@ -217,6 +222,7 @@ _PAIR = (_runs("talker"), _runs("listener"))
 OBEYED = (
     ("wake-or-end", "stale-nodes", _stopped),
     ("wake-or-end", "silent", _frozen_sender),
+    ("resume", "slow-simulator", _paused),
     ("restart-or-forget", "stale-nodes", _killed),
     ("end-or-rename", "duplicate-names", _planted(*_PAIR, _runs("listener"))),
     ("drop-remap", "no-clock", _planted(_runs("talker", "_use_sim_time:=true"), _runs("listener"))),

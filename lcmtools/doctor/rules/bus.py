@@ -14,7 +14,7 @@ from lcmtools.doctor.findings import (
     state,
     subject,
 )
-from lcmtools.doctor.rules.connections import missed_topics
+from lcmtools.doctor.rules.connections import missed_topics, quiet_programs
 from lcmtools.graph.model import Role
 from lcmtools.names import is_hidden
 
@@ -61,8 +61,7 @@ def something_is_there(evidence: Evidence) -> Iterator[Finding]:
     if evidence.bus_problem or not _is_empty(evidence):
         return
     there = dict.fromkeys(subject(one) for one in evidence.listeners if not one.is_tool)
-    known = {one.pid for one in evidence.listeners}
-    quiet = [one for one in evidence.processes if not one.bus and one.pid not in known]
+    quiet = quiet_programs(evidence)
     facts = [state("listens", listener=one) for one in there]
     facts += [state("may-publish", process=one) for one in quiet]
     yield from found(

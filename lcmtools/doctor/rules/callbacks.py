@@ -12,6 +12,7 @@ from lcmtools.observe.counters import busy_share, callback_time, counted_rate
 
 _NEARLY_ALL = 0.9  # of the time between two messages: a callback that takes it cannot keep up
 _ALWAYS = 0.95  # of the time in callbacks: everything else that waits comes late
+_START = 3.0  # [s] that a node may take until it spins
 _UNBROKEN = 0.999  # without a pause: no busy computer makes it so
 _ENOUGH_CALLS = 5  # the first ones may load what the later ones need
 _LONG_CALL, _HANGS = 20_000_000, 3_000_000_000  # [ns] in one call
@@ -85,18 +86,33 @@ def queues_have_room(evidence: Evidence) -> Iterator[Finding]:
 def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     """Callbacks end before the next message comes, and leave time for the others.
 
-    All callbacks of a node run one after another. One that takes as long as there is between two
-    messages lets them wait ever longer; one that never ends lets timers, services and all other
-    topics wait, whatever the depth of its queue. That a subscription of depth 1 leaves messages out
-    is no fault: it requests the newest only. Nor is what a busy computer may be to blame for.
+    All callbacks of a node run one after another, and none does without spin. One that takes as
+    long as there is between two messages lets them wait ever longer; one that never ends lets
+    timers, services and all other topics wait, whatever the depth of its queue. That a subscription
+    of depth 1 leaves messages out is no fault: it requests the newest only. Nor is what a busy
+    computer may be to blame for.
     """
-    _, slow, busy = _judged(evidence)
+    lossy, slow, busy = _judged(evidence)
     facts = [state("slow-callback", node=x.node, topic=x.topic, **x.pace()) for x in slow]
     remedies = [state("callback-less", topic=one.topic) for one in slow]
     for node, share, busiest in busy:
         facts.append(state("busy-node", node=node, percent=100 * share, busiest=busiest))
         remedies.append(state("busiest-less", node=node, busiest=busiest))
-    return found("slow-callbacks", facts, *remedies)
+    yield from found("slow-callbacks", facts, *remedies)
+    told = {one.node.id for one in lossy}
+    waiting = [(node, end) for node, end in _never_called(evidence) if node.id not in told]
+    facts = [state("received", node=x, topic=e.topic, messages=e.messages) for x, e in waiting]
+    yield from found("never-called", facts, *(state("spin", node=node) for node, _ in waiting))
+
+
+def _never_called(evidence: Evidence) -> Iterator[tuple[Node, Endpoint]]:
+    """The subscriptions of which no callback has run, although the node has had the time."""
+    for node in evidence.graph.nodes:
+        age = (node.time_there(evidence.graph.time) - node.start_time) / 1e9
+        for end in node.having(Role.SUBSCRIBER):
+            is_fed = end.messages >= _ENOUGH_CALLS and not (end.calls or end.busy or node.busy)
+            if is_fed and age > _START and not (node.tool or node.stale or is_hidden(end.topic)):
+                yield node, end
 
 
 def busy_nodes(evidence: Evidence) -> set[str]:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from itertools import combinations, groupby
 
 from lcmtools.doctor.connecting import Connecting, End, Way, is_simulator, loose_ends
-from lcmtools.doctor.evidence import Evidence, channel_names, derived
+from lcmtools.doctor.evidence import Evidence, LcmProcess, channel_names, derived
 from lcmtools.doctor.findings import Finding, Severity, Statement, found, rule, state
 from lcmtools.graph.model import Role
 
@@ -19,7 +19,7 @@ def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
     """Every subscription has a publisher.
 
     One without is often in another namespace, has a slightly different name, or its publisher was
-    not started.
+    not started. A note where a program that is no node may publish it seldom.
     """
     # other rules report topics of other buses, and of publishers that hang
     elsewhere = {topic for process in evidence.processes for topic in process.topics}
@@ -28,10 +28,14 @@ def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
         (node, end) for node, end in loose_subscriptions(evidence) if end.topic not in elsewhere
     ]
     remedies = [way.remedy for way in _connecting(evidence).ways(loose)]
+    facts, severity = list(_facts(loose)), Severity.WARNING
     if not remedies:
         topics = dict.fromkeys(end.topic for _, end in loose)
         remedies.append(state("start-publisher", topics=topics))
-    return found("unconnected-subscriptions", _facts(loose), *remedies)
+        if facts and (quiet := quiet_programs(evidence)):
+            facts += [state("may-publish", process=one) for one in quiet]
+            severity = Severity.NOTE
+    return found("unconnected-subscriptions", facts, *remedies, severity=severity)
 
 
 @rule(
@@ -60,6 +64,13 @@ def publications_have_subscribers(evidence: Evidence) -> Iterator[Finding]:
     ways_out = _connecting(evidence).ways_out
     remedies = (remedy for end in loose for remedy in ways_out(*end))
     yield from found("unconnected-publications", _facts(loose), *remedies)
+
+
+def quiet_programs(evidence: Evidence) -> list[LcmProcess]:
+    """The programs on this bus that are no nodes, do not listen, and sent nothing in the look."""
+    known = {one.pid for one in evidence.listeners} | {one.pid for one in evidence.streams}
+    known |= {node.pid for node in evidence.own_nodes()}
+    return [p for p in evidence.processes if not p.bus and p.pid not in known]
 
 
 def missed_topics(evidence: Evidence) -> set[str]:

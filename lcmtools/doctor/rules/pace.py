@@ -221,8 +221,8 @@ def _silence(evidence: Evidence, node: Node, endpoint: Endpoint) -> float:
 def _remembered(evidence: Evidence) -> Iterator[_Pace]:
     """The publishers that earlier looks of --watch have seen."""
     streams = {(stream.channel, stream.sender): stream for stream in evidence.streams}
-    wanted, excused = _wanted_topics(evidence), _resting(evidence) | busy_nodes(evidence)
-    excused |= {node.name for node in evidence.graph.nodes if node.stale}
+    wanted, excused = _wanted_topics(evidence), {node.name for node in resting_simulators(evidence)}
+    excused |= busy_nodes(evidence) | {node.name for node in evidence.graph.nodes if node.stale}
     stopped = {process.pid for process in evidence.processes if process.state in _STOPPED}
     for one in evidence.remembered:
         if one.name not in excused and one.pid not in stopped and wanted(one.topic):
@@ -235,11 +235,11 @@ def _remembered(evidence: Evidence) -> Iterator[_Pace]:
                 yield _Pace("slower-stream", one, one.name, one.topic, one.rate, *seen)
 
 
-def _resting(evidence: Evidence) -> set[str]:
-    """The names of simulators that publish no time now, and so no measurements."""
+def resting_simulators(evidence: Evidence) -> list[Node]:
+    """The simulators that publish no time now, and so no measurements."""
     ticking = {s.name for s in evidence.streams if s.channel == "/clock"}
-    clocks = {node.name for node, _ in evidence.graph.topic("/clock").publishers}
-    return clocks - ticking
+    clocks = (node for node, _ in evidence.graph.topic("/clock").publishers)
+    return [node for node in clocks if node.name not in ticking]
 
 
 def _publications(evidence: Evidence) -> Iterator[tuple[Node, Endpoint, bool]]:
@@ -250,11 +250,13 @@ def _publications(evidence: Evidence) -> Iterator[tuple[Node, Endpoint, bool]]:
         if not node.stale
         for endpoint in node.having(Role.SUBSCRIBER)
     }
-    resting = _resting(evidence)
+    resting = resting_simulators(evidence)
+    missed = {e.topic for node in resting for e in node.having(Role.PUBLISHER)} - SHARED
     for node in evidence.graph.nodes:
+        waits = not missed.isdisjoint(e.topic for e in node.having(Role.SUBSCRIBER))
         for endpoint in node.having(Role.PUBLISHER):
             usual = not is_hidden(endpoint.topic) and endpoint.topic not in SHARED
-            is_silent_on_purpose = node.name in resting or node.stale or node.tool
+            is_silent_on_purpose = node in resting or waits or node.stale or node.tool
             if usual and not is_silent_on_purpose:
                 yield node, endpoint, endpoint.topic in taken
 

@@ -5,15 +5,16 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from lcmtools.doctor.evidence import Evidence, Stream
 from lcmtools.doctor.findings import Finding, Severity, Statement, found, rule, state
-from lcmtools.doctor.rules.pace import SHARED
+from lcmtools.doctor.rules.pace import SHARED, resting_simulators
 from lcmtools.doctor.rules.types import disagree
-from lcmtools.graph.model import Role
+from lcmtools.graph.model import Node, Role
 from lcmtools.names import base_name_of, is_hidden
 from lcmtools.observe.losses import Loss
 
 _SECOND_LOOK = 3.0  # [s] in which slow publishers send several times
 _SLOWER = 0.9  # of the target rate
 _BUSY = 0.85
+_ENOUGH = 0.3  # [s] of a look that hears a clock, which comes ten times a second at least
 
 
 @rule("loss", "less data, a wired network, or recv_buf_size=N in the URL")
@@ -119,8 +120,17 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     """A simulator keeps up with real time, or with the rate that it was started with.
 
     One that computes all the time, and is slower nevertheless, has too much to do. One that rests
-    was slowed on purpose.
+    was slowed, or paused, on purpose.
     """
+    paused = [
+        node
+        for node in resting_simulators(evidence)
+        if evidence.listened >= _ENOUGH and not node.stale
+        if any(end.topic == "/clock" and end.messages for end in node.having(Role.PUBLISHER))
+    ]
+    facts = [state("program", program=node) for node in paused]
+    remedies = [state("resume")] if any(map(_is_ours, paused)) else []
+    yield from found("paused-simulator", facts, *remedies, severity=Severity.NOTE)
     clock = evidence.clock
     if not (clock and clock.target and 0 < clock.ratio <= _SLOWER * clock.target):
         return
@@ -129,11 +139,12 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     if clock.busy is not None and clock.busy > _BUSY:
         yield from found(state("overloaded-simulator", **known), facts, "simulate-less")
     else:
-        is_ours = any(
-            end.role is Role.SERVICE and base_name_of(end.topic) == "set_rate"
-            for node in evidence.graph.nodes
-            if node.name == clock.name
-            for end in node.endpoints
-        )
+        is_ours = any(_is_ours(node) for node in evidence.graph.nodes if node.name == clock.name)
         remedies = [state("set-rate", rate=clock.target)] if is_ours else []
         yield from found(state("slow-simulator", **known), facts, *remedies, severity=Severity.NOTE)
+
+
+def _is_ours(node: Node) -> bool:
+    """Return whether a node is the simulator of lcmtools, which commands can steer."""
+    services = (base_name_of(end.topic) for end in node.having(Role.SERVICE))
+    return "set_rate" in services

@@ -95,7 +95,7 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
                 sender = _sender(seen, sender_names(evidence))
                 unknown_ones[_sent_by(seen)[0], likely].append(sender)
         for (number, likely), senders in unknown_ones.items():
-            parts = {"format": likely} if likely else _type(number, topic.types)
+            parts = {"format": likely} if likely else _type(number, _expected(topic))
             parts = _name(number, topic) or parts
             fact = state("unknown-type", topic=topic.name, senders=senders, **parts)
             kept = near if "like" in parts else unknown if "fingerprint" in parts else foreign
@@ -126,7 +126,7 @@ def _users(topic: Topic, evidence: Evidence) -> Iterator[_User]:
     for seen in topic.foreign:
         for number in _sent_by(seen):
             sender = _sender(seen, sender_names(evidence))
-            yield _User("sends", sender, frozenset({number}), _type(number, topic.types))
+            yield _User("sends", sender, frozenset({number}), _type(number, _expected(topic)))
 
 
 def _weight(node: Node) -> float:
@@ -204,6 +204,11 @@ def _name(fingerprint: int, topic: Topic) -> dict[str, Part]:
     """The parts that describe an announced type."""
     ends = (end for _, end in topic.publishers + topic.subscribers)
     return next((_announced(end) for end in ends if fingerprint in end.fingerprints), {})
+
+
+def _expected(topic: Topic) -> tuple[str, ...]:
+    """The types that are announced for a topic, and those that its messages may have."""
+    return (*topic.types, *(name for number in topic.fingerprints for name in candidates(number)))
 
 
 def _may_be_fingerprint(number: int) -> bool:

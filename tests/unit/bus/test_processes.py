@@ -52,6 +52,7 @@ def test_the_interfaces_on_which_a_socket_is_in_a_group_are_known() -> None:
         ("/usr/bin/python3 /home/ada/robots/drive.py --fast", "python3 drive.py --fast"),
         ("/usr/bin/python3 -u /home/ada/drive.py /gps", "python3 -u drive.py /gps"),
         ("/opt/a/very/long/way/to/sender /gps", "sender /gps"),
+        ("/usr/bin/java -Xmx1g -cp /home/ada/lcm.jar:. Listens -v", "java Listens -v"),
         ("/opt/a/long/way/to/sender --speed 0.3", "sender --speed 0.3"),
         ("sender --channels /gps /imu --speed 0.3", "sender --channels /gps …"),
         ("/usr/bin/ some-words-that-are-more-than-there-is-room", "/usr/bin/ …"),

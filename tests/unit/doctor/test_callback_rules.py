@@ -213,3 +213,25 @@ def test_timers_are_blamed_on_a_busy_computer_only_where_they_never_pause() -> N
     pair = (scan, later(scan, rate=1, calls=1, busy=MS))
     assert silent(replace(look(pair, timers=970 * MS), processor_wait=0.4))
     assert not silent(replace(look(pair, timers=SECOND), processor_wait=0.4))
+
+
+def test_a_node_that_does_not_spin_is_told_before_its_queue_is_full() -> None:
+    fed = ear(messages=6, last_time=9 * SECOND, calls=0, busy=0)
+    node = Node("/n", "n", "h", 1, endpoints=(fed,), sent=10 * SECOND)
+    evidence = Evidence("udpm://", graph=Graph((node,), time=10 * SECOND), listened=1.0)
+
+    def told(evidence: Evidence) -> list[Judged]:
+        return judge(evidence, [callbacks.callbacks_are_quick])
+
+    (finding,) = told(evidence)
+    assert finding.text == "The following nodes do not run their callbacks:"
+    assert finding.items == (" * /n has received 6 messages of /scan",)
+    assert finding.remedies == ("let /n spin: lcmtools.spin(node), or often spin_once",)
+    for quiet in (
+        replace(node, start_time=8 * SECOND),
+        replace(node, tool=True),
+        replace(node, busy=1),
+        replace(node, endpoints=(replace(fed, calls=1),)),
+        replace(node, endpoints=(replace(fed, messages=4),)),
+    ):
+        assert told(replace(evidence, graph=Graph((quiet,), time=10 * SECOND))) == []

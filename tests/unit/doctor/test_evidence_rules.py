@@ -16,8 +16,11 @@ from lcmtools.doctor.evidence import (
     Stream,
 )
 from lcmtools.doctor.findings import Severity
+from lcmtools.doctor.near_types import fingerprint_of
 from lcmtools.doctor.rules import RULES
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.messages.fields import fields
+from lcmtools.messages.registry import fingerprint, message_class
 from lcmtools.wire.packet import Sender
 
 SECOND = 1_000_000_000
@@ -336,8 +339,54 @@ def test_a_program_that_has_nothing_to_send_makes_an_empty_bus_a_note() -> None:
     assert finding.items == (" * beacon (pid 7) uses LCM, and may publish seldom",)
 
 
+def test_what_a_program_may_publish_seldom_is_unconnected_as_a_note() -> None:
+    ear = Node("/ear", "2", "h", 2, endpoints=(Endpoint("/a", Role.SUBSCRIBER),))
+    evidence = replace(HEALTHY, graph=Graph((ear,)))
+    assert only(evidence).severity is Severity.WARNING
+    note = only(replace(evidence, processes=(LcmProcess(7, "beacon"),)))
+    assert (note.rule, note.severity) == ("unconnected-subscriptions", Severity.NOTE)
+    assert note.items[-1] == " * beacon (pid 7) uses LCM, and may publish seldom"
+    for other in (LcmProcess(2, "ear"), LcmProcess(7, "b", "x:1")):
+        processes = replace(evidence, processes=(other,))
+        assert found(processes)["unconnected-subscriptions"].severity is Severity.WARNING
+
+
+def test_a_simulator_that_is_paused_is_a_note_and_excuses_who_waits_for_it() -> None:
+    clock = Endpoint("/clock", Role.PUBLISHER, messages=9, last_time=NOW - 9 * SECOND)
+    scan = replace(clock, topic="/scan")
+    ends = (clock, scan, Endpoint("/sim/set_rate", Role.SERVICE))
+    sim = Node("/sim", "s", "h", 1, endpoints=ends)
+    out = Endpoint("/a", Role.PUBLISHER, messages=500, last_time=NOW - 50 * SECOND)
+    waits = (out, Endpoint("/scan", Role.SUBSCRIBER))
+    driver = Node("/driver", "d", "h", 2, NOW - 100 * SECOND, endpoints=waits, sent=NOW)
+    ear = Node("/ear", "e", "h", 3, endpoints=(Endpoint("/a", Role.SUBSCRIBER),))
+    evidence = replace(HEALTHY, graph=Graph((sim, driver, ear), time=NOW))
+    note = only(evidence)
+    assert (note.rule, note.severity) == ("slow-simulator", Severity.NOTE)
+    assert (note.text, note.items) == ("Simulated time stands still:", (" * /sim",))
+    assert note.remedies == ("if that was not intended: lcmtools sim resume",)
+    tick = Stream("/clock", ALICE, "/sim", (NOW,))
+    assert found(replace(evidence, streams=(tick,))).keys() == {"silent"}
+    assert found(replace(evidence, listened=0.1)) == {}
+
+
+def test_an_unknown_type_is_compared_with_what_others_send_on_the_channel() -> None:
+    pose = message_class("geometry_msgs/Pose2D")
+    traffic = tuple(
+        Traffic("A", sender, (number,), 5, 50, 1, 2)
+        for sender, number in ((ALICE, fingerprint(pose)), (BOB, fingerprint_of(fields(pose)[:2])))
+    )
+    finding = only(replace(HEALTHY, graph=Graph(traffic=traffic)))
+    assert finding.items[1].endswith("like geometry_msgs/Pose2D, but without the field theta)")
+
+
+def test_a_stray_byte_in_a_channel_is_shown_as_what_it_is() -> None:
+    finding = only(replace(HEALTHY, streams=(stream("caf\udce9", 10),)))
+    assert finding.items[0].startswith(" * 'caf\\xe9' from alice: it is not UTF-8")
+
+
 def test_a_subscription_that_was_fed_of_late_is_connected() -> None:
-    ear = Endpoint("/a", Role.SUBSCRIBER, messages=10, last_time=NOW - 4 * SECOND)
+    ear = Endpoint("/a", Role.SUBSCRIBER, messages=10, last_time=NOW - 4 * SECOND, calls=10)
     graph = Graph((Node("/ear", "2", "h", 2, NOW - 54 * SECOND, endpoints=(ear,)),), SOMEBODY, NOW)
     assert found(replace(HEALTHY, graph=graph)) == {}
     later = replace(graph, time=NOW + 60 * SECOND)

@@ -317,3 +317,14 @@ def test_a_publication_whose_subscriber_was_killed_is_not_reported_twice() -> No
     killed = replace(killed, endpoints=())
     talker = node("/talker", Role.PUBLISHER, "/speed")
     assert list(said_of(talker, killed, stale_subscribed=frozenset({"/speed"}))) == ["stale-nodes"]
+
+
+def test_who_publishes_where_a_node_is_moved_to_is_left_alone() -> None:
+    robot = node("/morse", Role.PUBLISHER, "/husky0/odometry")
+    command = replace(node("/_pub", Role.PUBLISHER, "/husky0/wish"), tool=True)
+    controller = node("/husky/controller", Role.SUBSCRIBER, "/husky/odometry")
+    wish = replace(controller.endpoints[0], topic="/husky/wish")
+    controller = replace(controller, endpoints=(*controller.endpoints, wish))
+    assert said_of(robot, command, controller)["unconnected-subscriptions"].remedies == (
+        "/husky0/odometry is published: start /husky/controller with __ns:=/husky0",
+    )
