@@ -68,6 +68,7 @@ class LcmBus:
         self._leading = threading.RLock()  # held by the one thread that is in ``wait``
         self._is_lendable = url.provider in _LENDABLE
         self._is_leader_here = False
+        self._is_asleep = False  # the bus's own thread, until the leader leaves
         self._trusted_until = -math.inf  # a leader that is away, to come back [s]
         self._closed = False
         self._thread = threading.Thread(target=self._run, name="lcm receiver", daemon=True)
@@ -234,7 +235,7 @@ class LcmBus:
         self._trusted_until = time.monotonic() + _PATIENCE
         self._is_leader_here = False
         self._leading.release()
-        if not self._is_lendable:
+        if self._is_asleep:
             self._to_own_thread.set()
 
     def _receive(self, descriptor: int, timeout: float | None) -> bool:
@@ -253,21 +254,27 @@ class LcmBus:
     def _run(self) -> None:
         """Receive while no other thread does; the bus's own thread."""
         while not self._closed:
-            if (trust := self._trust()) > 0.0:
-                self._to_own_thread.wait(trust)
-                if self._is_leader_here or self._requests.empty():
-                    continue
+            if self._follow():
+                continue
             with self._receiving:
                 self._receiver = threading.get_ident()
                 self._turn(None if self._has_ended else self._connection.instance)
                 self._receiver = 0
         self._serve_requests()  # those made while it closed
 
-    def _trust(self) -> float:
-        """Return the time for which another thread receives, or is soon to do so again [s]."""
+    def _follow(self) -> bool:
+        """Wait while another thread receives, or is soon to do so again; return whether it does."""
+        self._is_asleep = True
         if self._is_leader_here:
-            return _PATIENCE
-        return self._trusted_until - time.monotonic() if self._is_lendable else 0.0
+            self._to_own_thread.wait(None)
+        self._is_asleep = False
+        if self._is_leader_here:
+            return True
+        trust = self._trusted_until - time.monotonic() if self._is_lendable else 0.0
+        if trust > 0.0 and self._requests.empty():
+            self._to_own_thread.wait(trust)
+            return self._requests.empty()
+        return False  # a request that came while the leader left has been no leader's
 
     def _wake_receivers(self) -> None:
         self._to_receiver.set()

@@ -117,6 +117,26 @@ def test_subscriptions_are_made_while_a_thread_waits_and_while_it_is_away(
     receivers.wait(bus, never)
 
 
+@pytest.mark.usefixtures("endless_patience")
+def test_requests_at_any_moment_are_served(bus: LcmBus, sender: LcmBus, never: int) -> None:
+    """Also at the very moment at which the waiting thread comes, or leaves."""
+    receivers = Receivers(bus)
+    done = threading.Event()
+
+    def come_and_go() -> None:
+        for number in range(300):
+            Receivers(bus, f"channel{number}")
+        done.set()
+        sender.publish("a", b"x")
+
+    with ThreadPoolExecutor(1) as threads:
+        requests = threads.submit(come_and_go)
+        while not done.is_set():
+            bus.wait(never, 0.0002)
+        requests.result(_LONG)
+        receivers.wait(bus, never)
+
+
 def _wait_for_event(bus: LcmBus, event: WakeupEvent) -> None:
     while not bus.wait(event.fileno(), _LONG):
         pass
