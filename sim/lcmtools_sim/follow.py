@@ -38,18 +38,23 @@ class Followers:
         self._heard: dict[str, float] = {}
         node.create_subscription(Header, _ACKNOWLEDGEMENT_TOPIC, self._receive)
 
-    def wait(self, go_on: Callable[[], bool]) -> None:
-        """Wait until all of them have simulated the present time, or ``go_on`` returns False."""
+    def wait(self, go_on: Callable[[], bool]) -> bool:
+        """Wait until all of them have simulated the present time, or ``go_on`` returns False.
+
+        Returns True after a long wait, which is no debt of this process.
+        """
+        is_long = False
         repeat = time.monotonic() + _LONGEST_WAIT
         while (late := self._late()) and go_on():
             self._bridge.publish_clock()
             spin_once(self._node, _LONGEST_WAIT)
             if time.monotonic() >= repeat:
-                repeat = time.monotonic() + _LONGEST_WAIT
+                is_long, repeat = True, time.monotonic() + _LONGEST_WAIT
                 self._bridge.publish([self._simulation.tick()])
                 for name in filter(self._has_ended, late):
                     del self._acknowledged[name]
                     self._bridge.warn(f"{name} has ended: the simulation goes on without it")
+        return is_long
 
     def _late(self) -> list[str]:
         now = self._simulation.time

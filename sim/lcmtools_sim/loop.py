@@ -15,7 +15,7 @@ class Loop:
 
     It ends when ``go_on`` returns False, and after ``last_step``, if that is given. A loop that is
     ``paused`` waits for ``step``. ``let_step`` is called before each step, and waits until that may
-    be done, or a function that it is given returns False.
+    be done, or a function that it is given returns False; it returns True after a long wait.
     """
 
     def __init__(
@@ -26,7 +26,7 @@ class Loop:
         *,
         go_on: Callable[[], bool],
         last_step: int | None = None,
-        let_step: Callable[[Callable[[], bool]], None] = lambda _: None,
+        let_step: Callable[[Callable[[], bool]], bool] = lambda _: False,
     ) -> None:
         self.paused = False
         self._let_step = let_step
@@ -43,10 +43,10 @@ class Loop:
             self._bridge.receive(_PAUSED_WAIT if self.paused else 0.0)
             if not self._may_go_on():
                 return
-            self._let_step(lambda: self._may_go_on() and not self.paused)
-            if self.paused:
+            waited = self._let_step(lambda: self._may_go_on() and not self.paused)
+            if self.paused or waited:
                 self._pacer.restart()
-            elif self._may_go_on():
+            if self._may_go_on() and not self.paused:
                 self._step()
                 self._wait()
 

@@ -146,3 +146,19 @@ def test_it_finds_subscribers_before_requested_steps_and_publishes_the_clock_aft
     Loop(Steps(log.lines), log, no_wait(), go_on=lambda: True).step(2)
 
     assert log.lines == ["look", *["step", "publish 0"] * 2, "clock"]
+
+
+def test_each_step_is_let_and_a_long_wait_for_that_is_no_debt() -> None:
+    log, wall = Log(), [0.0]
+
+    def let_step(_: Callable[[], bool]) -> bool:
+        log.lines.append("let")
+        wall[0] += 5.0
+        return True
+
+    pacer = Pacer(0.01, now=lambda: wall[0], sleep=lambda s: wall.__setitem__(0, wall[0] + s))
+    loop = Loop(Steps(log.lines), log, pacer, go_on=lambda: True, last_step=3, let_step=let_step)
+    loop.run()
+
+    assert [line for line in log.lines if line in ("let", "step")] == ["let", "step"] * 3
+    assert not [line for line in log.lines if line.startswith("warn")]
