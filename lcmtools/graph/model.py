@@ -52,6 +52,23 @@ class Endpoint:
     calls: int = 0  # of the callback; 0 where there is none
     busy: int = 0  # time spent in the callback, in a running call too [ns]
     longest: int = 0  # time of the longest call, of a running one so far [ns]
+    rate: float = 0.0  # of its messages over the last one or two seconds [Hz]; 0 where not known
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """Its identity among the endpoints of its node."""
+        return self.topic, self.role, self.group, self.types
+
+    def rate_since(self, earlier: "Endpoint") -> float | None:
+        """Return the rate of its messages since an earlier announcement [Hz].
+
+        The messages counted between them, over the time between the last ones that each knew of;
+        None where none came, or the first was the first ever.
+        """
+        messages, span = self.messages - earlier.messages, self.last_time - earlier.last_time
+        if messages <= 0 or span <= 0 or not earlier.last_time:
+            return None
+        return messages * 1e9 / span
 
     @property
     def type(self) -> str:

@@ -30,7 +30,7 @@ MOST_OF_COMMAND = 1000
 """Characters of a command line that are announced."""
 
 M = TypeVar("M", bound=Message)
-_COUNTERS = ("messages", "bytes", "drops", "last_time", "calls", "busy", "longest")
+_COUNTERS = ("messages", "bytes", "drops", "last_time", "calls", "busy", "longest", "rate")
 _OF_ENDPOINT = ("group", "depth", *_COUNTERS)
 _OF_NODE = ("name", "id", "host", "pid", "start_time", "busy", "sent")
 

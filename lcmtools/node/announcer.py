@@ -6,10 +6,11 @@ import random
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 from lcmtools.bus.base import Bus
 from lcmtools.errors import BusError
-from lcmtools.graph.model import Node
+from lcmtools.graph.model import Endpoint, Node
 from lcmtools.graph.protocol import (
     ANSWER_SPREAD,
     NODE_CHANNEL,
@@ -21,6 +22,7 @@ from lcmtools.graph.protocol import (
 )
 
 _CHANGE_DELAY = 0.005  # [s]: a node that is being set up changes many times at once
+_SHARE = 0.9  # of a period after which counters count as those of the next one
 _REST = 10  # changes wait so many times as long as announcing took: it may take a tenth of the time
 
 
@@ -41,6 +43,10 @@ class Announcer:
         self._nonce = 0
         self._closed = False
         self._sending = threading.Lock()
+        # the endpoints as they were announced a period ago or two, to count their rates
+        self._before: dict[object, Endpoint] = {}
+        self._latest: dict[object, Endpoint] = {}
+        self._next_count = 0.0
         bus.subscribe(PROBE_CHANNEL, self._receive_probe)
         self._thread = threading.Thread(target=self._run, name="announcer", daemon=True)
         self._thread.start()
@@ -119,9 +125,22 @@ class Announcer:
         # with the lock held, so that no node is described before its goodbye and sent after it
         if not target:
             self._is_behind = False  # before describing: a change from now on sets it again
-        for node in self._describe():
+        nodes = self._describe()
+        for node in nodes:
             if target in ("", node.name):
-                self._send(Announcement(node, answers=nonce))
+                self._send(Announcement(self._with_rates(node), answers=nonce))
+        if (now := time.monotonic()) >= self._next_count:
+            self._before, self._next_count = self._latest, now + _SHARE * PERIOD
+            self._latest = {(node.id, end.key): end for node in nodes for end in node.endpoints}
+
+    def _with_rates(self, node: Node) -> Node:
+        """Return a node with the rates of its endpoints over the last one or two periods."""
+        rated = []
+        for end in node.endpoints:
+            key = (node.id, end.key)
+            was = self._before.get(key) or self._latest.get(key)
+            rated.append(replace(end, rate=(was and end.rate_since(was)) or 0.0))
+        return replace(node, endpoints=tuple(rated))
 
     def _send(self, announcement: Announcement) -> None:
         # a failure is repaired by the announcement a second later; a closing bus takes none

@@ -1,7 +1,7 @@
 """Rates and durations by the counters that nodes announce; plain arithmetic on two looks.
 
-A rate needs two looks: the counters and the times at both give it, however short the time between
-them is.
+A rate that a node does not announce needs two looks: the counters and the times at both give it,
+however short the time between them is.
 """
 
 from collections.abc import Mapping
@@ -11,18 +11,6 @@ from lcmtools.observe.losses import Loss, Losses, total
 
 _SHORTEST = 200_000_000  # [ns] between two looks that tell how busy a node is
 _TEN, _THOUSAND = 9.95, 999.5  # that rounding makes 10 and 1000
-
-
-def counted_rate(earlier: Endpoint, later: Endpoint) -> float | None:
-    """Return the rate of an endpoint's messages, by two of its announcements [Hz].
-
-    The messages counted between them, over the time between the last ones that each knew of; None
-    where none came, or the first was the first ever.
-    """
-    messages, span = later.messages - earlier.messages, later.last_time - earlier.last_time
-    if messages <= 0 or span <= 0 or not earlier.last_time:
-        return None
-    return messages * 1e9 / span
 
 
 def average_rate(node: Node, endpoint: Endpoint) -> float | None:
@@ -98,7 +86,7 @@ class Counters:
         self._now = after.time
         self._lost = lost or {}
         self._before: Mapping[object, Endpoint] = {
-            _key(n, e): e for n in before.nodes for e in n.endpoints
+            (n.id, e.key): e for n in before.nodes for e in n.endpoints
         }
 
     def of_endpoint(self, node: Node, endpoint: Endpoint) -> str:
@@ -146,13 +134,10 @@ class Counters:
         return total(senders, self._lost)
 
     def _measured(self, node: Node, endpoint: Endpoint) -> float | None:
-        before = self._before.get(_key(node, endpoint))
-        return counted_rate(before, endpoint) if before else None
+        before = self._before.get((node.id, endpoint.key))
+        measured = endpoint.rate_since(before) if before else None
+        return measured or endpoint.rate or None
 
 
 def _last(last: int, now: int) -> str:
     return f"last: {max(0.0, (now - last) / 1e9):.1f} s ago" if last else "last: never"
-
-
-def _key(node: Node, endpoint: Endpoint) -> object:
-    return node.id, endpoint.topic, endpoint.role, endpoint.group, endpoint.types

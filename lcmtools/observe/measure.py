@@ -279,6 +279,9 @@ def counted(
     publishers = [node for topic in topics for node, _ in topic.publishers if not node.stale]
     if monitor.is_log or not (publishers or any(topic.traffic for topic in topics)):
         return graph, Counters(graph, graph)
+    ends = [end for topic in topics for _, end in (*topic.publishers, *topic.subscribers)]
+    if wait is None and all(end.rate for end in ends) and not any(t.foreign for t in topics):
+        return graph, Counters(graph, graph, losses(monitor.numbered))
     channels = [topic.name for topic in topics]
     # some publish only what somebody listens to: the first messages may be a moment away
     came = _listen(monitor, channels, _AWAKENING, 1)

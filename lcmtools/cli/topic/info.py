@@ -12,7 +12,7 @@ from lcmtools.observe.topic_report import topic_record, topic_rows
 @subcommand("info", json_option, looking_options)
 @examples("info /husky0/odometry", "info EXAMPLE /chatter --json")
 @argument("topics", nargs=-1, required=True, completer="bus:topics")
-@option("--wait", type=duration, help="Measure rates for this long (else up to 0.5 s).")
+@option("--wait", type=duration, help="Measure rates for this long (else as nodes announce them).")
 @option("-v", "--verbose", is_flag=True, help="Show fingerprints and command lines too.")
 def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_json: bool) -> None:
     """Show a topic's type, publishers and subscribers: node, host and process.

@@ -8,7 +8,7 @@ from lcmtools.doctor.evidence import Evidence, derived
 from lcmtools.doctor.findings import Finding, Part, Statement, found, rule, state
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.names import is_hidden
-from lcmtools.observe.counters import busy_share, callback_time, counted_rate
+from lcmtools.observe.counters import busy_share, callback_time
 
 _NEARLY_ALL = 0.9  # of the time between two messages: a callback that takes it cannot keep up
 _ALWAYS = 0.95  # of the time in callbacks: everything else that waits comes late
@@ -197,7 +197,7 @@ def _key(endpoint: Endpoint) -> tuple[object, ...]:
 def _subscriptions(work: _Work) -> Iterator[_Subscription]:
     for was, now in work.pairs:
         if now.role is Role.SUBSCRIBER and now.depth > 1:
-            rate = counted_rate(was, now)
+            rate = now.rate_since(was)
             interval, took = 1e9 / rate if rate else 0.0, callback_time(was, now) or 0.0
             yield _Subscription(work, now, now.drops - was.drops, took, interval)
 

@@ -85,7 +85,7 @@ class Announcement(object):
         self.revision = 0
         """
         differs when anything of the node has changed but answers, sent, busy and the counters of
-        its endpoints (messages, bytes, drops, last_time, calls, busy, longest) and errors (message,
+        its endpoints (messages, bytes, drops, last_time, calls, busy, longest, rate) and errors (message,
         count, last_time), so that who knows it need not decode more; a hash of all that, at the same place behind id in every
         announcement
         LCM Type: int64_t

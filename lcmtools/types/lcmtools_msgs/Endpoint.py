@@ -10,11 +10,11 @@ import struct
 class Endpoint(object):
     """ One publisher, subscription, service or client of a node, as its node announces it. """
 
-    __slots__ = ["types_length", "fingerprints_length", "topic", "role", "types", "fingerprints", "group", "depth", "messages", "bytes", "drops", "last_time", "calls", "busy", "longest"]
+    __slots__ = ["types_length", "fingerprints_length", "topic", "role", "types", "fingerprints", "group", "depth", "messages", "bytes", "drops", "last_time", "calls", "busy", "longest", "rate"]
 
-    __typenames__ = ["int32_t", "int32_t", "string", "int8_t", "string", "int64_t", "string", "int32_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t"]
+    __typenames__ = ["int32_t", "int32_t", "string", "int8_t", "string", "int64_t", "string", "int32_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "double"]
 
-    __dimensions__ = [None, None, None, None, ["types_length"], ["fingerprints_length"], None, None, None, None, None, None, None, None, None]
+    __dimensions__ = [None, None, None, None, ["types_length"], ["fingerprints_length"], None, None, None, None, None, None, None, None, None, None]
 
     PUBLISHER = 0
     """ a role: publishes messages on the topic """
@@ -120,6 +120,12 @@ class Endpoint(object):
         LCM Type: int64_t
         """
 
+        self.rate = 0.0
+        """
+        [Hz] of messages over the last one or two seconds; 0 where that is not known
+        LCM Type: double
+        """
+
 
     def encode(self):
         buf = BytesIO()
@@ -144,7 +150,7 @@ class Endpoint(object):
         buf.write(struct.pack('>I', len(__group_encoded)+1))
         buf.write(__group_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">iqqqqqqq", self.depth, self.messages, self.bytes, self.drops, self.last_time, self.calls, self.busy, self.longest))
+        buf.write(struct.pack(">iqqqqqqqd", self.depth, self.messages, self.bytes, self.drops, self.last_time, self.calls, self.busy, self.longest, self.rate))
 
     @staticmethod
     def decode(data: bytes):
@@ -170,13 +176,13 @@ class Endpoint(object):
         self.fingerprints = struct.unpack('>%dq' % self.fingerprints_length, buf.read(self.fingerprints_length * 8))
         __group_len = struct.unpack('>I', buf.read(4))[0]
         self.group = buf.read(__group_len)[:-1].decode('utf-8', 'replace')
-        self.depth, self.messages, self.bytes, self.drops, self.last_time, self.calls, self.busy, self.longest = struct.unpack(">iqqqqqqq", buf.read(60))
+        self.depth, self.messages, self.bytes, self.drops, self.last_time, self.calls, self.busy, self.longest, self.rate = struct.unpack(">iqqqqqqqd", buf.read(68))
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if Endpoint in parents: return 0
-        tmphash = (0xb703a761fc19687a) & 0xffffffffffffffff
+        tmphash = (0x2bca9b9171f2c4ba) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -27,6 +27,7 @@ class Endpoint:
     calls: int
     busy: int
     longest: int
+    rate: float
     def __init__(self) -> None: ...
     def encode(self) -> builtins.bytes: ...
     @staticmethod

@@ -65,6 +65,25 @@ def test_a_node_is_announced_each_period(
     wait_until(lambda: len(_announced(bus)) > 5)
 
 
+def test_rates_are_announced_while_messages_come_and_not_afterwards(
+    begin: Begin, bus: FakeBus, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lcmtools.node.announcer.PERIOD", 0.05)
+    begin()
+    publisher = Node("a").create_publisher(String, "/chatter")
+
+    def rate() -> float:
+        ends = [end for announced in _announced(bus)[-1:] for end in announced.node.endpoints]
+        return next((end.rate for end in ends if end.topic == "/chatter"), 0.0)
+
+    def rate_of_messages() -> float:
+        publisher.publish(String())
+        return rate()
+
+    wait_until(rate_of_messages)
+    wait_until(lambda: not rate())
+
+
 def test_a_probe_of_all_is_answered_with_its_nonce(
     begin: Begin, bus: FakeBus, wait_until: WaitUntil
 ) -> None:

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import pytest
 
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.observe.counters import (
+    Counters,
     average_rate,
     busy_share,
     callback_time,
-    counted_rate,
     duration_text,
 )
 
@@ -71,14 +71,14 @@ def _counted(messages: int, last: float) -> Endpoint:
 
 
 def test_a_counted_rate_is_exact_however_short_the_look_was() -> None:
-    assert counted_rate(_counted(7, 100.0), _counted(8, 100.1)) == pytest.approx(10)
-    assert counted_rate(_counted(7, 100.0), _counted(12, 101.0)) == pytest.approx(5)
+    assert _counted(8, 100.1).rate_since(_counted(7, 100.0)) == pytest.approx(10)
+    assert _counted(12, 101.0).rate_since(_counted(7, 100.0)) == pytest.approx(5)
 
 
 def test_where_nothing_was_counted_there_is_no_rate() -> None:
-    assert counted_rate(_counted(7, 100.0), _counted(7, 100.0)) is None
-    assert counted_rate(_counted(0, 0), _counted(1, 100.0)) is None
-    assert counted_rate(_counted(9, 100.0), _counted(1, 101.0)) is None
+    assert _counted(7, 100.0).rate_since(_counted(7, 100.0)) is None
+    assert _counted(1, 100.0).rate_since(_counted(0, 0)) is None
+    assert _counted(1, 101.0).rate_since(_counted(9, 100.0)) is None
 
 
 def test_an_average_rate_is_from_the_nodes_start_to_its_last_message() -> None:
@@ -86,3 +86,12 @@ def test_an_average_rate_is_from_the_nodes_start_to_its_last_message() -> None:
     assert average_rate(node, _counted(20, 100.0)) == pytest.approx(2)
     assert average_rate(node, _counted(1, 100.0)) is None
     assert average_rate(node, _counted(5, 80.0)) is None
+
+
+def test_the_announced_rate_counts_where_one_look_has_to_do() -> None:
+    known = replace(_counted(7, 100.0), rate=2.5)
+    node = Node("/a", "id", "host", 1, endpoints=(known, replace(known, topic="/b", rate=0.0)))
+    counters = Counters(Graph((node,)), Graph((node,)))
+    assert counters.record(node, known)["rate"] == 2.5
+    assert counters.record(node, node.endpoints[1])["rate"] is None
+    assert "rate: 2.50 Hz" in counters.of_endpoint(node, known)
