@@ -24,48 +24,81 @@ def remedies(publisher: Node, subscriber: Node) -> tuple[str, ...]:
     return found["unconnected-subscriptions"].remedies
 
 
-def test_a_listener_in_the_wrong_namespace_is_moved() -> None:
-    publisher = node("/robot/pilot", Role.PUBLISHER, "/robot/cmd_vel")
-    subscriber = node("/driver", Role.SUBSCRIBER, "/cmd_vel")
-    assert remedies(publisher, subscriber) == (
+PAIRS = {
+    "a listener in the wrong namespace is moved": (
+        ("/robot/pilot", "/robot/cmd_vel"),
+        ("/driver", "/cmd_vel"),
         "/robot/cmd_vel is published: start /driver with __ns:=/robot",
-    )
-
-
-def test_a_publisher_is_moved_where_the_listeners_topic_is_fixed() -> None:
-    publisher = node("/pioneer0/teleop", Role.PUBLISHER, "/pioneer0/cmd_vel")
-    simulator = node("/gazebo", Role.SUBSCRIBER, "/RosAria/cmd_vel")
-    assert remedies(publisher, simulator) == (
+    ),
+    "a publisher is moved where the listener's topic is fixed": (
+        ("/pioneer0/teleop", "/pioneer0/cmd_vel"),
+        ("/gazebo", "/RosAria/cmd_vel"),
         "/pioneer0/teleop publishes /pioneer0/cmd_vel: start /pioneer0/teleop with __ns:=/RosAria",
-    )
-
-
-def test_where_neither_can_be_moved_the_publisher_is_remapped() -> None:
-    publisher = node("/pilot", Role.PUBLISHER, "/fixed/cmd_vel")
-    simulator = node("/gazebo", Role.SUBSCRIBER, "/RosAria/cmd_vel")
-    assert remedies(publisher, simulator) == (
+    ),
+    "where neither can be moved, the publisher is remapped": (
+        ("/pilot", "/fixed/cmd_vel"),
+        ("/gazebo", "/RosAria/cmd_vel"),
         "/pilot publishes /fixed/cmd_vel: start /pilot with /fixed/cmd_vel:=/RosAria/cmd_vel",
-    )
-
-
-def test_a_name_with_a_slip_is_remapped() -> None:
-    publisher = node("/pilot", Role.PUBLISHER, "/cmd_vel")
-    subscriber = node("/driver", Role.SUBSCRIBER, "/cmdvel")
-    assert remedies(publisher, subscriber) == (
+    ),
+    "a name with a slip is remapped": (
+        ("/pilot", "/cmd_vel"),
+        ("/driver", "/cmdvel"),
         "/cmd_vel is published: start /driver with cmdvel:=/cmd_vel",
-    )
-
-
-def test_a_remap_with_a_slip_is_written_again() -> None:
-    publisher = node("/pilot", Role.PUBLISHER, "/robot/cmd_vel")
-    command = "lcmtools run driver speed:=/robot/cmd_ve"
-    subscriber = node("/driver", Role.SUBSCRIBER, "/robot/cmd_ve", command)
-    assert remedies(publisher, subscriber) == (
+    ),
+    "a remap with a slip is written again": (
+        ("/pilot", "/robot/cmd_vel"),
+        ("/driver", "/robot/cmd_ve", "lcmtools run driver speed:=/robot/cmd_ve"),
         (
             "/robot/cmd_vel is published: start /driver with speed:=/robot/cmd_vel"
             " in place of speed:=/robot/cmd_ve"
         ),
-    )
+    ),
+    "a remap the wrong way round is turned": (
+        ("/pilot", "/speed", "lcmtools run pilot cmd_vel:=speed"),
+        ("/gazebo", "/cmd_vel"),
+        (
+            "/speed of the same type has no subscriber: start /pilot with speed:=cmd_vel"
+            " in place of cmd_vel:=speed"
+        ),
+    ),
+    "a remap with a slip that only repeats the name is left out": (
+        ("/pilot", "/cmd_vel"),
+        ("/driver", "/cmd_vell", "run driver cmd_vel:=/cmd_vell"),
+        "/cmd_vel is published: start /driver without cmd_vel:=/cmd_vell",
+    ),
+    "a remap that leads away from what is published is taken back": (
+        ("/robot/wheels", "/robot/odometry"),
+        ("/robot/filter", "/robot/speed", "run filter __ns:=/robot odometry:=speed"),
+        "/robot/odometry is published: start /robot/filter without odometry:=speed",
+    ),
+    "a command is told the near topic": (
+        ("/_pub", "/Husky0/cmd_vel"),
+        ("/gazebo", "/husky0/cmd_vel"),
+        "/_pub publishes /Husky0/cmd_vel: let it publish on '/husky0/cmd_vel'",
+    ),
+    "a command is told the topic's namespace": (
+        ("/_pub", "/cmd_vel"),
+        ("/gazebo", "/husky0/cmd_vel"),
+        "/_pub publishes /cmd_vel: let it publish on '/husky0/cmd_vel'",
+    ),
+    "a command in a mistyped namespace is told the near topic": (
+        ("/_pub", "/husky/desired_velocity"),
+        ("/husky0/controller", "/husky0/desired_velocity"),
+        "/_pub publishes /husky/desired_velocity: let it publish on '/husky0/desired_velocity'",
+    ),
+    "a command is not told to publish something else": (
+        ("/_pub", "/husky0/wish"),
+        ("/gazebo", "/husky0/cmd_vel"),
+        "start what publishes /husky0/cmd_vel; what is there: lcmtools list -v",
+    ),
+}
+
+
+@pytest.mark.parametrize("sentence", PAIRS)
+def test_a_publisher_and_a_subscriber_are_connected(sentence: str) -> None:
+    (name, *publishes), (listener, *subscribes), remedy = PAIRS[sentence]
+    publisher = replace(node(name, Role.PUBLISHER, *publishes), tool=name.startswith("/_"))
+    assert remedies(publisher, node(listener, Role.SUBSCRIBER, *subscribes)) == (remedy,)
 
 
 @pytest.mark.parametrize(
@@ -99,26 +132,6 @@ def test_names_that_are_near(one: str, other: str, near: bool) -> None:  # noqa:
     assert are_near(other, one) is near
 
 
-def test_a_remap_the_wrong_way_round_is_turned() -> None:
-    command = "lcmtools run pilot cmd_vel:=speed"
-    publisher = node("/pilot", Role.PUBLISHER, "/speed", command)
-    simulator = node("/gazebo", Role.SUBSCRIBER, "/cmd_vel")
-    assert remedies(publisher, simulator) == (
-        (
-            "/speed of the same type has no subscriber: start /pilot with speed:=cmd_vel"
-            " in place of cmd_vel:=speed"
-        ),
-    )
-
-
-def test_a_remap_with_a_slip_that_only_repeats_the_name_is_left_out() -> None:
-    publisher = node("/pilot", Role.PUBLISHER, "/cmd_vel")
-    subscriber = node("/driver", Role.SUBSCRIBER, "/cmd_vell", "run driver cmd_vel:=/cmd_vell")
-    assert remedies(publisher, subscriber) == (
-        "/cmd_vel is published: start /driver without cmd_vel:=/cmd_vell",
-    )
-
-
 def test_what_a_remedy_connects_is_no_unconnected_publication() -> None:
     graph = Graph(
         (
@@ -133,34 +146,6 @@ def test_what_a_remedy_connects_is_no_unconnected_publication() -> None:
 def simulator(name: str, *ends: Endpoint) -> Node:
     clock = Endpoint("/clock", Role.PUBLISHER, ("rosgraph_msgs/Clock",), (1,))
     return Node(name, name + ends[0].topic, "here", 1, endpoints=(clock, *ends))
-
-
-def test_a_command_is_told_where_to_publish() -> None:
-    publisher = replace(node("/_pub", Role.PUBLISHER, "/Husky0/cmd_vel"), tool=True)
-    ear = node("/gazebo", Role.SUBSCRIBER, "/husky0/cmd_vel")
-    assert remedies(publisher, ear) == (
-        "/_pub publishes /Husky0/cmd_vel: let it publish on '/husky0/cmd_vel'",
-    )
-    publisher = replace(node("/_pub", Role.PUBLISHER, "/cmd_vel"), tool=True)
-    assert remedies(publisher, ear) == (
-        "/_pub publishes /cmd_vel: let it publish on '/husky0/cmd_vel'",
-    )
-
-
-def test_a_command_is_not_told_to_publish_something_else() -> None:
-    publisher = replace(node("/_pub", Role.PUBLISHER, "/husky0/wish"), tool=True)
-    assert remedies(publisher, node("/gazebo", Role.SUBSCRIBER, "/husky0/cmd_vel")) == (
-        "start what publishes /husky0/cmd_vel; what is there: lcmtools list -v",
-    )
-
-
-def test_a_remap_that_leads_away_from_what_is_published_is_taken_back() -> None:
-    publisher = node("/robot/wheels", Role.PUBLISHER, "/robot/odometry")
-    command = "lcmtools run filter __ns:=/robot odometry:=speed"
-    subscriber = node("/robot/filter", Role.SUBSCRIBER, "/robot/speed", command)
-    assert remedies(publisher, subscriber) == (
-        "/robot/odometry is published: start /robot/filter without odometry:=speed",
-    )
 
 
 def test_others_go_by_the_names_of_a_simulator() -> None:
@@ -274,14 +259,6 @@ def test_a_slash_at_the_start_that_leaves_the_namespace_is_removed() -> None:
     mapped = replace(controller, command="run controller __ns:=/husky0 odometry:=/odometry")
     assert remedies(robot, mapped) == (
         "/husky0/odometry is published: start /husky0/controller without odometry:=/odometry",
-    )
-
-
-def test_a_command_in_a_namespace_that_is_mistyped_is_to_use_the_near_topic() -> None:
-    command = replace(node("/_pub", Role.PUBLISHER, "/husky/desired_velocity"), tool=True)
-    controller = node("/husky0/controller", Role.SUBSCRIBER, "/husky0/desired_velocity")
-    assert remedies(command, controller) == (
-        "/_pub publishes /husky/desired_velocity: let it publish on '/husky0/desired_velocity'",
     )
 
 
