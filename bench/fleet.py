@@ -5,6 +5,7 @@ Usage: python bench/fleet.py
 
 import time
 from dataclasses import replace
+from itertools import product
 
 from lcmtools.doctor.evidence import Evidence, Listener, SenderFacts, Stream
 from lcmtools.doctor.report import text
@@ -41,8 +42,11 @@ def robot(number: int, space: str) -> list[Node]:
     ]  # fmt: skip
 
 
-def evidence(*, lost: bool) -> Evidence:
-    """A fleet where all is well but for nothing that steers it, or all controllers are lost."""
+def evidence(*, lost: bool, plain: bool) -> Evidence:
+    """A fleet where all is well but for nothing that steers it, or all controllers are lost.
+
+    If ``plain``, the drivers are programs that are no nodes.
+    """
     nodes = tuple(
         node for n in range(ROBOTS) for node in robot(n, f"/lost{n}" if lost else f"/robot{n}")
     )
@@ -53,6 +57,8 @@ def evidence(*, lost: bool) -> Evidence:
     )
     times = tuple(NOW - n * SECOND // 50 for n in range(50, 0, -1))
     streams = tuple(Stream(e.topic, n.sender, n.name, times, 100, 5000) for n, e in published)
+    if plain:
+        nodes = tuple(node for node in nodes if node.name.endswith("controller"))
     graph = Graph(nodes, traffic, NOW)
     return Evidence(
         "udpm://239.255.76.67:7667?ttl=0",
@@ -67,13 +73,14 @@ def evidence(*, lost: bool) -> Evidence:
 
 def main() -> None:
     """Print the time of each rule that takes long, and of all."""
-    for lost in (False, True):
-        found = evidence(lost=lost)
+    for lost, plain in product((False, True), repeat=2):
+        found = evidence(lost=lost, plain=plain)
         topics = len(found.graph.topic_names())
         start = time.perf_counter()
         findings = examine(found)
         total = time.perf_counter() - start
-        print(f"{len(found.graph.nodes)} nodes, {topics} topics, lost={lost}: {total:.2f} s")
+        title = f"{len(found.graph.nodes)} nodes, {topics} topics, lost={lost}, plain={plain}"
+        print(f"{title}: {total:.2f} s")
         for rule in RULES:
             start = time.perf_counter()
             rule.examine(replace(found))
