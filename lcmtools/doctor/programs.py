@@ -139,9 +139,11 @@ def _code_url(pid: int) -> str:
     script = next((word for word in words if word and not word.startswith("-")), "")
     folder = _PROC / str(pid)
     file = folder / "cwd" / script if "python" in Path(program).name else folder / "exe"
-    is_small = file.is_file() and file.stat().st_size < _MOST_CODE
-    urls = set(_URL.findall(text_of(file))) if is_small else set()
-    return str(urls.pop()) if len(urls) == 1 else ""
+    with contextlib.suppress(OSError):  # the process may end meanwhile
+        if file.stat().st_size < _MOST_CODE:
+            urls = set(_URL.findall(text_of(file)))
+            return str(urls.pop()) if len(urls) == 1 else ""
+    return ""
 
 
 def _variables(pid: int) -> dict[str, str]:

@@ -117,7 +117,6 @@ def test_events_that_come_by_chance(world: Any) -> None:
 def test_large_images_of_a_node(world: Any) -> None:
     camera = world.script(IMAGES)
     world.until(lambda: camera.pid in world.pids())
-    world.hears("/image")
     world.tool("hz", "/image")
     world.is_silent(wait="1s")
 
