@@ -16,7 +16,7 @@ LONGEST = 25.0
 """Of a check [s], by the simulation's pace; its start and end take less than 5 s more."""
 
 CONTROLLER = """
-import sys
+import sys, time
 import lcmtools
 from lcmtools import Node
 from lcmtools.types.geometry_msgs import Twist
@@ -36,6 +36,7 @@ class Controller(Node):
         self.create_subscription(Twist, "desired_velocity", self.take_desired, 1)
         self.desired = Twist()
         self.count = 0
+        self.last = 0.0
         self.left = self.right = 0.0
 
     def take_desired(self, twist):
@@ -43,6 +44,11 @@ class Controller(Node):
 
     def take_odometry(self, odometry):
         self.count += 1
+        if FAULT == "clock" and time.monotonic() - self.last < 0.06:
+            return
+        self.last = time.monotonic()
+        if FAULT == "busy":
+            time.sleep(0.5)
         forward = self.desired.linear.x - odometry.twist.twist.linear.x
         turn = self.desired.angular.z - odometry.twist.twist.angular.z
         if FAULT == "raised" or (FAULT == "sometimes" and self.count % 20 == 7):
@@ -51,8 +57,6 @@ class Controller(Node):
             return
         if FAULT == "died" and self.count > 100:
             raise SystemExit("no more efforts")
-        if FAULT == "swings":
-            forward, turn = 40 * forward, 80 * turn
         forward = -forward if FAULT == "speed-sign" else forward
         turn = -turn if FAULT == "turn-sign" else turn
         self.left = max(-1.0, min(1.0, self.left + 0.1 * forward - 0.05 * turn))
@@ -69,8 +73,9 @@ class Controller(Node):
 
 lcmtools.init()
 node = Controller()
+if FAULT == "twice":
+    other = Controller()
 if FAULT == "spin":
-    import time
     time.sleep(1000)
 lcmtools.spin(node)
 """
@@ -104,6 +109,8 @@ try:
         publisher.publish(twist)
 except KeyboardInterrupt:
     publisher.publish(Twist())
+while FAULT == "endless":
+    pass
 lcmtools.shutdown()
 """
 MOVER = """
@@ -163,6 +170,7 @@ def check(lcmtools: Callable[..., "subprocess.CompletedProcess[str]"], tmp_path:
         ("zero", "drive at 0.1 m/s", "its commands are all 0"),
         ("speed-sign", "drive at 0.1 m/s", "wrong sign of speed (-1.00 m/s in place of +0.1)"),
         ("turn-sign", "turn at 0.3 rad/s", "wrong sign of turn"),
+        ("busy", "drive at 0.1 m/s", "its callback of /husky0/odometry runs for 0."),
         ("sometimes", "raises no exception", "callback of /husky0/odometry raised"),
     ],
 )
@@ -186,6 +194,7 @@ def test_the_cause_of_a_wrong_controller_is_named_once(
         ("key-jl", "'j' does what 'l' should do (right on the spot): one key for another"),
         ("turn-sign", "wrong sign of turn: left is angular.z above 0"),
         ("died", "the program died: it ended with code 1: KeyError: 'k'"),
+        ("endless", "let the loop end when lcmtools.ok() is false"),
     ],
 )
 def test_the_cause_of_wrong_keys_is_named_once(fault: str, words: str, check: Check) -> None:
@@ -216,6 +225,26 @@ def test_a_robot_that_got_stuck_says_on_what_and_where(check: Check) -> None:
     assert "set linear.x and angular.z" in first["hint"]
     assert circle["follows"] == first["what"]
     assert "stuck on shed, at (5.1, 0.0) m" in circle["measured"]
+
+
+@pytest.mark.parametrize(
+    ("fault", "findings"),
+    [("clock", []), ("twice", ["2 nodes have the name /husky0/simple_controller"])],
+)
+def test_a_program_is_right_that_goes_by_the_real_clock_or_has_what_wtf_notes(
+    fault: str,
+    findings: list[str],
+    lcmtools: Callable[..., "subprocess.CompletedProcess[str]"],
+    tmp_path: Path,
+) -> None:
+    script = tmp_path / "program.py"
+    script.write_text(CONTROLLER)
+    command = f"{sys.executable} {script} {fault}"
+    result = lcmtools("lab", "check", "husky", "--controller", command, "--json")
+    assert result.returncode == 0, result.stdout
+    noted = [one.partition(":")[0] for row in json.loads(result.stdout)["rows"]
+             for one in row["findings"]]  # fmt: skip
+    assert noted == findings
 
 
 @pytest.fixture

@@ -200,6 +200,12 @@ def test_every_ending_signal_stops_the_robot_and_restores_the_terminal(
     wait_until(lambda: robot.received[-3:] == [(0.0, 0.0)] * 3)
 
 
+def test_the_first_lines_of_log_come_before_the_status_line(typist: Callable[..., Typist]) -> None:
+    driver = typist("pioneer_manual_controller")
+    driver.wait_for("v +0.00")
+    assert b"lcmtools' own pioneer_manual_controller" in driver.written.partition(b"v +0.00")[0]
+
+
 @pytest.mark.parametrize("last_key", ["\x04", "hang up"])
 def test_end_of_the_terminal_stops_the_robot(
     last_key: str,

@@ -16,7 +16,6 @@ from lcmtools.labs.checks.results import CheckResult, Report, as_specified
 
 _FILE = click.Path(dir_okay=False, path_type=Path)
 _CLASS_LIMIT = 120.0  # [s] for each program of a class
-_PROCESSORS = 2  # that a check keeps busy: the simulator's, and the program's
 _Show = Callable[[Sequence[str]], object]
 
 
@@ -70,7 +69,7 @@ def command(
 
     With --programs each file or folder in FOLDER is a submission, run in a copy of its own; its
     programs are found by name (simple_controller.py), or run by COMMAND with {program} in it.
-    Several are checked at a time where the computer has the processors, or as --jobs says.
+    As many are checked at a time as there are processors, or --jobs says.
 
     \b
     Examples:
@@ -96,8 +95,7 @@ def command(
     else:
         arguments = ["--time-limit", f"{time_limit or _CLASS_LIMIT:g}"]
         arguments += ["--rate", f"{rate:g}"] if rate else []
-        at_a_time = jobs or max(1, (os.cpu_count() or 1) // _PROCESSORS)
-        checker = ClassCheck(lab, chosen, arguments, plot, at_a_time)
+        checker = ClassCheck(lab, chosen, arguments, plot, jobs or os.cpu_count() or 1)
         submissions = checker.run(folder, partial(_show_report, show))
         report = [{"submission": one, **record(lab.name, r)} for one, r in submissions.items()]
         text = ["", *table(submissions)]

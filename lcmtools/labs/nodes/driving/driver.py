@@ -126,8 +126,10 @@ def drive(driver: Driver) -> None:
 def _follow(keyboard: Keyboard, driver: Driver) -> None:
     if is_terminal(sys.stdin):
         _write(f"{driver.key_help}\n\n")
-        driver.show_status()
     driver.warn_of_unknown_parameters()
+    lcmtools.spin_once(driver, 0.0)  # a node's first lines of log come before the status line
+    if is_terminal(sys.stdin):
+        driver.show_status()
     while lcmtools.ok() and not keyboard.is_over:
         for key in keyboard.read(_KEY_TIME):
             driver.press(key)
