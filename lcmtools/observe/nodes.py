@@ -1,6 +1,6 @@
 """Requests to nodes over the bus, to answer or to end, and the programs that are not nodes."""
 
-import secrets
+import os
 import socket
 import time
 from collections.abc import Iterator, Sequence
@@ -19,13 +19,18 @@ _PING_PERIOD = 1.0  # [s]
 _ASK_AGAIN = 0.5  # [s]; any message on LCM may be lost
 
 
+def _nonce() -> int:
+    """Return a number that no other request has; never 0, as announcements sent unasked have."""
+    return int.from_bytes(os.urandom(7), "big") | 1
+
+
 def ping(monitor: BusMonitor, node: Node, timeout: float) -> float:
     """Return the round trip time of one request to a node [s].
 
     Raises:
         NothingReceived: The node did not answer in time.
     """
-    nonce = secrets.randbits(62) | 1
+    nonce = _nonce()
     monitor.receive(0.0)  # a backlog is not to be read within the time measured
     start = time.monotonic()
     monitor.probe(node.name, nonce)
@@ -90,10 +95,7 @@ class NodeEnd:
 def end_nodes(monitor: BusMonitor, nodes: Sequence[Node], timeout: float) -> list[NodeEnd]:
     """Request nodes to end and wait until they have, for ``timeout`` seconds at most."""
     known = monitor.graph().nodes
-    ends = [
-        NodeEnd(node, secrets.randbits(62) | 1, others=_others_of_process(node, known))
-        for node in nodes
-    ]
+    ends = [NodeEnd(node, _nonce(), others=_others_of_process(node, known)) for node in nodes]
     deadline, request_time = time.monotonic() + timeout, 0.0
     while (now := time.monotonic()) < deadline and (left := [e for e in ends if not e.has_ended]):
         if now >= request_time:

@@ -199,6 +199,8 @@ def test_list_loads_only_what_it_needs() -> None:
         ("lab list", "importlib.metadata"),
         ("msg show geometry_msgs/Twist", "importlib.metadata"),
         ("msg show geometry_msgs/Twist", "lcmtools.packages.ros_files"),
+        ("node list --domain 99", "hashlib"),
+        ("node list --domain 99", "lcmtools.observe.node_report"),
         ("run --list", "lcmtools.node"),
     ],
 )

@@ -35,8 +35,10 @@ def list_nodes(
     "*arm*".
     """
     from lcmtools.observe.describe import listed_node, node_record  # the others do without
-    from lcmtools.observe.node_report import listed, listed_program, program_record
-    from lcmtools.observe.senders import programs
+
+    if show_all:
+        from lcmtools.observe.node_report import listed, listed_program, program_record
+        from lcmtools.observe.senders import programs
 
     with open_monitor("node_list") as monitor:
         graph, url = monitor.settle(foreign=show_all, wait=wait if show_all else None), monitor.url
@@ -44,7 +46,7 @@ def list_nodes(
     nodes = [node for node in graph.nodes if pattern.means_node(node.name)]
     others = programs(graph, url) if show_all and not namespace else []
     if as_json:
-        document([*map(node_record, nodes), *map(program_record, others)])
+        document([*map(node_record, nodes), *(program_record(one) for one in others)])
     elif count:
         data(str(len(nodes)))
     elif uri:
