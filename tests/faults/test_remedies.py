@@ -6,6 +6,7 @@ left out.
 """
 
 import signal
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -184,9 +185,15 @@ def _frozen_sender(world: Any) -> None:
     world.sends("bus.publish('A', Twist().encode())").send_signal(signal.SIGSTOP)
 
 
+def _last_tick(world: Any) -> int:
+    ends = [end for node in world.graph().nodes for end in node.endpoints]
+    return max((end.last_time for end in ends if end.topic == "/clock"), default=0)
+
+
 def _paused(world: Any) -> None:
     world.node("sim", "--world", "empty")
     world.type("lcmtools sim pause")
+    world.until(lambda: time.time_ns() - _last_tick(world) > 1.1e9)
 
 
 def _plugged_out(world: Any) -> None:

@@ -91,7 +91,7 @@ def _silent(evidence: Evidence) -> Iterator[tuple[str, Observed, str, str, float
     for node, endpoint, is_subscribed in _publications(evidence):
         # a simulator measures for subscribers only
         rate = average_rate(node, endpoint) if is_subscribed or not is_simulator(node) else None
-        age = _silence(evidence, node, endpoint)
+        age = silence(evidence, node, endpoint)
         if endpoint.messages >= _ENOUGH and rate and age > max(_SILENCE, _PERIODS / rate):
             yield "silent-node", node, node.name, endpoint.topic, age, rate
     for stream in _wanted_streams(evidence):
@@ -201,7 +201,7 @@ def _paces(evidence: Evidence) -> Iterator[_Pace]:
         usual = average_rate(was, earlier) if is_known else None
         span = (node.sent - was.sent) / 1e9 if was.sent < node.sent else evidence.listened
         if usual and span and earlier is not endpoint:
-            sent, age = endpoint.messages - earlier.messages, _silence(evidence, node, endpoint)
+            sent, age = endpoint.messages - earlier.messages, silence(evidence, node, endpoint)
             yield _Pace("slower", node, node.name, endpoint.topic, usual, sent, span, age)
     nodes = {sender for node in evidence.graph.nodes for sender in node.senders()}
     for one in evidence.senders:
@@ -213,7 +213,7 @@ def _paces(evidence: Evidence) -> Iterator[_Pace]:
             )
 
 
-def _silence(evidence: Evidence, node: Node, endpoint: Endpoint) -> float:
+def silence(evidence: Evidence, node: Node, endpoint: Endpoint) -> float:
     """The time from an endpoint's last message to the node's last announcement [s]."""
     return ((node.sent or node.time_there(evidence.graph.time)) - endpoint.last_time) / 1e9
 

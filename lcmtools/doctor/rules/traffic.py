@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from lcmtools.doctor.evidence import Evidence, Stream
 from lcmtools.doctor.findings import Finding, Severity, Statement, found, rule, state
-from lcmtools.doctor.rules.pace import SHARED, resting_simulators
+from lcmtools.doctor.rules.pace import SHARED, resting_simulators, silence
 from lcmtools.doctor.rules.types import disagree
 from lcmtools.graph.model import Node, Role
 from lcmtools.names import base_name_of, is_hidden
@@ -14,7 +14,7 @@ from lcmtools.observe.losses import Loss
 _SECOND_LOOK = 3.0  # [s] in which slow publishers send several times
 _SLOWER = 0.9  # of the target rate
 _BUSY = 0.85
-_ENOUGH = 0.3  # [s] of a look that hears a clock, which comes ten times a second at least
+_PAUSED = 1.0  # [s] without a message of a clock, which sends ten a second at least
 
 
 @rule("loss", "less data, a wired network, or recv_buf_size=N in the URL")
@@ -125,8 +125,10 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
     paused = [
         node
         for node in resting_simulators(evidence)
-        if evidence.listened >= _ENOUGH and not node.stale
-        if any(end.topic == "/clock" and end.messages for end in node.having(Role.PUBLISHER))
+        for end in node.having(Role.PUBLISHER)
+        if end.topic == "/clock" and end.messages and not node.stale
+        # by its own counter, for wtf may have missed what came
+        if silence(evidence, node, end) > _PAUSED
     ]
     facts = [state("program", program=node) for node in paused]
     remedies = [state("resume")] if any(map(_is_ours, paused)) else []

@@ -367,7 +367,9 @@ def test_a_simulator_that_is_paused_is_a_note_and_excuses_who_waits_for_it() -> 
     assert note.remedies == ("if that was not intended: lcmtools sim resume",)
     tick = Stream("/clock", ALICE, "/sim", (NOW,))
     assert found(replace(evidence, streams=(tick,))).keys() == {"silent"}
-    assert found(replace(evidence, listened=0.1)) == {}
+    ticked = replace(sim, endpoints=(replace(clock, last_time=NOW), scan, ends[2]))
+    missed = replace(evidence, graph=Graph((ticked, driver, ear), time=NOW), own_drops=99)
+    assert found(missed) == {}, "wtf has missed the ticks"
 
 
 def test_an_unknown_type_is_compared_with_what_others_send_on_the_channel() -> None:
