@@ -1,17 +1,11 @@
 """The bus of nodes: an LCM instance, and the thread that receives.
 
-Subscribing, unsubscribing and receiving happen on one thread at a time, the holder of a lock. It
-drains the library at once, into queues of the subscribers that keep the newest messages. Another
-lock keeps threads that publish or subscribe apart.
-
-The bus has a receiving thread of its own, and lends the lock to a thread that waits for messages
-(leader and follower): what arrives is handled where its callback runs, without a switch of threads
-on the way. While such a thread is away, in a callback for example, the bus's own thread waits for
-``_PATIENCE`` and then receives again.
+Subscribing, unsubscribing and receiving happen on the thread that has the right to receive. It
+drains the library at once, into queues of the subscribers that keep the newest messages. A lock
+keeps threads that publish or subscribe apart.
 """
 
 import contextlib
-import math
 import queue
 import re
 import select
@@ -22,15 +16,14 @@ from collections.abc import Callable
 from lcmtools.bus.base import Handler
 from lcmtools.bus.liblcm import QUEUE_CAPACITY, Connection, Instance, Subscription
 from lcmtools.bus.paced import PACED_ABOVE_BYTES, PacedSender
+from lcmtools.bus.receiving import Receiving
 from lcmtools.bus.url import BusUrl
-from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.errors import BusError
 from lcmtools.names import check_channel
 
 _LENDABLE = ("udpm", "mpudpm", "memq")
 """Providers whose messages any thread may wait for: a log ends, a server's connection breaks."""
 _BATCH = 100  # messages handled before a request to subscribe is served
-_PATIENCE = 0.05  # [s] for which a thread that waited for messages may be away
 _CHECK_PERIOD = 0.5  # [s] between checks for a connection that broke in sending
 _REQUEST_TIMEOUT = 15.0  # [s]; above liblcm's own ten seconds
 
@@ -62,14 +55,7 @@ class LcmBus:
         self._paced = PacedSender(url) if url.is_multicast else None
         self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._requesting = threading.Lock()
-        self._receiving = threading.Lock()  # held by the thread that subscribes and receives
-        self._receiver = 0  # that thread
-        self._to_receiver, self._to_own_thread = WakeupEvent(), WakeupEvent()
-        self._leading = threading.RLock()  # held by the one thread that is in ``wait``
-        self._is_lendable = url.provider in _LENDABLE
-        self._is_leader_here = False
-        self._is_asleep = False  # the bus's own thread, until the leader leaves
-        self._trusted_until = -math.inf  # a leader that is away, to come back [s]
+        self._receiving = Receiving(is_lendable=url.provider in _LENDABLE)
         self._closed = False
         self._thread = threading.Thread(target=self._run, name="lcm receiver", daemon=True)
         self._thread.start()
@@ -122,11 +108,9 @@ class LcmBus:
             self._closed = True
         if self._paced:
             self._paced.close()
-        self._wake_receivers()
+        self._receiving.wake()
         self._thread.join(timeout=2.0)
-        with self._leading:  # none waits any more
-            self._to_receiver.close()
-            self._to_own_thread.close()
+        self._receiving.close()
         self._subscriptions.clear()
         self._connection.close()  # a thread that publishes now keeps the instance a moment longer
 
@@ -140,7 +124,7 @@ class LcmBus:
 
     def _on_receiver(self, work: Callable[[], None]) -> None:
         """Run ``work`` on the receiving thread and wait for it; its exception is raised here."""
-        if threading.get_ident() == self._receiver:
+        if threading.get_ident() == self._receiving.thread:
             work()
             return
         done: queue.SimpleQueue[Exception | None] = queue.SimpleQueue()
@@ -156,7 +140,7 @@ class LcmBus:
             if self._closed:
                 raise BusError("the bus is closed")
             self._requests.put(run)
-            self._wake_receivers()
+            self._receiving.wake()
         try:
             error = done.get(timeout=_REQUEST_TIMEOUT)
         except queue.Empty:
@@ -198,52 +182,23 @@ class LcmBus:
 
     def wait(self, descriptor: int, timeout: float | None) -> bool:
         """Receive on this thread until handlers were called, or it is time (see ``Bus``)."""
-        if not self._lead():
+        if self._closed or not self._receiving.lead():
             return bool(select.select([descriptor], [], [], timeout)[0])
         try:
             return self._receive(descriptor, timeout)
         except (BusError, OSError, ValueError):  # a signal handler has closed the bus
             return False
         finally:
-            self._leave()
+            self._receiving.leave()
 
     def hand_over(self) -> None:
         """Receive on the bus's own thread until this one waits again."""
-        if not self._is_leader_here and self._trusted_until > -math.inf:
-            self._trusted_until = -math.inf
-            self._to_own_thread.set()
-
-    def _lead(self) -> bool:
-        """Become the receiver, if no other thread wants to be; until ``_leave``."""
-        if self._closed or not self._is_lendable:
-            return False
-        if not self._leading.acquire(blocking=False):
-            self._is_lendable = False  # several threads wait, and each must hear of its messages
-            self._wake_receivers()
-            return False
-        self._is_leader_here = True
-        if not self._receiving.acquire(blocking=False):
-            self._to_receiver.set()
-            self._receiving.acquire()
-        self._receiver = threading.get_ident()
-        return True
-
-    def _leave(self) -> None:
-        """Trust the thread that has led to come back."""
-        self._receiver = 0
-        self._receiving.release()
-        self._trusted_until = time.monotonic() + _PATIENCE
-        self._is_leader_here = False
-        self._leading.release()
-        if self._is_asleep:
-            self._to_own_thread.set()
+        self._receiving.hand_over()
 
     def _receive(self, descriptor: int, timeout: float | None) -> bool:
         """Wait for messages, requests or a descriptor; return whether that can be read."""
         instance = self._instance()
-        if not self._is_lendable:  # since a moment ago
-            return False
-        wake, messages = self._to_receiver.fileno(), instance.fileno()
+        wake, messages = self._receiving.wakeup.fileno(), instance.fileno()
         readable = select.select([descriptor, wake, messages], [], [], timeout)[0]
         if messages in readable:
             self._handle(instance)
@@ -254,36 +209,15 @@ class LcmBus:
     def _run(self) -> None:
         """Receive while no other thread does; the bus's own thread."""
         while not self._closed:
-            if self._follow():
-                continue
-            with self._receiving:
-                self._receiver = threading.get_ident()
-                self._turn(None if self._has_ended else self._connection.instance)
-                self._receiver = 0
+            if not self._receiving.follow(lambda: not self._requests.empty()):
+                with self._receiving:
+                    self._turn(None if self._has_ended else self._connection.instance)
         self._serve_requests()  # those made while it closed
-
-    def _follow(self) -> bool:
-        """Wait while another thread receives, or is soon to do so again; return whether it does."""
-        self._is_asleep = True
-        if self._is_leader_here:
-            self._to_own_thread.wait(None)
-        self._is_asleep = False
-        if self._is_leader_here:
-            return True
-        trust = self._trusted_until - time.monotonic() if self._is_lendable else 0.0
-        if trust > 0.0 and self._requests.empty():
-            self._to_own_thread.wait(trust)
-            return self._requests.empty()
-        return False  # a request that came while the leader left has been no leader's
-
-    def _wake_receivers(self) -> None:
-        self._to_receiver.set()
-        self._to_own_thread.set()
 
     def _turn(self, instance: Instance | None) -> None:
         """Wait for messages, requests and attempts to connect, and handle them."""
         works, readable = self._wait(instance)
-        wake = self._to_receiver.fileno()
+        wake = self._receiving.wakeup.fileno()
         if wake in readable:
             self._serve_requests()
         if instance is None:
@@ -305,7 +239,7 @@ class LcmBus:
     def _wait(self, instance: Instance | None) -> tuple[bool, list[int]]:
         """Return whether the connection works, and the descriptors that can be read, if any."""
         try:
-            wake = self._to_receiver.fileno()
+            wake = self._receiving.wakeup.fileno()
             if instance is None:
                 return True, select.select([wake], [], [], self._connection.left())[0]
             longest = _CHECK_PERIOD if self._can_break else None
@@ -314,7 +248,7 @@ class LcmBus:
             return False, []
 
     def _serve_requests(self) -> None:
-        self._to_receiver.clear()
+        self._receiving.wakeup.clear()
         while not self._requests.empty():
             self._requests.get()()
 

@@ -25,7 +25,7 @@ Random = Callable[[int], Iterable[float]]
 
 @dataclass(slots=True)
 class Constants:
-    """What does not change of a robot, or of many.
+    """The values that do not change of a robot, or of many.
 
     Attributes:
         gain: Of the motors in a step: see drive.followed.

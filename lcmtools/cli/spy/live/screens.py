@@ -1,4 +1,4 @@
-"""What the screens have in common, and the small ones in front of others: help and sorting."""
+"""The base of the screens, and the small ones in front of others: help and sorting."""
 
 from collections.abc import Callable
 from typing import ClassVar

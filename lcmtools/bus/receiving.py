@@ -1,0 +1,111 @@
+"""The right to receive from a bus, which one thread at a time has: leader and follower.
+
+A bus has a thread of its own, and lends the right to a thread that waits for messages: what arrives
+is handled where its callback runs, without a switch of threads on the way. While that thread is
+away, in a callback for example, the bus's own thread waits for a moment, and then receives again.
+"""
+
+import math
+import threading
+import time
+from collections.abc import Callable
+
+from lcmtools.bus.wakeup import WakeupEvent
+
+_PATIENCE = 0.05  # [s] for which a thread that has received may be away
+
+
+class Receiving:
+    """The right to receive; a context manager for the bus's own thread.
+
+    Args:
+        is_lendable: Other threads may receive.
+
+    Attributes:
+        thread: The thread that receives now; 0 for none.
+        wakeup: Wakes that thread, or the next one.
+    """
+
+    def __init__(self, *, is_lendable: bool) -> None:
+        self.thread = 0
+        self.wakeup = WakeupEvent()
+        self._wakeup_of_own = WakeupEvent()
+        self._lock = threading.Lock()  # held by the thread that receives
+        self._leading = threading.RLock()  # held by a thread that was lent the right
+        self._is_lendable = is_lendable
+        self._is_leader_here = False
+        self._is_asleep = False  # the bus's own thread, until the leader leaves
+        self._trusted_until = -math.inf  # a leader that is away, to come back [s]
+
+    def __enter__(self) -> None:
+        """Receive on the bus's own thread."""
+        self._lock.acquire()
+        self.thread = threading.get_ident()
+
+    def __exit__(self, *_: object) -> None:
+        """Receive no more."""
+        self.thread = 0
+        self._lock.release()
+
+    def lead(self) -> bool:
+        """Take the right on a thread that waits for messages, until ``leave``; return success."""
+        if not self._is_lendable:
+            return False
+        if not self._leading.acquire(blocking=False):
+            self._is_lendable = False  # several threads wait, and each must hear of its messages
+            self.wake()
+            return False
+        self._is_leader_here = True
+        if not self._lock.acquire(blocking=False):
+            self.wakeup.set()
+            self._lock.acquire()
+        self.thread = threading.get_ident()
+        if not self._is_lendable:  # since a moment ago
+            self.leave()
+            return False
+        return True
+
+    def leave(self) -> None:
+        """Give back what ``lead`` took; the thread is trusted to come back soon."""
+        self.thread = 0
+        self._lock.release()
+        self._trusted_until = time.monotonic() + _PATIENCE
+        self._is_leader_here = False
+        self._leading.release()
+        if self._is_asleep:
+            self._wakeup_of_own.set()
+
+    def hand_over(self) -> None:
+        """Trust no thread that is away to come back soon."""
+        if not self._is_leader_here and self._trusted_until > -math.inf:
+            self._trusted_until = -math.inf
+            self._wakeup_of_own.set()
+
+    def follow(self, has_requests: Callable[[], bool]) -> bool:
+        """Wait on the bus's own thread while another receives, or is soon to do so again.
+
+        Returns False if its own thread is to receive: nobody else does, or none serves a request
+        that came just as the other one left.
+        """
+        self._is_asleep = True
+        if self._is_leader_here:
+            self._wakeup_of_own.wait(None)
+        self._is_asleep = False
+        if self._is_leader_here:
+            return True
+        trust = self._trusted_until - time.monotonic() if self._is_lendable else 0.0
+        if trust <= 0.0 or has_requests():
+            return False
+        self._wakeup_of_own.wait(trust)
+        return not has_requests()
+
+    def wake(self) -> None:
+        """Wake the thread that receives, and the bus's own one."""
+        self.wakeup.set()
+        self._wakeup_of_own.set()
+
+    def close(self) -> None:
+        """Free the descriptors, once no thread waits any more."""
+        with self._leading:
+            self.wakeup.close()
+            self._wakeup_of_own.close()
