@@ -250,8 +250,11 @@ def test_a_program_is_right_that_goes_by_the_real_clock_or_has_what_wtf_notes(
 @pytest.fixture
 def class_folder(tmp_path: Path) -> Iterator[Path]:
     folder = tmp_path / "class"
-    (folder / "anna").mkdir(parents=True)
-    (folder / "anna" / "moving_robot.py").write_text(MOVER.replace("sys.argv[1]", "''"))
+    (folder / "anna" / "anna").mkdir(parents=True)
+    source = "def main(): pass\n" + MOVER.replace("sys.argv[1]", "''")
+    (folder / "anna" / "anna" / "moving_robot.py").write_text(source)
+    # a package of which a file is not declared as a node: here the file itself is run
+    (folder / "anna" / "pyproject.toml").write_text('[project]\nname = "anna"\n[tool.lcmtools]\n')
     (folder / "anna" / "yaml.py").write_text("raise ImportError('not for the check')")
     (folder / "bo.py").write_text("raise ValueError('/dolly/cmd_vel')")
     (folder / "cy").mkdir()

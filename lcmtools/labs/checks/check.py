@@ -62,7 +62,8 @@ def choose(lab: Lab, programs: Mapping[str, str]) -> list[Run]:
             is not declared as a node.
     """
     known = {program.option: program for program in lab.programs}
-    nodes = _workspace_nodes(lab)
+    may_be_answer = any(text.startswith("lcmtools run") for text in programs.values())
+    nodes = _workspace_nodes(lab) if may_be_answer or not programs else {}
     if not programs and not nodes:
         return [Run(p, [*p.answer, *p.arguments], is_answer=True) for p in lab.programs]
     chosen = []

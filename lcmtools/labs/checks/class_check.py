@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lcmtools.labs.catalogue import Lab
+from lcmtools.labs.checks.check import choose
 from lcmtools.labs.checks.programs import own_command
 from lcmtools.labs.checks.reporters import read_record
 from lcmtools.labs.checks.results import CheckResult, Report
@@ -65,8 +66,10 @@ class ClassCheck:
             show: Called with a submission's name and the report of a program of it, as it comes.
 
         Raises:
-            UsageError: The folder has no submissions.
+            UsageError: The folder has no submissions, or a command line is wrong.
         """
+        if self._commands:
+            choose(self._lab, self._commands)  # what is wrong with them is told once
         submissions = submissions_in(folder)
         found = {path.name: self._jobs_of(path) for path in submissions}
         reports = {name: dict[str, Report]() for name in found}
@@ -132,8 +135,8 @@ def _reason(errors: Sequence[str]) -> str:
     try:
         error = json.loads(last)
         return "; ".join(filter(None, (error["error"], error["hint"])))
-    except ValueError:
-        return last
+    except ValueError:  # wrong usage is told in words
+        return last.partition("lcmtools lab check: ")[2] or last
 
 
 def _failed(program: str, reason: str) -> Report:

@@ -142,7 +142,8 @@ def _show_report(show: _Show, name: str, report: Report) -> None:
     from lcmtools.labs.checks.reporters import heading, result_lines
 
     rows = [row for result in report.results for row in result_lines(result)]
-    show(["", f"== {name}", *heading(report.program, report.command)[1:], *rows])
+    head = heading(report.program, report.command)[1:] if report.command else []
+    show(["", f"== {name}", *head, *rows])
 
 
 def _write(file: Path, data: bytes) -> None:

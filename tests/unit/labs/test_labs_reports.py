@@ -11,6 +11,7 @@ import pytest
 
 from lcmtools.errors import UsageError
 from lcmtools.labs.catalogue import LABS
+from lcmtools.labs.checks.class_check import ClassCheck
 from lcmtools.labs.checks.observations import Desire, Observations, Sample, Touch
 from lcmtools.labs.checks.plot import plot, series
 from lcmtools.labs.checks.reporters import (
@@ -168,6 +169,13 @@ def test_programs_of_a_submission_are_found_by_name_by_topics_or_by_the_command(
     assert found == [{"mover": "src/my_Moving_Robot.py"}, {"reader": "bo.py"}]
     command = {"mover": "python {program} -x"}
     assert programs_of(dolly, folder, command) == {"mover": "python bo.py -x"}
+
+
+def test_a_command_for_a_class_that_is_wrong_is_refused_at_once(tmp_path: Path) -> None:
+    (tmp_path / "anna.py").touch()
+    check = ClassCheck(LABS["dolly"], {"teleop": "python {program}"}, (), None, 1)
+    with pytest.raises(UsageError, match="--teleop is no program of the lab dolly"):
+        check.run(tmp_path, lambda *_: None)
 
 
 def test_a_folder_without_submissions_is_refused(tmp_path: Path) -> None:
