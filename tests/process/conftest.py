@@ -16,6 +16,8 @@ from typing import Any
 import pytest
 
 from lcmtools import Node
+from lcmtools.bus.lcm_bus import LcmBus
+from lcmtools.bus.url import parse_url
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import message_class
 from lcmtools.types.std_msgs import UInt64
@@ -186,3 +188,19 @@ def on_terminal(lcmtools_path: str) -> Callable[..., str]:
         return text.decode()
 
     return run
+
+
+@pytest.fixture
+def bus(bus_url: str) -> Iterator[LcmBus]:
+    """A connection to the test's bus."""
+    bus = LcmBus(parse_url(bus_url))
+    yield bus
+    bus.close()
+
+
+@pytest.fixture
+def other(bus_url: str) -> Iterator[LcmBus]:
+    """A second connection to the same bus."""
+    bus = LcmBus(parse_url(bus_url))
+    yield bus
+    bus.close()

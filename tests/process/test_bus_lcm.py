@@ -2,7 +2,7 @@
 
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,21 +12,6 @@ from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError, InvalidName
 
 WaitUntil = Callable[..., None]
-
-
-@pytest.fixture
-def bus(bus_url: str) -> Iterator[LcmBus]:
-    bus = LcmBus(parse_url(bus_url))
-    yield bus
-    bus.close()
-
-
-@pytest.fixture
-def other(bus_url: str) -> Iterator[LcmBus]:
-    """A second connection to the same bus."""
-    bus = LcmBus(parse_url(bus_url))
-    yield bus
-    bus.close()
 
 
 def test_a_message_arrives_with_the_time_it_came(

@@ -3,7 +3,7 @@
 import itertools
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -13,21 +13,6 @@ from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError
 
 WaitUntil = Callable[..., None]
-
-
-@pytest.fixture
-def bus(bus_url: str) -> Iterator[LcmBus]:
-    bus = LcmBus(parse_url(bus_url))
-    yield bus
-    bus.close()
-
-
-@pytest.fixture
-def other(bus_url: str) -> Iterator[LcmBus]:
-    """A second connection to the same bus."""
-    bus = LcmBus(parse_url(bus_url))
-    yield bus
-    bus.close()
 
 
 def test_other_threads_may_subscribe_and_unsubscribe_under_traffic(

@@ -27,25 +27,11 @@ def endless_patience(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def bus(bus_url: str) -> Iterator[LcmBus]:
-    bus = LcmBus(parse_url(bus_url))
-    yield bus
-    bus.close()
-
-
-@pytest.fixture
 def never() -> Iterator[int]:
     """A descriptor that is not ready to read until the test ends."""
     event = WakeupEvent()
     yield event.fileno()
     event.close()
-
-
-@pytest.fixture
-def sender(bus_url: str) -> Iterator[LcmBus]:
-    bus = LcmBus(parse_url(bus_url))
-    yield bus
-    bus.close()
 
 
 class Receivers:
@@ -65,45 +51,45 @@ class Receivers:
 
 @pytest.mark.usefixtures("endless_patience")
 def test_messages_are_handled_on_the_thread_that_waits(
-    bus: LcmBus, sender: LcmBus, never: int
+    bus: LcmBus, other: LcmBus, never: int
 ) -> None:
     receivers = Receivers(bus)
     assert not bus.wait(never, 0.0)
     for count in range(1, 4):
-        sender.publish("a", b"x")
+        other.publish("a", b"x")
         receivers.wait(bus, never, count)
     assert set(receivers.threads) == {threading.get_ident()}
 
 
 def test_a_thread_that_stays_away_is_replaced(
-    bus: LcmBus, sender: LcmBus, never: int, wait_until: WaitUntil
+    bus: LcmBus, other: LcmBus, never: int, wait_until: WaitUntil
 ) -> None:
     receivers = Receivers(bus)
     bus.wait(never, 0.0)
     for count in range(1, 4):  # it takes over once, and then receives each
-        sender.publish("a", b"x")
+        other.publish("a", b"x")
         wait_until(lambda count=count: len(receivers.threads) == count)
     assert threading.get_ident() not in receivers.threads
     bus.wait(never, 0.0)
-    sender.publish("a", b"x")
+    other.publish("a", b"x")
     receivers.wait(bus, never, 4)
 
 
 @pytest.mark.usefixtures("endless_patience")
 def test_a_thread_that_hands_over_is_replaced_at_once(
-    bus: LcmBus, sender: LcmBus, never: int, wait_until: WaitUntil
+    bus: LcmBus, other: LcmBus, never: int, wait_until: WaitUntil
 ) -> None:
     receivers = Receivers(bus)
     bus.wait(never, 0.0)
     bus.hand_over()
-    sender.publish("a", b"x")
+    other.publish("a", b"x")
     wait_until(lambda: receivers.threads)
     assert receivers.threads[0] != threading.get_ident()
 
 
 @pytest.mark.usefixtures("endless_patience")
 def test_subscriptions_are_made_while_a_thread_waits_and_while_it_is_away(
-    bus: LcmBus, sender: LcmBus, never: int
+    bus: LcmBus, other: LcmBus, never: int
 ) -> None:
     event = WakeupEvent()
     with ThreadPoolExecutor(1) as threads:
@@ -113,12 +99,12 @@ def test_subscriptions_are_made_while_a_thread_waits_and_while_it_is_away(
         waiting.result(_LONG)
     event.close()
     receivers = Receivers(bus)  # it has gone
-    sender.publish("a", b"x")
+    other.publish("a", b"x")
     receivers.wait(bus, never)
 
 
 @pytest.mark.usefixtures("endless_patience")
-def test_requests_at_any_moment_are_served(bus: LcmBus, sender: LcmBus, never: int) -> None:
+def test_requests_at_any_moment_are_served(bus: LcmBus, other: LcmBus, never: int) -> None:
     """Also at the very moment at which the waiting thread comes, or leaves."""
     receivers = Receivers(bus)
     done = threading.Event()
@@ -127,7 +113,7 @@ def test_requests_at_any_moment_are_served(bus: LcmBus, sender: LcmBus, never: i
         for number in range(300):
             Receivers(bus, f"channel{number}")
         done.set()
-        sender.publish("a", b"x")
+        other.publish("a", b"x")
 
     with ThreadPoolExecutor(1) as threads:
         requests = threads.submit(come_and_go)
@@ -144,7 +130,7 @@ def _wait_for_event(bus: LcmBus, event: WakeupEvent) -> None:
 
 @pytest.mark.usefixtures("endless_patience")
 def test_where_two_threads_wait_neither_depends_on_the_other(
-    bus: LcmBus, sender: LcmBus, wait_until: WaitUntil
+    bus: LcmBus, other: LcmBus, wait_until: WaitUntil
 ) -> None:
     receivers = Receivers(bus)
     events = [WakeupEvent(), WakeupEvent()]
@@ -152,7 +138,7 @@ def test_where_two_threads_wait_neither_depends_on_the_other(
         waiting = [threads.submit(_wait_for_event, bus, event) for event in events]
         events[0].set()  # the first one goes away for good
         waiting[0].result(_LONG)
-        sender.publish("a", b"x")
+        other.publish("a", b"x")
         wait_until(lambda: receivers.threads)
         events[1].set()
         waiting[1].result(_LONG)

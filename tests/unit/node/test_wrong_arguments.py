@@ -1,39 +1,19 @@
 """Wrong arguments of the Python API: one line says what was expected."""
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import pytest
+from fixtures.driver import Begin, Call, Driver
 
 import lcmtools
 import lcmtools.types.std_msgs
 from lcmtools import Node, Parameter
 from lcmtools.errors import LcmtoolsError
-from lcmtools.node.context import Context
 from lcmtools.types.geometry_msgs import PoseWithCovariance, Twist
 from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools.types.std_msgs import Int32, String, UInt8
 from lcmtools.types.std_srvs import SetBool, Trigger
-
-Begin = Callable[..., Context]
-Call = Callable[[Any], object]  # any: these are the calls that a type checker refuses
-
-
-class Driver(Node):
-    """A node with callbacks of several arities."""
-
-    def __init__(self) -> None:
-        super().__init__("driver")
-
-    def tick(self) -> None:
-        """Take nothing."""
-
-    def turn(self, message: object) -> None:
-        """Take a message."""
-
-    async def later(self) -> None:
-        """Run elsewhere."""
 
 
 class RosString:

@@ -1,37 +1,17 @@
 """Wrong uses of the Python API, as newcomers type them: one line says what was expected."""
 
 from collections.abc import Callable
-from typing import Any
 
 import pytest
+from fixtures.driver import Begin, Call, Driver
 
 import lcmtools
 import lcmtools.types.std_msgs
 from lcmtools import Node, Parameter
 from lcmtools.errors import LcmtoolsError
-from lcmtools.node.context import Context
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.std_msgs import String
 from lcmtools.types.std_srvs import Trigger
-
-Begin = Callable[..., Context]
-Call = Callable[[Any], object]  # any: these are the calls that a type checker refuses
-
-
-class Driver(Node):
-    """A node with callbacks of several arities."""
-
-    def __init__(self) -> None:
-        super().__init__("driver")
-
-    def tick(self) -> None:
-        """Take nothing."""
-
-    def turn(self, message: object) -> None:
-        """Take a message."""
-
-    async def later(self) -> None:
-        """Run elsewhere."""
 
 
 class Forgetful(Node):
