@@ -125,7 +125,12 @@ def test_an_engine_that_is_unknown_or_not_there_is_named_with_the_remedy(
     monkeypatch.setenv("LCMTOOLS_ENGINE", "mujoko")
     with pytest.raises(UsageError, match="LCMTOOLS_ENGINE: unknown engine 'mujoko'; did you mean"):
         chosen_engine()
-    with pytest.raises(MissingExtra, match="--engine: the engine bullet is not installed; type:"):
+    missing = "--engine: the engine bullet is not installed"
+    monkeypatch.setattr(engines, "_has_bullet_wheel", lambda: True)
+    with pytest.raises(MissingExtra, match=f"{missing}; type: pip install pybullet; or"):
+        chosen_engine("bullet")
+    monkeypatch.setattr(engines, "_has_bullet_wheel", lambda: False)
+    with pytest.raises(MissingExtra, match=f"{missing}; pybullet has wheels .* only; take mujoco"):
         chosen_engine("bullet")
     installed.clear()
     monkeypatch.delenv("LCMTOOLS_ENGINE")

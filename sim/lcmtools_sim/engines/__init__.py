@@ -1,6 +1,8 @@
 """Physics engines behind one protocol (engine.py), and the choice between them."""
 
 import os
+import platform
+import sys
 from importlib.util import find_spec
 
 from lcmtools.errors import MissingExtra, UsageError
@@ -33,11 +35,18 @@ def chosen_engine(wanted: str = "") -> str:
     if not there or not find_spec("PIL"):
         raise MissingExtra("the simulator needs numpy, pillow, and pybullet or mujoco", _HINT)
     if name and name not in there:
-        raise MissingExtra(
-            f"{source}: the engine {name} is not installed",
-            f"type: pip install {_PACKAGES[name]}; or take {there[0]}",
-        )
+        way = f"type: pip install {_PACKAGES[name]}; or"
+        if name == "bullet" and not _has_bullet_wheel():
+            way = "pybullet has wheels for Python 3.10 and 3.11 on Linux x86_64 only;"
+        hint = f"{way} take {there[0]}"
+        raise MissingExtra(f"{source}: the engine {name} is not installed", hint)
     return name or there[0]
+
+
+def _has_bullet_wheel() -> bool:
+    """Return if there is a wheel of pybullet here, by the markers of the extra ``sim``."""
+    is_usual = sys.platform == "linux" and platform.machine() == "x86_64"
+    return is_usual and sys.version_info < (3, 12)
 
 
 def is_installed(name: str) -> bool:
