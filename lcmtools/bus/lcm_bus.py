@@ -24,6 +24,8 @@ from lcmtools.names import check_channel
 _LENDABLE = ("udpm", "mpudpm", "memq")
 """Providers whose messages any thread may wait for: a log ends, a server's connection breaks."""
 _BATCH = 100  # messages handled before a request to subscribe is served
+_FEW = 10  # messages handled before callbacks run: no more than a queue of the usual depth takes
+_LONGEST_BURST = 10  # times so many at once; who gets more of them has too slow callbacks
 _CHECK_PERIOD = 0.5  # [s] between checks for a connection that broke in sending
 _REQUEST_TIMEOUT = 15.0  # [s]; above liblcm's own ten seconds
 
@@ -52,6 +54,7 @@ class LcmBus:
         self._can_break = url.provider == "tcpq"
         self._broken: Instance | None = None  # as found in sending
         self._has_ended = False  # as a log does
+        self._burst = 0  # times that many messages waited, one after the other
         self._paced = PacedSender(url) if url.is_multicast else None
         self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._requesting = threading.Lock()
@@ -201,10 +204,19 @@ class LcmBus:
         wake, messages = self._receiving.wakeup.fileno(), instance.fileno()
         readable = select.select([descriptor, wake, messages], [], [], timeout)[0]
         if messages in readable:
-            self._handle(instance)
+            self._handle_burst(instance)
         if wake in readable:
             self._serve_requests()
         return descriptor in readable
+
+    def _handle_burst(self, instance: Instance) -> None:
+        """Deliver few messages at a time: callbacks run in between, and their queues have room.
+
+        Where bursts do not end, the callbacks are too slow for the messages: then all that wait are
+        delivered at once, and the queues keep the newest.
+        """
+        handled = self._handle(instance, _FEW if self._burst < _LONGEST_BURST else _BATCH)
+        self._burst = self._burst + 1 if handled and handled >= _FEW else 0
 
     def _run(self) -> None:
         """Receive while no other thread does; the bus's own thread."""
@@ -225,7 +237,7 @@ class LcmBus:
                 self._connection.try_again()
             return
         if works and len(readable) > readable.count(wake):
-            works = self._handle(instance)
+            works = self._handle(instance, _BATCH) is not None
         if works and not (self._can_break and self._broken is instance):
             return
         if not self._can_break:
@@ -252,12 +264,12 @@ class LcmBus:
         while not self._requests.empty():
             self._requests.get()()
 
-    def _handle(self, instance: Instance) -> bool:
-        """Deliver waiting messages; return False at the end of a log or a connection."""
+    def _handle(self, instance: Instance, most: int) -> int | None:
+        """Deliver waiting messages; return their number, None at the end of a log or connection."""
         try:
-            for _ in range(_BATCH):
+            for handled in range(most):
                 if self._closed or not instance.handle_timeout(0):
-                    break
+                    return handled
         except OSError:
-            return False
-        return True
+            return None
+        return most

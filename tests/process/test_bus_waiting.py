@@ -61,6 +61,25 @@ def test_messages_are_handled_on_the_thread_that_waits(
     assert set(receivers.threads) == {threading.get_ident()}
 
 
+@pytest.mark.usefixtures("endless_patience")
+def test_of_a_burst_few_messages_are_handled_at_a_time_but_not_of_one_without_end(
+    never: int,
+) -> None:
+    """The queue of a subscription takes ten by default; its callback runs between two waits."""
+    bus = LcmBus(parse_url("memq://"))
+    receivers = Receivers(bus)
+    bus.wait(never, 0.0)
+    for _ in range(200):
+        bus.publish("a", b"x")
+    handled = []
+    while sum(handled) < 200:
+        before = len(receivers.threads)
+        bus.wait(never, _LONG)
+        handled.append(len(receivers.threads) - before)
+    assert handled == [*[10] * 10, 100]
+    bus.close()
+
+
 def test_a_thread_that_stays_away_is_replaced(
     bus: LcmBus, other: LcmBus, never: int, wait_until: WaitUntil
 ) -> None:
