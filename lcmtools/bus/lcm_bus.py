@@ -206,6 +206,7 @@ class LcmBus:
         if messages in readable:
             self._handle_burst(instance)
         if wake in readable:
+            self._receiving.wakeup.clear()
             self._serve_requests()
         return descriptor in readable
 
@@ -221,7 +222,7 @@ class LcmBus:
     def _run(self) -> None:
         """Receive while no other thread does; the bus's own thread."""
         while not self._closed:
-            if not self._receiving.follow(lambda: not self._requests.empty()):
+            if not self._receiving.follow(lambda: self._closed or not self._requests.empty()):
                 with self._receiving:
                     self._turn(None if self._has_ended else self._connection.instance)
         self._serve_requests()  # those made while it closed
@@ -231,6 +232,7 @@ class LcmBus:
         works, readable = self._wait(instance)
         wake = self._receiving.wakeup.fileno()
         if wake in readable:
+            self._receiving.wakeup.clear()
             self._serve_requests()
         if instance is None:
             if self._connection.left() == 0.0:
@@ -260,7 +262,6 @@ class LcmBus:
             return False, []
 
     def _serve_requests(self) -> None:
-        self._receiving.wakeup.clear()
         while not self._requests.empty():
             self._requests.get()()
 

@@ -81,11 +81,11 @@ class Receiving:
             self._trusted_until = -math.inf
             self._wakeup_of_own.set()
 
-    def follow(self, has_requests: Callable[[], bool]) -> bool:
+    def follow(self, has_work: Callable[[], bool]) -> bool:
         """Wait on the bus's own thread while another receives, or is soon to do so again.
 
-        Returns False if its own thread is to receive: nobody else does, or none serves a request
-        that came just as the other one left.
+        Returns False if its own thread is to receive: nobody else does, or there is work for it,
+        such as a request that came just as the other one left.
         """
         self._is_asleep = True
         if self._is_leader_here:
@@ -94,10 +94,10 @@ class Receiving:
         if self._is_leader_here:
             return True
         trust = self._trusted_until - time.monotonic() if self._is_lendable else 0.0
-        if trust <= 0.0 or has_requests():
+        if trust <= 0.0 or has_work():
             return False
         self._wakeup_of_own.wait(trust)
-        return not has_requests()
+        return not has_work()
 
     def wake(self) -> None:
         """Wake the thread that receives, and the bus's own one."""
