@@ -26,6 +26,10 @@ from lcmtools.node.graph_follower import GraphFollower
 from lcmtools.node.logger import Logger
 from lcmtools.settings import usual_namespace
 
+_LONGEST_WAIT = 1.0
+"""[s]; Python's handler of a signal that came just before a wait, or on another thread, runs after
+it."""
+
 
 class Participant(Protocol):
     """A node, as its context knows it."""
@@ -159,8 +163,9 @@ class Context:
         if wakeup is None:
             wakeup = self._wakeups[thread] = WakeupEvent()
             return  # one who wakes all may not have seen it: the caller looks for work first
+        longest = _LONGEST_WAIT if timeout is None else min(timeout, _LONGEST_WAIT)
         with contextlib.suppress(OSError, ValueError):  # another thread closes it just now
-            if self.bus.wait(wakeup.fileno(), timeout):
+            if self.bus.wait(wakeup.fileno(), longest):
                 wakeup.clear()
 
     def _pids_here(self) -> frozenset[int]:

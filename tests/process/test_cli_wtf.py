@@ -20,6 +20,9 @@ from lcmtools.labs.nodes.simple_controller import SimpleController
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
 
+pytestmark = pytest.mark.usefixtures("quiet_network")  # other tests have plain programs too
+
+
 @pytest.fixture(autouse=True)
 def _bus(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)

@@ -238,6 +238,18 @@ def test_after_shutdown_ctrl_c_is_pythons_own_again(run: Callable[..., Any]) -> 
     assert "KeyboardInterrupt" in victim.output
 
 
+def test_a_signal_that_another_thread_takes_ends_the_node_too(run: Callable[..., Any]) -> None:
+    """It does not interrupt what the main thread waits for; nor does one just before the wait."""
+    victim = run(
+        _HEAD
+        + "import signal, threading\n"
+        + 'node = Node("victim")\n'
+        + "def end(): signal.pthread_kill(threading.get_ident(), signal.SIGTERM)\n"
+        + "threading.Timer(0.3, end).start()\nlcmtools.spin(node)\n"
+    )
+    assert victim.wait() == 0
+
+
 def test_signals_may_stay_the_programs_own(run: Callable[..., Any]) -> None:
     victim = run(
         _HEAD.replace("init()", "init(handle_signals=False)")
