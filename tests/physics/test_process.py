@@ -19,7 +19,7 @@ from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.sim_msgs import GetState, Step
-from lcmtools.types.std_msgs import String
+from lcmtools.types.std_msgs import Header, String
 from lcmtools.types.std_srvs import Trigger
 
 Start = Callable[..., subprocess.Popen[str]]
@@ -236,8 +236,11 @@ class Fleet:
                 f"{robot}/odometry",
                 lambda o, seen=times: seen.append(utime(o.header.stamp)),
             )
+        # until the first one, the leader does not know of the follower, and nor of its end
+        acknowledged: list[Header] = []
+        node.create_subscription(Header, "/clock/_followed", acknowledged.append)
         self._node = node
-        spin_until(node, lambda: all(times for times in self.times.values()))
+        spin_until(node, lambda: acknowledged and all(self.times.values()))
 
     def later(self, seconds: float) -> bool:
         """Return if the leader's robot comes so far by the simulation's time."""
