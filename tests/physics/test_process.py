@@ -236,7 +236,7 @@ class Fleet:
                 f"{robot}/odometry",
                 lambda o, seen=times: seen.append(utime(o.header.stamp)),
             )
-        # until the first one, the leader does not know of the follower, and nor of its end
+        # until the first one, the leader knows neither of the follower nor of its end
         acknowledged: list[Header] = []
         node.create_subscription(Header, "/clock/_followed", acknowledged.append)
         self._node = node
