@@ -78,7 +78,7 @@ def _stamped(line: str) -> str:
     return f"m = Imu(); m.orientation.w = 1.0; {line}; bus.publish('IMU', m.encode())"
 
 
-_BURSTS = "[bus.publish('/chatter', String().encode()) for _ in range(30)]"
+_BURSTS = "[bus.publish('/chatter', String().encode()) for _ in range(300)]"
 _NOW = "m.header.stamp.sec, m.header.stamp.nsec = divmod(time.time_ns(), 10**9)"
 _SPINS = f"{_ear('None')}\ntime.sleep(%s)"
 EDITED = (
@@ -88,7 +88,7 @@ EDITED = (
          (_sends(_STRINGS),), is_node=True),
     Edit("never-wait-or-depth", "queue-drops", _ear("every(40, 0.4)"), _ear("every(40, 0.4)", 100),
          (_sends(_STRINGS),), is_node=True, wait="1.5s"),
-    Edit("depth", "queue-drops", _ear("None"), _ear("None", 100), (_sends(_BURSTS, 1.0),),
+    Edit("depth", "queue-drops", _ear("None", 3), _ear("None", 1000), (_sends(_BURSTS, 1.0),),
          is_node=True, wait="2.2s"),
     Edit("spin", "queue-drops", _SPINS % 1000, _SPINS % 0, (_sends(_STRINGS),), is_node=True),
     Edit("busiest-less", "slow-callbacks",
