@@ -3,17 +3,14 @@
 Belongs here: which observer a URL takes. Nothing above needs to know which one it is.
 """
 
-import mmap
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from itertools import islice
-from pathlib import Path
 from typing import Protocol
 
 from lcmtools.bus.preflight import check_bus
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
-from lcmtools.errors import BusError
-from lcmtools.wire.log import events
+from lcmtools.observe.log_file import LogFile
 from lcmtools.wire.packet import Packet
 
 _BATCH = 100  # messages of a log at a time, so that reading can be stopped
@@ -62,7 +59,8 @@ class LogObserver:
     is_live, is_log = False, True
 
     def __init__(self, path: str) -> None:
-        self._packets = _read(path)
+        self._file = LogFile(path)
+        self._packets = self._file.packets()
 
     def receive(self, timeout: float) -> list[Packet]:  # noqa: ARG002 - a log never waits
         """Return the next messages; raises BusError where the file cannot be read."""
@@ -77,6 +75,7 @@ class LogObserver:
     def close(self) -> None:
         """Close the file."""
         self._packets = iter(())
+        self._file.close()
 
 
 def open_observer(
@@ -99,16 +98,3 @@ def open_observer(
     from lcmtools.bus.lcm_listener import LcmListener
 
     return LcmListener(url, on_outage)
-
-
-def _read(path: str) -> Iterator[Packet]:
-    try:
-        if Path(path).stat().st_size == 0:  # it cannot be mapped
-            return
-        with (
-            Path(path).open("rb") as file,
-            mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as log,
-        ):
-            yield from events(log)
-    except OSError as error:
-        raise BusError(f"cannot read the log '{path}': {error.strerror}") from error

@@ -7,7 +7,7 @@ The format: events one after another, each a sync word, a number, the time in mi
 
 import struct
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from lcmtools.wire.packet import Packet
 
@@ -16,20 +16,61 @@ if TYPE_CHECKING:
 
 SYNC = bytes.fromhex("eda1da01")
 """Every event starts with it."""
+HEAD_BYTES = 28
+"""Bytes of an event before its channel's name."""
 
 _HEAD = struct.Struct(">4sqqII")
 
 
-def events(log: "bytes | mmap.mmap") -> Iterator[Packet]:
-    """Yield the messages of a log, with the times of their recording; skip damaged events."""
-    start = log.find(SYNC)
-    while 0 <= start <= len(log) - _HEAD.size:
+class Event(NamedTuple):
+    """The place of an event in a log."""
+
+    start: int  # of its sync word, in bytes
+    payload_start: int
+    end: int
+    channel: str
+    time: int  # of its recording [ns since 1970]
+
+    @property
+    def size(self) -> int:
+        """Bytes of the payload."""
+        return self.end - self.payload_start
+
+    def packet(self, log: "bytes | mmap.mmap") -> Packet:
+        """Return the event's message, given the log that it is in."""
+        return Packet(self.channel, log[self.payload_start : self.end], self.time)
+
+
+def events(log: "bytes | mmap.mmap", start: int = 0, end: int | None = None) -> Iterator[Event]:
+    """Yield the places of the events of a log that begin within some bytes; skip damaged ones.
+
+    What lies between the end of one event and the start of the next is damaged.
+    """
+    last = (len(log) if end is None else min(end, len(log))) - HEAD_BYTES
+    names: dict[bytes, str] = {}
+    start = log.find(SYNC, start)
+    while 0 <= start <= last:
         _, _, time, channel_size, payload_size = _HEAD.unpack_from(log, start)
-        middle = start + _HEAD.size + channel_size
-        end = middle + payload_size
-        if end != len(log) and log[end : end + len(SYNC)] != SYNC:
+        payload_start = start + HEAD_BYTES + channel_size
+        stop = payload_start + payload_size
+        if stop != len(log) and log[stop : stop + len(SYNC)] != SYNC:
             start = log.find(SYNC, start + 1)
             continue
-        channel = log[start + _HEAD.size : middle].decode("utf-8", "surrogateescape")
-        yield Packet(channel, log[middle:end], time * 1000)
-        start = end
+        spelled = log[start + HEAD_BYTES : payload_start]
+        channel = names.get(spelled)
+        if channel is None:
+            channel = names[spelled] = spelled.decode("utf-8", "surrogateescape")
+        yield Event(start, payload_start, stop, channel, time * 1000)
+        start = stop
+
+
+def packets(log: "bytes | mmap.mmap") -> Iterator[Packet]:
+    """Yield the messages of a log, with the times of their recording; skip damaged events."""
+    return (event.packet(log) for event in events(log))
+
+
+def encode_event(number: int, packet: Packet) -> bytes:
+    """Return a message as an event; ``number`` is its place in the log, from 0."""
+    channel = packet.channel.encode("utf-8", "surrogateescape")
+    sizes = len(channel), len(packet.payload)
+    return _HEAD.pack(SYNC, number, packet.time // 1000, *sizes) + channel + packet.payload

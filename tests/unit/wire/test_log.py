@@ -2,7 +2,7 @@
 
 import struct
 
-from lcmtools.wire.log import SYNC, events
+from lcmtools.wire.log import SYNC, packets
 
 
 def _event(number: int, channel: bytes = b"/a", payload: bytes = b"payload") -> bytes:
@@ -11,7 +11,7 @@ def _event(number: int, channel: bytes = b"/a", payload: bytes = b"payload") -> 
 
 
 def test_events_have_channel_payload_and_the_time_of_their_recording() -> None:
-    first, second = events(_event(1) + _event(2, b"/b", b""))
+    first, second = packets(_event(1) + _event(2, b"/b", b""))
     assert (first.channel, first.payload, first.time) == ("/a", b"payload", 1_001_000)
     assert (second.channel, second.payload, second.time) == ("/b", b"", 1_002_000)
 
@@ -19,25 +19,25 @@ def test_events_have_channel_payload_and_the_time_of_their_recording() -> None:
 def test_an_event_that_is_cut_off_is_left_out() -> None:
     log = _event(1) + _event(2)
     for cut in range(1, len(_event(2)) - 1):
-        found = [event.time for event in events(log[:-cut])]
+        found = [event.time for event in packets(log[:-cut])]
         assert 1_002_000 not in found
-    assert list(events(b"")) == []
+    assert list(packets(b"")) == []
 
 
 def test_damage_costs_no_more_than_what_it_hits() -> None:
     broken = bytearray(_event(2))
     broken[20:24] = b"\xff\xff\xff\xff"  # the channel's size
-    found = [event.time for event in events(_event(1) + bytes(broken) + _event(3) + _event(4))]
+    found = [event.time for event in packets(_event(1) + bytes(broken) + _event(3) + _event(4))]
     assert found == [1_001_000, 1_003_000, 1_004_000]
 
 
 def test_the_sync_word_in_a_payload_is_part_of_it() -> None:
-    assert [event.payload for event in events(_event(1, payload=SYNC * 2) + _event(2))] == [
+    assert [event.payload for event in packets(_event(1, payload=SYNC * 2) + _event(2))] == [
         SYNC * 2,
         b"payload",
     ]
 
 
 def test_a_channel_that_is_no_utf_8_can_be_named() -> None:
-    (event,) = events(_event(1, b"a\xff"))
+    (event,) = packets(_event(1, b"a\xff"))
     assert event.channel == "a\udcff"

@@ -1,0 +1,127 @@
+"""Logs as they are written, and their index."""
+
+import resource
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from lcmtools.bag.writer import LogWriter
+from lcmtools.errors import LcmtoolsError
+from lcmtools.observe.log_file import LogFile, index_path
+from lcmtools.wire.log_index import RecordedNode, RecordedType
+from lcmtools.wire.packet import Packet, Sender
+
+_ONE, _OTHER = Sender("127.0.0.1", 4001), Sender("127.0.0.1", 4002)
+_MINUTE = 60_000_000_000
+
+
+def _packet(number: int, channel: str = "/a", size: int = 8) -> Packet:
+    return Packet(channel, bytes([number % 256]) * size, number * 1_000_000)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "ride.lcmlog"
+
+
+@pytest.fixture
+def small_files() -> Iterator[int]:
+    """Files of this process may have so many bytes."""
+    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, limits[1]))
+    yield 10_000
+    resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    signal.signal(signal.SIGXFSZ, before)
+
+
+def test_a_log_has_the_messages_in_order_with_their_senders(path: Path) -> None:
+    with LogWriter(path) as writer:
+        senders = [writer.sender_number(_ONE, "/driver"), writer.sender_number(_OTHER, "b.py")]
+        for number in range(10):
+            writer.add(_packet(number, "/a" if number % 3 else "/b"), senders[number % 2])
+            writer.flush()
+    with LogFile(path) as log:
+        found = list(log.packets())
+    assert [packet.payload for packet in found] == [_packet(n).payload for n in range(10)]
+    assert [packet.sender for packet in found] == [_ONE, _OTHER] * 5
+    assert [packet.time for packet in found] == [n * 1_000_000 for n in range(10)]
+
+
+def test_a_log_that_was_not_closed_is_read_to_its_last_message(path: Path) -> None:
+    writer = LogWriter(path)
+    number = writer.sender_number(_ONE, "/driver")
+    for second in range(0, 40, 4):
+        writer.add(_packet(second * 1000), number)
+        writer.flush()
+    with LogFile(path) as log:
+        found = list(log.packets())
+        assert log.index.size is None
+        assert log.index.blocks
+    assert len(found) == 10
+    assert found[0].sender == _ONE
+    assert found[-1].sender is None  # behind the last block of the index
+    writer.close()
+
+
+def test_types_announcements_and_losses_are_kept(path: Path) -> None:
+    kind = RecordedType("a_msgs/A", 2**64 - 1, "a_msgs/A.lcm", "package a_msgs;\nstruct A {}\n")
+    with LogWriter(path) as writer:
+        writer.add_types([kind, kind])
+        writer.add_node(RecordedNode(5, 0, b"\xff\x00"))
+        writer.set_losses({0: 1})
+        writer.set_losses({0: 3, 1: 1})
+    with LogFile(path) as log:
+        assert log.index.types == {"a_msgs/A": kind}
+        assert log.index.nodes == [RecordedNode(5, 0, b"\xff\x00")]
+        assert log.index.losses == {0: 3, 1: 1}
+    assert index_path(path).read_text().count("a_msgs/A.lcm") == 1
+
+
+def test_a_file_that_exists_is_replaced_only_when_forced(path: Path) -> None:
+    path.write_text("mine")
+    with pytest.raises(LcmtoolsError, match="exists; name another file, or add --force"):
+        LogWriter(path)
+    assert path.read_text() == "mine"
+    LogWriter(path, force=True).close()
+    assert path.read_bytes() == b""
+
+
+def test_a_full_disk_leaves_whole_events(path: Path, small_files: int) -> None:
+    writer = LogWriter(path)
+    for number in range(100):
+        writer.add(_packet(number, size=300))
+    with pytest.raises(LcmtoolsError, match=r"cannot write .*ride.lcmlog: File too large"):
+        writer.flush()
+    writer.close()
+    assert small_files - 400 < path.stat().st_size <= small_files
+    with LogFile(path) as log:
+        found = list(log.packets())
+    assert len(found) == path.stat().st_size // (28 + 2 + 300)
+    assert path.stat().st_size % (28 + 2 + 300) == 0
+
+
+def test_an_index_of_another_file_says_nothing(path: Path) -> None:
+    with LogWriter(path) as writer:
+        writer.add(_packet(1), writer.sender_number(_ONE, "/driver"))
+    path.write_bytes(path.read_bytes() * 2)
+    with LogFile(path) as log:
+        assert [packet.sender for packet in log.packets()] == [None, None]
+
+
+def test_the_offset_of_a_time_is_not_behind_its_messages(path: Path) -> None:
+    times = [0, 3, 1, 2, 9, 4, 12]  # minutes: a block each, not all in order
+    with LogWriter(path) as writer:
+        for minute in times:
+            writer.add(Packet("/a", b"", minute * _MINUTE))
+            writer.add(Packet("/a", b"", minute * _MINUTE + _MINUTE // 2))
+            writer.flush()
+    with LogFile(path) as log:
+        assert len(log.index.blocks) == len(times)
+        for minute in times:
+            left = [packet.time for packet in log.packets(log.offset_at(minute * _MINUTE))]
+            wanted = [m for m in times if m >= minute]
+            assert {m * _MINUTE for m in wanted} <= set(left)
+        assert log.offset_at(9 * _MINUTE) > log.offset_at(3 * _MINUTE)
