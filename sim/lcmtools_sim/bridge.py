@@ -62,6 +62,8 @@ class Bridge:
         if now >= self._next_update:
             self._next_update = now + _UPDATE_PERIOD
             self.find_subscribers(at_once=False)
+            for text in self._simulation.warnings():
+                self.warn(text)
             # The clock of a simulation without subscribers appears on the bus all the same, by the
             # wall clock: at a hundred times real time it would cost as much as the physics.
             if not self._simulation.publishes_clock:

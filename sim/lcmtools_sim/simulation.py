@@ -89,6 +89,10 @@ class Simulation(AbstractContextManager["Simulation"]):
         """Return False once the window is closed."""
         return self._world.is_open()
 
+    def warnings(self) -> list[str]:
+        """The engine's warnings since the last call; of each kind the first one only."""
+        return self._world.warnings()
+
     def solids(self) -> Solids:
         """All shapes and the ground, in the world."""
         parts = [*self._world.fixed_parts(), *self._world.moving_parts()]

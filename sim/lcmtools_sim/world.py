@@ -51,6 +51,10 @@ class World(AbstractContextManager["World"]):
         """Return False once the user has closed the window."""
         return self._engine.is_open()
 
+    def warnings(self) -> list[str]:
+        """The engine's warnings since the last call; of each kind the first one only."""
+        return self._engine.warnings()
+
     def step(self) -> None:
         """Simulate one dt of all bodies in the engine; those at rest stay so."""
         if not self._rests:

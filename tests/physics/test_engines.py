@@ -2,6 +2,7 @@
 
 import math
 from itertools import chain, pairwise
+from pathlib import Path
 
 import pytest
 
@@ -14,11 +15,12 @@ from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import RobotPlacement, Scene, SceneObject, box
 from lcmtools_sim.sensors.sensor import RobotState
-from lcmtools_sim.shapes import Cylinder, Part, Sphere
+from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Sphere
 from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.world_file import read_scene
 from lcmtools_sim.worlds import find_world, world_names
 
+mujoco_only = pytest.mark.skipif(not is_installed("mujoco"), reason="MuJoCo is not installed")
 both = pytest.mark.skipif(
     not all(map(is_installed, ENGINES)), reason="only one engine is installed"
 )
@@ -39,6 +41,11 @@ def driven(scene: Scene, engine: str, forward: float, turn_rate: float) -> list[
                 simulation.step()
             found.append([robot.state(simulation.time) for robot in simulation.robots])
     return found
+
+
+def steps(simulation: Simulation, count: int) -> None:
+    for _ in range(count):
+        simulation.step()
 
 
 def pushed(thing: SceneObject, engine: str) -> tuple[float, float]:
@@ -156,3 +163,48 @@ def test_bodies_keep_their_motion_when_others_come_and_go() -> None:
             steps = [after - before for before, after in pairwise(ways)]
 
             assert steps == pytest.approx([0.5] * 3, abs=0.01)
+
+
+@mujoco_only
+def test_mujoco_has_memory_for_more_contacts_than_it_expects_of_so_few_bodies(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    bricks = [
+        Part(Cuboid((0.1, 0.1, 0.1)), (0.2 * (i % 20), 0.2 * (i // 20), 0)) for i in range(400)
+    ]
+    layers = (
+        SceneObject(f"layer{i}", tuple(bricks), Pose(0, 0, 0.05 + i / 10), 50.0) for i in range(5)
+    )
+    scene = Scene("layers", objects=tuple(layers))
+
+    with Simulation(scene, engine="mujoco") as simulation:
+        simulation.step()
+        assert simulation._world._engine._data.ncon == 5 * 400 * 4
+        steps(simulation, 24)
+        assert simulation.warnings() == []
+        heights = [motion.position[2] for _, motion in simulation._world.movable_objects()]
+        assert heights == pytest.approx([0.05, 0.15, 0.25, 0.35, 0.45], abs=1e-3)
+    assert [*tmp_path.iterdir()] == []
+
+
+@mujoco_only
+def test_a_warning_of_mujoco_is_told_once_a_kind_and_not_in_a_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import mujoco
+
+    monkeypatch.chdir(tmp_path)
+    things = [box(str(i), (1, 1, 1), Pose(3 * i, 0, 0.5), mass=1) for i in range(2)]
+    with Simulation(Scene("two", objects=tuple(things)), engine="mujoco") as simulation:
+        engine, told = simulation._world._engine, []
+        for number in range(2):
+            simulation.step()
+            engine._qpos[7 * number] = math.nan
+            mujoco.mj_checkPos(engine._model, engine._data)
+            told += simulation.warnings()
+            simulation.add(RobotPlacement(HUSKY, f"/h{number}", Pose(0, 5 + 5 * number)))
+
+    (line,) = told
+    assert line.startswith("MuJoCo: Nan, Inf or huge value in QPOS at DOF 0.")
+    assert [*tmp_path.iterdir()] == []

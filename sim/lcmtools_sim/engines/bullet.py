@@ -136,6 +136,10 @@ class Bullet:
             for point in self._bullet.getContactPoints(body)
         ]
 
+    def warnings(self) -> list[str]:
+        """Return none: it has no warnings."""
+        return []
+
     def is_open(self) -> bool:
         """Return False once the user has closed the window, which takes the engine away."""
         return not self.has_window or bool(self._bullet.isConnected())

@@ -129,6 +129,9 @@ class Engine(Protocol):
     def contacts(self, body: int) -> list[ContactPoint]:
         """The contacts of a body, of the last step or ``detect_contacts``."""
 
+    def warnings(self) -> list[str]:
+        """The engine's warnings since the last call; of each kind the first one only."""
+
     def is_open(self) -> bool:
         """Return False once the user has closed the window."""
 

@@ -7,6 +7,7 @@ its documentation).
 """
 
 import math
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -46,6 +47,12 @@ class Mujoco:
 
     ground = 0
     has_window = False
+
+    def __init__(self) -> None:
+        self._warnings: list[str] = []
+        self._warned: set[str] = set()
+        # Its own way with a warning is a file in the working directory.
+        mujoco.set_mju_user_warning(self._warnings.append)
 
     def begin(self, scene: Scene) -> None:
         """Empty the world, and take on a scene's gravity, dt and ground."""
@@ -124,11 +131,9 @@ class Mujoco:
     def step(self) -> None:
         """Simulate one dt."""
         self._compile()
-        model, data = self._model, self._data
         self._stop_at_walls()
-        self.detect_contacts()
-        self._set_friction()
-        mujoco.mj_makeConstraint(model, data)
+        self._constrain()
+        model, data = self._model, self._data
         mujoco.mj_island(model, data)
         mujoco.mj_projectConstraint(model, data)
         mujoco.mj_fwdVelocity(model, data)
@@ -170,6 +175,8 @@ class Mujoco:
         mujoco.mj_makeM(model, data)
         mujoco.mj_factorM(model, data)
         mujoco.mj_collision(model, data)
+        if self._grows():
+            self.detect_contacts()
 
     def contacts(self, body: int) -> list[ContactPoint]:
         """The contacts of a body, of the last step or ``detect_contacts``."""
@@ -192,6 +199,17 @@ class Mujoco:
             )
         return found
 
+    def warnings(self) -> list[str]:
+        """The engine's warnings since the last call; of each kind the first one only.
+
+        Not of memory, which grows.
+        """
+        kinds = {re.sub(r"\d[\d.e+-]*", "", text): text for text in reversed(self._warnings)}
+        new = {kind: text for kind, text in kinds.items() if kind not in self._warned}
+        self._warnings.clear()
+        self._warned |= new.keys()
+        return [f"MuJoCo: {text.strip()}" for text in new.values() if "arena" not in text]
+
     def is_open(self) -> bool:
         """Return True: there is no window."""
         return True
@@ -212,6 +230,9 @@ class Mujoco:
         # It scales the solver's tolerance: a robot's motion shall not depend on other bodies.
         model.stat.meaninertia = 1.0
         self._qpos, self._qvel = self._data.qpos, self._data.qvel
+        kinds = mujoco.mjtWarning
+        found = self._data.warning
+        self._full = found[kinds.mjWARN_CONTACTFULL], found[kinds.mjWARN_CNSTRFULL]
         self._number = [0, *(int(model.body(i).name) for i in range(1, model.nbody))]
         self._free = {}
         for i, number in enumerate(self._number):
@@ -233,6 +254,27 @@ class Mujoco:
         self._is_compiled = True
         for number in self._disabled:
             self._set_enabled(number, is_enabled=False)
+
+    def _constrain(self) -> None:
+        """Find the contacts and their constraints."""
+        self.detect_contacts()
+        self._set_friction()
+        mujoco.mj_makeConstraint(self._model, self._data)
+        if self._grows():
+            self._constrain()
+
+    def _grows(self) -> bool:
+        """Double the memory for contacts if more than half of it has been used; return if so.
+
+        MuJoCo's own size goes by the bodies, and would not do for those with many shapes.
+        """
+        size = self._model.narena
+        if self._data.maxuse_arena <= size // 2 and not any(full.number for full in self._full):
+            return False
+        self._spec.memory = 2 * size
+        self._is_compiled = False
+        self._compile()
+        return True
 
     def _set_enabled(self, body: int, *, is_enabled: bool) -> None:
         """Let a body collide and fall, or not."""

@@ -120,6 +120,7 @@ class FakeSimulation:
     def __init__(self) -> None:
         self.robots = [FakeRobot("/husky0"), FakeRobot("/")]
         self.time = 0
+        self.complaints: list[str] = []
 
     @property
     def publishes_clock(self) -> bool:
@@ -139,6 +140,10 @@ class FakeSimulation:
     def select(self, interest: Callable[[str], Subscribers]) -> None:
         """Keep it."""
         self.interest = interest
+
+    def warnings(self) -> list[str]:
+        """The test's value."""
+        return self.complaints
 
     def is_open(self) -> bool:
         """It has no window."""
@@ -318,6 +323,16 @@ def test_a_clock_without_subscribers_is_published_now_and_then_while_time_passes
 
     sent = [decode(Clock, payload).clock.nsec for payload in node.publishers["/clock"].sent]
     assert sent == [1, 3, 4]
+
+
+def test_the_engines_warnings_are_logged(
+    node: FakeNode, simulation: FakeSimulation, bridge: Bridge
+) -> None:
+    simulation.complaints = ["unstable"]
+
+    bridge.receive()
+
+    assert node.warnings == ["unstable"]
 
 
 def test_a_clock_with_subscribers_comes_with_the_steps_alone(
