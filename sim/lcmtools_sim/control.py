@@ -76,6 +76,8 @@ class Control:
             raise UsageError(f"steps must be from 1 to {_MOST_STEPS}, not {request.steps}")
         if not self._loop.paused:
             raise UsageError("the simulator is not paused", "pause it first")
+        if self._loop.is_stepping:  # and waits for a follower
+            raise UsageError("the simulator is doing another request's steps", "wait for them")
         done = self._loop.step(request.steps)
         response.time = self._simulation.time
         response.message = f"did {done} steps, now at {response.time / 1e9:.6f} s"

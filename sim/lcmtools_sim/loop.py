@@ -16,6 +16,10 @@ class Loop:
     It ends when ``go_on`` returns False, and after ``last_step``, if that is given. A loop that is
     ``paused`` waits for ``step``. ``let_step`` is called before each step, and waits until that may
     be done, or a function that it is given returns False; it returns True after a long wait.
+
+    Attributes:
+        paused: As given; may be changed.
+        is_stepping: True during ``step``; what is called in ``let_step`` may look.
     """
 
     def __init__(
@@ -28,7 +32,7 @@ class Loop:
         last_step: int | None = None,
         let_step: Callable[[Callable[[], bool]], bool] = lambda _: False,
     ) -> None:
-        self.paused = False
+        self.paused = self.is_stepping = False
         self._let_step = let_step
         self._simulation = simulation
         self._bridge = bridge
@@ -56,11 +60,14 @@ class Loop:
         The clock that was published last then shows the time of the last one.
         """
         self._bridge.find_subscribers()
-        done = 0
-        while done < count and self._may_go_on():
-            self._let_step(self._may_go_on)
-            self._step()
-            done += 1
+        done, self.is_stepping = 0, True
+        try:
+            while done < count and self._may_go_on():
+                self._let_step(self._may_go_on)
+                self._step()
+                done += 1
+        finally:
+            self.is_stepping = False
         self._bridge.publish_clock()
         return done
 

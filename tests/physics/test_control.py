@@ -110,6 +110,30 @@ def test_steps_are_done_at_once_and_only_while_it_is_paused(
     assert len(outside.published) == 48
 
 
+def test_a_request_for_steps_is_refused_while_those_of_another_wait(
+    simulation: Simulation, outside: Outside
+) -> None:
+    offered, refused = Offered(), []
+
+    def wait(_: Callable[[], bool]) -> bool:
+        """Answer another request between two steps, as a wait for followers does."""
+        if simulation.steps == 3:
+            refused.append(offered.call("step", steps=5))
+        return False
+
+    loop = Loop(simulation, outside, Pacer(0.0), go_on=lambda: True, let_step=wait)
+    Control(offered, simulation, loop, lambda: None)
+    done = [paused(offered).call("step", steps=6) for _ in range(2)]
+
+    assert [(answer.success, answer.message) for answer in refused] == [
+        (False, "the simulator is doing another request's steps; wait for them")
+    ]
+    assert [answer.message for answer in done] == [
+        "did 6 steps, now at 0.025000 s",
+        "did 6 steps, now at 0.050000 s",
+    ]
+
+
 @pytest.mark.parametrize("steps", [0, -3, 10**9])
 def test_a_senseless_number_of_steps_is_refused(node: Offered, steps: int) -> None:
     response = paused(node).call("step", steps=steps)
