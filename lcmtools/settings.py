@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
 COLORS = ("auto", "always", "never")
 
-_DURATION = re.compile(r"(\d+\.?\d*|\.\d+)(ms|s|m)?", re.ASCII)
-_SECONDS: Mapping[str, float] = {"ms": 0.001, "s": 1.0, "m": 60.0}
+_DURATION = re.compile(r"(\d+\.?\d*|\.\d+)(ms|s|m|h)?", re.ASCII)
+_SECONDS: Mapping[str, float] = {"ms": 0.001, "s": 1.0, "m": 60.0, "h": 3600.0}
 _MOST_BYTES = 100_000  # of a settings file
 
 
 def parse_duration(text: str) -> float:
-    """Return a time span in seconds: ``2``, ``2s``, ``500ms`` or ``1m``; UsageError for others."""
+    """Return a time span in seconds: ``2``, ``500ms``, ``1m`` or ``1h``; UsageError for others."""
     form = _DURATION.fullmatch(text)
     if not form:
         raise UsageError(f"'{text}' is not a duration", "write 500ms, 2s or 1m")

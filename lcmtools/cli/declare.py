@@ -84,7 +84,7 @@ option = partial(click.option, cls=_Option)
 
 
 def duration(value: str | float) -> float:
-    """Parse a time span into seconds: ``2``, ``2s``, ``500ms`` or ``1m``; for ``type=``."""
+    """Parse a time span into seconds: ``2``, ``500ms``, ``1m`` or ``1h``; for ``type=``."""
     try:
         return parse_duration(str(value))
     except UsageError as error:

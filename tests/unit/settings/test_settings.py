@@ -164,13 +164,22 @@ def test_a_wrong_bus_in_the_file_is_named_with_its_line() -> None:
 
 @pytest.mark.parametrize(
     ("text", "seconds"),
-    [("2", 2.0), ("2s", 2.0), ("500ms", 0.5), ("1m", 60.0), ("1.5s", 1.5), (".5", 0.5), ("0", 0.0)],
+    [
+        ("2", 2.0),
+        ("2s", 2.0),
+        ("500ms", 0.5),
+        ("1m", 60.0),
+        ("1h", 3600.0),
+        ("1.5s", 1.5),
+        (".5", 0.5),
+        ("0", 0.0),
+    ],
 )
-def test_durations_are_read_in_three_units(text: str, seconds: float) -> None:
+def test_durations_are_read_with_their_units(text: str, seconds: float) -> None:
     assert parse_duration(text) == seconds
 
 
-@pytest.mark.parametrize("text", ["", "s", "-1", "1h", "1 s", "1S", "inf", "nan", "1e3", "٣"])
+@pytest.mark.parametrize("text", ["", "s", "-1", "1d", "1 s", "1S", "inf", "nan", "1e3", "٣"])
 def test_other_durations_are_refused(text: str) -> None:
     with pytest.raises(UsageError, match="is not a duration; write 500ms, 2s or 1m"):
         parse_duration(text)

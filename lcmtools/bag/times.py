@@ -1,0 +1,142 @@
+"""Times within a log as a person writes them.
+
+    10, +10s, 1m, start+10s     so long after the start of the log
+    -1m, end-1m, end            so long before its end
+    12:30, 12:30:05.5           a time of the day, where the computer is
+    2026-11-22 12:30:05         a moment, where the computer is; with Z or +01:00 elsewhere
+    1795350605.5                seconds since 1970: any number from 100000000 on
+
+Sans-I/O: the log's own start and end come in as arguments.
+"""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from decimal import Decimal
+
+from lcmtools.clock import NANOSECONDS
+from lcmtools.errors import UsageError
+from lcmtools.settings import parse_duration
+
+_EPOCH_FROM = 100_000_000  # [s] a smaller number is a time span
+_AFTER = re.compile(r"(?:start)?\s*\+?\s*(?P<span>[\d.]+[a-z]*)", re.ASCII)
+_BEFORE = re.compile(r"(?:end)?\s*-\s*(?P<span>[\d.]+[a-z]*)", re.ASCII)
+_EPOCH = re.compile(r"\d{9,12}(?:\.\d*)?", re.ASCII)
+_MOMENT = re.compile(
+    r"(?:(?P<date>\d{4}-\d\d-\d\d)(?:[T ]|$))?"
+    r"(?:(?P<time>\d?\d:\d\d(?::\d\d)?)(?:[.,](?P<part>\d{1,9}))?)?\s*(?P<zone>Z|[+-]\d\d:?\d\d)?",
+    re.ASCII,
+)
+_HINT = "write 10s, end-1m, 12:30:05 or '2026-11-22 12:30:05'"
+
+
+@dataclass(frozen=True, slots=True)
+class LogTime:
+    """A time within a log.
+
+    Attributes:
+        text: As it was written.
+    """
+
+    text: str
+    _find: Callable[[int, int], int]
+
+    def within(self, start: int, end: int) -> int:
+        """Return the time [ns since 1970] in a log from ``start`` to ``end`` [ns since 1970].
+
+        It may lie outside of the log.
+        """
+        return self._find(start, end)
+
+
+def parse_time(text: str) -> LogTime:
+    """Return the time that a text means.
+
+    Raises:
+        UsageError: It means none.
+    """
+    said = text.strip()
+    if said in ("start", "end"):
+        return LogTime(text, lambda start, end: start if said == "start" else end)
+    if _EPOCH.fullmatch(said) and Decimal(said) >= _EPOCH_FROM:
+        moment = int(Decimal(said) * NANOSECONDS)
+        return LogTime(text, lambda _start, _end: moment)
+    if form := _AFTER.fullmatch(said):
+        after = _nanoseconds(text, form["span"])
+        return LogTime(text, lambda start, _end: start + after)
+    if form := _BEFORE.fullmatch(said):
+        before = _nanoseconds(text, form["span"])
+        return LogTime(text, lambda _start, end: end - before)
+    form = _MOMENT.fullmatch(said)
+    if not (form and (form["date"] or form["time"])) or (form["zone"] and not form["date"]):
+        raise UsageError(f"'{text}' is no time", _HINT)
+    return _moment(text, form)
+
+
+def time_window(
+    span: tuple[int, int],
+    start: LogTime | None = None,
+    end: LogTime | None = None,
+    *,
+    duration: float | None = None,
+) -> tuple[int, int]:
+    """Return the first and the last time [ns since 1970] that are meant in a log.
+
+    Args:
+        span: The log's own.
+        start: Where to begin; None for the log's start.
+        end: Where to end; None for the log's end.
+        duration: How long from the start on [s], at most.
+
+    Raises:
+        UsageError: Nothing of the log lies between them.
+    """
+    first = max(start.within(*span), span[0]) if start else span[0]
+    last = min(end.within(*span), span[1]) if end else span[1]
+    length = f"the log is {(span[1] - span[0]) / NANOSECONDS:.1f} s long"
+    if start and first > span[1]:
+        raise UsageError(f"the start, {start.text}, is behind the end of the log", length)
+    if end and last < span[0]:
+        raise UsageError(f"the end, {end.text}, is before the start of the log", length)
+    if first > last:
+        said = f"the start, {start.text}," if start else "the start"
+        raise UsageError(f"{said} is behind the end, {end.text if end else 'end'}", length)
+    if duration is not None:
+        last = min(last, first + round(duration * NANOSECONDS))
+    return first, last
+
+
+def _nanoseconds(text: str, span: str) -> int:
+    try:
+        return round(parse_duration(span) * NANOSECONDS)
+    except UsageError:
+        raise UsageError(f"'{text}' is no time", _HINT) from None
+
+
+def _moment(text: str, form: "re.Match[str]") -> LogTime:
+    """A date, a time of the day, or both."""
+    hour, *rest = (form["time"] or "00:00").split(":")
+    clock = ":".join([hour.zfill(2), *rest])
+    part = int((form["part"] or "0").ljust(9, "0"))
+    zone = (form["zone"] or "").replace("Z", "+00:00")
+    zone = zone if ":" in zone or not zone else f"{zone[:3]}:{zone[3:]}"
+
+    def moment(date: str) -> int:
+        return int(datetime.fromisoformat(f"{date}T{clock}{zone}").timestamp()) * NANOSECONDS + part
+
+    date = form["date"]
+    try:
+        fixed = moment(date or "2000-01-01")
+    except (ValueError, OverflowError) as error:
+        raise UsageError(f"'{text}' is no time: {error}", _HINT) from None
+    if date:
+        return LogTime(text, lambda _start, _end: fixed)
+
+    def of_the_day(start: int, end: int) -> int:
+        """The time on the day of the log's start, or on the next where the log goes on to it."""
+        day = datetime.fromtimestamp(start / NANOSECONDS).date()  # noqa: DTZ006 - local
+        found, later = moment(day.isoformat()), moment((day + timedelta(days=1)).isoformat())
+        return later if found < start and later <= end else found
+
+    return LogTime(text, of_the_day)
