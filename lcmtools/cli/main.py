@@ -1,5 +1,6 @@
 """The command ``lcmtools``, and how it is run."""
 
+import gc
 import sys
 from collections.abc import Sequence
 
@@ -96,6 +97,7 @@ def run() -> None:
     with ending.interrupting_signals() as signals:
         code = main(sys.argv[1:], signals)
     ending.end_at_once()
+    gc.freeze()  # the interpreter searches for garbage as it ends: not among all that was imported
     sys.exit(ending.flush(code))
 
 
