@@ -8,7 +8,7 @@ The rules: https://wiki.ros.org/Names and https://wiki.ros.org/Remapping%20Argum
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from lcmtools.errors import InvalidName
 
@@ -25,8 +25,7 @@ _MEANINGS = {"**": ".*", "*": "[^/]*", "?": "[^/]"}
 _LCM_INTERNAL = ("LCM_SELF_TEST", "#!mpudpm")
 
 
-@dataclass(frozen=True, slots=True)
-class Resolver:
+class Resolver(NamedTuple):
     """The meaning of the names in a node's code."""
 
     namespace: str = "/"  # the node's, global ("/husky0")

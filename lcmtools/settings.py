@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError
 from lcmtools.folders import home_folder
@@ -39,8 +39,7 @@ def _check_color(text: str) -> None:
         raise UsageError(f"'{text}' is not one of auto, always, never", did_you_mean(text, COLORS))
 
 
-@dataclass(frozen=True, slots=True)
-class Setting:
+class Setting(NamedTuple):
     """A setting: its key in the file, its environment variable, its flag and its default."""
 
     name: str
@@ -78,8 +77,7 @@ class UserFile:
 NO_FILE = UserFile()
 
 
-@dataclass(frozen=True, slots=True)
-class Said:
+class Said(NamedTuple):
     """A setting's value and its source: an option, a variable, a place in the file."""
 
     value: str

@@ -11,10 +11,10 @@ import socket
 import struct
 import time
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from ipaddress import IPv4Address
 from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 _PROC = Path("/proc")
 _LCM_MARK = b"LCM_SELF_TEST"  # a program that is linked with liblcm statically has this in it
@@ -27,8 +27,7 @@ _CLASS_PATHS = frozenset({"-cp", "-classpath", "--class-path"})
 """Java's options with a value."""
 
 
-@dataclass(frozen=True, slots=True)
-class UdpSocket:
+class UdpSocket(NamedTuple):
     """A row of the system's UDP socket table."""
 
     address: str  # IPv4; "0.0.0.0" for any
@@ -39,8 +38,7 @@ class UdpSocket:
     queued_bytes: int = 0  # waiting datagrams, with the kernel's overhead
 
 
-@dataclass(frozen=True, slots=True)
-class Process:
+class Process(NamedTuple):
     """A process of this computer."""
 
     pid: int
@@ -72,8 +70,7 @@ class Process:
         return f"{kept} …"
 
 
-@dataclass(frozen=True, slots=True)
-class Usage:
+class Usage(NamedTuple):
     """A process's use of this computer."""
 
     uid: int
@@ -97,8 +94,7 @@ def udp_sockets() -> list[UdpSocket]:
     return found
 
 
-@dataclass(frozen=True, slots=True)
-class PossibleSenders:
+class PossibleSenders(NamedTuple):
     """The possible senders from a local UDP port."""
 
     candidates: tuple[Process, ...]  # the known ones, sorted by pid

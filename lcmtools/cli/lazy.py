@@ -5,9 +5,8 @@
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
 from importlib import import_module
-from typing import cast
+from typing import NamedTuple, cast
 
 import click
 
@@ -21,8 +20,7 @@ COMMAND = "lcmtools.command"
 """The key of a click context's ``meta`` for the command that is run: "lcmtools list"."""
 
 
-@dataclass(frozen=True, slots=True)
-class Entry:
+class Entry(NamedTuple):
     """A command of a group."""
 
     home: str  # "module:attribute" of the click command, below lcmtools

@@ -6,7 +6,7 @@ ends. A lcmtools_msgs/Shutdown on SHUTDOWN_CHANNEL requests that a node's progra
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, NamedTuple, TypeVar
 
 from lcmtools.errors import DecodeError, InvalidName
@@ -44,8 +44,7 @@ _STATE_BYTES = 1
 _REVISION_BYTES = 8
 
 
-@dataclass(frozen=True, slots=True)
-class Announcement:
+class Announcement(NamedTuple):
     """A node's announcement of itself."""
 
     node: Node
@@ -54,19 +53,17 @@ class Announcement:
 
     def sent_at(self, time: int) -> "Announcement":
         """The same, as it is sent at a time [ns since 1970]."""
-        return replace(self, node=replace(self.node, sent=time))
+        return self._replace(node=replace(self.node, sent=time))
 
 
-@dataclass(frozen=True, slots=True)
-class Probe:
+class Probe(NamedTuple):
     """A request to nodes to announce themselves."""
 
     target: str = ""  # a node's full name; "" for every node
     nonce: int = 0  # comes back in the answer
 
 
-@dataclass(frozen=True, slots=True)
-class Shutdown:
+class Shutdown(NamedTuple):
     """A request to a node's program to end, as by SIGTERM."""
 
     target: str  # the node's id

@@ -28,7 +28,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from itertools import groupby
 from math import prod
-from typing import TypeAlias, cast
+from typing import NamedTuple, TypeAlias, cast
 
 from lcmtools.messages.fields import Field, fields, visible_fields
 from lcmtools.messages.registry import Message, fingerprint, type_name
@@ -50,8 +50,7 @@ Write: TypeAlias = Callable[[object, list[bytes]], None]
 Read: TypeAlias = Callable[[Cursor], Message]
 
 
-@dataclass(frozen=True, slots=True)
-class Layout:
+class Layout(NamedTuple):
     """The encoder, which sets length fields, and the decoder of one type."""
 
     fingerprint: bytes  # the first 8 bytes of a payload, which the functions leave out

@@ -7,7 +7,7 @@ quarter of a second, so that a busy channel costs no more to look at than a slow
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from lcmtools.wire.packet import Packet
 
@@ -24,8 +24,7 @@ _FEWEST = 3  # intervals that are kept however old they are, for channels that a
 _SILENT_PERIODS = 3  # without a message are silence, where they are longer than SILENT_AFTER
 
 
-@dataclass(frozen=True, slots=True)
-class Flow:
+class Flow(NamedTuple):
     """The traffic of one channel."""
 
     messages: int = 0  # the number of messages, in all

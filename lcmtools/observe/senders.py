@@ -10,9 +10,9 @@ import pwd
 import socket
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass
 from itertools import chain, pairwise
 from pathlib import PurePath
+from typing import NamedTuple
 
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import (
@@ -38,8 +38,7 @@ _TAKE_A_PATH = ("-cp", "-classpath", "--class-path", "-p", "--module-path")
 _INTERPRETERS = ("python", "pypy", "java", "ruby", "perl", "lua", "node", "bash", "sh")
 
 
-@dataclass(frozen=True, slots=True)
-class SocketTable:
+class SocketTable(NamedTuple):
     """The UDP sockets of this computer at one time, and the processes behind them."""
 
     rows: Mapping[int, UdpSocket]  # the sockets by inode
@@ -134,8 +133,7 @@ def program_name(command: str) -> str:
     return name
 
 
-@dataclass(frozen=True, slots=True)
-class Program:
+class Program(NamedTuple):
     """A program that is no node."""
 
     process: Process | None  # its process; None where the system does not show it

@@ -51,8 +51,7 @@ class Fragment:
     part: bytes
 
 
-@dataclass(frozen=True, slots=True)
-class Malformed:
+class Malformed(NamedTuple):
     """A datagram that is none of LCM's, with the reason."""
 
     reason: str

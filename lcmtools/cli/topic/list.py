@@ -1,7 +1,7 @@
 """``lcmtools list``."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from lcmtools.cli.bus import looking_pattern, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, option, subcommand
@@ -13,8 +13,7 @@ from lcmtools.observe.activity import settled
 from lcmtools.observe.describe import by_computer, type_text
 
 
-@dataclass(frozen=True, slots=True)
-class _ListOptions:
+class _ListOptions(NamedTuple):
     """The topics that are listed, and the form."""
 
     published: bool  # those that are published are listed
