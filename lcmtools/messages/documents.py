@@ -9,7 +9,7 @@ escapes (two of four digits each for one character).
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.formats.strict_yaml import read_values
@@ -25,8 +25,7 @@ _BRACKETS = {"{": "}", "[": "]"}
 _LITERALS = re.compile(r"\b(?:true|false)\b")
 
 
-@dataclass(frozen=True, slots=True)
-class Document:
+class Document(NamedTuple):
     """A document: its value for ``fill``, and the line where it starts, from 1."""
 
     value: Value

@@ -9,9 +9,8 @@ Python's, on arrays only. A name after a slice is taken from each element of it.
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from functools import cache
-from typing import TypeAlias, cast
+from typing import NamedTuple, TypeAlias, cast
 
 from lcmtools.errors import UsageError, ValueMismatch
 from lcmtools.messages.fields import Field, MessageClass, field_name, fields_hint, visible_fields
@@ -32,8 +31,7 @@ _DEEPEST = 4  # levels of messages that a field is looked for in
 _EXAMPLES = "write [0], [-1], [0:5] or [::2]"
 
 
-@dataclass(frozen=True, slots=True)
-class Path:
+class Path(NamedTuple):
     """The steps from a message inwards to a value; none for the message itself."""
 
     steps: tuple[Step, ...] = ()
@@ -47,8 +45,7 @@ class Path:
         return Path(self.steps + other.steps)
 
 
-@dataclass(frozen=True, slots=True)
-class Target:
+class Target(NamedTuple):
     """The target of a path in messages of one type; see ``fields.Field``."""
 
     type: str
@@ -63,8 +60,7 @@ class Target:
         return self.mapped + len(self.dimensions)
 
 
-@dataclass(frozen=True, slots=True)
-class SelectedValue:
+class SelectedValue(NamedTuple):
     """A selected value."""
 
     value: object
@@ -145,11 +141,11 @@ def element_target(owner: Target, step: int | Slice, where: str) -> Target:
         known = f" ({fields_hint(owner.message_class)})" if owner.message_class else ""
         raise ValueMismatch(f"{where or 'the message'} is no array but a {owner.type}{known}")
     if not isinstance(step, int):
-        return replace(owner, sliced=True)
+        return owner._replace(sliced=True)
     size = owner.dimensions[0]
     if isinstance(size, int) and not owner.sliced and not -size <= step < size:
         raise _outside(f"{where}[{step}]", size)
-    return replace(owner, dimensions=owner.dimensions[1:], sliced=False)
+    return owner._replace(dimensions=owner.dimensions[1:], sliced=False)
 
 
 def _walk(value: object, steps: tuple[Step, ...], path: Path) -> object:

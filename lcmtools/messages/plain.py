@@ -7,9 +7,8 @@ not know files, nor the layout of plain values as text: see ``text``.
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
-from typing import TypeAlias, cast
+from typing import NamedTuple, TypeAlias, cast
 
 from lcmtools.clock import NANOSECONDS, join_stamp
 from lcmtools.messages.fields import TIME_FIELDS, Field, is_time, visible_fields
@@ -40,8 +39,7 @@ class More(str):
 MORE = More("...")
 
 
-@dataclass(frozen=True, slots=True)
-class View:
+class View(NamedTuple):
     """Options for the values that are shown."""
 
     hides_arrays: bool = False  # arrays are only named: <array type: float64, length: 5>

@@ -19,10 +19,9 @@ It is YAML 1.1. Unlike rostopic's, long strings stay on one line, for grep.
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cache
 from operator import attrgetter
-from typing import cast
+from typing import NamedTuple, cast
 
 from lcmtools.messages.fields import TIME_FIELDS, Field, is_time, visible_fields
 from lcmtools.messages.plain import PLAIN_TYPES, More, Plain, plain_scalar, plain_value
@@ -64,8 +63,7 @@ def _quoted_at_end(text: str) -> str:
     return f"{shown} # {text.encode('utf-8', STRAY_BYTES)!r}" if is_binary else shown
 
 
-@dataclass(frozen=True, slots=True)
-class Writer:
+class Writer(NamedTuple):
     """The format of plain values, with ``width`` characters of a number as of ``rostopic echo -w``.
 
     It is the plain twin of ``format_message``, which is faster and takes whole messages only.
@@ -119,8 +117,7 @@ def _word_or_quoted(text: str) -> str:
     return text if is_word else _quoted_at_end(text)
 
 
-@dataclass(frozen=True, slots=True)
-class _Form:
+class _Form(NamedTuple):
     """The format of one class's messages: a text with %r for numbers and %s for texts.
 
     ``values`` takes their values out of a message; ``texts`` are the places of texts among them and

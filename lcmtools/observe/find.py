@@ -1,7 +1,7 @@
 """Finding the topic, the node or the service that a word on the command line means."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
 from lcmtools.graph.model import Ends, Graph, Node, Role, Topic
@@ -100,8 +100,7 @@ def find_nodes(graph: Graph, name: str) -> list[Node]:
     return found
 
 
-@dataclass(frozen=True, slots=True)
-class OfferedService:
+class OfferedService(NamedTuple):
     """A service that nodes announce; more than one server is a fault."""
 
     name: str

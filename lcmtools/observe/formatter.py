@@ -5,7 +5,7 @@ import io
 import json
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal, cast
 
 from lcmtools.errors import DecodeError, UnknownType, UsageError, ValueMismatch
@@ -138,7 +138,7 @@ class MessageFormatter:
 
     def _view(self, found: SelectedPacket) -> View:
         view = self._options.view
-        return replace(view, origin=found.time) if self._options.is_relative else view
+        return view._replace(origin=found.time) if self._options.is_relative else view
 
     def _row(self, found: SelectedPacket, message: Message, plain: Plain) -> dict[str, Cell]:
         stamped = stamp(message)

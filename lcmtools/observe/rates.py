@@ -6,17 +6,15 @@ Plain arithmetic; times come in as arguments.
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from math import sqrt
-from typing import Generic, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 ItemT = TypeVar("ItemT")
 FoundT = TypeVar("FoundT")
 
 
-@dataclass(frozen=True, slots=True)
-class Statistics:
+class Statistics(NamedTuple):
     """Rates or delays, as rostopic hz and delay sum them up."""
 
     mean: float  # arrivals per second: 1 / the mean interval [Hz]; or the mean delay [s]
@@ -27,8 +25,7 @@ class Statistics:
     window: int  # the number of arrivals
 
 
-@dataclass(frozen=True, slots=True)
-class Bandwidth:
+class Bandwidth(NamedTuple):
     """The bandwidth, as rostopic bw sums it up."""
 
     # The window's bytes over the time since its first arrival [byte/s]; it falls when nothing

@@ -5,10 +5,10 @@ Belongs here: finding and reading them. Must not know their content.
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from importlib.util import find_spec
 from itertools import islice
 from pathlib import Path
+from typing import NamedTuple
 
 from lcmtools.messages.type_source import Problem
 from lcmtools.packages.workspace import LONGEST_FILE, ROS_FOLDERS
@@ -23,8 +23,7 @@ _MOST_FOLDERS = 2000  # somebody may name the home folder
 _OTHER_FOLDERS = {"build", "dist", "node_modules", "site-packages", "venv"}
 
 
-@dataclass(frozen=True, slots=True)
-class LcmFile:
+class LcmFile(NamedTuple):
     """A file as it was when it was read, with its full path."""
 
     path: Path

@@ -11,8 +11,8 @@ import re
 import stat
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from lcmtools.errors import InvalidFile
 
@@ -28,8 +28,7 @@ _MOST_FOLDERS = 300  # in a folder; one that has more, like /tmp, is no workspac
 _MOST_LEVELS = 16
 
 
-@dataclass(frozen=True, slots=True)
-class Package:
+class Package(NamedTuple):
     """A package of the workspace: its import name ("air_lab0") and its pyproject.toml's folder."""
 
     name: str
@@ -41,8 +40,7 @@ class Package:
         return source if (source / self.name).is_dir() else self.folder
 
 
-@dataclass(frozen=True, slots=True)
-class Workspace:
+class Workspace(NamedTuple):
     """The workspace around a folder."""
 
     packages: list[Package]  # sorted by name; of two with the same name, the nearer one

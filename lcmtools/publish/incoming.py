@@ -12,8 +12,7 @@ import select
 import stat
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from lcmtools.errors import InvalidFile, UsageError, ValueMismatch
 from lcmtools.messages.documents import LONGEST
@@ -33,8 +32,7 @@ _POLL = 0.02  # [s] between two turns of the caller while nothing comes
 _PATIENCE = 2.0  # [s] before the person reads that nothing comes
 
 
-@dataclass(frozen=True, slots=True)
-class Incoming:
+class Incoming(NamedTuple):
     """Messages to be sent."""
 
     templates: Iterator[Template | None]  # None where the next one has not come yet
