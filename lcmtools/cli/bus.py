@@ -8,6 +8,7 @@ import click
 
 from lcmtools.cli.options import bus_choice
 from lcmtools.cli.output import talk
+from lcmtools.errors import UsageError
 from lcmtools.names import Pattern, Resolver, has_wildcard, resolve_namespace, spellings
 from lcmtools.settings import read_user_file, usual_namespace
 
@@ -28,14 +29,25 @@ def chosen_url() -> "BusUrl":
     return url
 
 
-def open_monitor(tool: str, *, whole: bool = False, plays: bool = False) -> "BusMonitor":
+def open_monitor(
+    tool: str, *, whole: bool = False, plays: bool = False, log: str | None = None
+) -> "BusMonitor":
     """Open the bus or the log that the command line selects, for the command ``tool``.
 
     Large messages come as a whole, or only their heads; a log is played at its own speed, or read
-    at once. A request to shut down ends the command as SIGTERM does.
+    at once. ``log`` is a file in place of the bus, read at once. A request to shut down ends the
+    command as SIGTERM does.
     """
     from lcmtools.observe.monitor import BusMonitor
 
+    if log is not None:
+        from lcmtools.bus.url import BusUrl
+        from lcmtools.observe.sources import LogObserver
+
+        if bus_choice().url or bus_choice().domain:
+            hint = "leave out --lcm-url and --domain"
+            raise UsageError("-b reads a log in place of the bus", hint)
+        return BusMonitor(BusUrl("file", log), tool, os.environ, LogObserver(log))
     return BusMonitor(
         chosen_url(),
         tool,

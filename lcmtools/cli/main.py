@@ -9,7 +9,7 @@ import click
 from lcmtools import __version__
 from lcmtools.cli import ending
 from lcmtools.cli.commands import COMMANDS
-from lcmtools.cli.declare import CONTEXT, option
+from lcmtools.cli.declare import CONTEXT, flag
 from lcmtools.cli.lazy import COMMAND, LazyGroup
 from lcmtools.cli.options import bus_options, manner_options
 from lcmtools.messages.supply import set_supply
@@ -48,9 +48,8 @@ def _print_version(ctx: click.Context, _parameter: click.Parameter, value: bool)
     cls=LazyGroup, entries=COMMANDS, context_settings=CONTEXT, epilog=_EPILOG, name="lcmtools"
 )
 @bus_options
-@option(
+@flag(
     "--version",
-    is_flag=True,
     expose_value=False,
     is_eager=True,
     callback=_print_version,

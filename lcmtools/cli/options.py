@@ -8,7 +8,7 @@ import click
 from click.core import ParameterSource
 
 from lcmtools.arguments import NodeArguments, is_assignment, split_arguments
-from lcmtools.cli.declare import CommandT, duration, option, rate, together, whole_number
+from lcmtools.cli.declare import CommandT, duration, flag, option, rate, together, whole_number
 from lcmtools.errors import UsageError
 from lcmtools.settings import COLORS
 
@@ -123,10 +123,8 @@ def timeout_option(seconds: float) -> Callable[[CommandT], CommandT]:
     return option("--timeout", type=duration, default=seconds, help=text)
 
 
-json_option = option("--json", "as_json", is_flag=True, help="Print JSON.")
-all_option = option(
-    "-a", "--all", "show_all", is_flag=True, help="Show hidden names too (a part starts with '_')."
-)
+json_option = flag("--json", "as_json", help="Print JSON.")
+all_option = flag("-a", "--all", "show_all", help="Show hidden names too (a part starts with '_').")
 
 
 def _choose_color(ctx: click.Context, parameter: click.Parameter, value: str | None) -> None:

@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import stat
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
@@ -80,6 +81,20 @@ def complain(command: str, error: LcmtoolsError, *, as_json: bool = False) -> No
         talk(json.dumps(record, ensure_ascii=False))
     else:
         talk(f"{what}; {hint}" if hint else what, command)
+
+
+def may_wait() -> bool:
+    """Return True where a person or a file takes the output: a program at a pipe must not wait."""
+    with contextlib.suppress(OSError):  # it is no file of the system
+        mode = os.fstat(sys.stdout.fileno()).st_mode
+        return stat.S_ISREG(mode) or stat.S_ISCHR(mode)
+    return False
+
+
+def clearing() -> str:
+    """Return what clears the screen; "" where there is none."""
+    can_clear = sys.stdout.isatty() and os.environ.get("TERM", "dumb") != "dumb"
+    return "\033[2J\033[;H" if can_clear else ""  # the screen, and the cursor to its corner
 
 
 def _write(text: str) -> None:

@@ -9,7 +9,7 @@ import click
 
 import lcmtools
 from lcmtools.arguments import NodeArguments
-from lcmtools.cli.declare import argument, examples, option, subcommand
+from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.lazy import COMMAND
 from lcmtools.cli.options import bus_choice, bus_options, json_option
 from lcmtools.cli.output import show, talk
@@ -26,7 +26,7 @@ from lcmtools.packages.workspace import workspace
     "run air_lab0 simple_controller __ns:=/husky0",
     "run --list",
 )
-@option("-l", "--list", "show_list", is_flag=True, help="List the nodes that can be run.")
+@flag("-l", "--list", "show_list", help="List the nodes that can be run.")
 @argument("name", required=False, metavar="[PACKAGE] NAME", completer="programs:programs")
 @argument("arguments", nargs=-1, type=click.UNPROCESSED, completer="programs:arguments")
 def command(name: str | None, arguments: tuple[str, ...], *, show_list: bool, as_json: bool) -> int:

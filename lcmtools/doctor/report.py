@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import groupby
 
+from lcmtools.color import BOLD, RED, YELLOW, paint
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Part, Rule, Severity, Statement, Subject
 from lcmtools.doctor.rules import examine
@@ -23,6 +24,7 @@ _HEADINGS = {
     ),
     Severity.NOTE: ("note(s)", "Notes are seldom at fault"),
 }
+_COLORS = {"ERROR": RED, "WARNING": YELLOW, "NOTE": BOLD, "CLEARED": BOLD}
 
 
 def text(findings: Sequence[Finding]) -> list[str]:
@@ -53,10 +55,18 @@ def _shortened(rows: Sequence[str], mark: str) -> list[str]:
     return [*rows[: _MOST - 1], f"{mark} … and {len(rows) - _MOST + 1} more"]
 
 
-def cleared_text(finding: Finding) -> list[str]:
-    """A finding that is gone, and its items."""
+def change_text(change: str, finding: Finding) -> list[str]:
+    """A finding of ``changes``; of one that is gone, its items without the remedies."""
+    if change != "cleared":
+        return finding_text(finding)
     words = describe(finding)
     return [f"CLEARED {words.title}", *_shortened(words.items, " *")]
+
+
+def colored(row: str) -> str:
+    """A finding's first word in the colour of its severity; other lines as they are."""
+    word, space, rest = row.partition(" ")
+    return f"{paint(word, _COLORS[word])}{space}{rest}" if word in _COLORS else row
 
 
 def not_checked(evidence: Evidence, rules: Iterable[Rule]) -> list[str]:

@@ -1,5 +1,6 @@
 """Reports of rates, bandwidths and delays: as text, in the words of rostopic, and for JSON."""
 
+import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass
 from typing import Any
@@ -22,11 +23,11 @@ class ReportForm:
     fields: Callable[[Any], Sequence[object]] = astuple  # that text has
     nothing: str = "no new messages"
 
-    def records(self, found: Mapping[str, Any]) -> Iterator[dict[str, object]]:
-        """Yield a value for JSON for each topic."""
+    def records(self, found: Mapping[str, Any]) -> Iterator[str]:
+        """Yield a line of JSON for each topic."""
         for topic, value in found.items():
             pairs = zip(self.keys, astuple(value), strict=True) if value else [(self.keys[0], None)]
-            yield {"topic": topic, **dict(pairs)}
+            yield json.dumps({"topic": topic, **dict(pairs)})
 
     def rows(self, found: Mapping[str, Any]) -> list[str]:
         """Return the lines of one topic, or the table of several."""

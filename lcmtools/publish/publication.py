@@ -6,6 +6,7 @@ from typing import TypeAlias
 
 from lcmtools.arguments import NodeArguments
 from lcmtools.bus.url import BusUrl, choose_url
+from lcmtools.errors import UsageError
 from lcmtools.messages.fill import Value
 from lcmtools.messages.message_template import MessageTemplate, draft, draft_from_values
 from lcmtools.messages.registry import Message, message_class
@@ -100,6 +101,18 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
         on_start(schedule)
         scheduled.send_all(incoming, schedule)
         return scheduled.count
+
+
+def check_topic(topic: str, *, literal: bool) -> None:
+    """Refuse a topic that no node could announce; naming rules are checked by the node.
+
+    Raises:
+        UsageError: With the reason.
+    """
+    if not literal and not topic.strip("/ "):
+        raise UsageError("the topic's name is empty", "give one, for example /chatter")
+    if any("\ud800" <= character <= "\udfff" for character in topic):
+        raise UsageError(f"{topic!a} is not UTF-8", "nodes can name no other channel")
 
 
 def _incoming(kind: type[Message], values: "One | Iterator[One]") -> Incoming:

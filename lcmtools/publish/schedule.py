@@ -7,7 +7,7 @@ import itertools
 import math
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from lcmtools.errors import BusError, UsageError
@@ -34,6 +34,7 @@ class Schedule:
     count: int | None = None  # of messages; None for all
     is_endless: bool = False  # start again after the last one
     stay: float = 0.0  # time after the last [s], for late subscribers
+    notice: str = field(default="", compare=False)  # for the person, where more goes on
 
 
 def schedule_for(
@@ -48,11 +49,19 @@ def schedule_for(
     is_alone = incoming.is_one and not incoming.is_file and rate is None and count is None
     repeats = rate is not None or (incoming.is_file and not latch)
     usual = _TIMES_RATE if count and incoming.is_one else None
+    stay = (math.inf if latch or is_alone else 0.0) if keep_alive is None else keep_alive
+    is_endless = incoming.is_one and not count and repeats
+    notice = ""
+    if stay == math.inf:
+        notice = "publishing and latching message. Press ctrl-C to terminate"
+    elif is_endless and not rate:
+        notice = f"publishing the one message {_FILE_RATE:g} times a second, until Ctrl-C"
     return Schedule(
         rate=rate or (_FILE_RATE if incoming.is_file else usual),
         count=count,
-        is_endless=incoming.is_one and not count and repeats,
-        stay=(math.inf if latch or is_alone else 0.0) if keep_alive is None else keep_alive,
+        is_endless=is_endless,
+        stay=stay,
+        notice=notice,
     )
 
 

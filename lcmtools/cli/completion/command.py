@@ -4,7 +4,7 @@ import os
 
 from lcmtools.cli.completion.install import install, plan, script, shell_named, uninstall
 from lcmtools.cli.completion.tree import Tree
-from lcmtools.cli.declare import argument, examples, option, subcommand
+from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.output import data, talk
 from lcmtools.errors import UsageError
 
@@ -12,8 +12,8 @@ from lcmtools.errors import UsageError
 @subcommand("completion")
 @examples("completion --install", "completion zsh --install", "completion bash > lcmtools.bash")
 @argument("shell", metavar="[bash|zsh|fish]", required=False, completer=("bash", "zsh", "fish"))
-@option("--install", "is_install", is_flag=True, help="Install the completion script.")
-@option("--uninstall", "is_uninstall", is_flag=True, help="Undo --install.")
+@flag("--install", "is_install", help="Install the completion script.")
+@flag("--uninstall", "is_uninstall", help="Undo --install.")
 def command(shell: str | None, *, is_install: bool, is_uninstall: bool) -> None:
     """Complete commands, topics, types, fields, messages and more with the TAB key.
 

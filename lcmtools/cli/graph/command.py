@@ -5,7 +5,7 @@ from dataclasses import replace
 import click
 
 from lcmtools.cli.bus import in_names, open_monitor
-from lcmtools.cli.declare import argument, duration, examples, option, subcommand
+from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.graph.written import FORMATS, STDOUT, chosen
 from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import talk
@@ -36,16 +36,15 @@ from lcmtools.observe.senders import programs
     help="Write to this file: .svg, .dot, .gv, .mmd, .md, .json or .txt.",
     completer="files",
 )
-@option("--force", is_flag=True, help="Overwrite an existing file.")
-@option("--nodes-only", is_flag=True, help="Connect nodes directly, without topics.")
-@option("--leaf-topics", is_flag=True, help="Include topics with one side only.")
-@option("--services", "with_services", is_flag=True, help="Include services.")
-@option("--tools", is_flag=True, help="Include observing commands, such as echo.")
-@option(
+@flag("--force", help="Overwrite an existing file.")
+@flag("--nodes-only", help="Connect nodes directly, without topics.")
+@flag("--leaf-topics", help="Include topics with one side only.")
+@flag("--services", help="Include services.")
+@flag("--tools", help="Include observing commands, such as echo.")
+@flag(
     "-a",
     "--all",
-    "show_all",
-    is_flag=True,
+    "everything",
     help="Include hidden names, tools, leaf topics, /clock and the like.",
 )
 @option(
@@ -63,8 +62,8 @@ from lcmtools.observe.senders import programs
     help="Leave out this name, namespace or pattern.",
     completer="bus:names",
 )
-@option("--group", "is_grouped", is_flag=True, help="Draw a frame around each namespace.")
-@option("--hz", is_flag=True, help="Measure rates for a second.")
+@flag("--group", "is_grouped", help="Draw a frame around each namespace.")
+@flag("--hz", help="Measure rates for a second.")
 @option("--wait", type=duration, help="Observe plain LCM programs for this long.")
 def command(
     namespace: tuple[str, ...],
@@ -73,16 +72,13 @@ def command(
     file: str | None,
     force: bool,
     nodes_only: bool,
-    leaf_topics: bool,
-    with_services: bool,
-    tools: bool,
-    show_all: bool,
     topics: tuple[str, ...],
     excluded: tuple[str, ...],
     is_grouped: bool,
     hz: bool,
     wait: float | None,
     as_json: bool,
+    **included: bool,
 ) -> None:
     """Draw the graph of nodes, plain LCM programs, and the topics that connect them.
 
@@ -96,9 +92,7 @@ def command(
         raise UsageError("a name is empty", "lcmtools list and node list show the names")
     named = (tuple(map(in_names, words)) for words in (namespace, topics, excluded))
     parts, wanted_topics, left_out = named
-    wanted = DiagramOptions(
-        parts, wanted_topics, left_out, show_all, leaf_topics, tools, with_services
-    )
+    wanted = DiagramOptions(parts, wanted_topics, left_out, **included)
     with open_monitor("graph") as monitor:
         (graph, rates), url = settled(monitor, wait, hz=hz), monitor.url
     whole = diagram_of(graph, programs(graph, url), rates)

@@ -9,7 +9,7 @@ from dataclasses import replace
 from lcmtools.bus.preflight import wait_for_bus
 from lcmtools.bus.url import domain_url
 from lcmtools.cli.bus import chosen_url
-from lcmtools.cli.declare import CommandT, argument, duration, examples, option, subcommand
+from lcmtools.cli.declare import CommandT, argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.launch.screen import Screen
 from lcmtools.cli.options import bus_options, json_option
 from lcmtools.cli.output import columns, show, talk
@@ -59,7 +59,7 @@ def _question_of_node(*names: str, text: str) -> Callable[[CommandT], CommandT]:
 @_question("--list", "-l", text="List the labs' launch files.")
 @option("--screen", "output", flag_value="screen", help="Show the output of all nodes.")
 @option("--log", "output", flag_value="log", help="Show warnings and errors only; log the rest.")
-@option("--wait", is_flag=True, help="Wait for a working bus before starting.")
+@flag("--wait", help="Wait for a working bus before starting.")
 @option("--sigint-timeout", type=duration, default=15.0, help="Time after SIGINT (else 15s).")
 @option("--sigterm-timeout", type=duration, default=2.0, help="Time after SIGTERM (else 2s).")
 def command(

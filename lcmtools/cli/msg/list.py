@@ -1,6 +1,6 @@
 """The commands of ``lcmtools msg`` and ``srv`` that list types."""
 
-from lcmtools.cli.declare import argument, examples, option, subcommand
+from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import show, talk
 from lcmtools.errors import LcmtoolsError, UnknownType
@@ -13,9 +13,7 @@ from lcmtools.messages.registry import (
 )
 from lcmtools.names import did_you_mean
 
-_single_line_option = option(
-    "-s", "--single-line", is_flag=True, help="All on one line, separated by spaces."
-)
+_single_line_option = flag("-s", "--single-line", help="All on one line, separated by spaces.")
 
 
 @subcommand("list", json_option)

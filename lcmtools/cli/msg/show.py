@@ -2,7 +2,7 @@
 
 import sys
 
-from lcmtools.cli.declare import argument, examples, option, subcommand
+from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import data, document, show, talk
 from lcmtools.errors import UsageError
@@ -53,7 +53,7 @@ def proto(type_: str, *, as_json: bool) -> None:
     "type /husky0/odometry | lcmtools msg show",
 )
 @argument("type_", metavar="[TYPE]", default="-", completer="messages:types")
-@option("-r", "--raw", is_flag=True, help="Show its .lcm or .msg file, with the comments.")
+@flag("-r", "--raw", help="Show its .lcm or .msg file, with the comments.")
 def show_type(type_: str, *, raw: bool, as_json: bool) -> None:
     """Show the fields of a message type, nested ones expanded, with ROS's names of types.
 
@@ -89,7 +89,7 @@ def _piped() -> str:
 @subcommand("show", json_option)
 @examples("srv show std_srvs/SetBool", "srv show Trigger --json")
 @argument("type_", metavar="TYPE", completer="messages:service_types")
-@option("-r", "--raw", is_flag=True, help="Show the .lcm or .srv files, with the comments.")
+@flag("-r", "--raw", help="Show the .lcm or .srv files, with the comments.")
 def show_service(type_: str, *, raw: bool, as_json: bool) -> None:
     """Show the fields of a service type: the request's, a line of dashes, the response's.
 

@@ -3,7 +3,7 @@
 import time
 
 from lcmtools.cli.bus import in_names, open_monitor
-from lcmtools.cli.declare import argument, examples, option, subcommand
+from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import document, lines
 from lcmtools.errors import LcmtoolsError, UsageError
@@ -22,8 +22,8 @@ _TIMEOUT = 0.5  # [s] for parameters: the rest of the answer does not wait for a
 @subcommand("info", json_option, looking_options)
 @examples("node info simple_controller", "node info /husky0/simple_controller lcm-source")
 @argument("nodes", nargs=-1, required=True, completer="bus:nodes")
-@option("-q", "--quiet", is_flag=True, help="Only publications, subscriptions and services.")
-@option("-a", "--include-hidden", "show_hidden", is_flag=True, help="Show hidden names too.")
+@flag("-q", "--quiet", help="Only publications, subscriptions and services.")
+@flag("-a", "--include-hidden", "show_hidden", help="Show hidden names too.")
 def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: bool) -> None:
     """Show a node's publications, subscriptions, services and process.
 

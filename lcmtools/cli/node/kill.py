@@ -5,7 +5,7 @@ import sys
 import click
 
 from lcmtools.cli.bus import in_names, open_monitor
-from lcmtools.cli.declare import argument, duration, examples, option, subcommand
+from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import UsageError
@@ -16,8 +16,8 @@ from lcmtools.observe.nodes import NodeEnd, end_nodes, node_to_end, nodes_to_end
 @subcommand("kill", json_option, looking_options)
 @examples("node kill simple_controller", "node kill --all --yes")
 @argument("nodes", nargs=-1, completer="bus:nodes")
-@option("-a", "--all", "kill_all", is_flag=True, help="All nodes, after confirmation.")
-@option("-y", "--yes", is_flag=True, help="Do not ask for confirmation.")
+@flag("-a", "--all", "kill_all", help="All nodes, after confirmation.")
+@flag("-y", "--yes", help="Do not ask for confirmation.")
 @option("--timeout", type=duration, default=3.0, help="Wait this long for the end (else 3s).")
 def command(
     nodes: tuple[str, ...], *, kill_all: bool, yes: bool, timeout: float, as_json: bool

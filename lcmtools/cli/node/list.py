@@ -3,7 +3,7 @@
 from collections import Counter
 
 from lcmtools.cli.bus import in_names, look, looking_names, open_monitor
-from lcmtools.cli.declare import argument, duration, examples, option, subcommand
+from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import all_option, bus_options, json_option, looking_options
 from lcmtools.cli.output import data, document, lines, show, talk
 from lcmtools.graph.model import Staleness
@@ -15,15 +15,14 @@ _HEADING = "Programs that are no nodes (seen on the bus):"
 @subcommand("list", json_option, looking_options)
 @examples("node list", "node list -a /husky0")
 @argument("namespace", default="", completer="bus:namespaces")
-@option(
+@flag(
     "-a",
     "--all",
     "show_all",
-    is_flag=True,
     help="Show host, pid and up-time, hidden nodes, and plain LCM programs.",
 )
-@option("-u", "--uri", is_flag=True, help="Print the nodes' addresses, as rosnode list -u.")
-@option("-c", "--count-nodes", "count", is_flag=True, help="Print the number of nodes.")
+@flag("-u", "--uri", help="Print the nodes' addresses, as rosnode list -u.")
+@flag("-c", "--count-nodes", "count", help="Print the number of nodes.")
 @option("--wait", type=duration, help="With -a: observe other programs for this long.")
 def list_nodes(
     namespace: str, *, show_all: bool, uri: bool, count: bool, wait: float | None, as_json: bool
@@ -88,7 +87,7 @@ def machine(host: str | None, *, show_all: bool, as_json: bool) -> None:
 
 @subcommand("cleanup", json_option, bus_options)
 @examples("node cleanup", "node cleanup --domain 3")
-@option("-y", "--yes", is_flag=True, expose_value=False, help="Accepted as in rosnode; no effect.")
+@flag("-y", "--yes", expose_value=False, help="Accepted as in rosnode; no effect.")
 def cleanup(*, as_json: bool) -> None:
     """Forget the nodes that ended without saying goodbye, and print their names.
 

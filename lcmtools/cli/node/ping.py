@@ -5,7 +5,7 @@ from itertools import islice
 import click
 
 from lcmtools.cli.bus import in_names, open_monitor
-from lcmtools.cli.declare import argument, examples, option, subcommand, whole_number
+from lcmtools.cli.declare import argument, examples, flag, option, subcommand, whole_number
 from lcmtools.cli.options import json_option, looking_options, timeout_option
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.errors import NothingReceived, UsageError
@@ -18,7 +18,7 @@ from lcmtools.observe.nodes import ping, pings
 @subcommand("ping", timeout_option(3.0), json_option, looking_options)
 @examples("node ping simple_controller", "node ping --all")
 @argument("node", required=False, completer="bus:nodes")
-@option("-a", "--all", "ping_all", is_flag=True, help="Ping every node once.")
+@flag("-a", "--all", "ping_all", help="Ping every node once.")
 @option("-c", "--count", metavar="N", type=whole_number(1), help="Stop after N pings.")
 def command(
     node: str | None, *, ping_all: bool, count: int | None, timeout: float, as_json: bool

@@ -1,6 +1,6 @@
 """``lcmtools param list``, ``get`` and ``describe``."""
 
-from lcmtools.cli.declare import argument, examples, option, subcommand
+from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
 from lcmtools.cli.output import show, talk
 from lcmtools.cli.param.common import complain_of, living_nodes, look, named, timeout_option
@@ -12,8 +12,8 @@ from lcmtools.publish.parameters import pick, value_of
 @subcommand("list", timeout_option, all_option, json_option, looking_options)
 @examples("param list", "param list simple_controller -v")
 @argument("node", default="", completer="bus:nodes")
-@option("-t", "--show-types", is_flag=True, help="Show each parameter's type.")
-@option("-v", "--values", "show_values", is_flag=True, help="Show each parameter's value.")
+@flag("-t", "--show-types", help="Show each parameter's type.")
+@flag("-v", "--values", "show_values", help="Show each parameter's value.")
 def list_parameters(
     node: str, *, show_types: bool, show_values: bool, timeout: float, show_all: bool, as_json: bool
 ) -> int:
@@ -41,8 +41,8 @@ def list_parameters(
 )
 @argument("node", completer="bus:parameters")
 @argument("name", default="", completer="bus:parameters")
-@option("-p", "--pretty", "is_pretty", is_flag=True, help="Print strings without quotes.")
-@option("--hide-type", is_flag=True, hidden=True, help="As it is here anyway.")
+@flag("-p", "--pretty", "is_pretty", help="Print strings without quotes.")
+@flag("--hide-type", hidden=True, help="As it is here anyway.")
 def get(
     node: str, name: str, *, is_pretty: bool, hide_type: bool, timeout: float, as_json: bool
 ) -> int:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from lcmtools.cli.declare import argument, examples, option, subcommand
+from lcmtools.cli.declare import argument, examples, flag, option, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import show, talk
 from lcmtools.messages.registry import packages
@@ -57,7 +57,7 @@ class _SeveralDeps(click.Command):
     help="For example MIT.",
     completer=("Apache-2.0", "BSD-3-Clause", "GPL-3.0-only", "LGPL-2.1-only", "MIT"),
 )
-@option("--force", is_flag=True, help="Overwrite existing files.")
+@flag("--force", help="Overwrite existing files.")
 def command(
     *,
     name: str,

@@ -3,7 +3,7 @@
 import math
 
 from lcmtools.cli.bus import looking_names, notify, open_monitor
-from lcmtools.cli.declare import argument, duration, examples, option, subcommand
+from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import (
     bus_options,
     json_option,
@@ -48,7 +48,7 @@ def _wait(value: str | float) -> float:
 )
 @rate_option("Call")
 @times_option("Call")
-@option("-v", "--verbose", is_flag=True, help="Print the called node.")
+@flag("-v", "--verbose", help="Print the called node.")
 def command(
     service: str,
     words: tuple[str, ...],

@@ -1,7 +1,7 @@
 """``lcmtools service list``, ``find``, ``type``, ``args`` and ``info``."""
 
 from lcmtools.cli.bus import in_names, look, looking_names
-from lcmtools.cli.declare import argument, examples, option, subcommand
+from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
 from lcmtools.cli.output import show
 from lcmtools.errors import LcmtoolsError
@@ -13,8 +13,8 @@ from lcmtools.observe.find import OfferedService, find_service, offered_services
 @subcommand("list", all_option, json_option, looking_options)
 @examples("service list", "service list -t /husky0")
 @argument("namespace", default="", completer="bus:namespaces")
-@option("-t", "--show-types", is_flag=True, help="Show each service's type.")
-@option("-n", "--nodes", "show_nodes", is_flag=True, help="Show the nodes that offer it.")
+@flag("-t", "--show-types", help="Show each service's type.")
+@flag("-n", "--nodes", "show_nodes", help="Show the nodes that offer it.")
 def list_services(
     namespace: str, *, show_types: bool, show_nodes: bool, show_all: bool, as_json: bool
 ) -> None:

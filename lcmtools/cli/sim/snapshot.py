@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from lcmtools.cli.declare import argument, examples, option, subcommand, whole_number
+from lcmtools.cli.declare import argument, examples, flag, option, subcommand, whole_number
 from lcmtools.cli.output import talk
 from lcmtools.cli.sim.common import call, sim_options
 from lcmtools.errors import UsageError, os_errors_as
@@ -23,7 +23,7 @@ from lcmtools.types.sim_msgs import Snapshot
 )
 @option("--width", type=whole_number(1), metavar="N", default=800, help="Pixels (else 800).")
 @option("--height", type=whole_number(1), metavar="N", default=600, help="Pixels (else 600).")
-@option("--force", is_flag=True, help="Overwrite an existing file.")
+@flag("--force", help="Overwrite an existing file.")
 def command(
     file: str, *, robot: str, width: int, height: int, force: bool, name: str | None, timeout: float
 ) -> None:

@@ -1,19 +1,17 @@
 """``lcmtools spy``."""
 
-import os
 import shutil
 import sys
 
 import click
 
 from lcmtools.cli.bus import in_names, looking_names, notify, open_monitor
-from lcmtools.cli.declare import argument, duration, examples, option, subcommand
+from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.cli.spy.columns import COLUMNS, TableView
 from lcmtools.cli.spy.table import record, table
-from lcmtools.color import stream_wants_color
-from lcmtools.errors import MissingExtra, UsageError
+from lcmtools.errors import UsageError
 from lcmtools.observe.channels import ChannelSelection, plain_listeners, survey
 from lcmtools.observe.describe import all_callback_errors
 
@@ -23,7 +21,7 @@ _WAIT = 1.2  # [s] a little more than one period at 1 Hz
 @subcommand("spy", all_option, json_option, looking_options)
 @examples("spy", "spy --once", "spy --once /husky0 --sort bandwidth", "spy --once --wait 3s --json")
 @argument("topics", metavar="[TOPIC]...", nargs=-1, completer="bus:names")
-@option("--once", is_flag=True, help="Observe for a moment, print the table, and exit.")
+@flag("--once", help="Observe for a moment, print the table, and exit.")
 @option("--wait", type=duration, help="With --once: observe for this long (else 1.2 s).")
 @option(
     "--sort",
@@ -33,7 +31,7 @@ _WAIT = 1.2  # [s] a little more than one period at 1 Hz
     default="channel",
     help=f"Sort by this column: {', '.join(COLUMNS)}.",
 )
-@option("-r", "--reverse", is_flag=True, help="Reverse the order.")
+@flag("-r", "--reverse", help="Reverse the order.")
 @option(
     "--filter",
     "text",
@@ -68,7 +66,9 @@ def command(
     if not (once or as_json):
         if wait is not None:
             raise UsageError("--wait goes with --once", "leave it out for the live view")
-        return _live(selection, view)
+        from lcmtools.cli.spy.live import watch
+
+        return watch(selection, view)
     with open_monitor("spy") as monitor:
         graph, found = survey(monitor, selection, _WAIT if wait is None else wait)
         url = monitor.url
@@ -89,23 +89,3 @@ def command(
         who = ", ".join(programs)
         notify(f"{who}: also receives, but is not a node; its channels are unknown")
     return 0
-
-
-def _live(selection: ChannelSelection, view: TableView) -> int:
-    if not all(stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):
-        raise UsageError("spy needs a terminal", "--once prints the table")
-    try:
-        from lcmtools.cli.spy.live.app import show
-    except ModuleNotFoundError as error:
-        if (error.name or "").startswith("lcmtools"):
-            raise
-        raise MissingExtra(
-            f"spy needs the Python package '{error.name}', which is not installed",
-            "type: pip install textual (--once does without)",
-        ) from error
-    if not stream_wants_color(sys.stderr, os.environ):
-        os.environ["NO_COLOR"] = "1"
-    for name in ("COLUMNS", "LINES"):  # textual would take them for the terminal's size for good
-        os.environ.pop(name, None)
-    with open_monitor("spy", plays=True) as monitor:
-        return show(monitor, selection, view)

@@ -1,7 +1,7 @@
 """``lcmtools info``."""
 
 from lcmtools.cli.bus import looking_names, open_monitor
-from lcmtools.cli.declare import argument, duration, examples, option, subcommand
+from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import document, lines
 from lcmtools.observe.find import find_topic
@@ -13,7 +13,7 @@ from lcmtools.observe.topic_report import topic_record, topic_rows
 @examples("info /husky0/odometry", "info EXAMPLE /chatter --json")
 @argument("topics", nargs=-1, required=True, completer="bus:topics")
 @option("--wait", type=duration, help="Measure rates for this long (else as nodes announce them).")
-@option("-v", "--verbose", is_flag=True, help="Show fingerprints and command lines too.")
+@flag("-v", "--verbose", help="Show fingerprints and command lines too.")
 def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_json: bool) -> None:
     """Show a topic's type, publishers and subscribers: node, host and process.
 

@@ -1,22 +1,19 @@
 """``lcmtools pub``."""
 
-import math
-
-import click
+from typing import Any
 
 from lcmtools.arguments import split_arguments
 from lcmtools.cli.bus import chosen_url
-from lcmtools.cli.declare import argument, duration, examples, option, subcommand, whole_number
-from lcmtools.cli.options import bus_choice, bus_options, names_options, rate_option, times_option
+from lcmtools.cli.declare import argument, examples, subcommand
+from lcmtools.cli.options import bus_choice, bus_options, names_options
 from lcmtools.cli.output import talk
+from lcmtools.cli.topic.publishing import notify, publish_options, tell_sent
 from lcmtools.cli.words import CommandWithOnce, ends_in_one
 from lcmtools.errors import UsageError
 from lcmtools.messages.fields import fields
-from lcmtools.messages.plain import to_json
-from lcmtools.messages.registry import Message, message_class
+from lcmtools.messages.registry import message_class
 from lcmtools.publish.incoming import read_incoming
-from lcmtools.publish.publication import publish
-from lcmtools.publish.schedule import Schedule
+from lcmtools.publish.publication import check_topic, publish
 
 
 @subcommand("pub", names_options, bus_options, cls=CommandWithOnce)
@@ -30,37 +27,7 @@ from lcmtools.publish.schedule import Schedule
 @argument("topic", completer="bus:topics")
 @argument("type_", metavar="TYPE", completer="messages:types")
 @argument("values", nargs=-1, completer="messages:prototypes")
-@rate_option("Publish")
-@option("-1", "--once", is_flag=True, help="Publish one message and exit.")
-@times_option("Publish")
-@option("-l", "--latch", is_flag=True, help="Keep running; latch the last message.")
-@option("-f", "--file", type=click.Path(), help="Read a file ('-': standard input).")
-@option(
-    "-w",
-    "--wait-subscribers",
-    "--wait-matching-subscriptions",
-    "subscribers",
-    metavar="N",
-    type=whole_number(0),
-    help="Wait for N subscribers before the first message.",
-)
-@option(
-    "--timeout",
-    "--max-wait",
-    "--max-wait-time-secs",
-    type=duration,
-    help="Exit with code 4 if that takes longer.",
-)
-@option("--keep-alive", type=duration, help="Keep latching the last message for this long.")
-@option("-v", "--verbose", is_flag=True, help="Print every message to standard error.")
-@option("-s", "--substitute-keywords", is_flag=True, help="Accepted as in rostopic; always on.")
-@option(
-    "--use-rostime", "--use-sim-time", "simulated", is_flag=True, help="Take stamps from /clock."
-)
-@option("--literal", is_flag=True, help="TOPIC is the exact LCM channel.")
-@option(
-    "-n", "--name", "--node-name", metavar="NAME", help="The name of this node; as __name:=NAME."
-)
+@publish_options
 def command(
     topic: str,
     type_: str,
@@ -69,16 +36,15 @@ def command(
     rate: float | None,
     once: bool,
     times: int | None,
-    latch: bool,
     file: str | None,
     subscribers: int | None,
     timeout: float | None,
     keep_alive: float | None,
     verbose: bool,
     substitute_keywords: bool,
-    simulated: bool,
     literal: bool,
     name: str | None,
+    **others: Any,  # noqa: ANN401 - of ``publish``
 ) -> None:
     """Publish messages on a topic; VALUES are YAML or JSON, as for rostopic.
 
@@ -98,10 +64,10 @@ def command(
     del substitute_keywords  # stamps are always set on sending
     if once and (rate is not None or times is not None):
         raise UsageError(f"-{'r' if rate else 't'} and -1 exclude each other", "use one of them")
-    _check_topic(topic, literal=literal)
+    check_topic(topic, literal=literal)
     if timeout is not None and subscribers is None and (once or times):
         subscribers = 1  # as ros2
-    elif timeout is not None and subscribers is None and not simulated:
+    elif timeout is not None and subscribers is None and not others["simulated"]:
         raise UsageError("--timeout is how long to wait for subscribers", "give the number by -w N")
     flags = [*bus_choice().names.words(), *([f"--name={name}"] if name else [])]
     arguments, words = split_arguments([*flags, *values])
@@ -111,42 +77,17 @@ def command(
     publish(
         topic,
         kind,
-        read_incoming(kind, words, file, _notify),
+        read_incoming(kind, words, file, notify),
         rate=rate,
         count=1 if once else times,
-        latch=latch,
         keep_alive=keep_alive or 0.0 if once else keep_alive,
         subscribers=subscribers,
         timeout=timeout,
-        simulated=simulated,
         literal=literal,
         url=chosen_url(),
         arguments=arguments,
-        notify=_notify,
-        on_start=lambda schedule: _tell_start(schedule, rate),
-        on_sent=_tell_sent if verbose else lambda *_: None,
+        notify=notify,
+        on_start=lambda schedule: talk(schedule.notice) if schedule.notice else None,
+        on_sent=tell_sent if verbose else lambda *_: None,
+        **others,
     )
-
-
-def _check_topic(topic: str, *, literal: bool) -> None:
-    """Refuse a topic that no node could announce; naming rules are checked by the node."""
-    if not literal and not topic.strip("/ "):
-        raise UsageError("the topic's name is empty", "give one, for example /chatter")
-    if any("\ud800" <= character <= "\udfff" for character in topic):
-        raise UsageError(f"{topic!a} is not UTF-8", "nodes can name no other channel")
-
-
-def _notify(text: str) -> None:  # also from other threads, which have no click context
-    talk(f"lcmtools pub: {text}")
-
-
-def _tell_start(schedule: Schedule, rate: float | None) -> None:
-    if schedule.stay == math.inf:
-        talk("publishing and latching message. Press ctrl-C to terminate")
-    elif schedule.is_endless and not rate:
-        talk(f"publishing the one message {schedule.rate:g} times a second, until Ctrl-C")
-
-
-def _tell_sent(count: int, message: Message, is_again: bool) -> None:  # noqa: FBT001 - OnSent's signature
-    again = " again, to a new subscriber" if is_again else f": {to_json(message)}"
-    talk(f"publishing #{count}{again}")

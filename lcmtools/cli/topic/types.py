@@ -1,7 +1,7 @@
 """``lcmtools type`` and ``find``."""
 
 from lcmtools.cli.bus import look, looking_names
-from lcmtools.cli.declare import argument, examples, option, subcommand
+from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
 from lcmtools.cli.output import data, show
 from lcmtools.errors import LcmtoolsError, ValueMismatch
@@ -59,7 +59,7 @@ def _unknown(topic: Topic) -> LcmtoolsError:
 @subcommand("find", all_option, json_option, looking_options)
 @examples("find geometry_msgs/Twist", "find std_msgs.String --json")
 @argument("type_", metavar="TYPE", completer="messages:types")
-@option("-c", "--count-topics", is_flag=True, help="Print only the number of topics.")
+@flag("-c", "--count-topics", help="Print only the number of topics.")
 def find(type_: str, *, count_topics: bool, show_all: bool, as_json: bool) -> None:
     """List the topics of a type: announced by nodes, or by fingerprint for plain LCM programs.
 

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from lcmtools.cli.declare import argument, examples, option, subcommand
+from lcmtools.cli.declare import argument, examples, flag, option, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import show, talk
 from lcmtools.labs.skeletons import skeleton_text
@@ -30,7 +30,7 @@ from lcmtools.packages.finding import find_package
     help="Begin with a lab's skeleton.",
     completer="lcmtools.labs.commands.completion:skeletons",
 )
-@option("--force", is_flag=True, help="Overwrite an existing file.")
+@flag("--force", help="Overwrite an existing file.")
 def command(
     *, name: str, package: str | None, skeleton: str | None, force: bool, as_json: bool
 ) -> None:

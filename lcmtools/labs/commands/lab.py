@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from lcmtools.cli.bus import open_monitor
-from lcmtools.cli.declare import CONTEXT, argument, option, subcommand
+from lcmtools.cli.declare import CONTEXT, argument, flag, subcommand
 from lcmtools.cli.options import bus_options, json_option
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import LcmtoolsError, UsageError
@@ -76,8 +76,8 @@ def start(ctx: click.Context, name: str, arguments: tuple[str, ...]) -> int:
 
 
 @subcommand("skeleton")
-@option("-l", "--list", "show_list", is_flag=True, help="List the skeletons.")
-@option("--force", is_flag=True, help="Overwrite an existing file.")
+@flag("-l", "--list", "show_list", help="List the skeletons.")
+@flag("--force", help="Overwrite an existing file.")
 @json_option
 @argument("name", required=False, completer="lcmtools.labs.commands.completion:skeletons")
 @argument("folder", metavar="DIR", default=".", type=click.Path(path_type=Path))

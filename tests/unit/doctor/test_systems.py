@@ -168,7 +168,7 @@ def test_what_clears_of_a_finding_is_named() -> None:
     looks = iter([system(talker, one, two), system(talker, two)])
     _, changes = islice(report.watch(lambda: next(looks), RULES), 2)
     (_, cleared), (change, _) = changes
-    assert report.cleared_text(cleared) == [
+    assert report.change_text("cleared", cleared) == [
         "CLEARED The following node subscriptions are unconnected:",
         " * /one:",
         "   * /one",

@@ -1,1 +1,31 @@
 """The live view of ``lcmtools spy``: the only place that knows textual."""
+
+import os
+import sys
+
+from lcmtools.cli.bus import open_monitor
+from lcmtools.cli.spy.columns import TableView
+from lcmtools.color import stream_wants_color
+from lcmtools.errors import MissingExtra, UsageError
+from lcmtools.observe.channels import ChannelSelection
+
+
+def watch(selection: ChannelSelection, view: TableView) -> int:
+    """Show the channels until the person leaves; return the exit code."""
+    if not all(stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):
+        raise UsageError("spy needs a terminal", "--once prints the table")
+    try:
+        from lcmtools.cli.spy.live.app import show
+    except ModuleNotFoundError as error:
+        if (error.name or "").startswith("lcmtools"):
+            raise
+        raise MissingExtra(
+            f"spy needs the Python package '{error.name}', which is not installed",
+            "type: pip install textual (--once does without)",
+        ) from error
+    if not stream_wants_color(sys.stderr, os.environ):
+        os.environ["NO_COLOR"] = "1"
+    for name in ("COLUMNS", "LINES"):  # textual would take them for the terminal's size for good
+        os.environ.pop(name, None)
+    with open_monitor("spy", plays=True) as monitor:
+        return show(monitor, selection, view)

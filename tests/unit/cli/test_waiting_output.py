@@ -1,4 +1,4 @@
-"""echo: where its output goes."""
+"""Output that may wait for more, and output that may not."""
 
 import io
 import os
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from lcmtools.cli.topic.echo import _may_wait
+from lcmtools.cli.output import may_wait
 
 
 def test_messages_wait_for_each_other_on_the_way_to_a_file_and_not_to_a_program(
@@ -17,5 +17,5 @@ def test_messages_wait_for_each_other_on_the_way_to_a_file_and_not_to_a_program(
     with (tmp_path / "out").open("w") as file, ends[0], ends[1] as pipe:
         for stream, may in ((file, True), (pipe, False), (io.StringIO(), False)):
             monkeypatch.setattr(sys, "stdout", stream)
-            assert _may_wait() is may
+            assert may_wait() is may
             monkeypatch.undo()
