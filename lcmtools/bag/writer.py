@@ -15,9 +15,7 @@ from lcmtools.wire.log import encode_event
 from lcmtools.wire.log_index import Block, RecordedNode, RecordedSender, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 
-_BLOCK_BYTES = 8 << 20  # a block of the index ends behind so many bytes ...
 _MOST_AT_ONCE = os.sysconf("SC_IOV_MAX")  # parts that a system call writes
-_BLOCK_TIME = 10_000_000_000  # ... or so many nanoseconds of the log
 
 
 class LogWriter(AbstractContextManager["LogWriter"]):
@@ -65,7 +63,7 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         self._waiting.append(event)
         self.messages += 1
         self.size += len(event)
-        self._block.add(packet.channel, packet.time, len(packet.payload), sender)
+        self._block.add(packet, sender)
 
     def sender_number(self, sender: Sender | None, name: str) -> int:
         """Return the number of a sender in this log."""
@@ -86,8 +84,8 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         """Keep an announcement of a node in the index."""
         self._lines.append(log_index.node_line(node))
 
-    def set_losses(self, losses: Mapping[int, int]) -> None:
-        """Keep the losses until now, by the sender's number."""
+    def set_losses(self, losses: Mapping[int, tuple[int, int]]) -> None:
+        """Keep the messages lost until now, and those sent, by the sender's number."""
         self._lines.append(log_index.losses_line(losses))
 
     def flush(self) -> None:
@@ -97,11 +95,7 @@ class LogWriter(AbstractContextManager["LogWriter"]):
             LcmtoolsError: The disk is full, for example; the log ends with its last whole event.
         """
         self._write_events()
-        block = self._block
-        if block.channels and (
-            self.size - block.start >= _BLOCK_BYTES
-            or block.last_time - block.first_time >= _BLOCK_TIME
-        ):
+        if self._block.is_full(self.size):
             self._end_block()
         self._write_lines()
 

@@ -28,7 +28,6 @@ from lcmtools.doctor.rules import pace, traffic
 from lcmtools.errors import BusError, UsageError
 from lcmtools.graph.model import Graph, Node, Role, Staleness
 from lcmtools.graph.protocol import PERIOD
-from lcmtools.observe.losses import losses
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.senders import SocketTable, is_here, user_name
 from lcmtools.wire.packet import Sender
@@ -205,7 +204,7 @@ def _senders(monitor: BusMonitor, names: programs.ProgramNames) -> tuple[SenderF
     tap = monitor.tap
     if tap is None:
         return ()
-    facts, lost = [], losses(monitor.numbered)
+    facts, lost = [], monitor.losses()
     for sender, sequence in tap.sequences.items():
         if sender.port == tap.port:
             continue

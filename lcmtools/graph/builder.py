@@ -39,9 +39,13 @@ class _Count:
 
 
 class GraphBuilder:
-    """Learns the graph from the packets of a bus; the node with the id ``but`` is left out."""
+    """Learns the graph from the packets of a bus; the node with the id ``but`` is left out.
 
-    def __init__(self, but: str = "") -> None:
+    Of a log every node is kept, those that left too: they have sent what is in it.
+    """
+
+    def __init__(self, but: str = "", *, is_log: bool = False) -> None:
+        self._is_log = is_log
         self._nodes: dict[str, Node] = {}
         self._recorded: dict[str, Node] = {}
         self._left = {but}
@@ -103,7 +107,9 @@ class GraphBuilder:
 
     def snapshot(self, now: int) -> Graph:
         """Return the graph at the time ``now`` (nanoseconds since 1970)."""
-        announced = [_aged(node, now) for node in self._nodes.values()]
+        announced = [
+            node if node.is_recorded else _aged(node, now) for node in self._nodes.values()
+        ]
         silent = [
             replace(node, stale=node.stale or Staleness.UNANSWERED)
             for identifier, node in self._recorded.items()
@@ -114,7 +120,10 @@ class GraphBuilder:
 
     def _announced(self, announcement: Announcement, packet: Packet) -> None:
         node = announcement.node
-        if announcement.leaving:
+        if self._is_log:
+            stale = Staleness.LEFT if announcement.leaving else Staleness.NOT
+            node = replace(node, is_recorded=True, stale=stale)
+        elif announcement.leaving:
             self.forget(node.id)
             self._left.add(node.id)
         if node.id in self._left:

@@ -31,6 +31,7 @@ class Staleness(str, Enum):
     UNANSWERED = "does not answer"
     HANGS = "runs but does not answer"
     ENDED = "ended without saying goodbye"
+    LEFT = "ended before the end of the log"
 
     __str__ = str.__str__
 
@@ -110,6 +111,7 @@ class Node:
     # Shortest time from the sending of an announcement to its arrival, by the two computers'
     # clocks [ns]: negative if its clock is ahead; None if unknown.
     lag: int | None = None
+    is_recorded: bool = False  # of a log: its process number means nothing on this computer
 
     def having(self, role: Role) -> tuple[Endpoint, ...]:
         """Return the endpoints of one role, sorted by topic."""
@@ -122,7 +124,8 @@ class Node:
         if self.sender is None:
             return frozenset()
         address = self.sender.address
-        return frozenset({self.sender, *(Sender(address, port) for port in self.ports)})
+        name = self.sender.name
+        return frozenset({self.sender, *(Sender(address, port, name) for port in self.ports)})
 
     def time_there(self, now: int) -> int:
         """Return the time of the node's computer, which its counters use, at the time ``now`` here.

@@ -125,7 +125,7 @@ class Registry:
 
     def _type(self, name: str, number: int | None) -> tuple[TypeSource, str]:
         """The source of a type, and its full name."""
-        problem = None
+        problem = other = None
         for sources in self._tiers():
             found = find(name, {one for source in sources for one in source.fingerprints}, "type")
             problem = _problem(found or full_name(name), sources)
@@ -134,17 +134,23 @@ class Registry:
                 having = [one for one in having if one not in self._fixed and one.files]
             if found and having:
                 same = (one for one in having if one.fingerprints[found] == number)
-                return next(same, having[0]), found
+                if (one := next(same, None)) or number is None:
+                    return one or having[0], found
+                other = other or (having[0], found)
+        if other:
+            return other
         if problem:
             raise problem.error()
         raise UnknownType(f"unknown type '{name}'", self._type_hint(name))
 
     def _tiers(self) -> Iterator[list[TypeSource]]:
-        """The sources that cost nothing to look into; then all, where those do not do."""
+        """The sources that cost nothing to look into; then more, where those do not do."""
         near = self._supply.near() if self._supply else None
         yield (usual := [*([near] if near else []), *self._fixed])
         far = self._supply.far() if self._supply else None
-        yield [*usual, *([far] if far else [])]
+        yield (usual := [*usual, *([far] if far else [])])
+        if recorded := self._supply and self._supply.recorded():
+            yield [*usual, *recorded]
 
     def _all(self) -> list[TypeSource]:
         return list(self._tiers())[-1]

@@ -1,6 +1,6 @@
 """The supply of users' own types, which the edge of the program sets."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:  # imported with the first look-up
@@ -15,6 +15,9 @@ class Supply(Protocol):
 
     def far(self) -> "TypeSource | None":
         """Types for names that are not known otherwise."""
+
+    def recorded(self) -> "Sequence[TypeSource]":
+        """The types that each log has, for what is in it and not known otherwise."""
 
 
 _make: Callable[[], Supply] | None = None

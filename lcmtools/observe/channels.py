@@ -11,7 +11,7 @@ from lcmtools.messages.registry import candidates
 from lcmtools.names import Pattern, is_hidden
 from lcmtools.observe.activity import SILENT_AFTER, Activity, Flow
 from lcmtools.observe.describe import listed_node
-from lcmtools.observe.losses import Losses, losses, total
+from lcmtools.observe.losses import Losses, total
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.senders import SenderNames, process_name, programs
 
@@ -129,7 +129,7 @@ def survey(
     monitor.listen_to(rows.published(monitor.discover()))
     activity = Activity()
     graph = monitor.settle(wait=wait, count=activity.add)
-    return graph, rows.make(graph, activity, losses(monitor.numbered), graph.time)
+    return graph, rows.make(graph, activity, monitor.losses(), graph.time)
 
 
 def plain_listeners(graph: Graph, url: BusUrl) -> list[str]:

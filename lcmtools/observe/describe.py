@@ -87,6 +87,8 @@ def program_text(traffic: Traffic) -> str:
     sender = traffic.sender
     if sender is None:
         return "a plain LCM program (this kind of bus does not identify senders)"
+    if sender.name:
+        return f"{sender.name} (when it was recorded)"
     if not is_local(sender.address):
         return f"a program on {sender.address}, port {sender.port}"
     found = SocketTable.read({sender.port}).processes(sender)

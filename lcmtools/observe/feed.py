@@ -11,7 +11,7 @@ from lcmtools.errors import BusError, LcmtoolsError
 from lcmtools.observe.activity import Activity
 from lcmtools.observe.channels import ChannelRow, ChannelRows, ChannelSelection, plain_listeners
 from lcmtools.observe.describe import all_callback_errors
-from lcmtools.observe.losses import Losses, losses
+from lcmtools.observe.losses import Losses
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.senders import SenderNames
 from lcmtools.wire.packet import Packet
@@ -135,7 +135,7 @@ class Feed:
                 self.latest = replace(self._snapshot(), trouble=trouble)
                 self._count += 1
                 if self._count == _FIRST:
-                    self._before = losses(self._monitor.numbered)
+                    self._before = self._monitor.losses()
                 next_snapshot = now + (PERIOD if self._count > _FIRST else _SOON)
 
     def _receive(self) -> str:
@@ -148,7 +148,7 @@ class Feed:
         if self._clears.is_set():
             self._clears.clear()
             self._activity.clear()
-            self._before = losses(self._monitor.numbered)
+            self._before = self._monitor.losses()
         for packet in packets:
             self._activity.add(packet)
             for take in self._takers:
@@ -157,7 +157,7 @@ class Feed:
 
     def _snapshot(self) -> Snapshot:
         graph = self._monitor.graph()
-        lost = losses(self._monitor.numbered, self._before) if self._count >= _FIRST else {}
+        lost = self._monitor.losses(self._before) if self._count >= _FIRST else {}
         rows = self._rows.make(graph, self._activity, lost, graph.time)
         channels = self._rows.published(graph)
         if channels != self._subscribed:

@@ -1,15 +1,33 @@
-"""A log file with the index beside it: its messages, their senders, its times."""
+"""A log file with the index beside it: its messages, their senders, what the index knows."""
 
 import mmap
+import stat
 from bisect import bisect_right
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
 from pathlib import Path
 
 from lcmtools.errors import BusError
+from lcmtools.graph.protocol import NODE_CHANNEL
+from lcmtools.observe.losses import Loss
 from lcmtools.wire.log import SYNC, Event, events
 from lcmtools.wire.log_index import SUFFIX, Block, LogIndex, parse_index
 from lcmtools.wire.packet import Packet, Sender
+
+_MOST_CHECKED = 100  # blocks of an index, whether they are of the log beside it
+_FOREIGN = {
+    b"\x89MCAP0\r\n": "an MCAP file",
+    b"#ROSBAG V": "a ROS bag",
+    b"SQLite format 3\0": "a database of SQLite, as ROS 2 bags are",
+    b"\x89PNG\r\n": "a PNG image",
+    b"\xff\xd8\xff": "a JPEG image",
+    b"%PDF": "a PDF document",
+    b"\x7fELF": "a program",
+    b"PK\x03\x04": "a ZIP archive",
+    b"\x1f\x8b": "a file compressed by gzip",
+    b'{"index":': "the index of a log, and not the log",
+}
+_BAGS = ("MCAP", "ROS")
 
 
 class LogFile(AbstractContextManager["LogFile"]):
@@ -19,9 +37,10 @@ class LogFile(AbstractContextManager["LogFile"]):
         path: The file.
         data: Its bytes.
         index: What the index beside it says; an empty one where there is none that fits.
+        senders: The senders by their numbers in the index, with their names.
 
     Raises:
-        BusError: The file cannot be read.
+        BusError: The file cannot be read, or is no log.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -31,6 +50,11 @@ class LogFile(AbstractContextManager["LogFile"]):
         except OSError as error:
             raise BusError(f"cannot read the log '{path}': {error.strerror}") from error
         self.index = _fitting(_read_index(self.path), self.data)
+        self.senders = {
+            number: one.sender._replace(name=one.name)
+            for number, one in self.index.senders.items()
+            if one.sender
+        }
 
     def __exit__(self, *_: object) -> None:
         """Close the file."""
@@ -40,6 +64,11 @@ class LogFile(AbstractContextManager["LogFile"]):
         """Close the file."""
         if isinstance(self.data, mmap.mmap):
             self.data.close()
+
+    @property
+    def size(self) -> int:
+        """Bytes of the log."""
+        return len(self.data)
 
     def events(self, start: int = 0, end: int | None = None) -> Iterator[Event]:
         """Yield the places of the events that begin within some bytes, as they lie there."""
@@ -53,6 +82,31 @@ class LogFile(AbstractContextManager["LogFile"]):
         for event in self.events(max(start, self.index.end)):
             yield event.packet(self.data)
 
+    def blocks(self) -> Iterator[Block]:
+        """Yield the blocks of the index, and those that are found behind them in the log."""
+        yield from self.index.blocks
+        block = Block(self.index.end)
+        for event in self.events(self.index.end):
+            if block.is_full(event.start):
+                yield block
+                block = Block(event.start)
+            if not block.channels:
+                block.start = event.start
+            block.add(event.head(self.data))
+            block.end = event.end
+        if block.channels:
+            yield block
+
+    def announcements(self) -> Iterator[Packet]:
+        """Yield the announcements of nodes that the index has."""
+        for node in self.index.nodes:
+            yield Packet(NODE_CHANNEL, node.payload, node.time, self.senders.get(node.sender))
+
+    def losses(self) -> dict[Sender, Loss]:
+        """Return the loss of each sender, as the recorder saw it."""
+        found = self.index.losses.items()
+        return {self.senders[one]: Loss(*loss) for one, loss in found if one in self.senders}
+
     def offset_at(self, time: int) -> int:
         """Return a byte before which no event is of ``time`` [ns] or later, by the index."""
         latest, last_times = 0, []
@@ -65,25 +119,38 @@ class LogFile(AbstractContextManager["LogFile"]):
 
     def _of_block(self, block: Block, start: int) -> Iterator[Packet]:
         counts = block.channels.items()
-        senders = {name: _in_order(self.index, count.senders) for name, count in counts}
+        senders = {name: self._in_order(count.senders) for name, count in counts}
         for event in self.events(block.start, block.end):
             sender = next(senders.get(event.channel, iter(())), None)
             if event.start >= start:
                 yield event.packet(self.data)._replace(sender=sender)
 
-
-def _in_order(index: LogIndex, runs: list[list[int]]) -> Iterator[Sender | None]:
-    for number, messages in runs:
-        known = index.senders.get(number)
-        for _ in range(messages):
-            yield known.sender if known else None
+    def _in_order(self, runs: list[list[int]]) -> Iterator[Sender | None]:
+        for number, messages in runs:
+            sender = self.senders.get(number)
+            for _ in range(messages):
+                yield sender
 
 
 def _mapped(path: Path) -> "bytes | mmap.mmap":
-    if path.stat().st_size == 0:  # it cannot be mapped
-        return b""
+    mode = path.stat().st_mode
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):  # a pipe may never end
+        raise BusError(f"{path} is not a file", "a log is read from a file")
     with path.open("rb") as file:
+        if path.stat().st_size == 0:  # it cannot be mapped
+            return b""
+        head = file.read(max(map(len, _FOREIGN)))
+        if not head.startswith(SYNC):
+            _refuse_foreign(path, head)
         return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+
+
+def _refuse_foreign(path: Path, head: bytes) -> None:
+    for magic, name in _FOREIGN.items():
+        if head.startswith(magic):
+            is_bag = any(word in name for word in _BAGS)
+            hint = f"lcmtools bag import {path} makes a log of it" if is_bag else ""
+            raise BusError(f"{path} is no LCM log but {name}", hint)
 
 
 def index_path(log: Path) -> Path:
@@ -102,10 +169,11 @@ def _read_index(log: Path) -> LogIndex | None:
 def _fitting(index: LogIndex | None, data: "bytes | mmap.mmap") -> LogIndex:
     """Return the index if it is of these bytes, else an empty one.
 
-    Each block must begin with an event: an index of another file, or of this one before it was
+    Blocks must begin with an event: an index of another file, or of this one before it was
     written again, says nothing.
     """
     if index is None or index.end > len(data) or index.size not in (None, len(data)):
         return LogIndex()
-    is_of_these = all(data[block.start : block.start + len(SYNC)] == SYNC for block in index.blocks)
+    checked = index.blocks[:: len(index.blocks) // _MOST_CHECKED + 1]
+    is_of_these = all(data[block.start : block.start + len(SYNC)] == SYNC for block in checked)
     return index if is_of_these else LogIndex()

@@ -42,7 +42,7 @@ Losses = Mapping[Sender, Loss]
 
 
 def losses(numbers: Mapping[Sender, Sequence], since: Losses | None = None) -> dict[Sender, Loss]:
-    """Return the loss of each sender (see ``BusMonitor.numbered``), since an earlier count."""
+    """Return the loss of each sender (see ``Tap.numbered``), since an earlier count."""
     return {
         sender: Loss(found.lost, found.lost + found.messages) - (since or {}).get(sender, Loss())
         for sender, found in numbers.items()

@@ -20,7 +20,7 @@ from lcmtools.observe.arrivals import PATIENCE, ArrivalStream, Batch, SelectedPa
 from lcmtools.observe.counters import Counters
 from lcmtools.observe.decoding import Decoder, UnknownFingerprint
 from lcmtools.observe.find import GLOBAL, find_topic, known_spelling
-from lcmtools.observe.losses import losses, total
+from lcmtools.observe.losses import total
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.rates import Window
 from lcmtools.observe.selection import OneTopic
@@ -250,7 +250,7 @@ def lossy_senders(
     monitor: BusMonitor, topics: Sequence[str], names: Resolver = GLOBAL
 ) -> Iterator[str]:
     """Return a sentence for each sender of the topics of which messages did not arrive."""
-    graph, known = monitor.graph(), losses(monitor.numbered)
+    graph, known = monitor.graph(), monitor.losses()
     for spelling in (spelling for topic in topics for spelling in names.spellings(topic)):
         for seen in graph.topic(spelling).traffic:
             loss = total([seen.sender], known)
@@ -281,7 +281,7 @@ def counted(
         return graph, Counters(graph, graph)
     ends = [end for topic in topics for _, end in (*topic.publishers, *topic.subscribers)]
     if wait is None and all(end.rate for end in ends) and not any(t.foreign for t in topics):
-        return graph, Counters(graph, graph, losses(monitor.numbered))
+        return graph, Counters(graph, graph, monitor.losses())
     channels = [topic.name for topic in topics]
     # some publish only what somebody listens to: the first messages may be a moment away
     came = _listen(monitor, channels, _AWAKENING, 1)
@@ -291,7 +291,7 @@ def counted(
     elif came:
         _listen(monitor, channels, _LONGEST, _ENOUGH)
     after = monitor.settle(foreign=False)
-    return after, Counters(before, after, losses(monitor.numbered))
+    return after, Counters(before, after, monitor.losses())
 
 
 def _listen(monitor: BusMonitor, channels: Sequence[str], longest: float, enough: float) -> bool:

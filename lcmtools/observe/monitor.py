@@ -35,10 +35,12 @@ from lcmtools.graph.protocol import (
     encode_probe,
     encode_shutdown,
 )
+from lcmtools.observe.log_file import LogFile
+from lcmtools.observe.losses import Losses, losses
 from lcmtools.observe.senders import is_here
-from lcmtools.observe.sources import Observer, open_observer
-from lcmtools.wire.packet import Packet, Sender
-from lcmtools.wire.sequence import Sequence as Numbers
+from lcmtools.observe.sources import LogObserver, Observer, open_observer
+from lcmtools.packages import provide_recorded_types
+from lcmtools.wire.packet import Packet
 
 QUIET = 0.03
 """The graph counts as complete when no node has appeared for so long [s]."""
@@ -93,8 +95,10 @@ class BusMonitor:
         self._last_time = 0
         self._records = NodeRecords(url, environment)
         self._node = _tool_node(tool)
-        self._builder = GraphBuilder(but=self._node.id)
+        self._builder = GraphBuilder(but=self._node.id, is_log=self.is_log)
         self._next_announcement = 0.0
+        if self.log:
+            self._learn_from(self.log)
 
     def __enter__(self) -> "BusMonitor":
         """Use the monitor as a context manager."""
@@ -219,9 +223,15 @@ class BusMonitor:
         return self._observer if isinstance(self._observer, Tap) else None
 
     @property
-    def numbered(self) -> Mapping[Sender, Numbers]:
-        """The sequence numbers of the senders; empty where the bus has none."""
-        return self.tap.numbered if self.tap else {}
+    def log(self) -> LogFile | None:
+        """The log that is read at once; None where the source is a bus."""
+        return self._observer.file if isinstance(self._observer, LogObserver) else None
+
+    def losses(self, since: Losses | None = None) -> Losses:
+        """Return the loss of each sender, since an earlier count; empty where none is known."""
+        if self.log:
+            return self.log.losses()
+        return losses(self.tap.numbered, since) if self.tap else {}
 
     def types_of(self, channel: str) -> tuple[str, ...]:
         """Return the types that nodes announce for a channel."""
@@ -231,6 +241,12 @@ class BusMonitor:
         """Drop a stale node and its record."""
         self._builder.forget(node.id)
         self._records.remove(node.id)
+
+    def _learn_from(self, log: LogFile) -> None:
+        """Learn the nodes and the types that a log knows."""
+        for packet in log.announcements():
+            self._builder.add(packet)
+        provide_recorded_types(log.index.types.values())
 
     def _note_outage(self, text: str, trouble: str) -> None:
         self.trouble = trouble

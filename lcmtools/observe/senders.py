@@ -52,7 +52,7 @@ class SocketTable(NamedTuple):
 
     def sockets(self, sender: Sender) -> list[UdpSocket]:
         """Return the sockets that a sender may be; none for a sender on another computer."""
-        if not is_local(sender.address):
+        if sender.name or not is_local(sender.address):
             return []
         return [row for row in self.rows.values() if row.port == sender.port]
 
@@ -90,7 +90,7 @@ class SenderNames:
         now = self._now()
         new = {sender for sender in senders if sender and self._is_unknown(sender, now)}
         self._next_look.update(dict.fromkeys(new, now + _RETRY))
-        local = [sender for sender in new if is_local(sender.address)]
+        local = [sender for sender in new if is_local(sender.address) and not sender.name]
         table = self._read({sender.port for sender in local}) if local else SocketTable({}, {})
         found = {sender: table.processes(sender).only for sender in local}
         self._processes.update({sender: process for sender, process in found.items() if process})
@@ -176,14 +176,16 @@ def programs(graph: Graph, url: BusUrl) -> list[Program]:
 
 
 def is_here(node: Node) -> bool:
-    """Return whether a node runs on this computer."""
+    """Return whether a node runs on this computer; one of a log runs nowhere now."""
+    if node.is_recorded:
+        return False
     if node.sender is not None and not is_local(node.sender.address):
         return False
     return node.host == socket.gethostname()
 
 
 def _key(sender: Sender | None, table: SocketTable) -> _Key:
-    if sender is None or not is_local(sender.address):
+    if sender is None or sender.name or not is_local(sender.address):
         return None, None, str(sender or "")
     process = table.processes(sender).only
     users = {row.uid for row in table.sockets(sender)}

@@ -53,14 +53,18 @@ class Observer(Protocol):
 
 
 class LogObserver:
-    """The messages of a log file, as fast as they are read, with the times of the recording."""
+    """The messages of a log file, as fast as they are read, with the times of the recording.
+
+    Attributes:
+        file: The log, whose index may know nodes, types and losses.
+    """
 
     port = 0
     is_live, is_log = False, True
 
     def __init__(self, path: str) -> None:
-        self._file = LogFile(path)
-        self._packets = self._file.packets()
+        self.file = LogFile(path)
+        self._packets = self.file.packets()
 
     def receive(self, timeout: float) -> list[Packet]:  # noqa: ARG002 - a log never waits
         """Return the next messages; raises BusError where the file cannot be read."""
@@ -75,7 +79,7 @@ class LogObserver:
     def close(self) -> None:
         """Close the file."""
         self._packets = iter(())
-        self._file.close()
+        self.file.close()
 
 
 def open_observer(

@@ -7,6 +7,7 @@ comes in as an argument.
 
 import os
 import sys
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +16,7 @@ from lcmtools.messages.supply import Supply, has_supply, set_supply
 
 if TYPE_CHECKING:  # imported with the first look-up
     from lcmtools.messages.registry import Message
+    from lcmtools.wire.log_index import RecordedType
 
 
 def provide_user_types() -> None:
@@ -36,6 +38,15 @@ def provide_user_types() -> None:
         return UserTypes(environment, starts, shipped_types().fingerprints)
 
     set_supply(make)
+
+
+def provide_recorded_types(types: "Iterable[RecordedType]") -> None:
+    """Let look-ups find the types of a log, for messages that no other known type fits."""
+    if not (types := list(types)):
+        return
+    from lcmtools.packages.user_types import user_types
+
+    user_types().add_recorded(types)
 
 
 def message_class(name: str, number: int | None = None) -> "type[Message]":

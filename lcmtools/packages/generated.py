@@ -167,7 +167,11 @@ def _not_python(file: Path, name: str, error: Exception) -> Problem:
 def _line_of(file: Path, *words: str) -> int:
     """The first line that has one of the words, 0 for none."""
     comment = "#" if file.suffix in SUFFIXES else "//"
-    lines = [line.partition(comment)[0] for line in file.read_text("utf-8", "replace").splitlines()]
+    try:
+        text = file.read_text("utf-8", "replace")
+    except OSError:  # of a log, whose types have no files here
+        return 0
+    lines = [line.partition(comment)[0] for line in text.splitlines()]
     for word in words:
         alone = rf"(?<![\w.]){re.escape(word)}(?![\w.])"
         for pattern in (rf"{alone}\s+\w+\s*[\[;]", alone):  # the type of a field, or any

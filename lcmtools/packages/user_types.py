@@ -29,12 +29,14 @@ from lcmtools.messages.type_source import TypeSource
 from lcmtools.names import did_you_mean
 from lcmtools.packages import provide_user_types
 from lcmtools.packages.type_files import (
+    LcmFile,
     installed_folders,
     read_folders,
     shipped_folder,
     variable_folders,
 )
 from lcmtools.packages.workspace import type_folders
+from lcmtools.wire.log_index import RecordedType
 
 _NEAR_AGAIN = 1.0
 _FAR_AGAIN = 10.0
@@ -73,6 +75,7 @@ class UserTypes:
         self._clock = clock
         self._near = _Found()
         self._far = _Found()
+        self._recorded: dict[tuple[LcmFile, ...], TypeSource | None] = {}  # by log
 
     def near(self) -> TypeSource | None:
         """The types of LCMTOOLS_TYPE_PATH and of the workspace; None where there is none."""
@@ -81,6 +84,20 @@ class UserTypes:
     def far(self) -> TypeSource | None:
         """These and the types of installed packages."""
         return self._current(self._far, _FAR_AGAIN, self.far_folders)
+
+    def recorded(self) -> list[TypeSource]:
+        """The types of each log; their files are not there, so that none is named."""
+        for files, source in self._recorded.items():
+            if source is None:
+                from lcmtools.packages.cache import cached_types
+
+                found = cached_types(files, self._environment, self._shipped)
+                self._recorded[files] = TypeSource(found.prefix, found.fingerprints)
+        return [source for source in self._recorded.values() if source]
+
+    def add_recorded(self, types: Iterable[RecordedType]) -> None:
+        """Add the types that a log has."""
+        self._recorded.setdefault(tuple(dict.fromkeys(map(_recorded_file, types))))
 
     def compiled(self, folders: Sequence[Path]) -> TypeSource:
         """The types of some folders, and of others that theirs may be made of, compiled now."""
@@ -115,6 +132,12 @@ class UserTypes:
 
         source = cached_types(files, self._environment, self._shipped)
         return replace(source, problems=[*problems, *source.problems])
+
+
+def _recorded_file(one: RecordedType) -> LcmFile:
+    path = Path(one.path)
+    package = one.name.rpartition("/")[0] if path.suffix != ".lcm" else ""
+    return LcmFile(path, one.source.encode(), package)
 
 
 def user_types() -> UserTypes:

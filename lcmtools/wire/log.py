@@ -19,6 +19,7 @@ SYNC = bytes.fromhex("eda1da01")
 HEAD_BYTES = 28
 """Bytes of an event before its channel's name."""
 
+_MOST_AT_ONCE = 64 << 20  # bytes
 _HEAD = struct.Struct(">4sqqII")
 
 
@@ -40,6 +41,12 @@ class Event(NamedTuple):
         """Return the event's message, given the log that it is in."""
         return Packet(self.channel, log[self.payload_start : self.end], self.time)
 
+    def head(self, log: "bytes | mmap.mmap") -> Packet:
+        """Return the same with the fingerprint alone of its payload."""
+        start = self.payload_start
+        payload = log[start : min(start + 8, self.end)]
+        return Packet(self.channel, payload, self.time, whole_bytes=self.end - start)
+
 
 def events(log: "bytes | mmap.mmap", start: int = 0, end: int | None = None) -> Iterator[Event]:
     """Yield the places of the events of a log that begin within some bytes; skip damaged ones.
@@ -48,13 +55,13 @@ def events(log: "bytes | mmap.mmap", start: int = 0, end: int | None = None) -> 
     """
     last = (len(log) if end is None else min(end, len(log))) - HEAD_BYTES
     names: dict[bytes, str] = {}
-    start = log.find(SYNC, start)
+    start = _next_sync(log, start)
     while 0 <= start <= last:
         _, _, time, channel_size, payload_size = _HEAD.unpack_from(log, start)
         payload_start = start + HEAD_BYTES + channel_size
         stop = payload_start + payload_size
         if stop != len(log) and log[stop : stop + len(SYNC)] != SYNC:
-            start = log.find(SYNC, start + 1)
+            start = _next_sync(log, start + 1)
             continue
         spelled = log[start + HEAD_BYTES : payload_start]
         channel = names.get(spelled)
@@ -62,6 +69,17 @@ def events(log: "bytes | mmap.mmap", start: int = 0, end: int | None = None) -> 
             channel = names[spelled] = spelled.decode("utf-8", "surrogateescape")
         yield Event(start, payload_start, stop, channel, time * 1000)
         start = stop
+
+
+def _next_sync(log: "bytes | mmap.mmap", start: int) -> int:
+    """The place of the next sync word; -1 for none. Looks a while at a time, for Ctrl-C."""
+    while start < len(log):
+        stop = start + _MOST_AT_ONCE
+        found = log.find(SYNC, start, stop + len(SYNC) - 1)
+        if found >= 0:
+            return found
+        start = stop
+    return -1
 
 
 def packets(log: "bytes | mmap.mmap") -> Iterator[Packet]:

@@ -9,8 +9,9 @@ events behind its last block are found by reading the log from there. Lines, by 
     type       a message type: its name, its fingerprint, and its .lcm file's path and text
     node       an announcement of a node, as it was sent, with its time and sender
     block      events one after another: where they begin and end, their times, and for each
-               channel the number of messages and bytes, and the senders in order
-    losses     messages lost until then, by the sender's number
+               channel the number of messages and bytes, the senders in order, the times of the
+               first and the last message and the longest gap, and the first one's fingerprint
+    losses     messages lost until then, and those sent, by the sender's number
     end        the log was closed, and has so many bytes
 """
 
@@ -21,31 +22,44 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
-from lcmtools.wire.packet import Sender
+from lcmtools.wire.packet import Packet, Sender
 
 VERSION = 1
 SUFFIX = ".index"
 """The index of ``ride.lcmlog`` is ``ride.lcmlog.index``."""
 
 
+_BLOCK_BYTES = 8 << 20  # a block ends behind so many bytes ...
+_BLOCK_TIME = 10_000_000_000  # ... or so many nanoseconds of the log
+
+
 @dataclass(slots=True)
 class ChannelCount:
-    """The messages of a channel within some bytes of a log."""
+    """The messages of a channel within some bytes of a log; times are nanoseconds since 1970."""
 
     messages: int = 0
     bytes: int = 0  # of payloads
     # The senders' numbers in order, each with the number of its messages one after another; -1
     # for a sender that is not known.
     senders: list[list[int]] = field(default_factory=list)
+    first_time: int = 0  # the earliest
+    last_time: int = 0  # the latest
+    longest_gap: int = 0  # without a message, between the first and the last [ns]
+    fingerprint: int | None = None  # of the first message; None where it has none
 
-    def add(self, size: int, sender: int = -1) -> None:
-        """Count one message more."""
+    def add(self, time: int, size: int, sender: int = -1) -> None:
+        """Count a message more, which is not the first."""
         self.messages += 1
         self.bytes += size
-        if self.senders and self.senders[-1][0] == sender:
+        if self.senders[-1][0] == sender:
             self.senders[-1][1] += 1
         else:
             self.senders.append([sender, 1])
+        if time > self.last_time:
+            self.longest_gap = max(self.longest_gap, time - self.last_time)
+            self.last_time = time
+        elif time < self.first_time:
+            self.first_time = time
 
 
 @dataclass(slots=True)
@@ -58,18 +72,27 @@ class Block:
     last_time: int = 0  # the latest
     channels: dict[str, ChannelCount] = field(default_factory=dict)
 
-    def add(self, channel: str, time: int, size: int, sender: int = -1) -> None:
-        """Count one event more; ``size`` is its payload's."""
+    def add(self, packet: Packet, sender: int = -1) -> None:
+        """Count an event more; of its payload the head is enough (``Packet.whole_bytes``)."""
+        time = packet.time
         if not self.channels:
             self.first_time = self.last_time = time
         elif time > self.last_time:
             self.last_time = time
         elif time < self.first_time:
             self.first_time = time
-        count = self.channels.get(channel)
-        if count is None:
-            count = self.channels[channel] = ChannelCount()
-        count.add(size, sender)
+        count = self.channels.get(packet.channel)
+        if count is not None:
+            count.add(time, packet.size, sender)
+            return
+        self.channels[packet.channel] = ChannelCount(
+            1, packet.size, [[sender, 1]], time, time, fingerprint=packet.fingerprint
+        )
+
+    def is_full(self, end: int) -> bool:
+        """Return whether a block of these events, up to this byte, is long enough."""
+        is_long = self.last_time - self.first_time >= _BLOCK_TIME
+        return bool(self.channels) and (is_long or end - self.start >= _BLOCK_BYTES)
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +130,8 @@ class LogIndex:
     senders: dict[int, RecordedSender] = field(default_factory=dict)
     types: dict[str, RecordedType] = field(default_factory=dict)
     nodes: list[RecordedNode] = field(default_factory=list)
-    losses: dict[int, int] = field(default_factory=dict)  # messages, by the sender's number
+    # Messages lost, and those sent, by the sender's number.
+    losses: dict[int, tuple[int, int]] = field(default_factory=dict)
     size: int | None = None  # of the closed log, in bytes; None for one that was not closed
 
     @property
@@ -139,11 +163,18 @@ def node_line(node: RecordedNode) -> str:
 
 def block_line(block: Block) -> str:
     """Return the line of a block."""
-    counts = {name: [c.messages, c.bytes, c.senders] for name, c in block.channels.items()}
-    return _line("block", [block.start, block.end, block.first_time, block.last_time, counts])
+    start = block.first_time
+    counts = {
+        name: [
+            *(one.messages, one.bytes, one.senders),
+            *(one.first_time - start, one.last_time - start, one.longest_gap, one.fingerprint),
+        ]
+        for name, one in block.channels.items()
+    }
+    return _line("block", [block.start, block.end, start, block.last_time, counts])
 
 
-def losses_line(losses: Mapping[int, int]) -> str:
+def losses_line(losses: Mapping[int, tuple[int, int]]) -> str:
     """Return the line of the losses until now."""
     return _line("losses", {str(number): lost for number, lost in losses.items()})
 
@@ -189,7 +220,7 @@ def _take(index: LogIndex, key: str, value: Any) -> None:  # noqa: ANN401 - as J
         time, number, text = value
         index.nodes.append(RecordedNode(int(time), int(number), b64decode(text)))
     elif key == "losses":
-        index.losses = {int(number): int(lost) for number, lost in value.items()}
+        index.losses = {int(number): (int(a), int(b)) for number, (a, b) in value.items()}
     elif key == "end":
         index.size = int(value)
 
@@ -197,9 +228,13 @@ def _take(index: LogIndex, key: str, value: Any) -> None:  # noqa: ANN401 - as J
 def _block(value: Sequence[Any]) -> Block:
     start, end, first, last, counts = value
     channels = {
-        str(name): ChannelCount(int(messages), int(size), [[int(a), int(b)] for a, b in senders])
-        for name, (messages, size, senders) in counts.items()
+        name: ChannelCount(
+            messages, size + 0, senders, first + begin, first + stop, gap + 0, number
+        )
+        for name, (messages, size, senders, begin, stop, gap, number) in counts.items()
     }
+    if any(sum(run[1] for run in one.senders) != one.messages for one in channels.values()):
+        raise ValueError("each message has a sender")
     return Block(int(start), int(end), int(first), int(last), channels)
 
 

@@ -13,14 +13,17 @@ class Sender(NamedTuple):
     Attributes:
         address: IPv4 address ("127.0.0.1").
         port: UDP port.
+        name: Its name when it was recorded; "" on a bus. One of a log that has the address of a
+            program that runs now is another one.
     """
 
     address: str
     port: int
+    name: str = ""
 
     def __str__(self) -> str:
-        """Return address and port, as ss and netstat print them."""
-        return f"{self.address}:{self.port}"
+        """Return its name, else address and port, as ss and netstat print them."""
+        return self.name or f"{self.address}:{self.port}"
 
 
 class Packet(NamedTuple):
@@ -30,7 +33,7 @@ class Packet(NamedTuple):
         channel: The channel's name.
         payload: Fingerprint and encoded struct, or any other bytes.
         time: Its arrival, nanoseconds since 1970; by the kernel where that is known.
-        sender: Its sender; None where the bus names none (tcpq, memq, logs).
+        sender: Its sender; None where the bus names none (tcpq, memq, logs without an index).
         seqno: The sender's number of the message; None where there is none.
         whole_bytes: Bytes of the whole payload if ``payload`` is only its beginning; else None.
     """

@@ -46,7 +46,8 @@ def test_a_log_has_the_messages_in_order_with_their_senders(path: Path) -> None:
     with LogFile(path) as log:
         found = list(log.packets())
     assert [packet.payload for packet in found] == [_packet(n).payload for n in range(10)]
-    assert [packet.sender for packet in found] == [_ONE, _OTHER] * 5
+    named = [_ONE._replace(name="/driver"), _OTHER._replace(name="b.py")]
+    assert [packet.sender for packet in found] == named * 5
     assert [packet.time for packet in found] == [n * 1_000_000 for n in range(10)]
 
 
@@ -61,7 +62,7 @@ def test_a_log_that_was_not_closed_is_read_to_its_last_message(path: Path) -> No
         assert log.index.size is None
         assert log.index.blocks
     assert len(found) == 10
-    assert found[0].sender == _ONE
+    assert found[0].sender == _ONE._replace(name="/driver")
     assert found[-1].sender is None  # behind the last block of the index
     writer.close()
 
@@ -71,12 +72,12 @@ def test_types_announcements_and_losses_are_kept(path: Path) -> None:
     with LogWriter(path) as writer:
         writer.add_types([kind, kind])
         writer.add_node(RecordedNode(5, 0, b"\xff\x00"))
-        writer.set_losses({0: 1})
-        writer.set_losses({0: 3, 1: 1})
+        writer.set_losses({0: (1, 9)})
+        writer.set_losses({0: (3, 20), 1: (1, 5)})
     with LogFile(path) as log:
         assert log.index.types == {"a_msgs/A": kind}
         assert log.index.nodes == [RecordedNode(5, 0, b"\xff\x00")]
-        assert log.index.losses == {0: 3, 1: 1}
+        assert log.index.losses == {0: (3, 20), 1: (1, 5)}
     assert index_path(path).read_text().count("a_msgs/A.lcm") == 1
 
 

@@ -168,6 +168,9 @@ class _Supply:
     def far(self) -> TypeSource:
         raise AssertionError("asked without need")
 
+    def recorded(self) -> list[TypeSource]:
+        raise AssertionError("asked without need")
+
 
 def test_a_type_that_is_near_is_found_without_looking_at_installed_packages(
     monkeypatch: pytest.MonkeyPatch,
