@@ -90,6 +90,7 @@ def scenes() -> dict[str, tuple[Scene, Callable[[str], bool]]]:
         "1000 without sensors": (yard(replace(HUSKY, sensors=()), 1000), everything),
         "1 with a laser, 360 rays, 10 Hz": (yard(WITH_LASER, 1), everything),
         "10 with such lasers": (yard(WITH_LASER, 10), everything),
+        "100 with such lasers": (yard(WITH_LASER, 100), everything),
         "world dolly, 200 rays, 100 Hz": (read_scene(*find_world("dolly")), everything),
         "Kinect 640x480, 30 Hz, depth": (yard(WITH_KINECT, 1), depth),
     }

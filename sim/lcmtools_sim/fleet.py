@@ -13,7 +13,7 @@ import numpy.typing as npt
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.scene import Scene
 from lcmtools_sim.vehicles import Vehicles
-from lcmtools_sim.vision.solids import Floats, Solids, solids_of
+from lcmtools_sim.vision.solids import Floats, solids_of
 from lcmtools_sim.world import World
 
 _MANY = 12
@@ -37,8 +37,6 @@ class Fleet:
         self._held: list[Robot] = []
         """Those that the engine moves."""
         self._sizes = [solids_of(parts).reach for parts, _ in world.movable_objects()]
-        self._fixed_parts: object = None
-        self._fixed: Solids = solids_of(())
 
     def add(self, robot: Robot) -> None:
         """Add a robot."""
@@ -116,7 +114,7 @@ class Fleet:
 
     def _meet(self, places: Floats, reaches: Floats) -> list[bool]:
         """True for each robot, at this place and with this reach, that another body may meet."""
-        fixed, objects = self._fixed_solids(), self._world.movable_objects()
+        fixed, objects = self._world.fixed_solids(), self._world.movable_objects()
         offsets = places[:, None] - fixed.centres
         outside = np.abs(np.einsum("nmi,mij->nmj", offsets, fixed.axes)) - fixed.half_sizes
         squares = np.square(np.maximum(outside, 0.0)).sum(axis=-1)
@@ -137,12 +135,6 @@ class Fleet:
         speeds = np.linalg.norm(velocities, axis=-1)
         reach: Floats = np.array(sizes) + (speeds + _FASTER) * self._period * self._dt + _MARGIN
         return reach
-
-    def _fixed_solids(self) -> Solids:
-        parts = self._world.fixed_parts()
-        if parts is not self._fixed_parts:
-            self._fixed_parts, self._fixed = parts, solids_of(parts)
-        return self._fixed
 
 
 def _joined(robots: Sequence[Robot]) -> Vehicles:

@@ -9,8 +9,13 @@ from lcmtools.messages.registry import Message
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.scene import Scene
 from lcmtools_sim.sensors import SENSORS
-from lcmtools_sim.sensors.motion import MotionSensor, sample_together
-from lcmtools_sim.sensors.sensor import RobotState, Sensor, SensorContext, SensorMount
+from lcmtools_sim.sensors.sensor import (
+    RobotState,
+    Sensor,
+    SensorContext,
+    SensorMount,
+    SharedSensor,
+)
 
 
 class Subscribers(Enum):
@@ -57,7 +62,7 @@ class MountedSensor:
         self.rate = mount.rate
         self.mount = mount
         self.sensor = sensor
-        self._shares = isinstance(sensor, MotionSensor) and not sensor.is_noisy
+        self._shares = isinstance(sensor, SharedSensor) and sensor.is_shared
         self._bulky = bulky
         self._always = mount.always
         self.labels = {
@@ -106,8 +111,9 @@ class MountedSensor:
         sensors: "Sequence[MountedSensor]", state: RobotState
     ) -> "Iterator[Sample]":
         """The messages of sensors that are mounted alike; the state of their robots has arrays."""
-        places = [(cast("MotionSensor", one.sensor), one.robot.index) for one in sensors]
-        for one, payload in zip(sensors, sample_together(places, state), strict=True):
+        places = [(cast("SharedSensor", one.sensor), one.robot.index) for one in sensors]
+        payloads = places[0][0].sample_together(places, state)
+        for one, payload in zip(sensors, payloads, strict=True):
             yield Sample(*one.labels[""], payload)
 
 

@@ -22,7 +22,14 @@ from lcmtools_sim.geometry import (
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.sensors.motion import OdometrySettings
 from lcmtools_sim.sensors.sensor import RobotState, random_numbers
-from lcmtools_sim.vehicles import Variables, Vehicles, constants, measured, planar_motions
+from lcmtools_sim.vehicles import (
+    Variables,
+    Vehicles,
+    constants,
+    measured,
+    planar_motion,
+    planar_motions,
+)
 from lcmtools_sim.vision.solids import solids_of
 from lcmtools_sim.world import World
 
@@ -114,7 +121,9 @@ class Robot:
         """The present motion of its body."""
         if not self.is_free:
             return self._motion
-        return planar_motions(*self.vehicles.row(self.index))[0]
+        names = "x", "y", "yaw", "vx", "vy", "turn_rate"
+        x, y, yaw, vx, vy, turn_rate = self.vehicles.get(self.index, *names)
+        return planar_motion((x, y, self.model.body.centre_of_mass), yaw, (vx, vy, 0.0), turn_rate)
 
     @property
     def stands(self) -> bool:

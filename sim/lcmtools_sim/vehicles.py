@@ -15,7 +15,7 @@ from lcmtools.clock import split_stamp
 from lcmtools_sim.arithmetic import FLOATS, Value, arithmetic_of
 from lcmtools_sim.drive import body_velocity, dead_reckoning, followed
 from lcmtools_sim.engines.engine import Motion
-from lcmtools_sim.geometry import add, axes, components, cross, scaled, subtract
+from lcmtools_sim.geometry import Vector, add, axes, components, cross, scaled, subtract
 from lcmtools_sim.robots.model import RobotModel
 from lcmtools_sim.sensors.sensor import RobotState, Sides
 from lcmtools_sim.tyres import Tyres, gripping, skidding
@@ -245,12 +245,18 @@ class Vehicles:
 
 def planar_motions(known: Constants, now: Variables) -> tuple[Motion, Motion]:
     """The motion of bodies on level ground; and with the velocities of one step ago."""
-    ops, half = arithmetic_of(now.yaw), now.yaw / 2
-    pose = (now.x, now.y, known.height), (0.0, 0.0, ops.sin(half), ops.cos(half))
-    return (
-        Motion(*pose, (now.vx, now.vy, 0.0), (0.0, 0.0, now.turn_rate)),
-        Motion(*pose, (now.before_vx, now.before_vy, 0.0), (0.0, 0.0, now.before_turn_rate)),
+    motion = planar_motion(
+        (now.x, now.y, known.height), now.yaw, (now.vx, now.vy, 0.0), now.turn_rate
     )
+    before = (now.before_vx, now.before_vy, 0.0), (0.0, 0.0, now.before_turn_rate)
+    return motion, Motion(*motion[:2], *before)
+
+
+def planar_motion(position: Vector, yaw: Value, velocity: Vector, turn_rate: Value) -> Motion:
+    """The motion of bodies that stand upright."""
+    ops, half = arithmetic_of(yaw), yaw / 2
+    rotation = 0.0, 0.0, ops.sin(half), ops.cos(half)
+    return Motion(position, rotation, velocity, (0.0, 0.0, turn_rate))
 
 
 def measured(

@@ -4,7 +4,7 @@ It steps them, reads and sets their motion, and lets sensors look at them. Wheel
 known here: a robot's body has no friction, the tyres (tyres.py) pull it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from itertools import chain
 
@@ -15,6 +15,7 @@ from lcmtools_sim.robots.model import BLACK, Body
 from lcmtools_sim.scene import Scene, SceneObject
 from lcmtools_sim.sensors.sensor import Contact
 from lcmtools_sim.shapes import Part, Sphere, centre_of_mass, inertials_of, moments
+from lcmtools_sim.vision.solids import PlacedSolids, Solids, solids_of
 
 _SHOWN = 8
 """Steps between two pictures of released bodies in a window."""
@@ -60,6 +61,7 @@ class World(AbstractContextManager["World"]):
         if not self._rests:
             self._engine.step()
         self._steps += 1
+        self._bodies.clear()
         if self._engine.has_window and self._steps % _SHOWN == 0:
             for body, motion in self._released.items():
                 self._engine.place(body, *motion()[:2])
@@ -81,6 +83,7 @@ class World(AbstractContextManager["World"]):
     def release(self, body: int, motion: Callable[[], Motion]) -> None:
         """Take a body that touches only the ground out of the engine; it moves by ``motion``."""
         self._released[body] = motion
+        self._bodies.clear()
         self._engine.disable(body)
 
     def hold(self, body: int, motion: Motion) -> None:
@@ -168,6 +171,7 @@ class World(AbstractContextManager["World"]):
             )
         )
         self._names[number], self._moving[number] = name, parts
+        self._bodies.clear()
         return number
 
     def remove(self, body: int) -> None:
@@ -176,6 +180,7 @@ class World(AbstractContextManager["World"]):
         self._wake()
         del self._names[body], self._moving[body]
         self._released.pop(body, None)
+        self._solids.pop(body, None)
 
     def place(self, body: int, position: Vector, rotation: Quaternion) -> None:
         """Put a robot's centre of mass at a pose, at rest."""
@@ -187,8 +192,13 @@ class World(AbstractContextManager["World"]):
         self._engine.begin(scene)
         self._names = {self._engine.ground: "the ground"}
         self._fixed: tuple[Part, ...] = ()
+        self._fixed_solids: tuple[tuple[Part, ...], Solids] = (), solids_of(())
         self._moving: dict[int, tuple[Part, ...]] = {}
         """The shapes of movable bodies, in the frame of the engine's poses."""
+        self._solids: dict[int, Solids] = {}
+        """The same, as arrays."""
+        self._bodies: dict[int, PlacedSolids] = {}
+        """The last ``moving_bodies``; empty since something has moved."""
         self._released: dict[int, Callable[[], Motion]] = {}
         """The motions of bodies that the engine does not move."""
         self._wake()
@@ -198,17 +208,25 @@ class World(AbstractContextManager["World"]):
         """The immovable shapes, in the world; the same object until one is added."""
         return self._fixed
 
-    def moving_bodies(
-        self, but: int | None = None
-    ) -> list[tuple[tuple[Part, ...], Vector, Quaternion]]:
-        """The movable bodies (but one): their shapes in a frame, and its pose."""
-        motion, moving = self.motion, self._moving.items()
-        return [(parts, *motion(body)[:2]) for body, parts in moving if body != but]
+    def fixed_solids(self) -> Solids:
+        """The immovable shapes as arrays; the same object until one is added."""
+        if self._fixed_solids[0] is not self._fixed:
+            self._fixed_solids = self._fixed, solids_of(self._fixed)
+        return self._fixed_solids[1]
+
+    def moving_bodies(self) -> Mapping[int, PlacedSolids]:
+        """The movable bodies by their numbers."""
+        if not self._bodies:
+            known, motion = self._solids, self.motion
+            for body in self._moving.keys() - known.keys():
+                known[body] = solids_of(self._moving[body])
+            self._bodies = {body: (known[body], *motion(body)[:2]) for body in self._moving}
+        return self._bodies
 
     def moving_parts(self, but: int | None = None) -> list[Part]:
         """The shapes of all movable bodies (but one), in the world."""
-        bodies = self.moving_bodies(but)
-        return [part.placed(place, turn) for parts, place, turn in bodies for part in parts]
+        poses = {body: self.motion(body)[:2] for body in self._moving if body != but}
+        return [part.placed(*pose) for body, pose in poses.items() for part in self._moving[body]]
 
     def contacts(self, body: int) -> list[Contact]:
         """The contacts of a body but for the ground, as of the last step."""
@@ -223,3 +241,4 @@ class World(AbstractContextManager["World"]):
     def _wake(self) -> None:
         """Have the engine simulate again what was at rest."""
         self._rests = self._rested = False
+        self._bodies.clear()

@@ -14,7 +14,8 @@ from lcmtools_sim import fleet
 from lcmtools_sim.geometry import Pose, yaw_of
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import RobotPlacement, Scene, SceneObject, box
-from lcmtools_sim.sensors.sensor import RobotState
+from lcmtools_sim.sensors.laser import LaserSettings
+from lcmtools_sim.sensors.sensor import RobotState, SensorMount
 from lcmtools_sim.shapes import Part, Sphere
 from lcmtools_sim.simulation import Simulation
 
@@ -164,7 +165,12 @@ def test_sensors_of_many_robots_measure_what_each_alone_does(twist: Steer) -> No
                 pass
             return {sample.topic: sample.message for sample in found}
 
-    many = scene(*poses)
+    front = SensorMount(
+        "laser", "scan", 50.0, Pose(0.3, 0, 0.3), settings=LaserSettings(noise=0.01)
+    )
+    model = replace(HUSKY, sensors=(*HUSKY.sensors, front))
+    many = scene(*poses, things=(box("wall", (0.2, 200, 1), Pose(5, 60, 0.5)),))
+    many = replace(many, robots=tuple(replace(robot, model=model) for robot in many.robots))
     together = samples(many)
 
     for index in (0, 2, 13):

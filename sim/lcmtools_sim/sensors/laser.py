@@ -1,8 +1,8 @@
 """A laser scanner that turns in its own x-y plane."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -15,14 +15,15 @@ from lcmtools_sim.sensors.sensor import (
     SensorContext,
     SensorMount,
     Settings,
+    SharedSensor,
     deviation,
     number,
 )
-from lcmtools_sim.shapes import Part
-from lcmtools_sim.vision.scan import Body, Scanner
-from lcmtools_sim.vision.solids import Floats, Solids, solids_of
+from lcmtools_sim.vision.scan import Scanner
+from lcmtools_sim.vision.solids import Floats, PlacedSolids
 
-_MOST_PREPARED = 10_000  # bodies
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +47,7 @@ class LaserSettings(Settings):
     noise: float = deviation()
 
 
-class LaserSensor:
+class LaserSensor(SharedSensor):
     """sensor_msgs/LaserScan by REP-117: +inf for no return, -inf for a return that is too near.
 
     All rays are measured in the same instant. The robot's own body is transparent to them.
@@ -56,12 +57,12 @@ class LaserSensor:
 
     def __init__(self, mount: SensorMount, context: SensorContext) -> None:
         self._pose = mount.pose
-        self._context = context
+        self.body = context.body
+        self._world = context.world
         self._settings = settings = cast("LaserSettings", mount.settings or LaserSettings())
         self._noise = context.noise(mount)
         angles = np.linspace(settings.first_angle, settings.last_angle, settings.rays)
         self._scanner = Scanner(angles, settings.longest)
-        self._prepared: dict[int, tuple[tuple[Part, ...], Solids]] = {}
         message = LaserScan()
         message.header.frame_id = context.add_frame(mount, "laser", mount.pose.rotation)
         message.angle_min, message.angle_max = settings.first_angle, settings.last_angle
@@ -69,36 +70,44 @@ class LaserSensor:
         message.scan_time = 1 / mount.rate
         message.range_min, message.range_max = settings.shortest, settings.longest
         message.ranges = [0.0] * settings.rays
-        self._fill = PayloadTemplate(message, "header.stamp", "ranges").fill
+        self._template = PayloadTemplate(message, "header.stamp", "ranges")
 
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The scan of one step."""
         del wanted
-        return {"": self._fill(state.stamp, self._ranges(state).tolist())}
+        bodies = dict(self._world.moving_bodies())
+        del bodies[self.body]
+        around = [self._fixed(), *bodies.values()]
+        ranges = self._scanner.scan(*state.sensor_frame(self._pose), around)
+        return {"": self.payload(state, ranges)}
 
-    def _ranges(self, state: RobotState) -> Floats:
-        """The ranges of all rays [m], with inf as the message has it."""
+    def sample_together(
+        self, sensors: Sequence[tuple["Self", int]], state: RobotState
+    ) -> Iterator[bytes]:
+        """The scans of one step of several robots, as SharedSensor has it."""
+        count = np.size(state.wheel_speeds.left)
+        places = [place for _, place in sensors]
+        eyes, rotations = (
+            np.array([np.broadcast_to(values, count)[places] for values in vector])
+            for vector in state.sensor_frame(self._pose)
+        )
+        bodies = self._world.moving_bodies()
+        numbers = {body: number for number, body in enumerate(bodies, 1)}
+        own = np.array([numbers[sensor.body] for sensor, _ in sensors])
+        around = [self._fixed(), *bodies.values()]
+        scans = self._scanner.scan_together(eyes, rotations, around, own)
+        for (sensor, _), ranges in zip(sensors, scans, strict=True):
+            yield sensor.payload(state, ranges)
+
+    def payload(self, state: RobotState, ranges: Floats) -> bytes:
+        """The message of these ranges [m], with noise, and inf as it has it."""
         settings = self._settings
-        ranges = self._scanner.scan(*state.sensor_frame(self._pose), self._bodies())
         if settings.noise:
             ranges += self._noise.at(state.time).normal(0.0, settings.noise, len(ranges))
             ranges[ranges > settings.longest] = np.inf
         ranges[ranges < settings.shortest] = -np.inf
-        return ranges
+        stamp = np.array(state.stamp, ">i4")
+        return self._template.fill_packed((stamp.tobytes(), ranges.astype(">f4").tobytes()))
 
-    def _bodies(self) -> list[Body]:
-        solids, world = self._solids, self._context.world
-        moving = world.moving_bodies(self._context.body)
-        return [
-            (solids(world.fixed_parts()), ZERO, IDENTITY),
-            *[(solids(parts), place, turn) for parts, place, turn in moving],
-        ]
-
-    def _solids(self, parts: tuple[Part, ...]) -> Solids:
-        """These shapes as arrays; shapes are the same as long as they are the same object."""
-        known = self._prepared.get(id(parts))
-        if known is None or known[0] is not parts:
-            if len(self._prepared) > _MOST_PREPARED:  # bodies that are deleted
-                self._prepared.clear()
-            known = self._prepared[id(parts)] = parts, solids_of(parts)
-        return known[1]
+    def _fixed(self) -> PlacedSolids:
+        return self._world.fixed_solids(), ZERO, IDENTITY

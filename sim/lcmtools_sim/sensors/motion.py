@@ -1,9 +1,9 @@
 """Sensors of the robot's own motion: wheels, odometry, frames, inertial unit and ground truth."""
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -32,8 +32,12 @@ from lcmtools_sim.sensors.sensor import (
     SensorContext,
     SensorMount,
     Settings,
+    SharedSensor,
     deviation,
 )
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 _DIAGONAL = (0.001, 0.001, 0.001, 0.001, 0.001, 0.03)  # as Clearpath's husky_control has it
 COVARIANCE = tuple(_DIAGONAL[i // 6] if i % 7 == 0 else 0.0 for i in range(36))
@@ -43,7 +47,7 @@ COVARIANCE = tuple(_DIAGONAL[i // 6] if i % 7 == 0 else 0.0 for i in range(36))
 _Row = Sequence[float]
 
 
-class MotionSensor(ABC):
+class MotionSensor(SharedSensor):
     """A sensor whose messages are numbers in a template, worked out of a robot's state alone.
 
     Attributes:
@@ -53,6 +57,11 @@ class MotionSensor(ABC):
 
     template: PayloadTemplate
     is_noisy: bool
+
+    @property
+    def is_shared(self) -> bool:
+        """True unless its numbers are its own."""
+        return not self.is_noisy
 
     @property
     @abstractmethod
@@ -68,21 +77,15 @@ class MotionSensor(ABC):
         del wanted
         return {"": self.template.fill(*self.rows(state))}
 
-
-def sample_together(
-    sensors: Sequence[tuple[MotionSensor, int]], state: RobotState
-) -> Iterator[bytes]:
-    """The payloads of one step of sensors that are mounted alike on several robots.
-
-    Args:
-        sensors: None is noisy; each with its robot's place in the state.
-        state: Of all these robots, as arrays.
-    """
-    count = np.size(state.wheel_speeds.left)
-    packed = [_packed(row, count) for row in sensors[0][0].rows(state)]
-    for sensor, place in sensors:
-        rows = [data[place * size : (place + 1) * size] for data, size in packed]
-        yield sensor.template.fill_packed(rows)
+    def sample_together(
+        self, sensors: Sequence[tuple["Self", int]], state: RobotState
+    ) -> Iterator[bytes]:
+        """The payloads of one step of several robots, as SharedSensor has it."""
+        count = np.size(state.wheel_speeds.left)
+        packed = [_packed(row, count) for row in self.rows(state)]
+        for sensor, place in sensors:
+            rows = [data[place * size : (place + 1) * size] for data, size in packed]
+            yield sensor.template.fill_packed(rows)
 
 
 def _packed(row: _Row, count: int) -> tuple[bytes, int]:

@@ -6,9 +6,10 @@ bus, no engine and no schedule.
 """
 
 import zlib
-from collections.abc import Callable, Collection, Mapping, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -17,6 +18,10 @@ from lcmtools.messages.registry import Message
 from lcmtools.types.std_msgs import Header
 from lcmtools_sim.geometry import ORIGIN, Frame, Pose, Quaternion, Vector
 from lcmtools_sim.shapes import Color, Line, Part
+from lcmtools_sim.vision.solids import PlacedSolids, Solids
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 Number = TypeVar("Number", int, float)
 
@@ -140,8 +145,12 @@ class WorldView(Protocol):
         """The movable shapes but for one body's, in the world."""
         ...
 
-    def moving_bodies(self, but: int) -> list[tuple[tuple[Part, ...], Vector, Quaternion]]:
-        """The movable bodies but one: their shapes in a frame, and its pose.
+    def fixed_solids(self) -> Solids:
+        """The immovable shapes as arrays; the same object until one is added."""
+        ...
+
+    def moving_bodies(self) -> Mapping[int, PlacedSolids]:
+        """The movable bodies by their numbers.
 
         The shapes of a body are the same object as long as it exists.
         """
@@ -242,6 +251,26 @@ class Sensor(Protocol):
     def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
         """The payloads of one step, of the wanted outputs."""
         ...
+
+
+class SharedSensor(ABC):
+    """A sensor that can be measured together with those of other robots that are mounted alike."""
+
+    @property
+    def is_shared(self) -> bool:
+        """False for one with settings that make it an exception."""
+        return True
+
+    @abstractmethod
+    def sample_together(
+        self, sensors: Sequence[tuple["Self", int]], state: RobotState
+    ) -> Iterator[bytes]:
+        """The payloads of one step.
+
+        Args:
+            sensors: All may be shared; each with its robot's place in the state.
+            state: Of all these robots, as arrays.
+        """
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,16 +4,27 @@ The bounding sphere of a solid cuts the scan's plane in a circle. A solid is tes
 rays towards its circle, and all such pairs of a ray and a solid are tested at once, by the
 textbook's intersections (A. Glassner, An Introduction to Ray Tracing, chapter 2): a box is three
 slabs, a cylinder or a sphere a quadratic equation. bench/vision.py shows what the circles save.
+The pairs of many scanners are tested at once, too.
 """
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from lcmtools_sim.geometry import Quaternion, Vector, axes, subtract
-from lcmtools_sim.vision.solids import CUBOID, SPHERE, Floats, Solids, joined
+from lcmtools_sim.vision.solids import (
+    CUBOID,
+    SPHERE,
+    Floats,
+    PlacedSolids,
+    Solids,
+    joined,
+    solids_of,
+)
 
 _TOUCH = 1e-9  # [m]; an eye so near to a surface is inside it
 _TINY = 1e-300  # in place of 0, to divide by
@@ -24,8 +35,9 @@ _BOUNDING = np.array(((1, 1, 1), (1, 0, 1), (1, 0, 0)))
 
 Numbers = npt.NDArray[np.intp]
 Mask = npt.NDArray[np.bool_]
-Body = tuple[Solids, Vector, Quaternion]
-"""Solids that keep together, and the pose of their frame in the world."""
+
+_TOGETHER = 32
+"""Scanners at a time, so that the arrays stay in the processor's cache."""
 
 
 class Scanner:
@@ -46,9 +58,9 @@ class Scanner:
         turns = math.tau * np.arange(math.ceil(first) - 1, math.floor(last) + 2)
         self._turns = np.array((turns - _MARGIN, turns + _MARGIN))[:, None]
         self._groups: tuple[Solids, ...] = ()
-        self._targets: _Targets | None = None
+        self._targets = _targets(())
 
-    def scan(self, eye: Vector, rotation: Quaternion, bodies: Sequence[Body]) -> Floats:
+    def scan(self, eye: Vector, rotation: Quaternion, bodies: Sequence[PlacedSolids]) -> Floats:
         """The ranges [m], inf for nothing within the longest.
 
         A solid around the eye is not seen. The plane z = 0 is the ground.
@@ -71,18 +83,54 @@ class Scanner:
         ranges[ranges > self._longest] = np.inf
         return ranges[::-1] if self._is_falling else ranges
 
+    # A body that the engine has lost, at NaN or farther than numbers go, is near to nothing.
+    @np.errstate(invalid="ignore", over="ignore")
+    def scan_together(
+        self, eyes: Floats, rotations: Floats, bodies: Sequence[PlacedSolids], own: Numbers
+    ) -> Floats:
+        """The ranges (k, n) of several such scanners, to the bit as ``scan`` returns each.
+
+        Args:
+            eyes: (3, k) [m]
+            rotations: (4, k) of the scanners.
+            bodies: Everything around.
+            own: (k,) the place among the bodies of the one that a scanner does not see.
+        """
+        groups, positions, turns = zip(*bodies, strict=True)
+        targets, around = self._prepared(groups), _around(groups, positions, turns)
+        forward, left, _ = np.array(axes(cast("Quaternion", tuple(rotations))))
+        down = -forward[2][:, None] * self._cosines - left[2][:, None] * self._sines
+        is_low = eyes[2] <= self._longest * np.hypot(forward[2], left[2])
+        where = (down > 0) & (is_low & (eyes[2] > _TOUCH))[:, None]
+        ranges = np.full(down.shape, np.inf)
+        np.divide(eyes[2][:, None], down, out=ranges, where=where)
+        for first in range(0, len(own), _TOGETHER):
+            some = slice(first, first + _TOGETHER)
+            apart, views = around.seen(eyes[:, some], forward[:, some], left[:, some])
+            near = apart <= self._longest + around.reaches
+            near[np.arange(len(near)), own[some]] = False
+            seen = targets.seen_by(near, len(self._angles))
+            self._measure(ranges[some].reshape(-1), seen, views)
+        ranges[ranges > self._longest] = np.inf
+        return ranges[:, ::-1] if self._is_falling else ranges
+
     def _prepared(self, groups: tuple[Solids, ...]) -> "_Targets":
         """These groups prepared; mostly they are those of the last scan."""
-        if self._targets is None or groups != self._groups:
-            self._groups, self._targets = groups, _Targets(groups)
+        if groups != self._groups:
+            self._groups, self._targets = groups, _targets(groups)
         return self._targets
 
     def _measure(self, ranges: Floats, targets: "_Targets", views: Floats) -> None:
-        """Reduce the ranges to those of the solids, seen from these views of their groups."""
+        """Reduce the ranges to those of the solids, seen from these views of their groups.
+
+        The ranges are those of all scanners, one after the other.
+        """
         eye, forward, left = targets.seen(views)
         ray, solid = self._pairs(targets.arcs(eye, forward, left, self._longest))
         along, across = self._cosines.take(ray), self._sines.take(ray)
         rays = forward.take(solid, axis=1) * along + left.take(solid, axis=1) * across
+        if targets.first_rays is not None:
+            ray += targets.first_rays.take(solid)
         np.minimum.at(ranges, ray, targets.entered(eye.take(solid, axis=1), rays, solid))
 
     def _pairs(self, arcs: Floats) -> tuple[Numbers, Numbers]:
@@ -94,29 +142,51 @@ class Scanner:
         return ray, arc // self._turns.shape[2]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
 class _Targets:
-    """The solids of several groups, each in a frame of its own, as arrays: boxes first."""
+    """The solids of several groups, each in a frame of its own, as arrays: boxes first.
 
-    def __init__(self, groups: Sequence[Solids]) -> None:
-        solids = joined(*groups)
-        order = (solids.kinds != CUBOID).argsort(kind="stable")
-        kinds, half = solids.kinds[order], solids.half_sizes[order]
-        self._owners = np.arange(len(groups)).repeat([len(group) for group in groups])[order]
-        self._axes = solids.axes[order]
-        self._centres = np.einsum("ni,nij->jn", solids.centres[order], self._axes)
-        self._half_sizes = half.T.copy()
-        self._boxes = int((kinds == CUBOID).sum())
-        self._reach_squares = (half * half * _BOUNDING[kinds]).sum(axis=1)
-        # A cylinder is round in x and y, a sphere in z too.
-        self._roundness = np.array((kinds >= 0, kinds >= 0, kinds == SPHERE), np.float64)
+    Attributes:
+        owners: (n,) the places of their groups' views.
+        axes, centres: (n, 3, 3), (3, n) in their groups [m].
+        half_sizes: (3, n) [m]
+        boxes: The number of boxes.
+        reach_squares: (n,) of the bounding spheres [m^2].
+        roundness: (3, n) 1 for an axis in which a solid is round, else 0.
+        first_rays: (n,) the place of the first ray of the scanner that looks at each.
+    """
+
+    owners: Numbers
+    axes: Floats
+    centres: Floats
+    half_sizes: Floats
+    boxes: int
+    reach_squares: Floats
+    roundness: Floats
+    first_rays: Numbers | None = None
+
+    def seen_by(self, near: Mask, rays: int) -> "_Targets":
+        """The solids of the groups that are near (k, groups), again for each of k scanners."""
+        number, scanner = near[:, self.owners].T.nonzero()
+        return replace(
+            self,
+            owners=scanner * near.shape[1] + self.owners.take(number),
+            axes=self.axes.take(number, axis=0),
+            centres=self.centres.take(number, axis=1),
+            half_sizes=self.half_sizes.take(number, axis=1),
+            boxes=int(number.searchsorted(self.boxes)),
+            reach_squares=self.reach_squares.take(number),
+            roundness=self.roundness.take(number, axis=1),
+            first_rays=scanner * rays,
+        )
 
     def seen(self, views: Floats) -> tuple[Floats, Floats, Floats]:
         """The eye, forward and left (3, n) in the axes of each solid, about its centre.
 
         ``views`` (groups, 3, 3) has them in the groups' frames, as rows.
         """
-        eye, forward, left = (views.take(self._owners, axis=0) @ self._axes).transpose(1, 2, 0)
-        return eye - self._centres, forward, left
+        eye, forward, left = (views.take(self.owners, axis=0) @ self.axes).transpose(1, 2, 0)
+        return eye - self.centres, forward, left
 
     def arcs(self, eye: Floats, forward: Floats, left: Floats, longest: float) -> Floats:
         """The arcs (2, n) [rad] of the bounding spheres' circles in the plane of the scan.
@@ -126,7 +196,7 @@ class _Targets:
         """
         x, y = -np.add.reduce(eye * forward), -np.add.reduce(eye * left)
         square = x * x + y * y
-        radius_square = self._reach_squares - np.add.reduce(eye * eye) + square
+        radius_square = self.reach_squares - np.add.reduce(eye * eye) + square
         distance, radius = np.sqrt(square), np.sqrt(np.maximum(radius_square, 0.0))
         sines = radius / np.maximum(distance, _TOUCH)
         widths = np.where(sines < 1, np.arcsin(np.minimum(sines, 1.0)), math.pi)
@@ -137,26 +207,74 @@ class _Targets:
 
     def _around(self, eye: Floats) -> Mask:
         """True for each solid that the eye is in, or touches."""
-        gaps = np.abs(eye) - self._half_sizes
-        radial = np.sqrt(np.add.reduce(eye * eye * self._roundness))
-        gaps[:2, self._boxes :] = (radial - self._half_sizes[0])[self._boxes :]
+        gaps = np.abs(eye) - self.half_sizes
+        radial = np.sqrt(np.add.reduce(eye * eye * self.roundness))
+        gaps[:2, self.boxes :] = (radial - self.half_sizes[0])[self.boxes :]
         around: Mask = gaps.max(axis=0) <= _TOUCH
         return around
 
     def entered(self, eye: Floats, rays: Floats, solid: Numbers) -> Floats:
         """The distance (m,) at which each ray (3, m) enters its solid, or inf; solids rise."""
-        half = self._half_sizes.take(solid, axis=1)
+        half = self.half_sizes.take(solid, axis=1)
         inverse = 1 / np.where(rays == 0, _TINY, rays)
         middle, reach = -eye * inverse, half * np.abs(inverse)
         enter, leave = middle - reach, middle + reach
-        boxes = int(solid.searchsorted(self._boxes))
+        boxes = int(solid.searchsorted(self.boxes))
         found = [_first(enter[:, :boxes].max(axis=0), leave[:, :boxes].min(axis=0))]
         if boxes < len(solid):
             eye, rays, radius = eye[:, boxes:], rays[:, boxes:], half[0, boxes:]
-            sides = _round(eye, rays, radius, self._roundness.take(solid[boxes:], axis=1))
+            sides = _round(eye, rays, radius, self.roundness.take(solid[boxes:], axis=1))
             caps = enter[2, boxes:], leave[2, boxes:]
             found.append(_first(np.maximum(sides[0], caps[0]), np.minimum(sides[1], caps[1])))
         return np.concatenate(found)
+
+
+def _targets(groups: Sequence[Solids]) -> _Targets:
+    solids = joined(solids_of(()), *groups)
+    order = (solids.kinds != CUBOID).argsort(kind="stable")
+    kinds, half, turns = solids.kinds[order], solids.half_sizes[order], solids.axes[order]
+    return _Targets(
+        owners=np.arange(len(groups)).repeat([len(group) for group in groups])[order],
+        axes=turns,
+        centres=np.einsum("ni,nij->jn", solids.centres[order], turns),
+        half_sizes=half.T.copy(),
+        boxes=int((kinds == CUBOID).sum()),
+        reach_squares=(half * half * _BOUNDING[kinds]).sum(axis=1),
+        # A cylinder is round in x and y, a sphere in z too.
+        roundness=np.array((kinds >= 0, kinds >= 0, kinds == SPHERE), np.float64),
+    )
+
+
+class _Around(NamedTuple):
+    """The poses of bodies as arrays, and how far each reaches.
+
+    Attributes:
+        positions: (n, 3) [m]
+        frames: (3, 3, n) their axes.
+        reaches: (n,) [m]
+    """
+
+    positions: Floats
+    frames: Floats
+    reaches: Floats
+
+    def seen(self, eyes: Floats, forward: Floats, left: Floats) -> tuple[Floats, Floats]:
+        """The distance (k, n) from each scanner to each body, and its view (k * n, 3, 3) there."""
+        offsets = eyes.T[:, None] - self.positions
+        apart = np.sqrt(np.einsum("kni,kni->kn", offsets, offsets))
+        views = np.empty((*apart.shape, 3, 3))
+        for row, vectors in enumerate((offsets, forward.T[:, None], left.T[:, None])):
+            x, y, z = np.moveaxis(vectors, -1, 0)
+            for axis, (a, b, c) in enumerate(self.frames):
+                views[:, :, row, axis] = x * a + y * b + z * c  # as _view has it
+        return apart, views.reshape(-1, 3, 3)
+
+
+def _around(
+    groups: Sequence[Solids], positions: Sequence[Vector], turns: Sequence[Quaternion]
+) -> _Around:
+    frames = axes(cast("Quaternion", tuple(np.array(turns).T)))
+    return _Around(np.array(positions), np.array(frames), np.array([g.reach for g in groups]))
 
 
 def _round(eye: Floats, rays: Floats, radius: Floats, roundness: Floats) -> tuple[Floats, Floats]:
@@ -175,7 +293,7 @@ def _first(enter: Floats, leave: Floats) -> Floats:
     return np.where((enter <= leave * _EDGE) & (enter > _TOUCH), enter, np.inf)
 
 
-def _view(body: Body, eye: Vector, forward: Vector, left: Vector) -> list[float]:
+def _view(body: PlacedSolids, eye: Vector, forward: Vector, left: Vector) -> list[float]:
     """The eye and the scanner's axes in a body's own frame, one after the other."""
     _, position, rotation = body
     frame = axes(rotation)

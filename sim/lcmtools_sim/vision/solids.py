@@ -66,6 +66,10 @@ class Solids:
         )
 
 
+PlacedSolids = tuple[Solids, Vector, Quaternion]
+"""Solids that keep together, and the pose of their frame in the world."""
+
+
 def solids_of(
     parts: Sequence[Part], ground: Color | None = None, lines: tuple[Line, ...] = ()
 ) -> Solids:

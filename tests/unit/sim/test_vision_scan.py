@@ -8,8 +8,8 @@ from fixtures.plain_rays import cast
 
 from lcmtools_sim.geometry import Quaternion, Vector, from_euler
 from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Shape, Sphere
-from lcmtools_sim.vision.scan import Body, Scanner
-from lcmtools_sim.vision.solids import Floats, Solids, joined, matrix, solids_of
+from lcmtools_sim.vision.scan import Scanner
+from lcmtools_sim.vision.solids import Floats, PlacedSolids, Solids, joined, matrix, solids_of
 
 LONGEST = 10.0
 LEVEL: Quaternion = (0.0, 0.0, 0.0, 1.0)
@@ -43,7 +43,7 @@ def check(
     angles: Floats, eye: Vector, tilt: Quaternion, *groups: tuple[Solids, Vector, Quaternion]
 ) -> Floats:
     """Compare a scan with single rays; return it."""
-    standing: list[Body] = [(solids, *pose) for solids, *pose in groups]
+    standing: list[PlacedSolids] = [(solids, *pose) for solids, *pose in groups]
     distances = Scanner(angles, LONGEST).scan(eye, tilt, standing)
     world = joined(solids_of([], (0, 0, 0)), *(solids.placed(*pose) for solids, *pose in groups))
     expected = cast(world, eye, rays(angles, tilt), LONGEST)
@@ -129,6 +129,31 @@ def test_a_scanner_sees_what_moves_comes_and_goes() -> None:
 
         expected = cast(joined(solids_of([]), *solids), EYE, rays(CIRCLE, LEVEL), LONGEST)
         np.testing.assert_allclose(distances, expected, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("angles", [CIRCLE, np.linspace(2.0, -2.0, 300)])
+@pytest.mark.parametrize("tilt", [0.0, 0.3])
+def test_many_scanners_together_see_to_the_bit_what_each_alone_sees(
+    angles: Floats, tilt: float
+) -> None:
+    random, scanner = np.random.default_rng(3), Scanner(angles, LONGEST)
+    bodies: list[PlacedSolids] = [(solids_of(clutter(random, 24)), *HERE)]
+    for number in range(40):
+        position = tuple(random.uniform(-20, 20, 3).tolist())
+        turn = from_euler(*random.uniform(-3, 3, 3).tolist())
+        bodies.append((solids_of(clutter(random, number % 4)), position, turn))
+    bodies.append((solids_of(clutter(random, 2)), (math.nan, 0.0, 0.0), LEVEL))
+    bodies.append((solids_of(clutter(random, 2)), (math.inf, 0.0, 0.0), LEVEL))
+    eyes = random.uniform((-9, -9, 0), (9, 9, 1), (37, 3))
+    turns = [from_euler(*random.uniform(-tilt, tilt, 2), yaw) for yaw in range(37)]
+    own = np.arange(37) % len(bodies)
+
+    ranges = scanner.scan_together(eyes.T, np.array(turns).T, bodies, own)
+
+    assert np.isfinite(ranges).mean() > 0.1
+    for one, eye, turn, body in zip(ranges, eyes.tolist(), turns, own, strict=True):
+        others = [*bodies[:body], *bodies[body + 1 :]]
+        np.testing.assert_array_equal(one, scanner.scan(tuple(eye), turn, others))
 
 
 def look(*parts: Part, eye: Vector = (0.0, 0.0, 0.5)) -> Floats:
