@@ -14,7 +14,8 @@ from typing import Protocol
 import lcmtools
 from lcmtools import Node
 from lcmtools.labs.nodes.driving.keyboard import Keyboard, open_keyboard
-from lcmtools.labs.nodes.terminal import ended_by_signals, is_terminal
+from lcmtools.labs.nodes.ending import ended_by_signals
+from lcmtools.terminal import is_terminal
 
 PERIOD = 0.1
 """Seconds between two commands while the robot moves."""

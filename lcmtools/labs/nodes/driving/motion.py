@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from lcmtools.labs.nodes.driving.keys import DOWN, LEFT, RIGHT, UP
+from lcmtools.terminal import DOWN, LEFT, RIGHT, UP
 
 DIRECTIONS = {
     "u": (1, 1), "i": (1, 0), "o": (1, -1),

@@ -12,12 +12,10 @@ from rich.console import Console, ConsoleDimensions
 from rich.text import Text
 
 from lcmtools.color import stream_wants_color
-from lcmtools.labs.nodes.driving.keyboard import TerminalKeys
-from lcmtools.labs.nodes.driving.keys import ESCAPE
 from lcmtools.labs.nodes.picture.colors import ColoredPicture, ColorOptions, colored, mix
 from lcmtools.labs.nodes.picture.display import Display
 from lcmtools.labs.nodes.picture.pixels import Picture
-from lcmtools.labs.nodes.terminal import Terminal, is_terminal
+from lcmtools.terminal import ESCAPE, Terminal, TerminalKeys, is_terminal
 
 with patch.object(sys, "__stdout__", None):
     # With a terminal there, the import would send queries and wait for the answers for 0.1 s only:

@@ -2,8 +2,9 @@
 
 import pytest
 
-from lcmtools.labs.nodes.driving.keys import KeyScript, split_keys
+from lcmtools.labs.nodes.driving.keys import KeyScript
 from lcmtools.labs.nodes.driving.motion import HeldKey, Motion, Sliders
+from lcmtools.terminal import split_keys
 
 
 @pytest.mark.parametrize(

@@ -7,38 +7,64 @@ the block ends, and once more when the process does. The meaning of keys and tex
 import atexit
 import contextlib
 import os
+import re
+import select
 import signal
 import sys
 import termios
 import tty
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from types import FrameType
 from typing import TextIO
 
-from lcmtools import Node
+_ESCAPE_TIME = 0.05
+"""Seconds within which a terminal sends the rest of an arrow's sequence, over a network too."""
+_AT_ONCE = 4096
 
-_ENDING_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+UP, DOWN, LEFT, RIGHT = "up", "down", "left", "right"
+ESCAPE = "escape"
+END_OF_INPUT = "end"
+"""Ctrl-D, which a terminal that hands over single keys passes on as a character."""
+
+_ARROWS = {"A": UP, "B": DOWN, "C": RIGHT, "D": LEFT}
+_CONTROLS = {"\x04": END_OF_INPUT, "\x1b": ESCAPE}
+# ECMA-48: ESC [ parameters, intermediates, a final character; ESC O and a letter is what keypads
+# send (xterm, Control Sequences, "SS3"); ESC [ M and three bytes is an old kind of mouse report.
+_SEQUENCE = re.compile(
+    r"\x1b\[M...|\x1b\[[0-?]*[ -/]*(?P<last>[@-~])|\x1bO(?P<pad>.)|\x1b(?P<alt>[^\x1b\[O])|.",
+    re.DOTALL,
+)
+_UNFINISHED = re.compile(r"\x1b(\[M.{0,2}|\[[0-?]*[ -/]*|O)?\Z", re.DOTALL)
 
 
-@contextlib.contextmanager
-def ended_by_signals(node: Node) -> Iterator[None]:
-    """Let every signal that ends a program stop the node's context, and nothing else.
+def split_keys(data: bytes, *, is_complete: bool) -> tuple[list[str], bytes]:
+    """Return the keys in the bytes of a terminal: characters, and the names above.
 
-    A second signal interrupts nothing: what a program does to end, as stopping its robot, is done
-    in full. It takes a moment only.
+    Escape sequences other than the arrows' (function keys, mouse, focus) are left out; what is
+    typed with Alt counts as the character alone.
+
+    Args:
+        data: The bytes so far.
+        is_complete: No more belongs to them: an escape character at the end is the Escape key.
+
+    Returns:
+        The keys, and the bytes of the beginning of another one.
     """
+    text = data.decode("utf-8", "surrogateescape")
+    unfinished = None if is_complete else _UNFINISHED.search(text)
+    rest = unfinished.group() if unfinished else ""
+    found = (_key(match) for match in _SEQUENCE.finditer(text.removesuffix(rest)))
+    return [key for key in found if key], rest.encode("utf-8", "surrogateescape")
 
-    def end(_number: int, _frame: FrameType | None) -> None:
-        node.context.stop()
 
-    before = {number: signal.signal(number, end) for number in _ENDING_SIGNALS}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            # the end of a terminal is reported twice, by the kernel and by the shell
-            is_repeated = number == signal.SIGHUP and not node.context.ok()
-            signal.signal(number, signal.SIG_IGN if is_repeated else handler)
+def _key(match: re.Match[str]) -> str:
+    """Return a key's name; "" for a sequence that is none."""
+    text = match.group()
+    if len(text) == 1:
+        return _CONTROLS.get(text, text)
+    if match["alt"]:
+        return match["alt"]
+    return _ARROWS.get(match["last"] or match["pad"] or "", "")
 
 
 class Terminal:
@@ -133,6 +159,29 @@ class Terminal:
         self._is_resumed = True
 
 
+class TerminalKeys:
+    """The keys that are pressed at standard input's terminal, which hands over single ones."""
+
+    def __init__(self, terminal: Terminal) -> None:
+        self.is_over = False
+        self._terminal = terminal
+        self._rest = b""
+
+    def read(self, seconds: float) -> list[str]:
+        """Return the keys that have come."""
+        self._terminal.obey()
+        if not is_readable(_ESCAPE_TIME if self._rest else seconds):
+            keys, self._rest = split_keys(self._rest, is_complete=True)
+            return keys
+        data = read_waiting()
+        self.is_over = not data
+        keys, self._rest = split_keys(self._rest + data, is_complete=self.is_over)
+        if END_OF_INPUT in keys:
+            self.is_over = True
+            keys = keys[: keys.index(END_OF_INPUT)]
+        return keys
+
+
 def _write(text: str) -> None:
     if text:
         with contextlib.suppress(OSError, ValueError):  # the terminal is closed
@@ -146,3 +195,17 @@ def is_terminal(stream: TextIO) -> bool:
         return stream.isatty()
     except (OSError, ValueError):  # closed
         return False
+
+
+def is_readable(seconds: float) -> bool:
+    """Return whether standard input has something, or has ended; wait for it at most so long."""
+    return bool(select.select([sys.stdin.fileno()], [], [], seconds)[0])
+
+
+def read_waiting() -> bytes:
+    """Return what has come on standard input; empty at the end, and where the terminal is gone."""
+    # not sys.stdin.read(): what waits in its buffer is hidden from select
+    try:
+        return os.read(sys.stdin.fileno(), _AT_ONCE)
+    except OSError:
+        return b""
