@@ -8,8 +8,10 @@ import time
 from collections.abc import Callable
 
 from lcmtools.bus.listeners import listening_processes, listening_sockets
+from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import NothingReceived
+from lcmtools.graph.model import Staleness
 from lcmtools.messages.registry import Message
 from lcmtools.names import did_you_mean, is_hidden
 from lcmtools.node.node import Node
@@ -19,6 +21,7 @@ from lcmtools.publish.incoming import Notify
 
 _LONGEST = 1.0  # [s] for any subscriber, where no number was given
 _ANSWERED = 0.25  # [s] after which every node that is there has announced itself
+_SOONEST = 0.05  # [s] after which those of this computer have, if those with a record have
 _PATIENCE = 2.0  # [s] before a person reads about the wait
 _POLL = 0.01  # [s]
 
@@ -32,6 +35,7 @@ class SubscriberWait:
         self._node = node
         self._publisher = publisher
         self._notify = notify
+        self._url = url
         self._sockets = listening_sockets(url)
         publisher.subscriber_ids()  # probes the nodes: they answer while other things are done
 
@@ -74,7 +78,15 @@ class SubscriberWait:
 
     def _wait_for_any(self) -> None:
         """Plain LCM programs never announce their subscriptions: for them there is no waiting."""
-        if wait_until(self._publisher.subscriber_count, _ANSWERED):
+        soonest, recorded = time.monotonic() + _SOONEST, self._recorded_here()
+
+        def have_answered() -> bool:
+            return time.monotonic() >= soonest and recorded <= {
+                node.id for node in self._node.graph().nodes
+            }
+
+        wait_until(lambda: self._publisher.subscriber_count() or have_answered(), _ANSWERED)
+        if self._publisher.subscriber_count():
             return
         if self._has_plain_listeners() and not self._misfits():
             return
@@ -86,6 +98,13 @@ class SubscriberWait:
                 f"no node subscribes to {topic}{misfits} yet;"
                 f" {f'{near} ' if near else ''}publishing all the same"
             )
+
+    def _recorded_here(self) -> frozenset[str]:
+        """The ids of the nodes that run on this computer; of none that is, if others take part."""
+        if not self._url.is_multicast or self._url.ttl:
+            return frozenset({""})
+        records = NodeRecords(self._url, os.environ).read()
+        return frozenset(node.id for node in records if node.stale is Staleness.HANGS)
 
     def _has_plain_listeners(self) -> bool:
         """True if programs that are no nodes receive from the bus, on whatever channel."""

@@ -1,14 +1,20 @@
 """pub waits for subscribers, keeps its rate, stamps what it sends, and serves who comes late."""
 
 import json
+import os
+import socket
 import time
 from collections.abc import Callable
 from itertools import count
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from lcmtools import Node
+from lcmtools.bus.records import NodeRecords
+from lcmtools.bus.url import parse_url
+from lcmtools.graph.model import Node as Model
 from lcmtools.publish import subscriber_wait
 from lcmtools.types.rosgraph_msgs import Clock
 
@@ -78,11 +84,30 @@ def test_plain_lcm_programs_are_not_waited_for(
     alone = cli(*words, env=bus)
     assert alone.err.startswith("lcmtools pub: no node subscribes to PLAIN yet")
 
-    monkeypatch.setattr(subscriber_wait, "_LONGEST", 1000.0)
+    monkeypatch.setattr(subscriber_wait, "_LONGEST", 2000.0)
+    monkeypatch.setattr(subscriber_wait, "_ANSWERED", 1000.0)  # every node here has answered
     plain = start_python(_PLAIN_LISTENER, **bus)
     plain.wait_for("ready")
     assert cli(*words, env=bus).ok() == ""
     plain.wait_for("received")
+
+
+def test_nodes_of_this_computer_that_have_not_answered_are_waited_for(
+    start_python: Callable[..., Any],
+    bus_url: str,
+    cli: Cli,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    monkeypatch.setattr(subscriber_wait, "_ANSWERED", 0.3)
+    records = NodeRecords(parse_url(bus_url), {"XDG_RUNTIME_DIR": str(tmp_path)})
+    records.write(Model(name="/busy", id="busy", host=socket.gethostname(), pid=os.getpid()))
+    bus = {"LCM_DEFAULT_URL": bus_url, "XDG_RUNTIME_DIR": str(tmp_path)}
+    start_python(_PLAIN_LISTENER, **bus).wait_for("ready")
+    started = time.monotonic()
+    assert cli("pub", "-1", "--literal", "PLAIN", STRING, "x", env=bus).ok() == ""
+    assert time.monotonic() - started > 0.3  # seconds
 
 
 def test_times_end_after_so_many(topic: str, cli: Cli) -> None:
