@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from lcmtools.observe.rates import Bandwidth, Statistics
@@ -20,13 +20,13 @@ class ReportForm:
     columns: Sequence[str]  # of the table, behind the topic
     text: str  # of cells or fields, in the lines of rostopic
     cells: Callable[[Any], list[str]]
-    fields: Callable[[Any], Sequence[object]] = astuple  # that text has
+    fields: Callable[[Any], Sequence[object]] = tuple  # that text has
     nothing: str = "no new messages"
 
     def records(self, found: Mapping[str, Any]) -> Iterator[str]:
         """Yield a line of JSON for each topic."""
         for topic, value in found.items():
-            pairs = zip(self.keys, astuple(value), strict=True) if value else [(self.keys[0], None)]
+            pairs = zip(self.keys, value, strict=True) if value else [(self.keys[0], None)]
             yield json.dumps({"topic": topic, **dict(pairs)})
 
     def rows(self, found: Mapping[str, Any]) -> list[str]:
