@@ -19,8 +19,12 @@ Library code raises; only ``lcmtools.cli`` prints errors and turns them into exi
 knows nothing else of lcmtools.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import wraps
+from typing import TypeVar, cast
+
+FunctionT = TypeVar("FunctionT", bound=Callable[..., object])
 
 
 class LcmtoolsError(Exception):
@@ -106,3 +110,40 @@ class NothingReceived(LcmtoolsError):  # noqa: N818
     """Nothing came within the time given."""
 
     exit_code = 4
+
+
+def explained(function: FunctionT) -> FunctionT:
+    """Let calls that do not fit a function's signature raise a UsageError that shows it."""
+
+    @wraps(function)
+    def call(*arguments: object, **keywords: object) -> object:
+        try:
+            return function(*arguments, **keywords)
+        except TypeError as error:
+            if error.__traceback__ is None or error.__traceback__.tb_next:  # raised inside
+                raise
+            fault = _call_fault(function, error)
+        raise fault  # without the error, which says the same
+
+    return cast("FunctionT", call)
+
+
+def _call_fault(function: Callable[..., object], error: TypeError) -> UsageError:
+    """Return the error for a call that does not fit a function's signature."""
+    import inspect  # late: it takes some milliseconds
+
+    reason = str(error).partition("() ")[2]
+    if reason.endswith("given"):  # Python counts self too
+        reason = "got too many arguments"
+    names = ", ".join(
+        f"{one.name.removesuffix('s')}, ..."
+        if one.kind is one.VAR_POSITIONAL
+        else one.name
+        if one.default is one.empty
+        else f"{one.name}={one.default!r}"
+        for one in inspect.signature(function).parameters.values()
+        if one.name != "self"
+    )
+    owner, _, name = function.__qualname__.rpartition(".")
+    name = owner if name == "__init__" else name
+    return UsageError(f"{name} {reason}", f"write {name}({names})")

@@ -14,7 +14,10 @@ from lcmtools.names import did_you_mean
 _NO_BUILD = "lcmtools run NODE starts a node as it is; lcmtools pkg build checks its messages"
 _RECORD = "lcm-logger FILE records, lcm-logplayer FILE plays, lcmtools echo -b FILE --all prints"
 _LOOK = "lcmtools run sim --gui shows the world, run image_view a camera's images, spy all topics"
-_PANELS = "lcmtools spy shows and plots topics, graph draws nodes, run image_view shows a camera"
+_PANELS = (
+    "lcmtools spy shows and plots topics, graph draws nodes, run steering TOPIC drives, run"
+    " image_view shows a camera"
+)
 _NOT_MESSAGES = ("roscpp", "rospy", "rclcpp", "rclpy", "message_generation", "message_runtime")
 
 

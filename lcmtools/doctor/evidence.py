@@ -33,6 +33,7 @@ class Host:
     receive_buffer: int = 0  # [byte] of a socket by default (rmem_default)
     most_receive_buffer: int = 0  # [byte] that a socket may request (rmem_max)
     firewall: str = ""  # the name of one that is enabled
+    firewall_chain: str = ""  # where it refuses: "inet filter input" of nftables, "INPUT"
     container: str = ""  # "container" or "WSL"
     reassembly_failures: int = 0  # IP datagrams with fragments missing, during the look
     environment: tuple[str, ...] = ()  # faults of variables and Python packages, one line each

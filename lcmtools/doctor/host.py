@@ -35,6 +35,7 @@ _FIREWALLD = Path("/run/firewalld.pid")
 _READERS = {"nftables": ("nft", "list", "ruleset"), "iptables": ("iptables-save",)}
 _TIMEOUT = 2.0  # [s]
 _MET = re.compile(r"\bhook (input|output)\b")
+_BASES = ("INPUT", "OUTPUT")
 _JUMPS = frozenset({"jump", "goto", "-j", "-g"})
 _REFUSALS = frozenset({"drop", "reject", "DROP", "REJECT"})
 
@@ -74,7 +75,7 @@ def _network(url: BusUrl, interface: str) -> dict[str, Any]:
     known: dict[str, Any] = {"large_bytes": LARGE_BYTES, "large_problem": large_problem(url)}
     if url.ttl:
         folder = _NET / interface
-        known["firewall"], known["firewall_unknown"] = firewall()
+        known["firewall"], known["firewall_chain"], known["firewall_unknown"] = firewall()
         known["send_problem"], known["send_remedy"] = send_problem(url)
         known["others"] = tuple(sorted(_routed_interfaces() - {interface, "lo"}))
         known["is_virtual"] = _number(folder / "iflink") != _number(folder / "ifindex")
@@ -186,46 +187,60 @@ def _found_twice(environment: Mapping[str, str]) -> Iterable[str]:
             yield f"Python finds {name} in {' and in '.join(map(str, places))}; the first counts"
 
 
-def firewall() -> tuple[str, str]:
-    """The name of a firewall that may drop datagrams, and the reason if that is not known.
+def firewall() -> tuple[str, str, str]:
+    """Return a firewall that may drop datagrams, its chain, and the reason if it is not known.
 
-    Both are empty where none is at work; at most one is not.
+    All are empty where none is at work. The chain is known where the rules were read.
     """
     if "ENABLED=yes" in text_of(_UFW):
-        return "ufw", ""
+        return "ufw", "", ""
     if _FIREWALLD.exists():
-        return "firewalld", ""
-    if not Path("/proc").exists():
-        return "", "its rules are not known on this system"
-    if os.getuid() != 0:
-        return "", "only root can read its rules: sudo lcmtools wtf, or sudo nft list ruleset"
+        return "firewalld", "", ""
+    unknown = ""
     readers = {name: command for name, command in _READERS.items() if shutil.which(command[0])}
-    if not readers:
-        return "", "neither nft nor iptables-save is installed, which would show its rules"
-    return next((name for name, command in readers.items() if refuses(_output(command))), ""), ""
+    if not Path("/proc").exists():
+        unknown = "its rules are not known on this system"
+    elif os.getuid() != 0:
+        unknown = "only root can read its rules: sudo lcmtools wtf, or sudo nft list ruleset"
+    elif not readers:
+        unknown = "neither nft nor iptables-save is installed, which would show its rules"
+    for name, command in readers.items() if not unknown else ():
+        if chain := refusing_chain(_output(command)):
+            return name, chain, ""
+    return "", "", unknown
 
 
-def refuses(rules: str) -> bool:
-    """Return whether rules, as nft or iptables-save print them, drop incoming or outgoing traffic.
+def refusing_chain(rules: str) -> str:
+    """Return the chain of rules that drops incoming or outgoing traffic; "" if none does.
 
+    Rules are as nft or iptables-save print them, and so is the name: "inet filter input", "INPUT".
     What is only forwarded for others, as Docker's rules are about, does not count.
     """
-    met, refusing, jumps = set(), set(), defaultdict[str, set[str]](set)  # by a chain's name
-    current = ""
+    bases, refusing, jumps = dict[str, str](), set(), defaultdict[str, set[str]](set)
+    table = current = ""
     for line in rules.splitlines():
         words = line.replace(";", " ").split()
-        if words[:1] in (["chain"], ["-A"]) and len(words) > 1:
+        if words[:1] == ["table"]:
+            table = " ".join(words[1:3])
+        elif words[:1] in (["chain"], ["-A"]) and len(words) > 1:
             current = words[1]
         elif words and words[0][:1] == ":":
             current = words[0][1:]
-        if current in ("INPUT", "OUTPUT") or _MET.search(line):
-            met.add(current)
+        if current in _BASES or _MET.search(line):
+            bases[current] = f"{table} {current}".strip()
         if _REFUSALS & set(words):
             refusing.add(current)
         jumps[current] |= {b for a, b in pairwise(words) if a in _JUMPS}
-    while new := {target for name in met for target in jumps[name]} - met:
+    reached = (chain for base, chain in bases.items() if refusing & _reached(base, jumps))
+    return next(reached, "")
+
+
+def _reached(base: str, jumps: Mapping[str, set[str]]) -> set[str]:
+    """Return a chain and those to which it leads."""
+    met = {base}
+    while new := {target for name in met for target in jumps.get(name, ())} - met:
         met |= new
-    return not met.isdisjoint(refusing)
+    return met
 
 
 def _output(command: Sequence[str]) -> str:

@@ -155,7 +155,11 @@ FACTS = {
 }
 _LCM_GEN = "generate the code of both sides from the same .lcm files: lcm-gen"
 REMEDIES = {
-    "allow-multicast": "`sudo ufw allow in proto udp to 224.0.0.0/4`",
+    "allow-by-firewalld": "`sudo firewall-cmd --add-rich-rule='rule family=ipv4 destination"
+    " address=224.0.0.0/4 accept'`",
+    "allow-by-iptables": "`sudo iptables -I {chain} -d 224.0.0.0/4 -j ACCEPT`",
+    "allow-by-nftables": "`sudo nft insert rule {chain} ip daddr 224.0.0.0/4 accept`",
+    "allow-by-ufw": "`sudo ufw allow in proto udp to 224.0.0.0/4`",
     "busiest-less": "let {busiest:work} of {node} do less, and never wait",
     "callback-less": "let the callback of {topic} do less",
     "callback-less-or-depth": "let the callback of {topic} do less, or give a greater queue depth",

@@ -7,17 +7,14 @@ check raises a UsageError that says what to write.
 import inspect
 import math
 from collections.abc import Callable, Sequence
-from functools import wraps
 from types import ModuleType
-from typing import TypeVar, cast
+from typing import cast
 
 from lcmtools.errors import UsageError, ValueMismatch
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.layout import is_generated
 from lcmtools.messages.registry import Message, message_class, service_class, type_name
 from lcmtools.messages.scalars import given
-
-FunctionT = TypeVar("FunctionT", bound=Callable[..., object])
 
 _ROS_SPELLINGS = {
     **dict.fromkeys(("get_name", "get_fully_qualified_name"), "node.name"),
@@ -33,22 +30,6 @@ _ROS_SPELLINGS = {
 }
 """Methods of ROS's nodes that a newcomer calls, with what takes their place."""
 _LONGEST_USUAL_PERIOD = 60.0  # [s]; a longer one is more often meant in milliseconds
-
-
-def explained(function: FunctionT) -> FunctionT:
-    """Let calls that do not fit a function's signature raise a UsageError that shows it."""
-
-    @wraps(function)
-    def call(*arguments: object, **keywords: object) -> object:
-        try:
-            return function(*arguments, **keywords)
-        except TypeError as error:
-            if error.__traceback__ is None or error.__traceback__.tb_next:  # raised inside
-                raise
-            fault = _call_fault(function, error)
-        raise fault  # without the error, which says the same
-
-    return cast("FunctionT", call)
 
 
 def check_text(call: str, what: str, value: object) -> None:
@@ -160,21 +141,6 @@ def missing_attribute(node: object, name: str) -> Exception:
         return UsageError(f"{cls}.__init__ has not called that of Node before", first)
     hint = f"; write {_ROS_SPELLINGS[name]}" if name in _ROS_SPELLINGS else ""
     return AttributeError(f"'{cls}' object has no attribute '{name}'{hint}", name=name, obj=node)
-
-
-def _call_fault(function: Callable[..., object], error: TypeError) -> UsageError:
-    """Return the error for a call that does not fit a function's signature."""
-    reason = str(error).partition("() ")[2]
-    if reason.endswith("given"):  # Python counts self too
-        reason = "got too many arguments"
-    names = ", ".join(
-        one.name if one.default is one.empty else f"{one.name}={one.default!r}"
-        for one in inspect.signature(function).parameters.values()
-        if one.name != "self"
-    )
-    owner, _, name = function.__qualname__.rpartition(".")
-    name = owner if name == "__init__" else name
-    return UsageError(f"{name} {reason}", f"write {name}({names})")
 
 
 def _type_fault(call: str, kind: object, name: object, *, is_service: bool = False) -> UsageError:

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from lcmtools import names
 from lcmtools.bus.base import Handler
-from lcmtools.errors import BusError, UsageError
+from lcmtools.errors import BusError, UsageError, explained
 from lcmtools.graph.model import Endpoint
 from lcmtools.messages.registry import Message
 from lcmtools.node import checks
@@ -82,7 +82,7 @@ class Factory:
         """
         return self.__resolver.resolve(name)
 
-    @checks.explained
+    @explained
     def create_publisher(
         self, message_type: type[MessageT], topic: str, depth: int = 10, *, literal: bool = False
     ) -> Publisher[MessageT]:
@@ -108,7 +108,7 @@ class Factory:
         context.announcer.announce_soon()
         return publisher
 
-    @checks.explained
+    @explained
     def create_subscription(
         self,
         message_type: type[MessageT] | tuple[type[MessageT], ...],
@@ -148,7 +148,7 @@ class Factory:
         self.__wake()  # messages may have come before
         return subscription
 
-    @checks.explained
+    @explained
     def create_timer(self, seconds: float, callback: Callable[[], object]) -> Timer:
         """Call a function every ``seconds`` on the node's clock.
 
@@ -163,7 +163,7 @@ class Factory:
         self.__callbacks.timers.append(timer)
         return timer
 
-    @checks.explained
+    @explained
     def create_rate(self, frequency: float) -> Rate:
         """Return a rate for a loop of one's own: its ``sleep`` runs callbacks meanwhile.
 
@@ -178,7 +178,7 @@ class Factory:
         timer = Timer(period, lambda: None, self.__callbacks.time)
         return Rate(self.__context, self.__callbacks, timer)
 
-    @checks.explained
+    @explained
     def create_service(
         self,
         service_type: ServiceType[RequestT, ResponseT],
@@ -200,7 +200,7 @@ class Factory:
         self.__wake()  # messages may have come before
         return service
 
-    @checks.explained
+    @explained
     def create_client(
         self, service_type: ServiceType[RequestT, ResponseT], name: str
     ) -> Client[RequestT, ResponseT]:
@@ -218,7 +218,7 @@ class Factory:
         self.__clients.append(client)  # type: ignore[arg-type] # their message types differ
         return client
 
-    @checks.explained
+    @explained
     def destroy_publisher(self, publisher: Publisher[MessageT]) -> None:
         """Announce a publisher no more. Does nothing the second time."""
         if publisher in self.__publishers:
@@ -226,7 +226,7 @@ class Factory:
             publisher.is_destroyed = True
             self.__context.announcer.announce_soon()
 
-    @checks.explained
+    @explained
     def destroy_subscription(self, subscription: Subscription) -> None:
         """Receive nothing more by it, no waiting messages either. Does nothing the second time."""
         subscription.close()
@@ -236,7 +236,7 @@ class Factory:
             self.__context.bus.unsubscribe(subscription.topic, subscription.receive)
             self.__context.announcer.announce_soon()
 
-    @checks.explained
+    @explained
     def destroy_timer(self, timer: Timer) -> None:
         """Call a timer's function no more. Does nothing the second time."""
         timer.cancel()

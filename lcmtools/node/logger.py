@@ -9,9 +9,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TextIO
 
+from lcmtools import errors
 from lcmtools.clock import Clock, split_stamp
 from lcmtools.color import RED, YELLOW, paint, stream_wants_color
-from lcmtools.node import checks
+from lcmtools.errors import explained
 from lcmtools.types.rosgraph_msgs import Log
 
 _LABELS = {getattr(Log, name): name for name in ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")}
@@ -47,12 +48,12 @@ class Logger:
         self._stream = stream
         self._last_printed: dict[Place, float] = {}
 
-    @checks.explained
+    @explained
     def debug(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
         """Log an aid to debugging; for the options see ``info``."""
         self._log(Log.DEBUG, text, math.inf if once else throttle)
 
-    @checks.explained
+    @explained
     def info(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
         """Log a normal event.
 
@@ -63,7 +64,7 @@ class Logger:
         """
         self._log(Log.INFO, text, math.inf if once else throttle)
 
-    @checks.explained
+    @explained
     def warning(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
         """Log a possible fault."""
         self._log(Log.WARN, text, math.inf if once else throttle)
@@ -74,7 +75,7 @@ class Logger:
         """Publish a warning that still holds on ``/rosout`` again, without printing it."""
         self._log(Log.WARN, text, prints=False)
 
-    @checks.explained
+    @explained
     def error(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
         """Log a fault."""
         self._log(Log.ERROR, text, math.inf if once else throttle)
@@ -87,7 +88,7 @@ class Logger:
         """Log more of a fault that has been logged: it is printed, and ``/rosout`` has it once."""
         self._log(Log.ERROR, text, forwards=False)
 
-    @checks.explained
+    @explained
     def fatal(self, text: str, *, once: bool = False, throttle: float = 0.0) -> None:
         """Log a fault that the node cannot survive."""
         self._log(Log.FATAL, text, math.inf if once else throttle)
@@ -130,7 +131,7 @@ class Logger:
 def _place_of_call() -> Place:
     """Return the place that called a method of the log."""
     frame = inspect.currentframe()
-    while frame and frame.f_code.co_filename in (__file__, checks.__file__):
+    while frame and frame.f_code.co_filename in (__file__, errors.__file__):
         frame = frame.f_back
     code = frame and frame.f_code
     return (code.co_filename, frame.f_lineno, code.co_name) if frame and code else ("", 0, "")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from lcmtools import names
 from lcmtools.clock import Clock, ManualClock, SystemClock, join_stamp
-from lcmtools.errors import InvalidName
+from lcmtools.errors import InvalidName, explained
 from lcmtools.graph import model
 from lcmtools.node import checks
 from lcmtools.node.callback_errors import CallbackErrors
@@ -49,7 +49,7 @@ class Node(Parametric, Factory):
     # Private names begin with two underscores: a user's class inherits from this one, and may have
     # a _clock or a _timers of its own.
 
-    @checks.explained
+    @explained
     def __init__(
         self,
         name: str,

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar, cast
 
-from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.errors import LcmtoolsError, UsageError, explained
 from lcmtools.messages.setting import (
     ParameterValue,
     check_setting,
@@ -17,7 +17,7 @@ from lcmtools.messages.setting import (
     write_setting,
 )
 from lcmtools.names import did_you_mean
-from lcmtools.node.checks import check_callback, check_text, described, explained
+from lcmtools.node.checks import check_callback, check_text, described
 from lcmtools.types import lcmtools_msgs as msgs
 
 PARAMETERS_SUFFIX = "/_parameters"
@@ -37,6 +37,12 @@ class Parameter(Generic[ValueT]):
 
     name: str
     value: ValueT
+
+    @explained
+    def __init__(self, name: str, value: ValueT) -> None:
+        check_text("Parameter", "name", name)
+        object.__setattr__(self, "name", name)
+        object.__setattr__(self, "value", value)
 
 
 @dataclass(frozen=True, slots=True)

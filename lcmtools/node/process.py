@@ -13,7 +13,7 @@ from types import FrameType
 from lcmtools.arguments import NodeArguments, looks_special, misspelt, split_arguments
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl, choose_url
-from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.errors import LcmtoolsError, UsageError, explained
 from lcmtools.messages.supply import has_supply
 from lcmtools.node import checks
 from lcmtools.node.context import Context
@@ -39,7 +39,7 @@ class _Process:
 _process = _Process()
 
 
-@checks.explained
+@explained
 def init(
     args: Sequence[str] | None = None, *, url: str | None = None, handle_signals: bool = True
 ) -> list[str]:

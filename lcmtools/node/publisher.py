@@ -5,11 +5,11 @@ from collections.abc import Callable
 from typing import Generic, TypeVar
 
 from lcmtools.bus.base import Bus
-from lcmtools.errors import BusError, UsageError, ValueMismatch
+from lcmtools.errors import BusError, UsageError, ValueMismatch, explained
 from lcmtools.graph.model import Endpoint, Graph, Role
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message, fingerprint, type_name
-from lcmtools.node.checks import explained, misfit
+from lcmtools.node.checks import misfit
 
 MessageT = TypeVar("MessageT", bound=Message)
 

@@ -19,11 +19,12 @@ from lcmtools.errors import (
     ServiceError,
     ServiceTimeout,
     UsageError,
+    explained,
 )
 from lcmtools.graph.model import Endpoint, Role
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Message, fingerprint, type_name
-from lcmtools.node.checks import explained, misfit
+from lcmtools.node.checks import misfit
 from lcmtools.node.logger import sendable
 from lcmtools.node.replies import BYTES_A_SECOND, Key, Replies
 from lcmtools.node.stopwatch import Stopwatch

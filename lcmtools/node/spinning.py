@@ -4,13 +4,14 @@ import contextlib
 import threading
 from collections.abc import Sequence
 
-from lcmtools.errors import UsageError
+from lcmtools.errors import UsageError, explained
 from lcmtools.node import checks
 from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.context import Context
 from lcmtools.node.node import Node
 
 
+@explained
 def spin(*nodes: Node) -> None:
     """Run the nodes' callbacks until Ctrl-C, SIGTERM or ``shutdown``.
 
@@ -58,7 +59,7 @@ def _check_node(call: str, node: object) -> None:
     raise UsageError(f"lcmtools.{call} needs a node, got {checks.described(node)}", hint)
 
 
-@checks.explained
+@explained
 def spin_once(node: Node, timeout: float | None = 0.0) -> None:
     """Wait for something to do, for ``timeout`` seconds at most (None: without end); do all of it.
 

@@ -12,6 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lcmtools.errors import UsageError, explained
 from lcmtools.messages.supply import Supply, has_supply, set_supply
 
 if TYPE_CHECKING:  # imported with the first look-up
@@ -49,6 +50,7 @@ def provide_recorded_types(types: "Iterable[RecordedType]") -> None:
     user_types().add_recorded(types)
 
 
+@explained
 def message_class(name: str, number: int | None = None) -> "type[Message]":
     """Return the class of a message type, shipped or of the user's own.
 
@@ -58,11 +60,15 @@ def message_class(name: str, number: int | None = None) -> "type[Message]":
         number: Its fingerprint, where that is known: it chooses among types of one name.
 
     Raises:
+        UsageError: The name is no text.
         UnknownType: There is no such type, or several packages have it.
         InvalidFile: The .lcm file that should have it is wrong.
     """
     from lcmtools.messages import registry
 
+    if not isinstance(name, str):
+        what = f"message_class: a type's name is a text, got {name!r}"
+        raise UsageError(what, "write lcmtools.message_class('std_msgs/String')")
     if not has_supply():
         provide_user_types()
     return registry.message_class(name, number)

@@ -369,7 +369,10 @@ SHOW_ONLY = frozenset(  # where to look further: they change nothing
     ("compare-buses", "compare-clocks", "inspect", "inspect-java", "inspect-python")
 ) | {"look-at-firewall", "look-there"}
 NEED_MORE = {  # than a network on a Linux computer
-    "allow-multicast": "ufw, and another computer",
+    "allow-by-firewalld": "firewalld, and another computer",
+    "allow-by-iptables": "iptables, and another computer",
+    "allow-by-nftables": "nft, and another computer",
+    "allow-by-ufw": "ufw, and another computer",
     "callback-less-or-depth": "a node that counts no calls",
     "enable-querier": "a bridge in /sys, which a network namespace does not show",
     "host-network": "a container",

@@ -237,9 +237,9 @@ _DROPS = "table inet t {\n chain c {\n  type filter hook input priority 0; polic
 
 def test_rules_that_drop_are_a_firewall_and_others_are_none(rules: Callable[[str], None]) -> None:
     rules(_DROPS)
-    assert firewall() == ("nftables", "")
+    assert firewall() == ("nftables", "inet t c", "")
     rules(_DROPS.replace("drop", "accept"))
-    assert firewall() == ("", "")
+    assert firewall() == ("", "", "")
 
 
 def test_who_is_not_root_is_told_that_rules_are_unknown(
@@ -247,14 +247,14 @@ def test_who_is_not_root_is_told_that_rules_are_unknown(
 ) -> None:
     rules(_DROPS)
     monkeypatch.setattr("os.getuid", lambda: 1000)
-    name, unknown = firewall()
+    name, _, unknown = firewall()
     assert name == ""
     assert unknown.startswith("only root can read its rules")
 
 
 @pytest.mark.usefixtures("rules")
 def test_where_no_program_shows_the_rules_they_are_unknown() -> None:
-    name, unknown = firewall()
+    name, _, unknown = firewall()
     assert name == ""
     assert unknown.startswith("neither nft nor iptables-save is installed")
 
@@ -265,6 +265,6 @@ def test_a_firewall_that_says_so_itself_needs_no_root(
 ) -> None:
     monkeypatch.setattr("os.getuid", lambda: 1000)
     (tmp_path / "firewalld.pid").touch()
-    assert firewall() == ("firewalld", "")
+    assert firewall() == ("firewalld", "", "")
     (tmp_path / "ufw.conf").write_text("ENABLED=yes\n")
-    assert firewall() == ("ufw", "")
+    assert firewall() == ("ufw", "", "")

@@ -120,7 +120,8 @@ def no_firewall_is_in_the_way(evidence: Evidence) -> Iterator[Finding]:
     """A firewall lets the bus's datagrams pass, where other computers take part."""
     if evidence.ttl and evidence.host.firewall and not evidence.has_others():
         title = state("firewall", firewall=evidence.host.firewall)
-        yield from found(title, None, "allow-multicast")
+        chain = evidence.host.firewall_chain
+        yield from found(title, None, state(f"allow-by-{evidence.host.firewall}", chain=chain))
 
 
 @rule("environment", "correct the variable, or pip install lcm")

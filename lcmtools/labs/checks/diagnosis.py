@@ -30,6 +30,9 @@ SAME = "same"
 """The cause is that of the row before."""
 RAISED, IGNORED = "raised", "ignored"
 """Its callbacks raise exceptions; the simulator ignores its commands."""
+TYPE, TOPIC, SUBSCRIPTION, UNSUBSCRIBED = "type", "topic", "subscription", "unsubscribed"
+LASTING = (RAISED, TYPE, TOPIC, SUBSCRIPTION)
+"""Keys of the causes that time does not mend; others may be of a program that starts slowly."""
 
 _LONG_CALL, _LONG_MEAN = 1.0, 0.1  # [s]
 _RARE = 10  # calls for each exception
@@ -145,7 +148,7 @@ def _elsewhere(look: BusLook, wanted: Sequence[str], types: Sequence[str]) -> Ca
     if odd:
         expected = " or ".join(types)
         text = f"it publishes {odd.type} on {odd.topic}, where {expected} is expected"
-        return Cause("type", text)
+        return Cause(TYPE, text)
     if here:
         return None
     others = [w for w in look.publications if w.type in types or _is_near(w.topic, wanted)]
@@ -154,7 +157,7 @@ def _elsewhere(look: BusLook, wanted: Sequence[str], types: Sequence[str]) -> Ca
     other = max(others, key=lambda wire: (_is_near(wire.topic, wanted), wire.messages))
     target = next((name for name in wanted if _is_near(other.topic, [name])), wanted[0])
     return Cause(
-        "topic",
+        TOPIC,
         f"it publishes on {other.topic}, and not on {target}:"
         f" {_renaming(look, other.topic, target)}",
     )
@@ -164,9 +167,7 @@ def _not_hearing(look: BusLook, wanted: Sequence[str]) -> Cause | None:
     """Return the topic that it does not hear; plain LCM programs announce none."""
     odd = next((w for w in look.subscriptions if w.topic in wanted and w.offered), None)
     if odd:
-        return Cause(
-            "type", f"it subscribes to {odd.topic} as {odd.type}, where {odd.offered} comes"
-        )
+        return Cause(TYPE, f"it subscribes to {odd.topic} as {odd.type}, where {odd.offered} comes")
     have = [wire.topic for wire in look.subscriptions]
     for topic in wanted if look.nodes else ():
         if topic in have:
@@ -174,10 +175,10 @@ def _not_hearing(look: BusLook, wanted: Sequence[str]) -> Cause | None:
         others = [name for name in have if name not in wanted]
         near = [name for name in others if _is_near(name, [topic])]
         if not others:
-            return Cause("subscription", f"it does not subscribe to {topic}")
+            return Cause(UNSUBSCRIBED, f"it does not subscribe to {topic}")
         other = (near or others)[0]
         text = f"it subscribes to {other}, and not to {topic}: {_renaming(look, other, topic)}"
-        return Cause("subscription", text)
+        return Cause(SUBSCRIPTION, text)
     return None
 
 

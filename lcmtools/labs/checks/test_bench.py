@@ -11,6 +11,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from lcmtools import Node
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.labs.catalogue import Lab, LabProgram
 from lcmtools.labs.checks.bus_look import look_at_bus
+from lcmtools.labs.checks.diagnosis import LASTING, cause_of
 from lcmtools.labs.checks.observations import BusLook, Observations, last_words
 from lcmtools.labs.checks.programs import CheckedProgram
 from lcmtools.labs.checks.recorder import BUMPER, Recorder
@@ -37,6 +39,7 @@ _AFTER_END = 0.5  # [s] for messages that a program sent before it ended
 _SLOWEST_PRINT = 15.0  # [s] for the simulator to print a world's file
 _ANSWER_TIMEOUT = 5.0  # [s] for the simulator to answer a service's call
 _FIRST_MESSAGE = 10.0  # [s] from a program's start
+_EARLY = 3.0  # [s] after which a program that is silent is looked at
 
 
 class TimeLimitReached(Exception):  # noqa: N818 - no error: a result
@@ -128,13 +131,36 @@ class TestBench:
 
     def first_command(self, hint: str) -> CheckResult:
         """Wait for the program's first command; return the row of it, with a hint if none comes."""
-        program, commands = self.program, self.recorder.commands
+        row = CheckResult("commands the robot", "messages that come", "they come", is_ok=True)
+        return self.first(lambda: self.recorder.commands, _FIRST_MESSAGE, replace(row, hint=hint))
+
+    def first(
+        self, has_come: Callable[[], object], patience: float, row: CheckResult
+    ) -> CheckResult:
+        """Wait for what is to come of the program first; return its row, or that of its failure.
+
+        Args:
+            has_come: It is there.
+            patience: The time for it [s]; a cause that time does not mend is told earlier.
+            row: Its row, with the hint of the failure.
+        """
+        program, start = self.program, time.monotonic()
         assert program is not None
-        self.wait(lambda: commands or program.code is not None, _FIRST_MESSAGE)
-        what, wanted = "commands the robot", "messages that come"
-        if commands:
-            return CheckResult(what, wanted, "they come", is_ok=True)
-        return program.nothing_within(_FIRST_MESSAGE, what, wanted, hint)
+
+        def is_over() -> bool:
+            return bool(has_come()) or program.code is not None
+
+        def failure() -> CheckResult:
+            seconds = round(time.monotonic() - start)
+            return program.nothing_within(seconds, row.what, row.wanted, row.hint)
+
+        if not self.wait(is_over, min(_EARLY, patience)) and patience > _EARLY:
+            if cause_of(failure(), self.observe()).key in LASTING:
+                patience = 0.0
+            else:
+                self._look = None  # a later one shows more
+            self.wait(is_over, max(_SPIN_TIME, start + patience - time.monotonic()))
+        return row if has_come() else failure()
 
     def observe(self) -> Observations:
         """Return what has been observed so far; the bus is looked at once, if it runs."""
@@ -142,6 +168,7 @@ class TestBench:
         assert program is not None
         if self._look is None and program.code is None:
             self._look = look_at_bus(self._url, program.pid)
+            lcmtools.spin_once(self.node)  # what came meanwhile, with the time
         return Observations(
             self._lab_program,
             recorder.commands,

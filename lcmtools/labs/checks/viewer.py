@@ -31,22 +31,23 @@ def check_viewer(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
     """Check a program that saves the Kinect's picture as a PNG file."""
     truths = bench.recorder.record(Image, _DEPTH)
     file = bench.folder / "picture.png"
-    program = bench.start(viewer_command(command, str(file)))
+    bench.start(viewer_command(command, str(file)))
     seen: list[Picture] = []  # a viewer may rewrite the file with each message
 
     def has_come() -> bool:
         seen.extend(filter(None, [_read(file)]))
         return bool(seen)
 
-    bench.wait(lambda: has_come() or program.code is not None, _PICTURE)
     what, wanted = "saves a picture", "a PNG file"
-    if not has_come() and file.exists():
+    hint = f"does it subscribe to {_DEPTH}, and save what comes where --save or {PICTURE} says?"
+    row = CheckResult(what, wanted, "it comes", is_ok=True, hint=hint)
+    first = bench.first(has_come, _PICTURE, row)
+    if not first.is_ok and file.exists():
         hint = "save it as PNG or JPEG"
         yield CheckResult(what, wanted, "a file that is no picture", is_ok=False, hint=hint)
         return
-    if not seen:
-        hint = f"does it subscribe to {_DEPTH}, and save what comes where --save or {PICTURE} says?"
-        yield program.nothing_within(_PICTURE, what, wanted, hint)
+    if not first.is_ok:
+        yield first
         return
     yield CheckResult(what, wanted, "{} x {} pixels".format(*seen[0].image.size), is_ok=True)
     part, reason = 0.0, ""

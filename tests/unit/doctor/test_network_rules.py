@@ -7,9 +7,9 @@ from fixtures.judging import Judged, judge
 
 from lcmtools.doctor.evidence import Evidence, Host, HostClock, Listener, Oddity, SenderFacts
 from lcmtools.doctor.findings import Severity
-from lcmtools.doctor.host import refuses
+from lcmtools.doctor.host import refusing_chain
 from lcmtools.doctor.rules.unchecked import unchecked
-from lcmtools.doctor.words import unchecked_text
+from lcmtools.doctor.words import commands, unchecked_text
 from lcmtools.graph.model import Graph, Traffic
 from lcmtools.wire.packet import Sender
 
@@ -147,21 +147,47 @@ COMMIT"""
 
 
 @pytest.mark.parametrize(
-    ("rules", "does"),
+    ("rules", "chain"),
     [
-        ("", False),
-        (_NFT % ("accept", "udp dport 53 accept"), False),
-        (_NFT % ("drop", "udp dport 53 accept"), True),
-        (_NFT % ("accept", "ip protocol udp drop"), True),
-        (_NFT % ("accept", "reject with icmpx admin-prohibited"), True),
-        (_IPTABLES % ("ACCEPT", "-j ACCEPT"), False),
-        (_IPTABLES % ("DROP", "-j ACCEPT"), True),
-        (_IPTABLES % ("ACCEPT", "-j REJECT --reject-with icmp-port-unreachable"), True),
-        (_IPTABLES % ("ACCEPT", "-j DOCKER"), True),
+        ("", ""),
+        (_NFT % ("accept", "udp dport 53 accept"), ""),
+        (_NFT % ("drop", "udp dport 53 accept"), "inet filter input"),
+        (_NFT % ("accept", "ip protocol udp drop"), "inet filter input"),
+        (_NFT % ("accept", "reject with icmpx admin-prohibited"), "inet filter input"),
+        (_IPTABLES % ("ACCEPT", "-j ACCEPT"), ""),
+        (_IPTABLES % ("DROP", "-j ACCEPT"), "INPUT"),
+        (_IPTABLES % ("ACCEPT", "-j REJECT --reject-with icmp-port-unreachable"), "OUTPUT"),
+        (_IPTABLES % ("ACCEPT", "-j DOCKER"), "OUTPUT"),
     ],
 )
-def test_rules_of_a_firewall_are_read(rules: str, *, does: bool) -> None:
-    assert refuses(rules) is does
+def test_the_chain_of_a_firewall_that_refuses_is_read(rules: str, chain: str) -> None:
+    assert refusing_chain(rules) == chain
+
+
+@pytest.mark.parametrize(
+    ("firewall", "chain", "command"),
+    [
+        ("ufw", "", "sudo ufw allow in proto udp to 224.0.0.0/4"),
+        (
+            "firewalld",
+            "",
+            (
+                "sudo firewall-cmd --add-rich-rule='rule family=ipv4 destination"
+                " address=224.0.0.0/4 accept'"
+            ),
+        ),
+        (
+            "nftables",
+            "inet filter input",
+            "sudo nft insert rule inet filter input ip daddr 224.0.0.0/4 accept",
+        ),
+        ("iptables", "INPUT", "sudo iptables -I INPUT -d 224.0.0.0/4 -j ACCEPT"),
+    ],
+)
+def test_each_firewall_has_its_own_remedy(firewall: str, chain: str, command: str) -> None:
+    evidence = on(OUTGOING, firewall=firewall, firewall_chain=chain)
+    (remedy,) = found(evidence)["firewall"].finding.remedies
+    assert commands(remedy) == [command]
 
 
 def _reasons(evidence: Evidence) -> dict[str, str]:

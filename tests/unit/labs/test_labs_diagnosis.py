@@ -134,7 +134,7 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file() -> N
         ),
         (
             {"look": replace(WELL, subscriptions=INPUTS[:1])},
-            "subscription",
+            "unsubscribed",
             "it does not subscribe to /husky0/desired_velocity",
         ),
         ({"look": replace(WELL, runs_callbacks=False)}, "spin", "lcmtools.spin(node)"),

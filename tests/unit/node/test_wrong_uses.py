@@ -108,6 +108,39 @@ def test_a_forgotten_super_init(begin: Begin, use: Call) -> None:
             ),
         ),
         (
+            lambda n: lcmtools.spin(node=n),  # type: ignore[call-arg]
+            "spin got an unexpected keyword argument 'node'; write spin(node, ...)",
+        ),
+        (
+            lambda _: Parameter("gain"),  # type: ignore[call-arg]
+            (
+                "Parameter missing 1 required positional argument: 'value'; "
+                "write Parameter(name, value)"
+            ),
+        ),
+        (
+            lambda _: Parameter("gain", Parameter, 2.0),  # type: ignore[call-arg]
+            "Parameter got too many arguments; write Parameter(name, value)",
+        ),
+        (
+            lambda _: Parameter(2.0, "gain"),  # type: ignore[arg-type]
+            "Parameter: the name is a text, got 2.0",
+        ),
+        (
+            lambda _: lcmtools.message_class(),  # type: ignore[call-arg]
+            (
+                "message_class missing 1 required positional argument: 'name'; "
+                "write message_class(name, number=None)"
+            ),
+        ),
+        (
+            lambda _: lcmtools.message_class(7),  # type: ignore[arg-type]
+            (
+                "message_class: a type's name is a text, got 7; "
+                "write lcmtools.message_class('std_msgs/String')"
+            ),
+        ),
+        (
             lambda n: n.get_logger().info("speed %f", 1.0),
             "info got too many arguments; write info(text, once=False, throttle=0.0)",
         ),
