@@ -48,12 +48,14 @@ class LcmtoolsError(Exception):
 
 
 @contextmanager
-def os_errors_as(what: str, hint: str = "") -> Iterator[None]:
-    """Raise the system's errors as an LcmtoolsError: "cannot write a.txt: Permission denied"."""
+def os_errors_as(
+    what: str, hint: str = "", kind: type[LcmtoolsError] = LcmtoolsError
+) -> Iterator[None]:
+    """Raise the system's errors as an error of ours: "cannot write a.txt: Permission denied"."""
     try:
         yield
     except OSError as error:
-        raise LcmtoolsError(f"{what}: {error.strerror or error}", hint) from error
+        raise kind(f"{what}: {error.strerror or error}", hint) from error
 
 
 class UsageError(LcmtoolsError):

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from lcmtools.bus.multicast import check_multicast
 from lcmtools.bus.url import BusUrl
-from lcmtools.errors import BusError
+from lcmtools.errors import BusError, os_errors_as
 from lcmtools.wire.log import SYNC
 
 _SELECT_LIMIT = 1024
@@ -85,10 +85,8 @@ def _jar() -> str:
 def _check_log(url: BusUrl) -> None:
     if url.options.get("mode", "r") != "r":
         return
-    try:
-        with Path(url.network).open("rb") as log:
-            start = log.read(len(SYNC))
-    except OSError as error:
-        raise BusError(f"cannot read the log '{url.network}': {error.strerror}") from error
+    what = f"cannot read the log '{url.network}'"
+    with os_errors_as(what, kind=BusError), Path(url.network).open("rb") as log:
+        start = log.read(len(SYNC))
     if start != SYNC:
         raise BusError(f"'{url.network}' is empty or no LCM log")

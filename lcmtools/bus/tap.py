@@ -22,7 +22,7 @@ from lcmtools.bus.multicast import (
 )
 from lcmtools.bus.socket_filter import heads_only
 from lcmtools.bus.url import BusUrl
-from lcmtools.errors import BusError
+from lcmtools.errors import BusError, os_errors_as
 from lcmtools.names import check_length
 from lcmtools.wire.datagram import datagrams
 from lcmtools.wire.packet import Packet, Sender
@@ -126,11 +126,9 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         """
         check_length(channel)
         self._seqno += 1
-        try:
+        with os_errors_as(f"cannot send to {self._address[0]}", kind=BusError):
             for datagram in datagrams(self._seqno, channel, payload):
                 self._sender.sendto(datagram, self._address)
-        except OSError as error:
-            raise BusError(f"cannot send to {self._address[0]}: {error.strerror}") from error
 
     def receive(self, timeout: float) -> list[Packet]:
         """Return the messages that have arrived, waiting up to ``timeout`` [s] for the first."""

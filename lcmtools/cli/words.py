@@ -1,4 +1,4 @@
-"""Commands whose arguments take every word that is no option, "-1" and "-0.5" too."""
+"""Commands that read their words in a way of their own: "-1" and "-0.5" as values, for example."""
 
 import re
 from collections.abc import Collection, Iterator, Sequence
@@ -80,6 +80,30 @@ class CommandWithOnce(CommandWithWords):
 
     def _shield(self, word: str) -> str:
         return word if _ONE_AND_MORE.fullmatch(word) else shielded(word)
+
+
+class CommandWithWait(CommandWithWords):
+    """A command with the option ``--wait``, which may have a value."""
+
+    may_stand_alone = ("--wait",)
+
+
+class CommandWithDeps(click.Command):
+    """A command that takes ``--deps a b c`` as catkin and ros2 do: words up to the next option."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Repeat the option before each of its words."""
+        spread: list[str] = []
+        option = ""
+        for word in args:
+            if word.startswith("-"):
+                option = word if word in ("--deps", "--dependencies") else ""
+                spread += [] if option else [word]
+            else:
+                spread += ["--deps", word] if option else [word]
+        if option and args[-1] == option:
+            spread.append(option)  # click says that its value is missing
+        return super().parse_args(ctx, spread)
 
 
 def ends_in_one() -> bool:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, TypeAlias, Union, get_args, get_origin, get_type_hints
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.errors import LcmtoolsError
+from lcmtools.errors import LcmtoolsError, os_errors_as
 
 VERSION = 1
 """Of the file's layout: greater by one when a reader of the one before would go wrong."""
@@ -35,18 +35,15 @@ class _Misfit(Exception):  # noqa: N818 - never leaves this module
 
 def save(evidence: Evidence, file: Path) -> None:
     """Write evidence to a file; an error has one line."""
-    try:
+    with os_errors_as(f"cannot write {file}"):
         file.write_text(to_text(evidence), encoding="ascii")
-    except OSError as error:
-        raise LcmtoolsError(f"cannot write {file}: {error.strerror}") from error
 
 
 def load(file: Path) -> Evidence:
     """Read evidence from a file that ``save`` wrote; an error has one line."""
     try:
-        return from_text(file.read_text(encoding="ascii"))
-    except OSError as error:
-        raise LcmtoolsError(f"cannot read {file}: {error.strerror}") from error
+        with os_errors_as(f"cannot read {file}"):
+            return from_text(file.read_text(encoding="ascii"))
     except (_Misfit, ValueError, RecursionError) as error:
         why = error if isinstance(error, _Misfit) else "it is no JSON"
         raise LcmtoolsError(f"{file} holds no evidence that wtf can judge: {why}") from error

@@ -5,7 +5,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from lcmtools.errors import InvalidFile
+from lcmtools.errors import InvalidFile, os_errors_as
 from lcmtools.formats.strict_xml import Element, read_xml
 from lcmtools.launch.packages import LABS, LARGEST
 
@@ -24,11 +24,9 @@ class File:
 def read_file(path: Path, place: str = "") -> File:
     """Read a launch file, which another one may name at a place; InvalidFile for none."""
     before = f"{place}: " if place else ""
-    try:
-        with path.open("rb") as file:
-            content = file.read(LARGEST + 1)
-    except OSError as error:
-        raise InvalidFile(f"{before}cannot read {_shown(path)}: {error.strerror}") from None
+    what = f"{before}cannot read {_shown(path)}"
+    with os_errors_as(what, kind=InvalidFile), path.open("rb") as file:
+        content = file.read(LARGEST + 1)
     full = path.resolve()
     return File(_read(content, _shown(path)), str(full), full.parent)
 

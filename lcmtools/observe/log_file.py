@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager
 from pathlib import Path
 
-from lcmtools.errors import BusError
+from lcmtools.errors import BusError, os_errors_as
 from lcmtools.graph.protocol import NODE_CHANNEL
 from lcmtools.observe.losses import Loss
 from lcmtools.wire.log import SYNC, Event, events
@@ -45,10 +45,8 @@ class LogFile(AbstractContextManager["LogFile"]):
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
-        try:
+        with os_errors_as(f"cannot read the log '{path}'", kind=BusError):
             self.data = _mapped(self.path)
-        except OSError as error:
-            raise BusError(f"cannot read the log '{path}': {error.strerror}") from error
         self.index = _fitting(_read_index(self.path), self.data)
         self.senders = {
             number: one.sender._replace(name=one.name)

@@ -260,7 +260,12 @@ def lossy_senders(
 
 
 def counted(
-    monitor: BusMonitor, words: Sequence[str], wait: float | None, names: Resolver = GLOBAL
+    monitor: BusMonitor,
+    words: Sequence[str],
+    wait: float | None,
+    names: Resolver = GLOBAL,
+    *,
+    with_messages: bool = False,
 ) -> tuple[Graph, Counters]:
     """Return a bus's graph, and the counters of the endpoints in it.
 
@@ -269,6 +274,7 @@ def counted(
         words: The topics, as typed.
         wait: How long to count [s]; None for as long as it takes, half a second at most.
         names: The namespace and the remaps that they are read by.
+        with_messages: Count also where the rates are announced but no message has come.
 
     Raises:
         LcmtoolsError: A topic is not on the bus; with what may have been meant.
@@ -280,7 +286,9 @@ def counted(
     if monitor.is_log or not (publishers or any(topic.traffic for topic in topics)):
         return graph, Counters(graph, graph)
     ends = [end for topic in topics for _, end in (*topic.publishers, *topic.subscribers)]
-    if wait is None and all(end.rate for end in ends) and not any(t.foreign for t in topics):
+    is_known = all(end.rate for end in ends) and not any(topic.foreign for topic in topics)
+    is_seen = all(topic.traffic for topic in topics) or not with_messages
+    if wait is None and is_known and is_seen:
         return graph, Counters(graph, graph, monitor.losses())
     channels = [topic.name for topic in topics]
     # some publish only what somebody listens to: the first messages may be a moment away

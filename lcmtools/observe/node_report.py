@@ -2,7 +2,7 @@
 
 import socket
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 
 from lcmtools.bus.kernel import receive_buffers
@@ -105,6 +105,21 @@ def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
         "memory_bytes": taken.memory_bytes if taken else None,
         "processor_time": taken.processor_time if taken else None,
     }
+
+
+def ping_reply(node: Node, seconds: float) -> str:
+    """Return the line of a node's answer, as rosnode ping has it."""
+    return f"reply from {node.name} ({node.host})\ttime={seconds * 1e3:.6f}ms"
+
+
+def ping_summary(times: Sequence[float]) -> list[str]:
+    """Return the average of several as rosnode ping has it, and the shortest and the longest."""
+    if len(times) < 2:  # noqa: PLR2004 - one is its own average
+        return []
+    return [
+        f"ping average: {sum(times) / len(times) * 1e3:.6f}ms",
+        f"shortest: {min(times) * 1e3:.6f}ms, longest: {max(times) * 1e3:.6f}ms",
+    ]
 
 
 def _usage(pid: int, now: int) -> list[str]:

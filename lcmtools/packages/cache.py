@@ -15,7 +15,7 @@ from pathlib import Path
 from threading import Lock
 
 from lcmtools import __version__
-from lcmtools.errors import LcmtoolsError
+from lcmtools.errors import LcmtoolsError, os_errors_as
 from lcmtools.folders import cache_folder
 from lcmtools.messages.type_source import Problem, TypeSource
 from lcmtools.packages.lcm_gen import find_lcm_gen
@@ -95,10 +95,8 @@ def _make(files: Sequence[LcmFile], prefix: str, root: Path, shipped: Mapping[st
 
     from lcmtools.packages.build import build
 
-    try:
+    with os_errors_as(f"cannot write in {root}"):
         scratch = Path(tempfile.mkdtemp(prefix=".making-", dir=root))
-    except OSError as error:
-        raise LcmtoolsError(f"cannot write in {root}: {error.strerror}") from error
     target = root / prefix
     try:
         table = build(files, prefix, scratch, shipped)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from string import Template
 
-from lcmtools.errors import InvalidName, LcmtoolsError, UsageError
+from lcmtools.errors import InvalidName, LcmtoolsError, UsageError, os_errors_as
 from lcmtools.names import did_you_mean
 
 TEMPLATES = Path(__file__).parent / "template"
@@ -99,15 +99,13 @@ def create(new: NewPackage, folder: Path, *, replace: bool = False) -> list[Path
         LcmtoolsError: A file already exists, or cannot be written.
     """
     texts = _texts(new)
-    try:
+    with os_errors_as(f"cannot write {folder}"):
         present = [path for path in texts if (folder / path).exists()]
         if present and not replace:
             raise LcmtoolsError(
                 f"{folder / present[0]} already exists", "--force overwrites it and its like"
             )
         _write(texts, folder)
-    except OSError as error:
-        raise LcmtoolsError(f"cannot write {folder}: {error.strerror}") from error
     return sorted(texts)
 
 

@@ -1,5 +1,6 @@
 """The house itself: who may import whom, and what a command costs at its start."""
 
+import ast
 import json
 import re
 import subprocess
@@ -218,3 +219,19 @@ def test_who_only_looks_loads_nothing_heavy(bus_url: str, monkeypatch: pytest.Mo
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     loaded = newly_loaded(*LOOKS)
     assert {line: names & HEAVY for line, names in loaded.items() if names & HEAVY} == {}
+
+
+LONGEST = 110  # lines of a command file
+
+COMMAND_FILES = [
+    path for path in (ROOT / "lcmtools").rglob("*.py") if "\n@subcommand(" in path.read_text()
+]
+
+
+@pytest.mark.parametrize("path", COMMAND_FILES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_a_command_file_only_parses_asks_and_prints(path: Path) -> None:
+    text = path.read_text()
+    found = {type(node).__name__ for node in ast.walk(ast.parse(text))}
+    assert not found & {"ClassDef", "While"}, "a class or a loop without end belongs elsewhere"
+    assert "threading" not in text
+    assert len(text.splitlines()) <= LONGEST

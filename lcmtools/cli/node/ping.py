@@ -12,6 +12,7 @@ from lcmtools.errors import NothingReceived, UsageError
 from lcmtools.graph.model import Node, Staleness
 from lcmtools.observe.find import find_node
 from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.node_report import ping_reply, ping_summary
 from lcmtools.observe.nodes import ping, pings
 
 
@@ -53,7 +54,7 @@ def _ping_one(
         for seconds in islice(pings(monitor, node, timeout), count):
             times.append(seconds)
             if not as_json:
-                lines([_reply(node, seconds)])
+                lines([ping_reply(node, seconds)])
     finally:
         if as_json:
             average = sum(times) / len(times) if times else None
@@ -61,7 +62,7 @@ def _ping_one(
             spread = {"min": low, "average": average, "max": high}
             document({"node": node.name, "times": times, **spread})
         else:
-            lines(_summary(times))
+            lines(ping_summary(times))
 
 
 def _ping_all(monitor: BusMonitor, nodes: list[Node], timeout: float, *, as_json: bool) -> int:
@@ -78,7 +79,7 @@ def _ping_all(monitor: BusMonitor, nodes: list[Node], timeout: float, *, as_json
             pairs = zip(nodes, times, strict=False)
             document([{"node": one.name, "time": seconds} for one, seconds in pairs])
         elif nodes:
-            lines([f"{len(answered)} of {len(nodes)} nodes answered", *_summary(answered)])
+            lines([f"{len(answered)} of {len(nodes)} nodes answered", *ping_summary(answered)])
     return 0 if len(answered) == len(nodes) else NothingReceived.exit_code
 
 
@@ -95,19 +96,5 @@ def _try(monitor: BusMonitor, node: Node, timeout: float, *, as_json: bool) -> f
         talk(str(error), "lcmtools node ping")
         return None
     if not as_json:
-        lines([_reply(node, seconds)])
+        lines([ping_reply(node, seconds)])
     return seconds
-
-
-def _reply(node: Node, seconds: float) -> str:
-    return f"reply from {node.name} ({node.host})\ttime={seconds * 1e3:.6f}ms"
-
-
-def _summary(times: list[float]) -> list[str]:
-    """The average of several as rosnode ping has it, and the shortest and the longest."""
-    if len(times) < 2:  # noqa: PLR2004 - one is its own average
-        return []
-    return [
-        f"ping average: {sum(times) / len(times) * 1e3:.6f}ms",
-        f"shortest: {min(times) * 1e3:.6f}ms, longest: {max(times) * 1e3:.6f}ms",
-    ]

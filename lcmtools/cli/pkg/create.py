@@ -7,31 +7,12 @@ import click
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import show, talk
+from lcmtools.cli.words import CommandWithDeps
 from lcmtools.messages.registry import packages
 from lcmtools.packages.create import NewPackage, check, create
 
-_DEPS = "--deps"
 
-
-class _SeveralDeps(click.Command):
-    """Takes ``--deps a b c`` as catkin and ros2 do: words up to the next option."""
-
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Repeat the option before each of its words."""
-        spread: list[str] = []
-        option = ""
-        for word in args:
-            if word.startswith("-"):
-                option = word if word in (_DEPS, "--dependencies") else ""
-                spread += [] if option else [word]
-            else:
-                spread += [_DEPS, word] if option else [word]
-        if option and args[-1] == option:
-            spread.append(option)  # click says that its value is missing
-        return super().parse_args(ctx, spread)
-
-
-@subcommand("create", json_option, cls=_SeveralDeps)
+@subcommand("create", json_option, cls=CommandWithDeps)
 @examples(
     "pkg create air_lab0 --deps nav_msgs geometry_msgs --node simple_controller",
     "pkg create air_lab0 ~/labs --msg ControllerEvaluationStat",
@@ -39,7 +20,7 @@ class _SeveralDeps(click.Command):
 @argument("name")
 @argument("folder", metavar="[DIR]", default=".", type=click.Path())
 @option(
-    _DEPS,
+    "--deps",
     "--dependencies",
     "dependencies",
     multiple=True,

@@ -12,7 +12,7 @@ from lcmtools.cli.options import (
     times_option,
 )
 from lcmtools.cli.output import data, talk
-from lcmtools.cli.words import WITHOUT_END, CommandWithWords
+from lcmtools.cli.words import WITHOUT_END, CommandWithWait
 from lcmtools.messages.plain import to_json
 from lcmtools.messages.text import format_message
 from lcmtools.observe.describe import node_text
@@ -21,15 +21,11 @@ from lcmtools.publish.calls import call_all, requests_in_time, split_type, wait_
 from lcmtools.publish.incoming import read_requests
 
 
-class _Call(CommandWithWords):
-    may_stand_alone = ("--wait",)
-
-
 def _wait(value: str | float) -> float:
     return math.inf if value == WITHOUT_END else duration(value)
 
 
-@subcommand("call", timeout_option(3.0), json_option, bus_options, cls=_Call)
+@subcommand("call", timeout_option(3.0), json_option, bus_options, cls=CommandWithWait)
 @examples(
     "service call /reset",
     'service call /switch "data: true"',

@@ -23,7 +23,7 @@ def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_js
     """
     names = looking_names()
     with open_monitor("info") as monitor:
-        graph, counters = counted(monitor, topics, wait, names)
+        graph, counters = counted(monitor, topics, wait, names, with_messages=verbose)
     found = [find_topic(graph, name, names) for name in topics]
     if as_json:
         document([topic_record(topic, counters) for topic in found])

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from lcmtools.errors import UsageError
+from lcmtools.errors import UsageError, os_errors_as
 from lcmtools.labs.catalogue import Lab, LabProgram
 
 PROGRAM = "{program}"
@@ -21,10 +21,8 @@ def submissions_in(folder: Path) -> list[Path]:
     Raises:
         UsageError: There is none.
     """
-    try:
+    with os_errors_as(f"{folder}", "--programs takes a folder", UsageError):
         found = sorted(path for path in folder.iterdir() if path.name[0] not in "._")
-    except OSError as error:
-        raise UsageError(f"{folder}: {error.strerror}", "--programs takes a folder") from None
     if not found:
         raise UsageError(f"{folder} is empty", "put each submission into it, a file or a folder")
     return found

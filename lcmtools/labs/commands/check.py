@@ -1,7 +1,7 @@
 """``lcmtools lab check``."""
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -9,14 +9,13 @@ import click
 
 from lcmtools.cli.declare import argument, duration, option, rate, subcommand, whole_number
 from lcmtools.cli.options import json_option
-from lcmtools.cli.output import document, lines, talk
-from lcmtools.errors import LcmtoolsError, UsageError
-from lcmtools.labs.catalogue import LABS, Lab, find_lab
-from lcmtools.labs.checks.results import CheckResult, Report, as_specified
+from lcmtools.cli.output import document, lines
+from lcmtools.errors import UsageError
+from lcmtools.labs.catalogue import LABS, find_lab
+from lcmtools.labs.checks.results import as_specified
 
 _FILE = click.Path(dir_okay=False, path_type=Path)
 _CLASS_LIMIT = 120.0  # [s] for each program of a class
-_Show = Callable[[Sequence[str]], object]
 
 
 def _program_options(command: Callable[..., int]) -> Callable[..., int]:
@@ -82,6 +81,7 @@ def command(
     from lcmtools.labs.checks.class_check import ClassCheck
     from lcmtools.labs.checks.reporters import junit as junit_text
     from lcmtools.labs.checks.reporters import record, summary, table
+    from lcmtools.labs.commands.checking import check_one, show_report, write
 
     lab = find_lab(name)
     chosen = {option: text for option, text in programs.items() if text is not None}
@@ -89,65 +89,17 @@ def command(
     if folder is None:
         if jobs:
             raise UsageError("--jobs is for --programs FOLDER", "leave it out")
-        submissions = {"": _check(lab, chosen, rate, time_limit, plot, show)}
+        submissions = {"": check_one(lab, chosen, rate, time_limit, plot, show)}
         report: object = record(lab.name, submissions[""])
         text: Sequence[str] = summary(submissions[""])
     else:
         arguments = ["--time-limit", f"{time_limit or _CLASS_LIMIT:g}"]
         arguments += ["--rate", f"{rate:g}"] if rate else []
         checker = ClassCheck(lab, chosen, arguments, plot, jobs or os.cpu_count() or 1)
-        submissions = checker.run(folder, partial(_show_report, show))
+        submissions = checker.run(folder, partial(show_report, show))
         report = [{"submission": one, **record(lab.name, r)} for one, r in submissions.items()]
         text = ["", *table(submissions)]
     if junit:
-        _write(junit, junit_text(lab.name, submissions).encode())
+        write(junit, junit_text(lab.name, submissions).encode())
     document(report) if as_json else lines(text)
     return 0 if all(map(as_specified, submissions.values())) else 1
-
-
-def _check(
-    lab: Lab,
-    programs: Mapping[str, str],
-    rate: float | None,
-    time_limit: float | None,
-    plot: Path | None,
-    show: _Show,
-) -> list[Report]:
-    """Check the programs of one person, and show each row as it comes."""
-    from lcmtools.labs.checks.check import check, choose
-    from lcmtools.labs.checks.reporters import heading, result_lines
-
-    reports: list[Report] = []
-    world: Mapping[str, object] = {}
-    for run in choose(lab, programs):
-        # shown only of a program that can be started
-        head = heading(run.program.option, run.command, is_answer=run.is_answer)
-
-        def show_row(result: CheckResult, head: list[str] = head) -> None:
-            show([*head, *result_lines(result)])
-            head.clear()
-
-        report, world = check(lab, run, rate, time_limit or float("inf"), show_row)
-        reports.append(report)
-    if plot:
-        from lcmtools.labs.checks.plot import plot as plotted
-
-        _write(plot, plotted(world, reports))
-        talk(f"saved {plot}")
-    return reports
-
-
-def _show_report(show: _Show, name: str, report: Report) -> None:
-    """Show the rows of a program of a class, once it is done."""
-    from lcmtools.labs.checks.reporters import heading, result_lines
-
-    rows = [row for result in report.results for row in result_lines(result)]
-    head = heading(report.program, report.command)[1:] if report.command else []
-    show(["", f"== {name}", *head, *rows])
-
-
-def _write(file: Path, data: bytes) -> None:
-    try:
-        file.write_bytes(data)
-    except OSError as error:
-        raise LcmtoolsError(f"cannot write {file}: {error.strerror}") from error
