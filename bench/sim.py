@@ -87,6 +87,7 @@ def scenes() -> dict[str, tuple[Scene, Callable[[str], bool]]]:
         "10 Huskies": (yard(HUSKY, 10), everything),
         "10 side by side": (yard(HUSKY, 10, 1.0), everything),
         "100 Huskies": (yard(HUSKY, 100), everything),
+        "100 side by side": (yard(HUSKY, 100, 1.0), everything),
         "1000 without sensors": (yard(replace(HUSKY, sensors=()), 1000), everything),
         "1 with a laser, 360 rays, 10 Hz": (yard(WITH_LASER, 1), everything),
         "10 with such lasers": (yard(WITH_LASER, 10), everything),

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from lcmtools_sim.held import HeldRobots
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.scene import Scene
 from lcmtools_sim.vehicles import Vehicles
@@ -29,13 +30,15 @@ class Fleet:
     def __init__(self, world: World, scene: Scene) -> None:
         self.robots: list[Robot] = []
         self._world = world
-        self._dt = scene.dt
+        self._dt, self._fall = scene.dt, scene.gravity * scene.dt
         self._period = max(1, round(_PERIOD / scene.dt))
         self._steps = 0
         """Since the last change of the robots."""
         self._groups: list[tuple[Vehicles, list[Robot]]] = []
         self._held: list[Robot] = []
-        """Those that the engine moves."""
+        """Those that the engine moves, one by one."""
+        self._many: list[HeldRobots] = []
+        """The others that it moves."""
         self._sizes = [solids_of(parts).reach for parts, _ in world.movable_objects()]
 
     def add(self, robot: Robot) -> None:
@@ -65,11 +68,12 @@ class Fleet:
         self._steps += 1
         for vehicles, _ in self._groups:
             vehicles.step()
-        for robot in self._held:
-            robot.pull()
+        held: list[Robot | HeldRobots] = [*self._many, *self._held]
+        for one in held:
+            one.pull()
         self._world.step()
-        for robot in self._held:
-            robot.observe()
+        for one in held:
+            one.observe()
 
     def _join(self) -> None:
         """Let robots with the same kind of tyres step together, if they are many."""
@@ -86,17 +90,30 @@ class Fleet:
     def _look(self) -> None:
         """See which robots the engine must move until the next look."""
         self._world.find_rest()
-        self._held = []
+        self._held, self._many = [], []
         if not self.robots:
             return
         robots = [robot for _, group in self._groups for robot in group]
+        for robot in robots:
+            robot.leave()
         for robot, is_near in zip(robots, self._near(robots), strict=True):
             if is_near:
                 robot.hold()
             elif not robot.is_free and robot.stands:
                 robot.release()
-            if not robot.is_free:
-                self._held.append(robot)
+        for vehicles, group in self._groups:
+            held = [robot for robot in group if not robot.is_free]
+            if len(held) < _MANY:
+                self._held += held
+            else:
+                self._hold_together(vehicles, held)
+
+    def _hold_together(self, vehicles: Vehicles, robots: Sequence[Robot]) -> None:
+        rows = [(robot.index, robot.body, robot.motions) for robot in robots]
+        group = HeldRobots(self._world, vehicles, rows, self._fall)
+        self._many.append(group)
+        for place, robot in enumerate(robots):
+            robot.join(group, place)
 
     def _near(self, robots: Sequence[Robot]) -> list[bool]:
         """True for each robot that may touch something until the next look."""

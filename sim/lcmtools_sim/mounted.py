@@ -6,7 +6,7 @@ from typing import NamedTuple, cast
 
 from lcmtools.messages.codec import decode
 from lcmtools.messages.registry import Message
-from lcmtools_sim.robot import Robot
+from lcmtools_sim.robot import Robot, Robots
 from lcmtools_sim.scene import Scene
 from lcmtools_sim.sensors import SENSORS
 from lcmtools_sim.sensors.sensor import (
@@ -102,18 +102,21 @@ class MountedSensor:
         return [Sample(*self.labels[name], payload) for name, payload in payloads.items()]
 
     @property
-    def is_together(self) -> bool:
-        """True if it can be measured with those of other robots."""
-        return self._shares and self.robot.is_free and not self.robot.vehicles.is_single
+    def together(self) -> tuple[Robots, int] | None:
+        """The robots with whose sensors this can be measured, and its robot's place there."""
+        return self.robot.together if self._shares else None
 
     @staticmethod
     def measure_together(
-        sensors: "Sequence[MountedSensor]", state: RobotState
+        sensors: "Sequence[tuple[MountedSensor, int]]", state: RobotState
     ) -> "Iterator[Sample]":
-        """The messages of sensors that are mounted alike; the state of their robots has arrays."""
-        places = [(cast("SharedSensor", one.sensor), one.robot.index) for one in sensors]
-        payloads = places[0][0].sample_together(places, state)
-        for one, payload in zip(sensors, payloads, strict=True):
+        """The messages of sensors that are mounted alike, each with its robot's place in a state.
+
+        The state has arrays.
+        """
+        shared = [(cast("SharedSensor", one.sensor), place) for one, place in sensors]
+        payloads = shared[0][0].sample_together(shared, state)
+        for (one, _), payload in zip(sensors, payloads, strict=True):
             yield Sample(*one.labels[""], payload)
 
 

@@ -7,18 +7,8 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.command import interpret
 from lcmtools_sim.engines.engine import Motion
-from lcmtools_sim.geometry import (
-    Pose,
-    Vector,
-    add,
-    axes,
-    components,
-    dot,
-    multiply,
-    scaled,
-    subtract,
-    yaw_of,
-)
+from lcmtools_sim.geometry import Pose, yaw_of
+from lcmtools_sim.held import HeldRobots, pulled
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.sensors.motion import OdometrySettings
 from lcmtools_sim.sensors.sensor import RobotState, random_numbers
@@ -33,10 +23,10 @@ from lcmtools_sim.vehicles import (
 from lcmtools_sim.vision.solids import solids_of
 from lcmtools_sim.world import World
 
-_LIFTING_OFF = 0.2  # [m/s] along its own up axis: a robot on its wheels has none
+Robots = Vehicles | HeldRobots
+"""Several, whose states are arrays."""
 START_OVERLAP = 0.02
 """[m] The largest penetration of another body at the start."""
-_UPRIGHT = 0.5  # cosine of the tilt; further over, no wheel reaches the ground
 _LEVEL = 1e-3
 """[rad, m, m/s, rad/s] The greatest deviation of a robot that stands on level ground."""
 
@@ -76,12 +66,14 @@ class Robot:
         known = constants(self.model, scene.dt, timeout, friction)
         self.vehicles = Vehicles(self.model, known, Variables(), scene.dt, noise, random)
         self.index = 0
-        self._largest_impulse, self._track = known.largest_impulse, known.track
-        self._tyres = self.vehicles.tyres
+        self._known, self._tyres = known, self.vehicles.tyres
         self.body = world.add_robot(
             self.namespace, self.model.body, placement.pose, self._wheel_angles
         )
-        self._motion = self._before = world.motion(self.body)
+        motion = world.motion(self.body)
+        self._motions = motion, motion
+        """In the engine: the present one, and that of one step ago."""
+        self._group: HeldRobots | None = None
 
     def check_start(self, where: str) -> None:
         """Refuse a start inside another body: the engine would throw the robot out.
@@ -110,17 +102,40 @@ class Robot:
 
     def pull(self) -> None:
         """Let the wheels pull the body, before the engine's step."""
-        self.world.set_velocity(self.body, *self._pulled())
+        left, right = self.vehicles.get(self.index, "left", "right")
+        times = self._dt, self._fall
+        pull = pulled(self._motions[0], (left, right), self._known, self._tyres, times)
+        self.world.set_velocity(self.body, *pull)
 
     def observe(self) -> None:
         """Read the body's motion, after the engine's step."""
-        self._before, self._motion = self._motion, self.world.motion(self.body)
+        self._motions = self.world.motion(self.body), self._motions[0]
+
+    def join(self, group: HeldRobots, place: int) -> None:
+        """Have a group pull and observe this robot, until it leaves."""
+        self._group, self._place = group, place
+
+    def leave(self) -> None:
+        """Leave the group, if there is one."""
+        self._motions, self._group = self.motions, None
+
+    @property
+    def motions(self) -> tuple[Motion, Motion]:
+        """The motion of its body in the engine, and that of one step ago."""
+        return self._group.row(self._place) if self._group else self._motions
+
+    @property
+    def together(self) -> tuple[Robots, int] | None:
+        """The robots whose state has this one's among its arrays, and its place there."""
+        if not self.is_free:
+            return (self._group, self._place) if self._group else None
+        return None if self.vehicles.is_single else (self.vehicles, self.index)
 
     @property
     def motion(self) -> Motion:
         """The present motion of its body."""
         if not self.is_free:
-            return self._motion
+            return self.motions[0]
         names = "x", "y", "yaw", "vx", "vy", "turn_rate"
         x, y, yaw, vx, vy, turn_rate = self.vehicles.get(self.index, *names)
         return planar_motion((x, y, self.model.body.centre_of_mass), yaw, (vx, vy, 0.0), turn_rate)
@@ -128,13 +143,13 @@ class Robot:
     @property
     def stands(self) -> bool:
         """True if the engine's body stands on level ground."""
-        place, (qx, qy, _, _), velocity, (wx, wy, _) = self._motion
+        place, (qx, qy, _, _), velocity, (wx, wy, _) = self.motions[0]
         deviation = place[2] - self.model.body.centre_of_mass, qx, qy, velocity[2], wx, wy
         return max(map(abs, deviation)) < _LEVEL
 
     def release(self) -> None:
         """Take the body, which stands on level ground, out of the engine."""
-        place, rotation, velocity, (_, _, turn_rate) = self._motion
+        (place, rotation, velocity, (_, _, turn_rate)), before = self.motions
         self.vehicles.set(
             self.index,
             x=place[0],
@@ -143,9 +158,9 @@ class Robot:
             vx=velocity[0],
             vy=velocity[1],
             turn_rate=turn_rate,
-            before_vx=self._before.velocity[0],
-            before_vy=self._before.velocity[1],
-            before_turn_rate=self._before.angular_velocity[2],
+            before_vx=before.velocity[0],
+            before_vy=before.velocity[1],
+            before_turn_rate=before.angular_velocity[2],
         )
         self.world.release(self.body, lambda: self.motion)
         self.is_free = True
@@ -153,8 +168,8 @@ class Robot:
     def hold(self) -> None:
         """Have the engine move the body from now on."""
         if self.is_free:
-            self._motion, self._before = planar_motions(*self.vehicles.row(self.index))
-            self.world.hold(self.body, self._motion)
+            self._motions = planar_motions(*self.vehicles.row(self.index))
+            self.world.hold(self.body, self._motions[0])
             self.is_free = False
 
     def remove(self) -> None:
@@ -177,42 +192,16 @@ class Robot:
             )
         self.world.place(self.body, centre, pose.rotation)
         self.vehicles.set(self.index, left_target=0.0, right_target=0.0, left=0.0, right=0.0)
-        self._motion = self._before = self.world.motion(self.body)
+        motion = self.world.motion(self.body)
+        self._motions, self._group = (motion, motion), None
 
     def state(self, time: int) -> RobotState:
         """The state that its sensors measure; ``time`` in simulated nanoseconds."""
         if self.is_free:
             return self.vehicles.state(time, self.index)
         values = self.vehicles.row(self.index)
-        return measured(self._motion, self._before, values, (time, self._dt))
+        return measured(*self.motions, values, (time, self._dt))
 
     def _wheel_angles(self) -> tuple[float, float]:
         left, right = self.vehicles.get(self.index, "left_angle", "right_angle")
         return left, right
-
-    def _pulled(self) -> tuple[Vector, Vector]:
-        """Velocity and angular velocity in the world after the tyres' pull.
-
-        The pull acts along the heading in the middle of the step, so that the engine's straight
-        steps are the chords of the robot's arc. It compensates the effect of gravity in this step,
-        or the robot would creep down every slope; on a slope the wheels carry less.
-        """
-        motion, velocity = self._motion, self._motion.velocity
-        left, right = self.vehicles.get(self.index, "left", "right")
-        quarter_turn = (right - left) / self._track * self._dt / 4
-        mid_turn = 0.0, 0.0, math.sin(quarter_turn), math.cos(quarter_turn)
-        frame = axes(multiply(motion.rotation, mid_turn))
-        up = frame[2]
-        if up[2] < _UPRIGHT or abs(dot(velocity, up)) > _LIFTING_OFF:
-            return motion[2:]
-        forward, sideways, _ = components(subtract(velocity, (0.0, 0.0, self._fall)), frame)
-        along, across, twist = self._tyres(
-            forward,
-            sideways,
-            dot(motion.angular_velocity, up),
-            left,
-            right,
-            self._largest_impulse * up[2],
-        )
-        pull = add(scaled(frame[0], along), scaled(frame[1], across))
-        return add(velocity, pull), add(motion.angular_velocity, scaled(up, twist))

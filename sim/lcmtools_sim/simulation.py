@@ -14,11 +14,10 @@ from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools_sim.fleet import Fleet
 from lcmtools_sim.geometry import Pose
 from lcmtools_sim.mounted import MountedSensor, Sample, Subscribers, mount_sensors
-from lcmtools_sim.robot import START_OVERLAP, Robot
+from lcmtools_sim.robot import START_OVERLAP, Robot, Robots
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.schedule import Timetable
 from lcmtools_sim.sensors.sensor import RobotState
-from lcmtools_sim.vehicles import Vehicles
 from lcmtools_sim.vision.solids import Solids, solids_of
 from lcmtools_sim.world import World
 
@@ -187,20 +186,21 @@ class Simulation(AbstractContextManager["Simulation"]):
     def _samples(self, due: Iterable[MountedSensor | None]) -> list[Sample]:
         samples = [self.tick()] if self.publishes_clock else []
         time = self.time
-        states: dict[Robot | Vehicles, RobotState] = {}
-        alike: dict[tuple[Vehicles, int], list[MountedSensor]] = {}
+        states: dict[Robot | Robots, RobotState] = {}
+        alike: dict[tuple[Robots, int], list[tuple[MountedSensor, int]]] = {}
         for sensor in due:
             if sensor is _TICK:
                 continue
             robot = sensor.robot
-            if sensor.is_together:
-                alike.setdefault((robot.vehicles, id(sensor.mount)), []).append(sensor)
+            if together := sensor.together:
+                robots, place = together
+                alike.setdefault((robots, id(sensor.mount)), []).append((sensor, place))
                 continue
             if robot not in states:
                 states[robot] = robot.state(time)
             samples += sensor.measure(states[robot])
-        for (vehicles, _), sensors in alike.items():
-            if vehicles not in states:
-                states[vehicles] = vehicles.state(time)
-            samples += MountedSensor.measure_together(sensors, states[vehicles])
+        for (robots, _), sensors in alike.items():
+            if robots not in states:
+                states[robots] = robots.state(time)
+            samples += MountedSensor.measure_together(sensors, states[robots])
         return samples

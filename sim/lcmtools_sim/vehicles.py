@@ -10,6 +10,7 @@ from dataclasses import astuple, dataclass
 from typing import TypeVar, cast
 
 import numpy as np
+import numpy.typing as npt
 
 from lcmtools.clock import split_stamp
 from lcmtools_sim.arithmetic import FLOATS, Value, arithmetic_of
@@ -115,9 +116,18 @@ def _joined(rows: Sequence[RowT]) -> RowT:
     return type(rows[0])(*columns)
 
 
+def _rows(values: RowT, places: npt.NDArray[np.intp]) -> RowT:
+    """Some robots' values as arrays."""
+    return type(values)(*(cast("float", column[places]) for column in _columns(values)))
+
+
 def _row(values: RowT, index: int) -> RowT:
     """One robot's values as floats."""
-    return type(values)(*(float(column[index]) for column in astuple(values)))
+    return type(values)(*(float(column[index]) for column in _columns(values)))
+
+
+def _columns(values: Constants | Variables) -> list[npt.NDArray[np.float64]]:
+    return [getattr(values, name) for name in values.__slots__]
 
 
 class Vehicles:
@@ -149,11 +159,7 @@ class Vehicles:
         self.dt = dt
         self.noise = noise / math.sqrt(dt)
         self._random = random
-        self.tyres: Tyres = (
-            skidding(known.mass, known.inertia, model.drive.wheels, self.ops)
-            if model.drive.skids
-            else gripping(known.mass, known.inertia, known.track, self.ops)
-        )
+        self.tyres = self.tyres_of(known)
 
     @classmethod
     def joined(cls, robots: "Sequence[tuple[Vehicles, int]]") -> "Vehicles":
@@ -163,6 +169,17 @@ class Vehicles:
         if len(robots) == 1:
             return cls(first.model, known[0], now[0], first.dt)
         return cls(first.model, _joined(known), _joined(now), first.dt)
+
+    def tyres_of(self, known: Constants) -> Tyres:
+        """The tyres of a robot, or of many, with these constants."""
+        ops, drive = arithmetic_of(known.mass), self.model.drive
+        if drive.skids:
+            return skidding(known.mass, known.inertia, drive.wheels, ops)
+        return gripping(known.mass, known.inertia, known.track, ops)
+
+    def rows(self, places: npt.NDArray[np.intp]) -> tuple[Constants, Variables]:
+        """Some robots' values as arrays."""
+        return _rows(self.constants, places), _rows(self.now, places)
 
     def row(self, index: int) -> tuple[Constants, Variables]:
         """One robot's values as floats."""

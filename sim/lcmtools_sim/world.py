@@ -4,7 +4,7 @@ It steps them, reads and sets their motion, and lets sensors look at them. Wheel
 known here: a robot's body has no friction, the tyres (tyres.py) pull it.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from itertools import chain
 
@@ -80,6 +80,10 @@ class World(AbstractContextManager["World"]):
         released = self._released.get(body)
         return released() if released else self._engine.motion(body)
 
+    def motions(self, bodies: Sequence[int]) -> Motion:
+        """Those of several bodies in the engine, as arrays."""
+        return self._engine.motions(bodies)
+
     def release(self, body: int, motion: Callable[[], Motion]) -> None:
         """Take a body that touches only the ground out of the engine; it moves by ``motion``."""
         self._released[body] = motion
@@ -101,6 +105,13 @@ class World(AbstractContextManager["World"]):
     def set_velocity(self, body: int, velocity: Vector, angular_velocity: Vector) -> None:
         """Set a body's velocity [m/s] and angular velocity [rad/s], in the world frame."""
         self._engine.set_velocity(body, velocity, angular_velocity)
+        self._wake()
+
+    def set_velocities(
+        self, bodies: Sequence[int], velocities: Vector, angular_velocities: Vector
+    ) -> None:
+        """The same of several bodies, as arrays."""
+        self._engine.set_velocities(bodies, velocities, angular_velocities)
         self._wake()
 
     def detect_contacts(self) -> None:

@@ -151,7 +151,11 @@ def test_a_robot_keeps_its_way_when_others_come_and_go(twist: Steer) -> None:
         assert simulation.robots[-1].state(0).position[:2] == pytest.approx((-20, 0))
 
 
-def test_sensors_of_many_robots_measure_what_each_alone_does(twist: Steer) -> None:
+@pytest.mark.parametrize("margin", [fleet._MARGIN, math.inf])
+def test_sensors_of_many_robots_measure_what_each_alone_does(
+    twist: Steer, margin: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fleet, "_MARGIN", margin)  # at inf the engine moves all
     poses = [Pose(0, 10 * i, yaw=0.3 * i) for i in range(14)]
     poses[1] = Pose(0, 11.0)  # beside the third, so that the engine moves both
     poses[2] = Pose(0, 12.1)
@@ -179,6 +183,24 @@ def test_sensors_of_many_robots_measure_what_each_alone_does(twist: Steer) -> No
             if topic != "/tf":  # of all robots
                 assert numbers(together[topic]) == pytest.approx(numbers(message), abs=2e-4), topic
                 assert texts(together[topic]) == texts(message)
+
+
+def test_many_robots_in_the_engine_push_and_fall_by_arrays_as_one_by_one(
+    twist: Steer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kinds = Pose(), Pose(z=0.3), Pose(z=0.6, roll=1.5)
+    poses = [replace(kinds[i % 3], y=10.0 * i) for i in range(15)]
+    crates = [box(f"c{i}", (0.5, 0.5, 0.5), Pose(1.5, 10 * i, 0.25), mass=20) for i in range(15)]
+    given = scene(*poses, things=tuple(crates))
+
+    by_arrays = run(given, twist(0.5, 0.2), 4.0)
+    monkeypatch.setattr(fleet, "_MANY", math.inf)
+    one_by_one = run(given, twist(0.5, 0.2), 4.0)
+
+    for robot, other in zip(by_arrays, one_by_one, strict=True):
+        assert math.dist(robot.position, other.position) < 1e-3
+        assert math.dist(robot.velocity, other.velocity) < 1e-3
+        assert math.dist(robot.rotation, other.rotation) < 1e-3
 
 
 def leaves(value: object) -> list[object]:

@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
+import numpy as np
 import pybullet
 from pybullet_utils.bullet_client import BulletClient
 
@@ -114,6 +115,11 @@ class Bullet:
         place = pybullet.getBasePositionAndOrientation(body, self._client)
         return Motion._make(place + pybullet.getBaseVelocity(body, self._client))
 
+    def motions(self, bodies: Sequence[int]) -> Motion:
+        """The present motions of bodies, as arrays."""
+        vectors = zip(*map(self.motion, bodies), strict=True)
+        return Motion(*(tuple(np.array(vector).T) for vector in vectors))
+
     def place(self, body: int, position: Vector, rotation: Quaternion) -> None:
         """Put a body's centre of mass at a pose, at rest."""
         self._bullet.resetBasePositionAndOrientation(body, position, rotation)
@@ -124,6 +130,14 @@ class Bullet:
     def set_velocity(self, body: int, velocity: Vector, angular_velocity: Vector) -> None:
         """Set a body's velocity [m/s] and angular velocity [rad/s], in the world frame."""
         pybullet.resetBaseVelocity(body, velocity, angular_velocity, self._client)
+
+    def set_velocities(
+        self, bodies: Sequence[int], velocities: Vector, angular_velocities: Vector
+    ) -> None:
+        """The same of several bodies, as arrays."""
+        rows = (np.array(vectors).T.tolist() for vectors in (velocities, angular_velocities))
+        for body, velocity, turning in zip(bodies, *rows, strict=True):
+            pybullet.resetBaseVelocity(body, velocity, turning, self._client)
 
     def detect_contacts(self) -> None:
         """Find the contacts at the present poses, without a step."""

@@ -117,11 +117,19 @@ class Engine(Protocol):
     def motion(self, body: int) -> Motion:
         """The present motion of a body."""
 
+    def motions(self, bodies: Sequence[int]) -> Motion:
+        """The present motions of movable bodies: each number is an array of theirs."""
+
     def place(self, body: int, position: Vector, rotation: Quaternion) -> None:
         """Put a movable body's centre of mass at a pose, at rest."""
 
     def set_velocity(self, body: int, velocity: Vector, angular_velocity: Vector) -> None:
         """Set a movable body's velocity [m/s] and angular velocity [rad/s], in the world frame."""
+
+    def set_velocities(
+        self, bodies: Sequence[int], velocities: Vector, angular_velocities: Vector
+    ) -> None:
+        """The same of several bodies: each number is an array of theirs."""
 
     def detect_contacts(self) -> None:
         """Find the contacts at the present poses, without a step."""

@@ -36,6 +36,7 @@ _FEET = 4
 """The same of a robot."""
 
 _Array = npt.NDArray[np.float64]
+_Places = npt.NDArray[np.intp]
 
 
 class Mujoco:
@@ -152,6 +153,15 @@ class Mujoco:
         rotation = (qx, qy, qz, qw)
         return Motion((x, y, z), rotation, (vx, vy, vz), rotate((wx, wy, wz), rotation))
 
+    def motions(self, bodies: Sequence[int]) -> Motion:
+        """The present motions of movable bodies, as arrays."""
+        self._compile()
+        poses, velocities = self._addresses_of(bodies)
+        x, y, z, qw, qx, qy, qz = self._qpos[poses]
+        vx, vy, vz, *turning = self._qvel[velocities]
+        rotation = (qx, qy, qz, qw)
+        return Motion((x, y, z), rotation, (vx, vy, vz), rotate((*turning,), rotation))
+
     def place(self, body: int, position: Vector, rotation: Quaternion) -> None:
         """Put a movable body's centre of mass at a pose, at rest."""
         self._compile()
@@ -165,6 +175,15 @@ class Mujoco:
         qw, qx, qy, qz = self._qpos[pose.start + 3 : pose.stop].tolist()
         own = components(angular_velocity, axes((qx, qy, qz, qw)))
         self._qvel[place] = (*velocity, *own)
+
+    def set_velocities(
+        self, bodies: Sequence[int], velocities: Vector, angular_velocities: Vector
+    ) -> None:
+        """The same of several bodies, as arrays."""
+        self._compile()
+        poses, places = self._addresses_of(bodies)
+        qw, qx, qy, qz = self._qpos[poses[3:]]
+        self._qvel[places] = (*velocities, *components(angular_velocities, axes((qx, qy, qz, qw))))
 
     def detect_contacts(self) -> None:
         """Find the contacts at the present poses, without a step."""
@@ -235,6 +254,7 @@ class Mujoco:
         self._full = found[kinds.mjWARN_CONTACTFULL], found[kinds.mjWARN_CNSTRFULL]
         self._number = [0, *(int(model.body(i).name) for i in range(1, model.nbody))]
         self._free = {}
+        self._addresses: dict[tuple[int, ...], tuple[_Places, _Places]] = {}
         for i, number in enumerate(self._number):
             if model.body_dofnum[i]:
                 velocity = int(model.body_dofadr[i])
@@ -275,6 +295,17 @@ class Mujoco:
         self._is_compiled = False
         self._compile()
         return True
+
+    def _addresses_of(self, bodies: Sequence[int]) -> tuple[_Places, _Places]:
+        """The places of movable bodies' poses (7, n) and velocities (6, n) in qpos and qvel."""
+        key = tuple(bodies)
+        if key not in self._addresses:
+            poses, velocities = zip(*(self._free[body] for body in key), strict=True)
+            self._addresses[key] = (
+                np.array([place.start for place in poses]) + np.arange(7)[:, None],
+                np.array([place.start for place in velocities]) + np.arange(6)[:, None],
+            )
+        return self._addresses[key]
 
     def _set_enabled(self, body: int, *, is_enabled: bool) -> None:
         """Let a body collide and fall, or not."""
