@@ -89,15 +89,17 @@ class UserTypes:
         """The types of each log; their files are not there, so that none is named."""
         for files, source in self._recorded.items():
             if source is None:
-                from lcmtools.packages.cache import cached_types
-
-                found = cached_types(files, self._environment, self._shipped)
+                found = self._compiled(files)
                 self._recorded[files] = TypeSource(found.prefix, found.fingerprints)
         return [source for source in self._recorded.values() if source]
 
     def add_recorded(self, types: Iterable[RecordedType]) -> None:
         """Add the types that a log has."""
         self._recorded.setdefault(tuple(dict.fromkeys(map(_recorded_file, types))))
+
+    def compiled_types(self, types: Iterable[RecordedType]) -> TypeSource:
+        """Some types by their text, compiled now."""
+        return self._compiled(tuple(dict.fromkeys(map(_recorded_file, types))))
 
     def compiled(self, folders: Sequence[Path]) -> TypeSource:
         """The types of some folders, and of others that theirs may be made of, compiled now."""
@@ -128,10 +130,13 @@ class UserTypes:
         files, problems = read_folders(folders)
         if not files:
             return TypeSource("", {}, problems=problems) if problems else None
+        source = self._compiled(files)
+        return replace(source, problems=[*problems, *source.problems])
+
+    def _compiled(self, files: Sequence[LcmFile]) -> TypeSource:
         from lcmtools.packages.cache import cached_types
 
-        source = cached_types(files, self._environment, self._shipped)
-        return replace(source, problems=[*problems, *source.problems])
+        return cached_types(files, self._environment, self._shipped)
 
 
 def _recorded_file(one: RecordedType) -> LcmFile:

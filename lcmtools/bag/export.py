@@ -1,0 +1,129 @@
+"""Handing a log on: which target a format means, and its messages to there."""
+
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol
+
+from lcmtools.bag.output import output_beside
+from lcmtools.bag.ros_bags import Compression, McapFile, RosBag
+from lcmtools.bag.tables import CsvFiles, JsonLines, NumpyFile, ParquetFiles, Tell
+from lcmtools.errors import DecodeError, LcmtoolsError, UsageError
+from lcmtools.names import did_you_mean
+from lcmtools.observe.decoding import Decoder
+from lcmtools.wire.packet import Packet
+
+SUFFIXES = {
+    ".csv": "csv",
+    ".jsonl": "jsonl",
+    ".ndjson": "jsonl",
+    ".npz": "npz",
+    ".parquet": "parquet",
+    ".mcap": "mcap",
+    ".bag": "ros1",
+}
+FORMATS = ("csv", "jsonl", "npz", "parquet", "mcap", "mcap-ros1", "ros1", "ros2")
+
+
+@dataclass(slots=True)
+class Exported:
+    """The messages that were handed on.
+
+    Attributes:
+        messages: Their number.
+        left_out: Sentences on what was left out, by the reason.
+    """
+
+    messages: int = 0
+    left_out: dict[str, str] = field(default_factory=dict)
+
+    def tell(self, reason: str, text: str) -> None:
+        """Take note of what is left out."""
+        self.left_out.setdefault(reason, text)
+
+
+class _Target(Protocol):
+    def add(self, packet: Packet, decoder: Decoder) -> None:
+        """Write a message; raises DecodeError."""
+
+
+def format_of(target: Path, named: str | None) -> str:
+    """Return the format that a name or the target's suffix means.
+
+    Raises:
+        UsageError: Neither is one.
+    """
+    if named is not None:
+        if named not in FORMATS:
+            hint = did_you_mean(named, FORMATS) or f"formats: {', '.join(FORMATS)}"
+            raise UsageError(f"unknown format '{named}'", hint)
+        return named
+    if target.suffix not in SUFFIXES:
+        hint = f"end it in {', '.join(SUFFIXES)}, or add --format"
+        raise UsageError(f"{target} does not say its format", hint)
+    return SUFFIXES[target.suffix]
+
+
+def export(
+    packets: Iterable[Packet],
+    decoder: Decoder,
+    target: Path,
+    format_: str,
+    *,
+    compression: Compression = "zstd",
+    force: bool = False,
+) -> Exported:
+    """Write messages to a file or folder in another format.
+
+    CSV and Parquet have a file for each topic: a target without a suffix is a folder for them.
+
+    Args:
+        packets: The messages.
+        decoder: Finds their types.
+        target: The file or folder, which appears when it is complete.
+        format_: One of ``FORMATS``.
+        compression: Of MCAP.
+        force: Take the place of a file that exists.
+
+    Raises:
+        MissingExtra: A library is missing.
+        LcmtoolsError: The target exists or cannot be written, or nothing could be handed on.
+    """
+    done = Exported()
+    with (
+        output_beside(target, force=force) as beside,
+        _open(beside, format_, compression, done.tell) as file,
+    ):
+        for packet in packets:
+            _add(file, packet, decoder, done)
+        if not done.messages:
+            why = next(iter(done.left_out.values()), "no message is selected")
+            raise LcmtoolsError(f"there is nothing to write to {target}", why)
+    return done
+
+
+def _add(file: _Target, packet: Packet, decoder: Decoder, done: Exported) -> None:
+    try:
+        file.add(packet, decoder)
+    except DecodeError as error:
+        what = f"messages on {packet.channel} are left out: {error}"
+        done.tell(f"{packet.channel} {error}", what)
+    else:
+        done.messages += 1
+
+
+def _open(
+    path: Path, format_: str, compression: Compression, tell: Tell
+) -> AbstractContextManager[_Target]:
+    makers: dict[str, Callable[[], AbstractContextManager[_Target]]] = {
+        "csv": lambda: CsvFiles(path, tell),
+        "jsonl": lambda: JsonLines(path),
+        "npz": lambda: NumpyFile(path, tell),
+        "parquet": lambda: ParquetFiles(path, tell),
+        "mcap": lambda: McapFile(path, "cdr", compression),
+        "mcap-ros1": lambda: McapFile(path, "ros1", compression),
+        "ros1": lambda: RosBag(path, 1),
+        "ros2": lambda: RosBag(path, 2),
+    }
+    return makers[format_]()

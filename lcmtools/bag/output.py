@@ -1,0 +1,35 @@
+"""Files that appear whole: written beside their target, and renamed when they are complete."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from lcmtools.errors import LcmtoolsError
+
+
+@contextmanager
+def output_beside(target: Path, *, force: bool = False) -> Iterator[Path]:
+    """Give the path to write to; it takes the target's place at the end, or goes with an error.
+
+    Args:
+        target: A file, or a folder.
+        force: Take the place of a file that exists; never that of a folder.
+
+    Raises:
+        LcmtoolsError: The target exists, or cannot be written.
+    """
+    if target.is_dir():
+        raise LcmtoolsError(f"{target} is a folder", "name another, or remove it")
+    if target.exists() and not force:
+        raise LcmtoolsError(f"{target} exists", "name another file, or add --force")
+    scratch = target.with_name(f".{target.name}.{os.getpid()}")
+    try:
+        scratch.mkdir()
+        yield scratch / target.name
+        (scratch / target.name).rename(target)
+    except OSError as error:
+        raise LcmtoolsError(f"cannot write {target}: {error.strerror or error}") from error
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)

@@ -1,0 +1,121 @@
+"""Logs in the formats of ROS: MCAP, bags of ROS 1 and of ROS 2."""
+
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+from lcmtools.bag.ros_types import RosTypes, RosVersion
+from lcmtools.errors import MissingExtra
+from lcmtools.messages.registry import Message
+from lcmtools.observe.decoding import Decoder
+from lcmtools.wire.packet import Packet
+
+Encoding: TypeAlias = Literal["cdr", "ros1"]
+Compression: TypeAlias = Literal["zstd", "lz4", "none"]
+
+_LIBRARY = "lcmtools"
+_STORAGE = {"db3": "SQLITE3", "mcap": "MCAP"}
+
+
+class McapFile(AbstractContextManager["McapFile"]):
+    """An MCAP file that is being written, with ROS's schemas, which Foxglove and PlotJuggler read.
+
+    Args:
+        path: The file.
+        encoding: ROS 2's, or ROS 1's.
+        compression: Of chunks.
+
+    Raises:
+        MissingExtra: The library is missing.
+    """
+
+    def __init__(
+        self, path: Path, encoding: Encoding = "cdr", compression: Compression = "zstd"
+    ) -> None:
+        try:
+            from mcap.writer import CompressionType, Writer
+        except ImportError as error:
+            raise MissingExtra("MCAP needs the extra 'mcap'", "pip install -e '.[mcap]'") from error
+        self._types = RosTypes(1 if encoding == "ros1" else 2)
+        self._encoding = encoding
+        self._file = path.open("wb")
+        self._writer: Any = Writer(self._file, compression=CompressionType[compression.upper()])
+        self._writer.start(profile="ros1" if encoding == "ros1" else "ros2", library=_LIBRARY)
+        self._schemas: dict[str, int] = {}
+        self._channels: dict[tuple[str, type[Message]], int] = {}
+
+    def __exit__(self, *_: object) -> None:
+        """Write the index, and close the file."""
+        self._writer.finish()
+        self._file.close()
+
+    def add(self, packet: Packet, decoder: Decoder) -> None:
+        """Write a message with the time of its arrival.
+
+        Raises:
+            DecodeError: It cannot be decoded.
+            LcmtoolsError: ROS cannot say its type.
+        """
+        message = decoder.decode(packet)
+        channel = self._channel(packet.channel, type(message))
+        data, time = self._types.serialize(message), packet.time
+        self._writer.add_message(channel, log_time=time, data=data, publish_time=time)
+
+    def _channel(self, topic: str, cls: type[Message]) -> int:
+        if (topic, cls) not in self._channels:
+            one = self._types.ros_type(cls)
+            is_ros_1 = self._encoding == "ros1"
+            name = one.name.replace("/msg/", "/") if is_ros_1 else one.name
+            form = "ros1msg" if is_ros_1 else "ros2msg"
+            if name not in self._schemas:
+                text = one.definition.encode()
+                self._schemas[name] = self._writer.register_schema(name, form, text)
+            self._channels[topic, cls] = self._writer.register_channel(
+                topic, self._encoding, self._schemas[name]
+            )
+        return self._channels[topic, cls]
+
+
+class RosBag(AbstractContextManager["RosBag"]):
+    """A bag of ROS 1, a file, or of ROS 2, a folder, that is being written.
+
+    Args:
+        path: It; nothing is there yet.
+        version: Of ROS.
+        storage: Of ROS 2: "db3" or "mcap".
+
+    Raises:
+        MissingExtra: The library is missing.
+    """
+
+    def __init__(self, path: Path, version: RosVersion, storage: str = "db3") -> None:
+        self._types = RosTypes(version)
+        self._writer: Any
+        if version == 1:
+            from rosbags.rosbag1 import Writer as Writer1
+
+            self._writer = Writer1(path)
+        else:
+            from rosbags.rosbag2 import StoragePlugin
+            from rosbags.rosbag2 import Writer as Writer2
+
+            plugin = StoragePlugin[_STORAGE[storage]]
+            self._writer = Writer2(path, version=9, storage_plugin=plugin)
+        self._writer.open()
+        self._connections: dict[tuple[str, type[Message]], Any] = {}
+
+    def __exit__(self, *_: object) -> None:
+        """Write the index, and close the bag."""
+        self._writer.close()
+
+    def add(self, packet: Packet, decoder: Decoder) -> None:
+        """Write a message with the time of its arrival; raises as of ``McapFile``."""
+        message = decoder.decode(packet)
+        key = packet.channel, type(message)
+        if key not in self._connections:
+            name = self._types.ros_type(type(message)).name
+            self._connections[key] = self._writer.add_connection(
+                packet.channel, name, typestore=self._types.store
+            )
+        data = self._types.serialize(message)
+        self._writer.write(self._connections[key], packet.time, data)

@@ -1,0 +1,334 @@
+"""The types of ROS that stand for LCM's, and messages of the one as messages of the other.
+
+A type that ROS has by the same name and with the same fields is ROS's own, so that its tools know
+it; all others are described by their fields. Between the two are length fields, which ROS does not
+have, the sign of numbers, which LCM's have always, and three spellings: ``nsec`` for ``nanosec``,
+upper case in ROS 1's CameraInfo, and ``seq`` in a header, which ROS 2 has not.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import prod
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+from lcmtools.errors import LcmtoolsError, MissingExtra
+from lcmtools.messages.fields import Field, fields, is_time
+from lcmtools.messages.registry import Message, type_name
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
+
+RosVersion: TypeAlias = Literal[1, 2]
+_Convert: TypeAlias = Callable[[Any], Any]
+_Definitions: TypeAlias = Mapping[str, Any]  # of rosbags: fields by a type's name
+_Described: TypeAlias = Any  # of rosbags: a kind, and what it is of
+
+_BITS = {
+    **dict.fromkeys(("byte", "char", "octet", "int8", "uint8"), 8),
+    **{f"{sign}int{bits}": bits for sign in ("", "u") for bits in (16, 32, 64)},
+}
+_SIGNED = ("int8", "int16", "int32", "int64")
+_SAME = {"bool": "bool", "float32": "float32", "float64": "float64", "string": "string"}
+_FILLER = "structure_needs_at_least_one_member"  # rosbags's, in a type without fields
+
+
+@dataclass(frozen=True, slots=True)
+class RosType:
+    """A type of ROS.
+
+    Attributes:
+        name: As ROS 2 spells it: "sensor_msgs/msg/LaserScan".
+        definition: Its fields, and those of the types of its fields, as bags keep them.
+        digest: The MD5 that ROS 1 compares.
+    """
+
+    name: str
+    definition: str
+    digest: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Pair:
+    """A field of a type in both worlds."""
+
+    lcm_name: str
+    ros_name: str
+    to_ros: _Convert
+    to_lcm: _Convert
+    sizes: tuple[int | str, ...] = ()  # of an array of several dimensions, which ROS has as one
+
+
+def ros_store(version: RosVersion | None) -> "Typestore":
+    """Return the types that a version of ROS has; without a version, none.
+
+    Raises:
+        MissingExtra: The library for ROS's formats is missing.
+    """
+    try:
+        from rosbags.typesys import Stores, get_typestore
+    except ImportError as error:
+        raise MissingExtra(
+            "ROS's formats need the extra 'mcap'", "pip install -e '.[mcap]'"
+        ) from error
+    known = {None: Stores.EMPTY, 1: Stores.ROS1_NOETIC, 2: Stores.LATEST}
+    return get_typestore(known[version])
+
+
+class Conversion:
+    """Messages of LCM's classes as messages of the types in a store, and back."""
+
+    def __init__(self, store: "Typestore") -> None:
+        self.store = store
+        self._pairs: dict[tuple[type[Message], str], tuple[_Pair, ...]] = {}
+
+    def fits(self, cls: type[Message], name: str) -> bool:
+        """Return whether a type of ROS has the fields of a class."""
+        return name in self.store.fielddefs and self._find(cls, name) is not None
+
+    def to_ros(self, cls: type[Message], name: str, message: Message) -> object:
+        """Return a message as one of a type of ROS that fits."""
+        pairs = self._find(cls, name) or ()
+        values = {pair.ros_name: pair.to_ros(getattr(message, pair.lcm_name)) for pair in pairs}
+        return self.store.types[name](**values or self._filler(name))
+
+    def to_lcm(self, cls: type[Message], name: str, message: object) -> Message:
+        """Return a message of a type of ROS that fits as one of a class."""
+        made = cls()
+        for pair in self._find(cls, name) or ():
+            value = pair.to_lcm(getattr(message, pair.ros_name))
+            if pair.sizes:
+                sizes = [getattr(made, n) if isinstance(n, str) else n for n in pair.sizes]
+                value = _shaped(value, sizes)
+            setattr(made, pair.lcm_name, value)
+        return made
+
+    def _filler(self, name: str) -> dict[str, Any]:
+        return dict.fromkeys((field for field, _ in self.store.fielddefs[name][1]), 0)
+
+    def _find(self, cls: type[Message], name: str) -> "tuple[_Pair, ...] | None":
+        key = cls, name
+        if key not in self._pairs:
+            found = self._matched(cls, name)
+            if found is None:
+                return None
+            self._pairs[key] = found
+        return self._pairs[key]
+
+    def _matched(self, cls: type[Message], name: str) -> "tuple[_Pair, ...] | None":
+        """The fields of a type in both worlds; None where they do not fit."""
+        from rosbags.typesys.base import normalize_fieldname
+
+        theirs = {
+            spelled: one for spelled, one in self.store.fielddefs[name][1] if spelled != _FILLER
+        }
+        pairs: list[_Pair] = []
+        for part in fields(cls):
+            spelled = _spelling(cls, part.name, theirs)
+            if spelled is None and (part.is_length or _is_optional(cls, part)):
+                continue
+            converts = self._converts(part, theirs.pop(spelled)) if spelled else None
+            if spelled is None or converts is None:
+                return None
+            sizes = part.dimensions if part.depth > 1 else ()
+            pairs.append(_Pair(part.name, normalize_fieldname(spelled), *converts, sizes))
+        return None if theirs else tuple(pairs)
+
+    def _converts(self, part: Field, described: _Described) -> "tuple[_Convert, _Convert] | None":
+        """The conversions of a field's values; None where the field is another one."""
+        from rosbags.interfaces import Nodetype
+
+        kind, of = described
+        if not part.dimensions:
+            return self._scalar(part, described)
+        size = _fixed_size(part)
+        if kind not in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+            return None
+        if (kind == Nodetype.ARRAY) != (size is not None) or size not in (None, of[1]):
+            return None
+        return self._array(part, of[0])
+
+    def _scalar(self, part: Field, described: _Described) -> "tuple[_Convert, _Convert] | None":
+        from rosbags.interfaces import Nodetype
+
+        kind, of = described
+        if kind == Nodetype.NAME:
+            return self._nested(part, of)
+        name = of[0] if kind == Nodetype.BASE else ""
+        if name in _BITS and _BITS.get(part.type) == _BITS[name]:
+            bits = _BITS[name]
+            return _wrap(bits, is_signed=name in _SIGNED), _wrap(
+                bits, is_signed=part.type in _SIGNED
+            )
+        return (_as_it_is, _as_it_is) if _SAME.get(part.type) == name else None
+
+    def _nested(self, part: Field, name: str) -> "tuple[_Convert, _Convert] | None":
+        cls = part.message_class
+        if cls is None or not self.fits(cls, name):
+            return None
+        return (
+            lambda value: self.to_ros(cls, name, value),
+            lambda value: self.to_lcm(cls, name, value),
+        )
+
+    def _array(self, part: Field, element: _Described) -> "tuple[_Convert, _Convert] | None":
+        """The conversions of an array, which ROS has in one dimension, row by row."""
+        one = self._scalar(part, element)
+        if one is None:
+            return None
+        if part.message_class or part.type == "string":
+            to_ros, to_lcm = one
+            return (
+                lambda values: [to_ros(value) for value in _flat(values, part.depth)],
+                lambda values: [to_lcm(value) for value in values],
+            )
+        import numpy as np
+
+        ours, theirs = np.dtype(part.type), np.dtype(_numpy_name(element[1][0]))
+
+        def array_to_ros(values: Any) -> Any:  # noqa: ANN401 - as messages have them
+            if part.depth > 1:
+                values = list(_flat(values, part.depth))
+            elif isinstance(values, (bytes, bytearray)):
+                return np.frombuffer(values, theirs)
+            return np.asarray(values, ours).view(theirs)
+
+        def array_to_lcm(values: Any) -> Any:  # noqa: ANN401 - likewise
+            found = np.ascontiguousarray(values, theirs).view(ours)
+            return found.tobytes() if part.is_bytes and part.depth == 1 else found.tolist()
+
+        return array_to_ros, array_to_lcm
+
+
+class RosTypes(Conversion):
+    """The types of a version of ROS for those of LCM, found or described as they are needed.
+
+    Raises:
+        MissingExtra: The library for ROS's formats is missing.
+    """
+
+    def __init__(self, version: RosVersion) -> None:
+        super().__init__(ros_store(None))
+        self.version = version
+        self._known = Conversion(ros_store(version))
+        self._names: dict[type[Message], str] = {}
+
+    def ros_type(self, cls: type[Message]) -> RosType:
+        """Return the type of ROS for a class.
+
+        Raises:
+            LcmtoolsError: ROS cannot say the class, or another one of its name came before.
+        """
+        name = self._add(cls)
+        return RosType(name, *self.store.generate_msgdef(name, ros_version=self.version))
+
+    def serialize(self, message: Message) -> bytes:
+        """Return a message as ROS has it on the wire: ROS 1's form, or CDR; raises as above."""
+        cls = type(message)
+        name = self._add(cls)
+        write = self.store.serialize_ros1 if self.version == 1 else self.store.serialize_cdr
+        return bytes(write(self.to_ros(cls, name, message), name))
+
+    def _add(self, cls: type[Message]) -> str:
+        """Return the name of the type for a class, which the store then has."""
+        if cls in self._names:
+            return self._names[cls]
+        from rosbags.typesys.base import TypesysError
+
+        name = self._names[cls] = ros_name(cls)
+        known = self._known.store.fielddefs
+        try:
+            if self._known.fits(cls, name):
+                self.store.register({one: known[one] for one in parts(name, known)})
+            else:
+                self.store.register({name: ([], [*self._described(cls)])})
+        except TypesysError as error:
+            raise LcmtoolsError(f"{type_name(cls)} as a type of ROS: {error}") from error
+        if not self.fits(cls, name):
+            raise LcmtoolsError(f"{type_name(cls)} holds itself, which ROS cannot say")
+        return name
+
+    def _described(self, cls: type[Message]) -> "Iterator[tuple[str, _Described]]":
+        """The fields of a class as ROS says them; lengths only of several dimensions."""
+        from rosbags.interfaces import Nodetype
+
+        needed = {size for part in fields(cls) if part.depth > 1 for size in part.dimensions}
+        for part in fields(cls):
+            if part.is_length and part.name not in needed:
+                continue
+            element: _Described = (Nodetype.BASE, (part.type, 0))
+            if part.message_class:
+                element = (Nodetype.NAME, self._add(part.message_class))
+            size = _fixed_size(part)
+            if not part.dimensions:
+                yield part.name, element
+            elif size is None:
+                yield part.name, (Nodetype.SEQUENCE, (element, 0))
+            else:
+                yield part.name, (Nodetype.ARRAY, (element, size))
+
+
+def ros_name(cls: type[Message]) -> str:
+    """Return the name of a class as ROS 2 spells it; a type outside of packages is in "lcm"."""
+    package, _, short = type_name(cls).rpartition("/")
+    return f"{package.replace('/', '_') or 'lcm'}/msg/{short}"
+
+
+def parts(name: str, known: _Definitions) -> Iterator[str]:
+    """A type and those of its fields."""
+    from rosbags.interfaces import Nodetype
+
+    yield name
+    for _, (kind, of) in known[name][1]:
+        nested_kind, nested = of[0] if kind in (Nodetype.ARRAY, Nodetype.SEQUENCE) else (kind, of)
+        if nested_kind == Nodetype.NAME:
+            yield from parts(nested, known)
+
+
+def _spelling(cls: type[Message], name: str, theirs: Mapping[str, _Described]) -> str | None:
+    """The name of a field in ROS; None where it has none."""
+    spellings = [name, name.lower()]
+    if is_time(cls):
+        spellings += ["nanosec"] * name.startswith("n")
+    return next((one for one in spellings if one in theirs), None)
+
+
+def _is_optional(cls: type[Message], part: Field) -> bool:
+    return part.name == "seq" and type_name(cls) == "std_msgs/Header"
+
+
+def _fixed_size(part: Field) -> int | None:
+    """The number of elements of an array, over all its dimensions; None where that varies."""
+    sizes = [size for size in part.dimensions if isinstance(size, int)]
+    return prod(sizes) if len(sizes) == part.depth else None
+
+
+def _wrap(bits: int, *, is_signed: bool) -> _Convert:
+    """A conversion of whole numbers of so many bits to signed or unsigned ones."""
+    half, mask = 1 << (bits - 1), (1 << bits) - 1
+    if is_signed:
+        return lambda value: ((int(value) + half) & mask) - half
+    return lambda value: int(value) & mask
+
+
+def _as_it_is(value: Any) -> Any:  # noqa: ANN401 - of any type
+    return value
+
+
+def _flat(values: Sequence[Any], depth: int) -> Iterator[Any]:
+    if depth == 1:
+        yield from values
+    else:
+        for row in values:
+            yield from _flat(row, depth - 1)
+
+
+def _shaped(values: Sequence[Any], sizes: Sequence[int]) -> Any:  # noqa: ANN401 - nested lists
+    """The elements of all rows as an array of several dimensions."""
+    if len(sizes) == 1:
+        return list(values)
+    step = prod(sizes[1:])
+    return [_shaped(values[row * step : (row + 1) * step], sizes[1:]) for row in range(sizes[0])]
+
+
+def _numpy_name(name: str) -> str:
+    return "uint8" if name in ("byte", "char", "octet") else name

@@ -1,0 +1,228 @@
+"""Messages as tables: comma-separated values, JSON lines, NumPy's arrays, Parquet."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TextIO
+
+from lcmtools.bag.columns import Table, table
+from lcmtools.errors import MissingExtra, UsageError
+from lcmtools.messages.fields import stamp
+from lcmtools.messages.plain import Plain, cells, plain_json, to_plain
+from lcmtools.messages.registry import Message, type_name
+from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.formatter import CsvTable
+from lcmtools.wire.packet import Packet
+
+if TYPE_CHECKING:
+    from lcmtools.bag.columns import Array
+
+TIME = "%time"
+"""The column of the times of arrival [ns since 1970]."""
+
+Tell = Callable[[str, str], None]
+"""Takes the reason for what is left out, and a sentence."""
+
+
+class _TopicFiles:
+    """The paths of files for a topic each: in a folder, or of one topic the target itself."""
+
+    def __init__(self, target: Path, suffix: str) -> None:
+        self._target, self._suffix = target, suffix
+        self._is_folder = not target.suffix
+        self._topic = ""
+        if self._is_folder:
+            target.mkdir()
+
+    def path(self, topic: str) -> Path:
+        """Return the path of a topic's file; UsageError for a second one of one file."""
+        if self._is_folder:
+            return self._target / topic_file(topic, self._suffix)
+        if self._topic and self._topic != topic:
+            raise UsageError(
+                f"{self._target.name} holds one topic, and there are {self._topic} and {topic}",
+                f"name one topic; or a folder, and --format {self._suffix[1:]}",
+            )
+        self._topic = topic
+        return self._target
+
+
+def topic_file(topic: str, suffix: str) -> str:
+    """Return the name of a topic's file: "husky0_odometry.csv"."""
+    name = "".join(letter if letter.isalnum() or letter in "-_." else "_" for letter in topic)
+    return f"{name.strip('_.') or 'topic'}{suffix}"
+
+
+class CsvFiles(AbstractContextManager["CsvFiles"]):
+    """Comma-separated values, a file for each topic, as ``echo --csv`` prints them.
+
+    Args:
+        path: The file, for one topic; without a suffix a folder, which is made.
+        tell: Called with what is left out.
+    """
+
+    def __init__(self, path: Path, tell: Tell) -> None:
+        self._files, self._tell = _TopicFiles(path, ".csv"), tell
+        self._stack = ExitStack()
+        self._tables: dict[str, tuple[TextIO, CsvTable]] = {}
+
+    def __exit__(self, *_: object) -> None:
+        """Close the files."""
+        self._stack.close()
+
+    def add(self, packet: Packet, decoder: Decoder) -> None:
+        """Write a message's row; raises DecodeError and OSError."""
+        message = decoder.decode(packet)
+        file, rows = self._tables.get(packet.channel) or self._open(packet.channel)
+        stamped = stamp(message)
+        time = packet.time if stamped is None else stamped
+        row = rows.row({TIME: time, **cells(to_plain(message))}, type_name(message))
+        if row is not None:
+            file.write(f"{row}\n")
+
+    def _open(self, topic: str) -> tuple[TextIO, CsvTable]:
+        path = self._files.path(topic)
+        file = self._stack.enter_context(
+            path.open("x", encoding="utf-8", errors="backslashreplace")
+        )
+        self._tables[topic] = file, CsvTable(self._tell)
+        return self._tables[topic]
+
+
+class JsonLines(AbstractContextManager["JsonLines"]):
+    """A line of JSON for each message: topic, time [ns], sender if it is known, type, message."""
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("x", encoding="utf-8", errors="backslashreplace")
+
+    def __exit__(self, *_: object) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def add(self, packet: Packet, decoder: Decoder) -> None:
+        """Write a message's line; raises DecodeError and OSError."""
+        message = decoder.decode(packet)
+        sender = packet.sender.name if packet.sender else ""
+        row: dict[str, Plain] = {"topic": packet.channel, "time": packet.time}
+        row |= {"sender": sender} if sender else {}
+        row |= {"type": type_name(message), "message": to_plain(message)}
+        self._file.write(f"{plain_json(row)}\n")
+
+
+class ColumnsOfTopics(AbstractContextManager["ColumnsOfTopics"], ABC):
+    """Arrays of all messages of each topic, made at the end."""
+
+    def __init__(self, path: Path, tell: Tell) -> None:
+        self._path, self._tell = path, tell
+        self._packets: dict[tuple[str, type[Message]], tuple[list[int], list[bytes]]] = {}
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        """Write the arrays, unless an error has occurred; raises OSError."""
+        if kind is None:
+            self.write(self.tables())
+
+    def add(self, packet: Packet, decoder: Decoder) -> None:
+        """Take a message; DecodeError where its type is not known."""
+        key = packet.channel, decoder.message_class(packet)
+        times, payloads = self._packets.setdefault(key, ([], []))
+        times.append(packet.time)
+        payloads.append(packet.payload)
+
+    def tables(self) -> "Mapping[str, Mapping[str, Array]]":
+        """Return the columns of each topic, with the times of arrival first."""
+        found: dict[str, Mapping[str, Array]] = {}
+        for (topic, cls), (times, payloads) in self._packets.items():
+            if topic in found:
+                self._tell(
+                    f"kind {topic}",
+                    f"messages of {type_name(cls)} on {topic} are left out: it has others",
+                )
+                continue
+            made = table(cls, payloads)
+            found[topic] = with_times(times, made)
+            if made.malformed:
+                self._tell(f"bad {topic}", f"{len(made.malformed)} messages on {topic} are damaged")
+        return found
+
+    @abstractmethod
+    def write(self, tables: "Mapping[str, Mapping[str, Array]]") -> None:
+        """Write the columns of each topic."""
+
+
+def with_times(times: "list[int]", made: Table) -> "Mapping[str, Array]":
+    """Return the columns of messages that arrived at these times [ns], the times first."""
+    import numpy as np
+
+    arrived = np.array(times, np.int64)
+    if made.malformed:
+        arrived = np.delete(arrived, made.malformed)
+    return {TIME: arrived, **made.columns}
+
+
+class NumpyFile(ColumnsOfTopics):
+    """An ``.npz`` file: the fields' arrays, of several topics as TOPIC/FIELD.
+
+    Where the lengths of an array differ between messages, FIELD has all elements one after another
+    and FIELD.lengths the number of each message.
+    """
+
+    def write(self, tables: "Mapping[str, Mapping[str, Array]]") -> None:
+        """Write the file."""
+        import numpy as np
+
+        arrays: dict[str, Any] = {}
+        for topic, columns in tables.items():
+            start = "" if len(tables) == 1 else f"{topic}/"
+            for name, column in columns.items():
+                if column.dtype != object:
+                    arrays[start + name] = column
+                    continue
+                rows = [np.asarray(row) for row in column]
+                if any(row.dtype == object for row in rows):
+                    self._tell(f"{topic} {name}", f"{topic}/{name} is left out: arrays in arrays")
+                    continue
+                arrays[f"{start}{name}"] = np.concatenate([row.ravel() for row in rows])
+                arrays[f"{start}{name}.lengths"] = np.array([row.size for row in rows])
+        with self._path.open("xb") as file:
+            np.savez_compressed(file, **arrays)
+
+
+class ParquetFiles(ColumnsOfTopics):
+    """A Parquet file for each topic: the file, for one; without a suffix a folder with them.
+
+    Raises:
+        MissingExtra: pyarrow is missing.
+    """
+
+    def __init__(self, path: Path, tell: Tell) -> None:
+        super().__init__(path, tell)
+        try:
+            import pyarrow as pa  # noqa: F401 - before anything is read
+        except ImportError as error:
+            hint = "pip install -e '.[parquet]'"
+            raise MissingExtra("Parquet needs the extra 'parquet'", hint) from error
+
+    def write(self, tables: "Mapping[str, Mapping[str, Array]]") -> None:
+        """Write the files."""
+        import pyarrow as pa
+        from pyarrow import parquet
+
+        files = _TopicFiles(self._path, ".parquet")
+        for topic, columns in tables.items():
+            arrays = {name: _arrow(column) for name, column in columns.items()}
+            parquet.write_table(pa.table(arrays), files.path(topic))
+
+
+def _arrow(column: "Array") -> Any:  # noqa: ANN401 - of pyarrow
+    import numpy as np
+    import pyarrow as pa
+
+    if column.ndim == 1 and column.dtype != object:
+        return pa.array(column)
+    if column.dtype == object or 0 in column.shape:
+        return pa.array([np.asarray(row).tolist() for row in column])
+    rows = pa.array(column.ravel())
+    for size in reversed(column.shape[1:]):
+        rows = pa.FixedSizeListArray.from_arrays(rows, size)
+    return rows

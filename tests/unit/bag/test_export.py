@@ -1,0 +1,176 @@
+"""Logs in the formats of tables."""
+
+import csv
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lcmtools.bag.export import FORMATS, Exported, export, format_of
+from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.messages.codec import encode
+from lcmtools.messages.registry import Message
+from lcmtools.observe.decoding import Decoder
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.sensor_msgs import LaserScan
+from lcmtools.types.std_msgs import String
+from lcmtools.wire.packet import Packet, Sender
+
+_SECOND = 10**9
+_SENDER = Sender("127.0.0.1", 4001, "/driver")
+
+
+def _scan(number: int, beams: int) -> LaserScan:
+    scan = LaserScan()
+    scan.header.stamp.sec = number
+    scan.ranges = [float(number)] * beams
+    return scan
+
+
+def _twist(number: int) -> Twist:
+    twist = Twist()
+    twist.linear.x = number / 4
+    return twist
+
+
+def _packets(beams: int | None = 3) -> Iterator[Packet]:
+    for number in range(4):
+        for topic, message in (
+            ("/cmd", _twist(number)),
+            ("/scan", _scan(number, number if beams is None else beams)),
+        ):
+            yield Packet(topic, encode(message), number * _SECOND, _SENDER)
+
+
+def _export(packets: Iterator[Packet], target: Path, name: str | None = None) -> Exported:
+    return export(packets, Decoder(lambda _: ()), target, format_of(target, name))
+
+
+def _of(topic: str, packets: Iterator[Packet]) -> Iterator[Packet]:
+    return (packet for packet in packets if packet.channel == topic)
+
+
+def test_csv_is_as_echo_prints_it(tmp_path: Path) -> None:
+    assert _export(_of("/cmd", _packets()), tmp_path / "a.csv").messages == 4
+    head, *rows = csv.reader((tmp_path / "a.csv").read_text().splitlines())
+    assert head[:2] == ["%time", "field.linear.x"]
+    assert [row[:2] for row in rows] == [[str(n * _SECOND), str(n / 4)] for n in range(4)]
+
+
+def test_csv_of_several_topics_is_a_folder(tmp_path: Path) -> None:
+    _export(_packets(), tmp_path / "out", "csv")
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["cmd.csv", "scan.csv"]
+    assert len((tmp_path / "out" / "scan.csv").read_text().splitlines()) == 5
+
+
+def test_csv_of_several_topics_into_one_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="holds one topic"):
+        _export(_packets(), tmp_path / "a.csv")
+    assert not list(tmp_path.iterdir())
+
+
+def test_json_lines_have_topic_time_sender_type_and_message(tmp_path: Path) -> None:
+    _export(_packets(), tmp_path / "a.jsonl")
+    rows = [json.loads(line) for line in (tmp_path / "a.jsonl").read_text().splitlines()]
+    assert rows[2] == {
+        "topic": "/cmd",
+        "time": _SECOND,
+        "sender": "/driver",
+        "type": "geometry_msgs/Twist",
+        "message": {
+            "linear": {"x": 0.25, "y": 0.0, "z": 0.0},
+            "angular": {"x": 0.0, "y": 0.0, "z": 0.0},
+        },
+    }
+
+
+def test_npz_has_an_array_for_each_field(tmp_path: Path) -> None:
+    _export(_of("/scan", _packets()), tmp_path / "a.npz")
+    arrays = np.load(tmp_path / "a.npz")
+    assert arrays["%time"].tolist() == [n * _SECOND for n in range(4)]
+    assert arrays["ranges"].tolist() == [[n] * 3 for n in range(4)]
+    _export(_packets(), tmp_path / "b.npz")
+    assert np.load(tmp_path / "b.npz")["/cmd/linear.x"].tolist() == [0.0, 0.25, 0.5, 0.75]
+
+
+def test_npz_of_arrays_of_several_lengths_has_the_lengths(tmp_path: Path) -> None:
+    _export(_of("/scan", _packets(None)), tmp_path / "a.npz")
+    arrays = np.load(tmp_path / "a.npz")
+    assert arrays["ranges"].tolist() == [1, 2, 2, 3, 3, 3]
+    assert arrays["ranges.lengths"].tolist() == [0, 1, 2, 3]
+
+
+def test_parquet_has_lists_for_arrays(tmp_path: Path) -> None:
+    from pyarrow import parquet
+
+    for beams in (3, None):
+        name = f"{beams}.parquet"
+        _export(_of("/scan", _packets(beams)), tmp_path / name)
+        found = parquet.read_table(tmp_path / name).to_pydict()
+        assert found["ranges"] == [[float(n)] * (n if beams is None else 3) for n in range(4)]
+        assert found["%time"] == [n * _SECOND for n in range(4)]
+    _export(_packets(), tmp_path / "all", "parquet")
+    assert (tmp_path / "all" / "cmd.parquet").is_file()
+
+
+def test_what_cannot_be_decoded_is_told_and_left_out(tmp_path: Path) -> None:
+    packets = [*_of("/cmd", _packets()), Packet("/cmd", b"not LCM", 1), Packet("/x", b"?" * 9, 2)]
+    done = _export(iter(packets), tmp_path / "a.jsonl")
+    assert done.messages == 4
+    assert [*done.left_out.values()] == [
+        "messages on /cmd are left out: too short for an LCM message",
+        "messages on /x are left out: unknown type, fingerprint 0x3f3f3f3f3f3f3f3f",
+    ]
+
+
+def test_nothing_stays_where_nothing_is_written(tmp_path: Path) -> None:
+    for name in ("a.jsonl", "a.npz", "a.mcap", "a.bag"):
+        with pytest.raises(
+            LcmtoolsError, match=r"there is nothing to write to .*; messages on /x are"
+        ):
+            _export(iter([Packet("/x", b"?" * 9, 2)]), tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_target_that_exists_stays_as_it_is(tmp_path: Path) -> None:
+    target = tmp_path / "a.jsonl"
+    target.write_text("mine")
+    with pytest.raises(LcmtoolsError, match="exists; name another file, or add --force"):
+        _export(_packets(), target)
+    assert target.read_text() == "mine"
+    export(_packets(), Decoder(lambda _: ()), target, "jsonl", force=True)
+    assert target.read_text().startswith('{"topic":"/cmd"')
+
+
+@pytest.mark.parametrize(
+    ("name", "named", "meant"),
+    [
+        ("a.csv", None, "csv"),
+        ("a.ndjson", None, "jsonl"),
+        ("a", "ros2", "ros2"),
+        ("a.bag", None, "ros1"),
+    ],
+)
+def test_formats(name: str, named: str | None, meant: str) -> None:
+    assert format_of(Path(name), named) == meant
+    assert meant in FORMATS
+
+
+def test_a_format_that_is_not_known_has_its_near_name() -> None:
+    with pytest.raises(UsageError, match=r"unknown format 'parket'; did you mean parquet"):
+        format_of(Path("a"), "parket")
+    with pytest.raises(UsageError, match=r"a\.txt does not say its format; end it in"):
+        format_of(Path("a.txt"), None)
+
+
+def _message(message: Message) -> Packet:
+    return Packet("/chatter", encode(message), 5)
+
+
+def test_text_that_is_no_utf_8_is_written_all_the_same(tmp_path: Path) -> None:
+    payload = encode(String()).replace(b"\0\0\0\1\0", b"\0\0\0\3\xff\xfe\0")
+    for name in ("a.csv", "a.jsonl", "a.npz"):
+        _export(iter([Packet("/chatter", payload, 5)]), tmp_path / name)
+        assert (tmp_path / name).stat().st_size

@@ -1,0 +1,127 @@
+"""Bags of ROS and MCAP files: written, and read again."""
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Protocol
+
+import pytest
+
+from lcmtools.bag.ros_bags import McapFile, RosBag
+from lcmtools.bag.ros_import import Imported, RosImport
+from lcmtools.errors import LcmtoolsError
+from lcmtools.messages.codec import encode
+from lcmtools.messages.plain import to_plain
+from lcmtools.messages.registry import Message
+from lcmtools.observe.decoding import Decoder
+from lcmtools.types.air_lab0 import ControllerEvaluationStat
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.sensor_msgs import LaserScan
+from lcmtools.types.std_msgs import String
+from lcmtools.wire.packet import Packet
+
+_TIME = 1_700_000_000_123_456_789
+
+
+class _Target(Protocol):
+    def add(self, packet: Packet, decoder: Decoder) -> None: ...
+
+
+_Make = Callable[[Path], AbstractContextManager[_Target]]
+_TARGETS: dict[str, _Make] = {
+    "a.mcap": McapFile,
+    "ros1.mcap": lambda path: McapFile(path, "ros1", "lz4"),
+    "plain.mcap": lambda path: McapFile(path, compression="none"),
+    "a.bag": lambda path: RosBag(path, 1),
+    "folder": lambda path: RosBag(path, 2),
+    "folder of mcap": lambda path: RosBag(path, 2, "mcap"),
+}
+
+
+def _written(make: _Make, path: Path, messages: Sequence[Message]) -> list[Imported]:
+    decoder = Decoder(lambda _: ())
+    with make(path) as target:
+        for number, message in enumerate(messages):
+            topic = f"/{type(message).__name__.lower()}"
+            target.add(Packet(topic, encode(message), _TIME + number * 10**6), decoder)
+    return list(RosImport().read(path))
+
+
+def _messages() -> list[Message]:
+    scan, odometry, stat = LaserScan(), Odometry(), ControllerEvaluationStat()
+    scan.ranges, scan.header.frame_id = [1.5, 2.5], "laser"
+    odometry.pose.covariance = [0.25] * 36
+    odometry.header.stamp.sec = 12
+    return [scan, odometry, stat, scan]
+
+
+@pytest.mark.parametrize("name", _TARGETS)
+def test_messages_come_back_as_they_went(name: str, tmp_path: Path) -> None:
+    messages = _messages()
+    found = _written(_TARGETS[name], tmp_path / name, messages)
+    assert [encode(one.message) for one in found] == [encode(message) for message in messages]
+    assert [one.time for one in found] == [_TIME + number * 10**6 for number in range(4)]
+    assert [one.topic for one in found][:2] == ["/laserscan", "/odometry"]
+
+
+def test_types_that_are_not_known_are_translated(tmp_path: Path) -> None:
+    from mcap.writer import Writer
+
+    schema = "std_msgs/Header header\nmine_msgs/Point2[] points\nuint16 COUNT=3\nint8[2] pair\n"
+    schema += "=" * 80 + "\nMSG: mine_msgs/Point2\nfloat32 x\nstring name\n"
+    schema += "=" * 80 + "\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
+    path = tmp_path / "foreign.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        number = writer.register_schema("mine_msgs/msg/Polyline", "ros2msg", schema.encode())
+        channel = writer.register_channel("/line", "cdr", number)
+        data = b"\0\1\0\0" + b"\7\0\0\0\x08\0\0\0" + b"\4\0\0\0map\0"
+        data += b"\1\0\0\0" + b"\0\0\xc0\x3f" + b"\2\0\0\0a\0" + b"\xff\5"
+        writer.add_message(channel, log_time=5, data=data, publish_time=5)
+        writer.finish()
+    reading = RosImport()
+    (one,) = reading.read(path)
+    assert to_plain(one.message) == {
+        "header": {"seq": 0, "stamp": {"sec": 7, "nsec": 8}, "frame_id": "map"},
+        "points": [{"x": 1.5, "name": "a"}],
+        "pair": [-1, 5],
+    }
+    assert sorted(reading.types) == ["mine_msgs/Point2", "mine_msgs/Polyline"]
+
+
+def test_messages_in_other_encodings_are_counted(tmp_path: Path) -> None:
+    from mcap.writer import Writer
+
+    path = tmp_path / "json.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        number = writer.register_schema("x", "jsonschema", b"{}")
+        channel = writer.register_channel("/x", "json", number)
+        for time in range(3):
+            writer.add_message(channel, log_time=time, data=b"{}", publish_time=time)
+        writer.finish()
+    reading = RosImport()
+    assert not list(reading.read(path))
+    assert reading.left_out == {"/x is in json, not in ROS's": 3}
+
+
+@pytest.mark.parametrize("name", ["a.mcap", "a.bag"])
+def test_a_damaged_file_is_one_line(name: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    _written(_TARGETS[name], path, [String()] * 200)
+    path.write_bytes(path.read_bytes()[:-700])
+    with pytest.raises(LcmtoolsError, match=f"{name} is damaged, or of a kind"):
+        list(RosImport().read(path))
+
+
+def test_what_is_no_bag_is_said_to_be_none(tmp_path: Path) -> None:
+    (tmp_path / "a.png").write_bytes(b"\x89PNG....")
+    (tmp_path / "a.db3").write_bytes(b"SQLite format 3\0")
+    with pytest.raises(LcmtoolsError, match=r"a\.png is no bag of ROS 1 or 2 and no MCAP file"):
+        list(RosImport().read(tmp_path / "a.png"))
+    with pytest.raises(LcmtoolsError, match=r"part of a bag of ROS 2; name its folder"):
+        list(RosImport().read(tmp_path / "a.db3"))
+    with pytest.raises(LcmtoolsError, match=r"cannot read .*gone\.bag: No such file"):
+        list(RosImport().read(tmp_path / "gone.bag"))
