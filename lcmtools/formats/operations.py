@@ -7,6 +7,7 @@ limit: so no operation costs more than the arrays it is given.
 import ast
 import math
 import operator
+from array import array
 from collections.abc import Callable, Mapping
 from typing import TypeAlias
 
@@ -61,8 +62,8 @@ FUNCTIONS: Mapping[str, Function] = {
 
 
 def comparable(value: object) -> object:
-    """Return a value; lists and bytes as tuples, which equal a tuple that is written."""
-    return tuple(value) if isinstance(value, (list, bytes)) else value
+    """Return a value; lists, bytes and arrays as tuples, which equal a tuple that is written."""
+    return tuple(value) if isinstance(value, (list, bytes, array)) else value
 
 
 def number(value: object) -> float:

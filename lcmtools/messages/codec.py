@@ -1,6 +1,6 @@
 """Messages to payloads and back, with nothing cut, padded or believed.
 
-Belongs here: LCM's encoding of whole messages, the fast way (see ``layout``), and the careful one
+Belongs here: LCM's encoding of whole messages, the fast way (see ``coder``), and the careful one
 that is taken when it fails, to name the value that is wrong. Must not know channels or datagrams.
 Wire format (https://lcm-proj.github.io/lcm/): 8 bytes of fingerprint, then the fields in order,
 big-endian, without padding. lcm-gen's own code takes an array's length from a field that the user
@@ -13,8 +13,9 @@ from functools import partial
 from typing import TypeVar, cast
 
 from lcmtools.errors import DecodeError
+from lcmtools.messages.coder import coder
 from lcmtools.messages.fields import Field, visible_fields
-from lcmtools.messages.layout import has_wire_type, is_generated, layout
+from lcmtools.messages.layout import has_wire_type, is_generated
 from lcmtools.messages.registry import Message, candidates, type_name
 from lcmtools.messages.rows import Cursor, Malformed
 from lcmtools.messages.scalars import STRAY_BYTES, Misfit, from_python, given
@@ -49,7 +50,8 @@ def encode(message: Message) -> bytes:
 def decode(cls: type[M], payload: bytes | bytearray | memoryview, *, keep_stray: bool = False) -> M:
     """The message in a payload; bytes after its end are ignored, as by every LCM decoder.
 
-    Arrays of numbers come as tuples, of uint8 as bytes, all others as lists.
+    Arrays of uint8 come as bytes, of other numbers as a NumberArray, or a tuple where the type
+    fixes a size of at most 64; all others as lists.
 
     Args:
         cls: The message's class.
@@ -61,12 +63,15 @@ def decode(cls: type[M], payload: bytes | bytearray | memoryview, *, keep_stray:
         DecodeError: The payload is of another type, ends early, or has a length that cannot be.
     """
     data = payload if isinstance(payload, bytes) else bytes(payload)
-    known = layout(cls)
-    stray = STRAY_BYTES if keep_stray else "replace"
-    if data[:_FINGERPRINT_BYTES] != known.fingerprint:
+    known = coder(cls)
+    if not data.startswith(known.fingerprint):
         raise DecodeError(f"expected {type_name(cls)}, got {describe_payload(data)}")
     try:
-        return cast("M", known.read(Cursor(data, _FINGERPRINT_BYTES, stray)))
+        return known.scan(data, _FINGERPRINT_BYTES)[0]  # type: ignore[return-value] # a ``cls``
+    except _NOT_PLAIN:
+        cursor = Cursor(data, _FINGERPRINT_BYTES, STRAY_BYTES if keep_stray else "replace")
+    try:
+        return cast("M", known.read(cursor))
     except Malformed as malformed:
         raise DecodeError(f"broken {type_name(cls)}: {malformed}") from None
 
@@ -81,9 +86,8 @@ def describe_payload(data: bytes) -> str:
 
 
 def _payload(message: Message, cls: type[Message]) -> bytes:
-    parts = [layout(cls).fingerprint]
-    layout(cls).write(message, parts)
-    return b"".join(parts)
+    known = coder(cls)
+    return b"".join((known.fingerprint, *known.write(message)))
 
 
 def _conformed(message: object, cls: type[Message]) -> Message:

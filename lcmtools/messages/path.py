@@ -8,12 +8,13 @@ Python's, on arrays only. A name after a slice is taken from each element of it.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import NamedTuple, TypeAlias, cast
 
 from lcmtools.errors import UsageError, ValueMismatch
 from lcmtools.messages.fields import Field, MessageClass, field_name, fields_hint, visible_fields
+from lcmtools.messages.number_array import NumberArray
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.shape import as_sequence
 from lcmtools.names import did_you_mean
@@ -170,8 +171,8 @@ def _element(array: object, index: int, path: Path) -> object:
         raise _outside(str(path), len(elements), f"[{index}]") from None
 
 
-def _sequence(array: object) -> "bytes | list[object] | tuple[object, ...]":
-    return array if isinstance(array, bytes) else as_sequence(array)  # type: ignore[return-value] # as decoded
+def _sequence(array: object) -> Sequence[object]:
+    return array if isinstance(array, (bytes, NumberArray)) else as_sequence(array)
 
 
 def _outside(where: str, size: int, index: str = "") -> ValueMismatch:

@@ -7,11 +7,15 @@ plain; reading raises Malformed.
 """
 
 import struct
+import sys
+from abc import ABC, abstractmethod
+from array import array
 from collections.abc import Sequence, Sized
 from dataclasses import dataclass
+from functools import lru_cache
 from math import prod
-from typing import Protocol
 
+from lcmtools.messages.number_array import NumberArray
 from lcmtools.messages.scalars import STRAY_BYTES
 from lcmtools.messages.shape import as_bytes, as_sequence
 
@@ -28,6 +32,13 @@ STRING_BYTES = 4
 _MOST_WEIGHTLESS = 65_536
 _DEEPEST = 100  # levels of arrays of messages; only a type that holds itself could have as many
 _LENGTH = struct.Struct(">I")
+IS_LITTLE = sys.byteorder == "little"
+"""True where numbers of a payload have to be swapped."""
+_SHORT = 64  # numbers: an array of a fixed size up to this is a tuple
+_MOST_KEPT = 4096  # bytes of strings
+_LISTS = (list, tuple)
+_LONG = "q" if struct.calcsize("l") > struct.calcsize("i") else "i"  # what C's long is here
+_SAME = {code: (code, "l") if code == _LONG else (code,) for code in FORMATS.values()}
 
 
 class Malformed(ValueError):  # noqa: N818 - named for what happened, as in errors.py
@@ -74,49 +85,95 @@ class Cursor:
         return Malformed(f"{size} bytes wanted at {where}, {len(self.data) - self.offset} left")
 
 
-class ArrayCodec(Protocol):
+class ArrayCodec(ABC):
     """An array of one dimension: ``smallest`` is the least size of an element [byte]."""
 
     smallest: int
 
-    def write(self, values: object, count: int, parts: list[bytes]) -> None:
-        """Append the bytes of all elements, of which there must be ``count``."""
+    @abstractmethod
+    def write(self, values: object, count: int) -> bytes:
+        """Return the bytes of all elements, of which there must be ``count``."""
 
+    @abstractmethod
     def read(self, count: int, cursor: Cursor) -> object:
         """Return ``count`` elements."""
 
+    def scan(self, data: bytes, start: int, count: int) -> tuple[object, int]:
+        """Return elements and their end; any exception, where ``read`` has to say what is wrong."""
+        cursor = Cursor(data, start)
+        return self.read(count, cursor), cursor.offset
 
-def primitive_array(type_name: str, where: str, *, is_bytes: bool) -> ArrayCodec:
-    """Return the codec of arrays of a primitive type; ``where`` is its place, for errors."""
+
+def primitive_array(type_name: str, where: str, size: int | str) -> ArrayCodec:
+    """Return the codec of arrays of a primitive type, of a fixed size or one in a length field.
+
+    ``where`` is its place, for errors.
+    """
     if type_name == "string":
         return _Strings(where)
-    return _Bytes(where) if is_bytes else _Numbers(FORMATS[type_name], where)
+    if type_name == "uint8":
+        return _Bytes(where)
+    return _Numbers(FORMATS[type_name], where, size)
 
 
-class _Numbers:
-    def __init__(self, code: str, where: str) -> None:
+class _Numbers(ArrayCodec):
+    """Numbers: a tuple of few, whose size is fixed, else a NumberArray; booleans: a list."""
+
+    def __init__(self, code: str, where: str, size: int | str) -> None:
         self._code = code
+        self._is_tuple = is_short(size)
         self._where = where
         self.smallest = struct.calcsize(f">{code}")
 
-    def write(self, values: object, count: int, parts: list[bytes]) -> None:
+    def write(self, values: object, count: int) -> bytes:
+        if type(values) not in _LISTS and (own := _own_numbers(values, self._code)) is not None:
+            check_count(own, count)
+            return _swap(own).tobytes()
         numbers = as_sequence(values)
         if self._code == "?":
             numbers = [BOOLEANS[value] for value in numbers]
-        parts.append(struct.pack(f">{count}{self._code}", *numbers))
+        return numbers_struct(count, self._code).pack(*numbers)
 
     def read(self, count: int, cursor: Cursor) -> object:
-        """Return numbers as a tuple, booleans as a list, as lcm-gen's decoders do."""
-        data, start = cursor.data, cursor.offset
-        end = start + count * self.smallest
-        if not start <= end <= len(data):  # not take() at once: short arrays are slower by its call
-            cursor.take(count * self.smallest, self._where)
-        cursor.offset = end
-        numbers = struct.unpack_from(f">{count}{self._code}", data, start)
+        start = cursor.take(count * self.smallest, self._where)
+        if self._code != "?" and not self._is_tuple:
+            return _swap(NumberArray(self._code, cursor.data[start : cursor.offset]))
+        numbers = numbers_struct(count, self._code).unpack_from(cursor.data, start)
         return list(numbers) if self._code == "?" else numbers
 
 
-class _Bytes:
+def is_short(size: int | str) -> bool:
+    """Return True for the size of an array of numbers that is read as a tuple."""
+    return isinstance(size, int) and size <= _SHORT
+
+
+@lru_cache
+def numbers_struct(count: int, code: str) -> struct.Struct:
+    """Return the ``struct`` of some numbers of one type."""
+    return struct.Struct(f">{count}{code}")
+
+
+def _swap(numbers: "array[float]") -> "array[float]":
+    """Change the order of bytes between the machine's and the payload's; return the array."""
+    if IS_LITTLE:
+        numbers.byteswap()
+    return numbers
+
+
+def _own_numbers(values: object, code: str) -> "array[float] | None":
+    """A copy of what holds numbers of this very type already (array, numpy); None of others."""
+    if type(values) is NumberArray and values.typecode == code:
+        return values[:]
+    try:
+        view = memoryview(values)  # type: ignore[arg-type] # TypeError, if it has no buffer
+    except TypeError:
+        return None
+    if view.ndim != 1 or view.format not in _SAME[code]:
+        return None
+    return array(code, view.tobytes())
+
+
+class _Bytes(ArrayCodec):
     """Bytes, as one ``bytes``; written without a copy where they are one."""
 
     smallest = 1
@@ -124,31 +181,60 @@ class _Bytes:
     def __init__(self, where: str) -> None:
         self._where = where
 
-    def write(self, values: object, count: int, parts: list[bytes]) -> None:
+    def write(self, values: object, count: int) -> bytes:
         data = values if type(values) is bytes else as_bytes(values)
         check_count(data, count)
-        parts.append(data)
+        return data
 
     def read(self, count: int, cursor: Cursor) -> bytes:
         start = cursor.take(count, self._where)
         return cursor.data[start : start + count]
 
 
-class _Strings:
+class _Strings(ArrayCodec):
+    """Strings, as a list.
+
+    A robot's joints have the same names in each message. So the last strings and their bytes are
+    kept: to compare them is ten times as fast as to read or write them anew.
+    """
+
     smallest = STRING_BYTES
 
     def __init__(self, where: str) -> None:
         self._where = where
+        self._written: tuple[list[object], bytes] = [], b""
+        self._read: tuple[list[str], bytes] = [], b""
 
-    def write(self, values: object, count: int, parts: list[bytes]) -> None:
+    def write(self, values: object, count: int) -> bytes:
         strings = as_sequence(values)
         check_count(strings, count)
-        for value in strings:
-            write_string(value, parts)
+        last, data = self._written
+        if strings != last:
+            data = b"".join(map(string_bytes, strings))
+            if len(data) <= _MOST_KEPT:
+                self._written = [*strings], data
+        return data
 
     def read(self, count: int, cursor: Cursor) -> list[str]:
         cursor.expect(count, self.smallest, self._where)
         return [read_string(cursor, self._where) for _ in range(count)]
+
+    def scan(self, data: bytes, start: int, count: int) -> tuple[list[str], int]:
+        last, block = self._read
+        if count == len(last) and data.startswith(block, start):
+            return last.copy(), start + len(block)
+        if count < 0:
+            raise Malformed
+        strings, end = [], start
+        for _ in range(count):
+            begin = end + STRING_BYTES
+            end = begin + _LENGTH.unpack_from(data, end)[0]
+            strings.append(data[begin : end - 1].decode())
+            if data[end - 1]:
+                raise Malformed
+        if end - start <= _MOST_KEPT:
+            self._read = strings.copy(), data[start:end]
+        return strings, end
 
 
 class Array:
@@ -158,16 +244,14 @@ class Array:
         self._row = row
         self._where = where
 
-    def write(self, values: object, sizes: Sequence[int], parts: list[bytes]) -> None:
-        """Append its bytes; a wrong size raises ValueError."""
+    def write(self, values: object, sizes: Sequence[int]) -> bytes:
+        """Return its bytes; a wrong size raises ValueError."""
         count, inner = sizes[0], sizes[1:]
         if not inner:
-            self._row.write(values, count, parts)
-            return
+            return self._row.write(values, count)
         rows = as_sequence(values)
         check_count(rows, count)
-        for row in rows:
-            self.write(row, inner, parts)
+        return b"".join([self.write(row, inner) for row in rows])
 
     def read(self, sizes: Sequence[int], cursor: Cursor) -> object:
         """Return the array of these sizes, outermost first."""
@@ -179,11 +263,16 @@ class Array:
         cursor.expect(count, prod(inner) * self._row.smallest, self._where)
         return [self.read(inner, cursor) for _ in range(count)]
 
+    def scan(self, data: bytes, start: int, sizes: Sequence[int]) -> tuple[object, int]:
+        """Return the array and its end, as ``ArrayCodec.scan``."""
+        cursor = Cursor(data, start, "strict")
+        return self.read(sizes, cursor), cursor.offset
 
-def write_string(value: object, parts: list[bytes]) -> None:
-    """Append a string; TypeError for all but text."""
+
+def string_bytes(value: object) -> bytes:
+    """Return a string's bytes; TypeError for all but text."""
     text = str.encode(value, "utf-8", STRAY_BYTES)  # type: ignore[arg-type] # as said
-    parts += (_LENGTH.pack(len(text) + 1), text, b"\0")
+    return _LENGTH.pack(len(text) + 1) + text + b"\0"
 
 
 def read_string(cursor: Cursor, where: str) -> str:

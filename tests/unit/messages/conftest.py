@@ -54,6 +54,38 @@ ODD_TYPES = {
             float single;
         }
     """,
+    "Kinds": """
+        struct Kinds {
+            int16_t count;
+            int32_t other;
+            boolean flags[count];
+            byte bytes[other];
+            int8_t small[count];
+            int16_t middle[count];
+            int32_t large[other];
+            int64_t huge[count];
+            string words[other];
+            float single[count];
+            int64_t some[65];
+            double grid[other][count];
+            int64_t few[3];
+            byte key[2];
+        }
+    """,
+    "Rows": """
+        struct Rows {
+            int32_t count;
+            odd.Keyed keyed[count];
+            odd.Kinds kinds[2];
+        }
+    """,
+    "Keyed": """
+        struct Keyed {
+            byte key[3];
+            double place[3];
+            float many[65];
+        }
+    """,
     "Many": """
         struct Many {
             int32_t items_length;

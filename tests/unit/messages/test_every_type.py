@@ -16,12 +16,14 @@ from hypothesis import strategies as st
 
 from lcmtools.errors import DecodeError
 from lcmtools.messages.codec import decode, encode
+from lcmtools.messages.coder import coder
 from lcmtools.messages.definition import definition
 from lcmtools.messages.fields import Field, fields, visible_fields
 from lcmtools.messages.fill import fill
 from lcmtools.messages.message_template import draft_from_values
 from lcmtools.messages.plain import to_json, to_plain
 from lcmtools.messages.registry import Message, message_class
+from lcmtools.messages.rows import Cursor, Malformed
 from lcmtools.messages.scalars import INTEGERS
 from lcmtools.messages.text import format_message
 from lcmtools.types.fingerprints import FINGERPRINTS
@@ -85,11 +87,12 @@ def comparable(message: Message) -> object:
 
 
 def check_round_trips(message: Message) -> None:
-    """A payload, text and JSON give the message back; lcm-gen's code agrees."""
+    """A payload, text and JSON give the message back; lcm-gen's and the careful decoder agree."""
     cls = type(message)
     payload = encode(message)
     decoded = decode(cls, payload)
     assert encode(decoded) == payload
+    assert comparable(coder(cls).read(Cursor(payload, 8))) == comparable(decoded)
     assert message.encode() == payload
     assert comparable(decoded) == comparable(cls.decode(payload))  # type: ignore[attr-defined] # not in the protocol
     for text in (format_message(decoded), to_json(decoded)):
@@ -100,15 +103,19 @@ def check_round_trips(message: Message) -> None:
 
 
 def check_broken_payloads(message: Message, change: Callable[[bytes], bytes]) -> None:
-    """A part of a payload gives a DecodeError, a spoiled one a message or a DecodeError."""
+    """A part of a payload gives a DecodeError, a spoiled one what the careful decoder says."""
     cls, payload = type(message), encode(message)
     for size in range(len(payload)):
         with pytest.raises(DecodeError):
             decode(cls, payload[:size])
+    spoiled = payload[:8] + change(payload[8:])
     try:
-        decoded = decode(cls, payload[:8] + change(payload[8:]))
+        decoded = decode(cls, spoiled)
     except DecodeError:
+        with pytest.raises(Malformed):
+            coder(cls).read(Cursor(spoiled, 8))
         return
+    assert comparable(coder(cls).read(Cursor(spoiled, 8))) == comparable(decoded)
     format_message(decoded)
     encode(decoded)
 
@@ -176,12 +183,16 @@ def test_every_default_message_survives_and_has_a_definition() -> None:
         check_round_trips(message)
         assert len(definition(type(message)).splitlines()) >= len(visible_fields(type(message)))
         json.loads(to_json(message))
-        for size in range(len(payload := encode(message))):
+        payload = encode(message)
+        assert coder(type(message)).scan(payload, 8)[1] == len(payload)  # needs no careful decoder
+        for size in range(len(payload)):
             with pytest.raises(DecodeError):
                 decode(type(message), payload[:size])
 
 
-@pytest.mark.parametrize("name", ["Shapes", "Shared", "Tree", "Limits", "Many"])
+@pytest.mark.parametrize(
+    "name", ["Shapes", "Shared", "Tree", "Limits", "Many", "Kinds", "Keyed", "Rows"]
+)
 def test_odd_types_survive_too(odd: ModuleType, name: str) -> None:
     @FEW
     @given(messages(getattr(odd, name)), changes())

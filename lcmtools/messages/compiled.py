@@ -1,0 +1,262 @@
+"""Functions that write and read a type, as source text made from its layout and compiled.
+
+Belongs here: which numbers are packed in one go, and what is checked in passing. Must not know how
+arrays are coded, except those of numbers.
+
+Plain assignments and numbers packed in one go make the fast functions faster than lcm-gen's own
+code, whence source text, compiled, as ``dataclasses`` does it. Those of a std_msgs/Header:
+
+    def write(m0):
+        m1 = m0.stamp
+        if type(m1) is not c1: check(m1, c1)
+        t0 = encode(m0.frame_id, "utf-8", stray)
+        return (pack2(m0.seq, m1.sec, m1.nsec, len(t0) + 1), t0, nul)
+
+    def scan(data, at):
+        m0 = new(c0)
+        m1 = m0.stamp = new(c1)
+        m0.seq, m1.sec, m1.nsec, n, = unpack3(data, at)
+        at = at + 16
+        end = at + n
+        m0.frame_id = data[at:end - 1].decode()
+        if data[end - 1]: raise malformed
+        return m0, end
+
+``scan`` leaves checks to ``unpack_from`` and to a last look at the end: an exception of any kind
+means that the careful decoder has to read the payload.
+"""
+
+import struct
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias, cast
+
+from lcmtools.messages.fields import Field, visible_fields
+from lcmtools.messages.layout import Layout, Leaf, check_type
+from lcmtools.messages.number_array import NumberArray
+from lcmtools.messages.registry import Message
+from lcmtools.messages.rows import (
+    BOOLEANS,
+    FORMATS,
+    IS_LITTLE,
+    Array,
+    ArrayCodec,
+    Malformed,
+    is_short,
+    length,
+    numbers_struct,
+)
+from lcmtools.messages.scalars import STRAY_BYTES
+
+Write: TypeAlias = Callable[[object], tuple[bytes, ...]]
+"""Sets the length fields of a message and gives its bytes, in parts."""
+
+Scan: TypeAlias = Callable[[bytes, int], tuple[Message, int]]
+"""Gives the message in a payload, from an offset on, and its end."""
+
+Codecs: TypeAlias = "Sequence[ArrayCodec | Array | None]"
+"""The codec of each leaf of a layout; None for those that are no arrays."""
+
+
+def compiled(layout: Layout, codecs: Codecs) -> tuple[Write, Scan]:
+    """Return the two functions of a type."""
+    return _Source(layout, codecs).functions()
+
+
+@dataclass(slots=True)
+class _Source:
+    """The statements of the two functions, and the names that they use."""
+
+    layout: Layout
+    codecs: Codecs
+    space: dict[str, object] = field(
+        default_factory=lambda: {
+            "booleans": BOOLEANS,
+            "check": check_type,
+            "encode": str.encode,
+            "length": length,
+            "malformed": Malformed,
+            "new": object.__new__,
+            "nul": b"\0",
+            "numbers": NumberArray,
+            "stray": STRAY_BYTES,
+        }
+    )
+
+    def functions(self) -> tuple[Write, Scan]:
+        write = ["def write(m0):", *_Writing(self).statements()]
+        scan = ["def scan(data, at):", *_Reading(self).statements()]
+        text = "\n ".join(write) + "\n" + "\n ".join(scan)
+        exec(text, self.space)  # noqa: S102 - made of the names that lcm-gen's own code has
+        return cast("Write", self.space["write"]), cast("Scan", self.space["scan"])
+
+    def name(self, letter: str, thing: object) -> str:
+        """Return a new name for a thing that the statements use."""
+        name = f"{letter}{len(self.space)}"
+        self.space[name] = thing
+        return name
+
+    def part(self, place: int) -> str:
+        """Return the assignment's left side for a part: "m0", "m1 = m0.linear"."""
+        part = self.layout.parts[place]
+        return f"m{place} = m{part.owner}.{part.name}" if part.name else f"m{place}"
+
+    def leaves(self) -> Iterator[tuple[Leaf, ArrayCodec | Array | None, str, str]]:
+        """Yield each leaf, its codec, its expression and that of its size."""
+        for leaf, codec in zip(self.layout.leaves, self.codecs, strict=True):
+            owner, sizes = f"m{leaf.part}", leaf.field.dimensions
+            counts = [f"{owner}.{size}" if isinstance(size, str) else str(size) for size in sizes]
+            size = counts[0] if len(counts) == 1 else f"({', '.join(counts)})"
+            yield leaf, codec, f"{owner}.{leaf.field.name}", size
+
+
+class _Writing:
+    """The statements that write a message: its parts are packed numbers, strings and arrays."""
+
+    def __init__(self, source: _Source) -> None:
+        self._source = source
+        self._lines: list[str] = []
+        self._parts: list[str] = []
+        self._codes = ""  # of the numbers, and the NUL ("x"), that go into the next part
+        self._values: list[str] = []
+
+    def statements(self) -> list[str]:
+        source = self._source
+        for place, part in enumerate(source.layout.parts):
+            if part.name:
+                cls = source.name("c", part.cls)
+                self._lines += [
+                    source.part(place),
+                    f"if type(m{place}) is not {cls}: check(m{place}, {cls})",
+                ]
+            self._lines.extend(_set_lengths(part.cls, f"m{place}"))
+        for leaf, codec, target, size in source.leaves():
+            if codec:
+                self._pack()
+                self._parts.append(f"{source.name('r', codec)}.write({target}, {size})")
+            elif leaf.is_number:
+                code = FORMATS[leaf.field.type]
+                self._add(code, f"booleans[{target}]" if code == "?" else target)
+            else:
+                self._add_string(target)
+        self._pack()
+        return [*self._lines, f"return ({''.join(f'{part}, ' for part in self._parts)})"]
+
+    def _add(self, code: str, value: str) -> None:
+        self._codes += code
+        self._values.append(value)
+
+    def _add_string(self, target: str) -> None:
+        text = f"t{len(self._lines)}"
+        self._lines.append(f'{text} = encode({target}, "utf-8", stray)')
+        self._add("I", f"len({text}) + 1")
+        self._pack()
+        self._parts.append(text)
+        self._codes = "x"
+
+    def _pack(self) -> None:
+        if self._values:
+            pack = self._source.name("pack", struct.Struct(f">{self._codes}").pack)
+            self._parts.append(f"{pack}({', '.join(self._values)})")
+        elif self._codes:
+            self._parts.append("nul")
+        self._codes, self._values = "", []
+
+
+class _Reading:
+    """The statements that read a message."""
+
+    def __init__(self, source: _Source) -> None:
+        self._source = source
+        self._lines: list[str] = []
+        self._base, self._offset = "at", 0  # the place of the next field, known as a sum
+        self._codes = ""  # of the numbers that are read next
+        self._targets: list[str] = []
+        self._may_be_behind = False  # what was read last may be behind the end of the payload
+
+    def statements(self) -> list[str]:
+        for place, part in enumerate(self._source.layout.parts):
+            new = f"new({self._source.name('c', part.cls)})"
+            self._lines.append(f"{self._source.part(place)} = {new}")
+        for leaf, codec, target, size in self._source.leaves():
+            if leaf.is_number:
+                self._codes += FORMATS[leaf.field.type]
+                self._targets.append(target)
+            elif codec is None:
+                self._string(target)
+            elif not self._array_of_numbers(leaf.field, target, size):
+                self._unpack()
+                scan = self._source.name("scan", codec.scan)
+                self._lines.append(f"{target}, end = {scan}(data, {self._here()}, {size})")
+                self._base, self._offset = "end", 0
+        self._unpack()
+        if self._may_be_behind:
+            self._lines.append("if end > len(data): raise malformed")
+        return [*self._lines, f"return m0, {self._here()}"]
+
+    def _here(self) -> str:
+        return f"{self._base} + {self._offset}" if self._offset else self._base
+
+    def _unpack(self) -> None:
+        """Add a statement that reads the numbers that have gathered."""
+        if self._codes:
+            targets = ", ".join(self._targets)
+            self._take(f"{targets},", struct.Struct(f">{self._codes}"))
+            self._codes, self._targets = "", []
+
+    def _take(self, targets: str, packer: struct.Struct) -> None:
+        unpack = self._source.name("unpack", packer.unpack_from)
+        self._lines.append(f"{targets} = {unpack}(data, {self._here()})")
+        self._offset += packer.size
+        self._may_be_behind = False
+
+    def _string(self, target: str) -> None:
+        self._codes += "I"
+        self._targets.append("n")
+        self._unpack()
+        self._lines += [
+            f"at = {self._here()}",
+            "end = at + n",
+            f"{target} = data[at:end - 1].decode()",
+            "if data[end - 1]: raise malformed",
+        ]
+        self._base, self._offset = "end", 0
+
+    def _array_of_numbers(self, part: Field, target: str, size: str) -> bool:
+        """Add the statements for an array of numbers or bytes; return False for others."""
+        if len(part.dimensions) > 1 or part.type == "bool" or part.type not in FORMATS:
+            return False
+        self._unpack()
+        if is_short(part.dimensions[0]) and not part.is_bytes:
+            self._take(target, numbers_struct(int(size), FORMATS[part.type]))
+            return True
+        packer = struct.Struct(f">{FORMATS[part.type]}")
+        self._lines += [
+            f"at = {self._here()}",
+            f"end = at + {packer.size} * {size}",
+            "if end < at: raise malformed",
+        ]
+        if part.is_bytes:
+            self._lines.append(f"{target} = data[at:end]")
+        else:
+            self._lines.append(f"{target} = v = numbers({FORMATS[part.type]!r}, data[at:end])")
+            if IS_LITTLE:
+                self._lines.append("v.byteswap()")
+        self._base, self._offset = "end", 0
+        self._may_be_behind = True
+        return True
+
+
+def _set_lengths(cls: type[Message], variable: str) -> Iterator[str]:
+    """Yield the statements that set the length fields of a message."""
+    found: dict[str, list[str]] = {}
+    for part in visible_fields(cls):
+        for depth, size in enumerate(part.dimensions):
+            if isinstance(size, str):
+                found.setdefault(size, []).append(f"({variable}.{part.name}, {depth})")
+    for name, arrays in found.items():
+        target = f"{variable}.{name}"
+        if len(arrays) == 1 and arrays[0].endswith(", 0)"):
+            yield f"{target} = len({arrays[0][1:-4]})"
+        else:
+            yield f"{target} = length({target}, {', '.join(arrays)})"
