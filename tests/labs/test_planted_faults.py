@@ -207,7 +207,7 @@ def test_the_cause_of_wrong_keys_is_named_once(fault: str, words: str, check: Ch
     ("fault", "measured", "words"),
     [
         ("once", "0.00 Hz", "one command came, and no other in"),
-        ("timer", "none within 10 s", "no callback of its node was ever called"),
+        ("timer", "none within", "a period of 500 s; if 500 ms are meant, write 0.5"),
     ],
 )
 def test_the_cause_of_a_wrong_mover_is_named(

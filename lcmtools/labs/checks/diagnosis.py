@@ -31,12 +31,14 @@ SAME = "same"
 RAISED, IGNORED = "raised", "ignored"
 """Its callbacks raise exceptions; the simulator ignores its commands."""
 TYPE, TOPIC, SUBSCRIPTION, UNSUBSCRIBED = "type", "topic", "subscription", "unsubscribed"
-LASTING = (RAISED, TYPE, TOPIC, SUBSCRIPTION)
+TIMER = "timer"
+LASTING = (RAISED, TYPE, TOPIC, SUBSCRIPTION, TIMER)
 """Keys of the causes that time does not mend; others may be of a program that starts slowly."""
 
 _LONG_CALL, _LONG_MEAN = 1.0, 0.1  # [s]
 _RARE = 10  # calls for each exception
 _MISSING = re.compile(r"No module named '([\w.]+)'")
+_LONG_TIMER = re.compile(r"create_timer: a period of .+")
 _SMALL = 1e-6
 _NO_SPIN = "does it call lcmtools.spin(node), or often spin_once?"
 
@@ -136,7 +138,11 @@ def disconnected(observed: Observations, hint: str = "") -> Cause | None:
     wrong = wrong or _not_hearing(look, program.subscribes)
     if wrong or program.has_keys:
         return wrong
-    return _not_running(look) or _not_publishing(look, program.publishes, hint)
+    return (
+        _long_timer(observed.printed)
+        or _not_running(look)
+        or _not_publishing(look, program.publishes, hint)
+    )
 
 
 def _elsewhere(look: BusLook, wanted: Sequence[str], types: Sequence[str]) -> Cause | None:
@@ -180,6 +186,12 @@ def _not_hearing(look: BusLook, wanted: Sequence[str]) -> Cause | None:
         text = f"it subscribes to {other}, and not to {topic}: {_renaming(look, other, topic)}"
         return Cause(SUBSCRIPTION, text)
     return None
+
+
+def _long_timer(printed: str) -> Cause | None:
+    """Return the timer whose first call is far away, which its node has warned of."""
+    warning = _LONG_TIMER.search(printed)
+    return Cause(TIMER, f"its timer has not been called yet: {warning[0]}") if warning else None
 
 
 def _not_running(look: BusLook) -> Cause | None:

@@ -21,6 +21,8 @@ _MOST = 0.95  # of the path: its end may be where a student's robot stops
 _AHEAD, _BEHIND = 1.0, 0.3  # [m] along the path in which the robot is searched, from where it was
 _AT_REST = 0.02  # [m], [m/s] or [rad/s]
 _SPIN = 4.0  # [rad/s]; to follow the path takes less
+_BEND = 1.0  # [rad/s]; a bend of the path takes no more for long
+_ROUND, _SWING = 1.25 * math.pi, 1.0  # [rad] of a turn the long way round, and of one too fast
 
 Point = tuple[float, float]
 
@@ -194,12 +196,30 @@ def _velocity_cause(drive: Drive) -> Cause | None:
         return Cause("no-motion", "the robot does not move: linear.x is its speed [m/s]")
     if min(s.forward for s, _ in drive.offsets) < -_AT_REST:
         return Cause("speed-sign", "it drives backward: forward is linear.x above 0")
+    if wrapped := _turn_around([sample for sample, _ in drive.offsets]):
+        text = f"it turns all the way round at ({wrapped.x:.1f}, {wrapped.y:.1f}): bring the angle"
+        return Cause("wrap", f"{text} between -pi and pi: math.remainder(angle, math.tau)")
     away = [s.turn_rate * side for s, side in drive.offsets if abs(side) > _MEAN]
-    if abs(offset) > _LOST and math.fsum(away) > 0:
+    if (abs(offset) > _LOST or drive.along < _LOST) and math.fsum(away) > 0:
         text = "wrong sign of turn: it turns away from the path; left is angular.z above 0"
         return Cause("turn-sign", text)
     fastest = max(abs(sample.turn_rate) for sample, _ in drive.offsets)
     if fastest > _SPIN:
         text = f"it turns at {fastest:.1f} rad/s: angles are in radians, and not in degrees"
         return Cause("unit", text)
+    return None
+
+
+def _turn_around(samples: Sequence[Sample]) -> Sample | None:
+    """Return where a robot that drove well till then turned all the way round; None if nowhere."""
+    turned, first = 0.0, samples[0]
+    for before, now in pairwise(samples):
+        if abs(now.turn_rate) < _BEND or now.turn_rate * before.turn_rate < 0:
+            if turned > _SWING:
+                return None
+            turned, first = 0.0, now
+        turned += abs(now.turn_rate) * (now.time - before.time)
+        if turned > _ROUND:
+            way = math.dist((first.x, first.y), (samples[0].x, samples[0].y))
+            return first if way > _LOST else None
     return None

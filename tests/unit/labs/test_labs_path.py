@@ -73,7 +73,9 @@ def test_a_good_drive_is_as_specified_in_all_rows() -> None:
         ([(n / 10, -n * n / 100, 0.4, -0.5) for n in range(12)], "turn-sign"),
         (circle(2.0, 0.5), "stops"),
         (circle(2.4), "strays"),
-        ([(0.2 * (n % 2), 0, 0.4, 5.2) for n in range(12)], "unit"),
+        ([(0.2 * (n % 2), 0, 0.4, 5.2 * (-1) ** (n // 4)) for n in range(12)], "unit"),
+        ([(0.1 * n, 0, 0.4, 0.2 if n < 11 else -5.0) for n in range(20)], "wrap"),
+        ([(0.04 * n, -0.2 * (n > 2), 0.4, -5.0) for n in range(20)], "turn-sign"),
     ],
 )
 def test_the_cause_is_told_by_the_places(
