@@ -249,8 +249,6 @@ def velocity_of(message: Message | None) -> tuple[float, float] | None:
 
 
 def explain_number(measured: float, formulas: Mapping[str, float]) -> str:
-    """Return the formula whose value was measured; "" if there is none."""
-    return next(
-        (name for name, value in formulas.items() if math.isclose(measured, value, rel_tol=0.02)),
-        "",
-    )
+    """Return the formula whose value is nearest to what was measured; "" if none is near."""
+    name = min(formulas, key=lambda one: abs(formulas[one] - measured))
+    return name if math.isclose(measured, formulas[name], rel_tol=0.02) else ""

@@ -1,0 +1,211 @@
+"""Causes of rows that are not ok, where one word of a program is wrong; no processes."""
+
+import math
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import PIL.Image
+import pytest
+
+from lcmtools.labs.checks import dolly, husky
+from lcmtools.labs.checks.diagnosis import explain_number
+from lcmtools.labs.checks.keys import (
+    DIRECTIONS,
+    KeyPress,
+    change_result,
+    key_cause,
+    key_result,
+    speeds_result,
+)
+from lcmtools.labs.checks.observations import Command, Failure
+from lcmtools.labs.checks.step_response import Step, StepRun, judge
+from lcmtools.labs.checks.teleop import check_teleop
+from lcmtools.labs.checks.viewer import picture_cause
+from lcmtools.labs.nodes.driving.motion import Motion
+from lcmtools.labs.nodes.picture.pixels import Kind, Picture
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.sensor_msgs import Image
+
+GOAL = Step(0.3, 0.4)
+"""The velocity that an evaluator is to compare a robot at rest with; the error is 0.5."""
+
+
+@pytest.mark.parametrize(
+    ("measured", "samples", "words"),
+    [
+        (6 * 0.5, 6, "the sum, not divided by the samples"),
+        (0.0, 0, "always 0"),
+        (0.4, 0, "the error of angular.z only"),
+        (-0.5, 0, "the negative error"),
+        (-0.3, 0, "the negative error of linear.x only"),
+        (0.35, 0, "the mean of both errors"),
+        (math.sqrt(0.125), 0, "the root of the mean of both squares"),
+        (3.0, 0, ""),
+    ],
+)
+def test_the_formula_of_an_evaluator_is_recognised(
+    measured: float, samples: int, words: str
+) -> None:
+    assert husky.error_cause(measured, GOAL, samples) == words
+
+
+def test_a_number_that_no_formula_gives_is_not_explained() -> None:
+    assert explain_number(0.7, {"half": 0.35}) == ""
+    assert explain_number(0.351, {"half": 0.35}) == "half"
+
+
+def twist(forward: float, turn_rate: float) -> Twist:
+    message = Twist()
+    message.linear.x, message.angular.z = forward, turn_rate
+    return message
+
+
+def presses(change: Callable[[str, float, float], Twist | None]) -> dict[str, KeyPress]:
+    motion, found = Motion(0.5, 1.0), {}
+    for key in DIRECTIONS:
+        motion = motion.after(key)
+        wanted = motion.forward, motion.turn_rate
+        found[key] = KeyPress(key, wanted, change(key, *wanted))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("change", "is_ok", "cause"),
+    [
+        (lambda _, v, w: twist(v, w), True, ""),
+        (lambda _, v, w: twist(v, 57.3 * w), False, "angular.z is in rad/s, not in degrees"),
+        (lambda _, v, w: twist(-v, w), False, "wrong sign of speed: forward is linear.x above 0"),
+        (lambda _, v, w: twist(v, -w), False, "wrong sign of turn: left is angular.z above 0"),
+        (
+            lambda k, v, w: twist(v, w) if k != "i" else twist(0, 0),
+            False,
+            "'i' stops the robot: is it in the program's table of keys?",
+        ),
+    ],
+)
+def test_the_speeds_of_the_basic_keys(change: Any, cause: str, *, is_ok: bool) -> None:
+    row = speeds_result(presses(change))
+    assert row.is_ok is is_ok
+    assert is_ok or row.hint == cause
+
+
+@pytest.mark.parametrize(
+    ("got", "measured", "words"),
+    [
+        (None, "nothing comes", "nothing is published for 'u': is each key read at once, and"),
+        (twist(0, 0), "+0.000 m/s, +0.000 rad/s", "'u' stops the robot"),
+        (twist(0.5, -1.0), "+0.500 m/s, -1.000 rad/s", "'u' does what 'o' should do (forward to"),
+        (twist(0.5, 0.7), "+0.500 m/s, +0.700 rad/s", "compare 'u' with the table of keys"),
+    ],
+)
+def test_a_key_with_another_command_has_its_row(
+    got: Twist | None, measured: str, words: str
+) -> None:
+    drives = presses(lambda k, v, w: got if k == "u" else twist(v, w))
+    row = key_result(drives["u"], "u  forward to the left", drives)
+    assert (row.is_ok, row.measured) == (False, measured)
+    assert row.hint.startswith(words)
+    assert key_cause(drives["u"], drives).text == row.hint
+
+
+@pytest.mark.parametrize(
+    ("before", "words"),
+    [
+        (twist(0.5, 1.0), "'q' is to change the speeds by 10 %, and keep the motion"),
+        (twist(0.5, 0.2), "compare 'u' with the table of keys in the lab"),  # 'u' itself is wrong
+    ],
+)
+def test_a_key_that_changes_no_speed_is_told_by_the_one_before(before: Twist, words: str) -> None:
+    drives = presses(lambda k, v, w: before if k == "u" else twist(v, w))
+    press = KeyPress("u", (0.55, 1.1), before)
+    assert change_result(press, "u  after q, both 10 % more", drives).hint == words
+
+
+def test_a_first_key_that_brings_a_twist_of_0_is_asked_for_once() -> None:
+    """The robot does not move, although something is published: the key is not in the table."""
+    commands: list[Command] = []
+    program = SimpleNamespace(
+        code=None, press=lambda _: commands.append(Command(0.0, "/RosAria/cmd_vel", Twist()))
+    )
+    recorder = SimpleNamespace(commands=commands, record_command=lambda _: None)
+    bench: Any = SimpleNamespace(
+        recorder=recorder, start=lambda *_, **__: program, wait=lambda condition, _: condition()
+    )
+    (row,) = check_teleop(bench, ["teleop"])
+    assert (row.what, row.wanted, row.measured) == (
+        "answers to i",
+        "a speed above 0",
+        "a Twist of 0",
+    )
+    assert row.hint == "'i' stops the robot: is it in the program's table of keys, in lower case?"
+
+
+BLOCKS = ("abcdabcc", "bbadcadb", "cabcddab", "dcbaabca")
+"""Blocks of 20 columns and 30 rows, each of one of four depths."""
+
+
+def depth_image() -> Image:
+    """Return a picture of the blocks, with depths from 1 to 4 m."""
+    image = Image()
+    image.width, image.height, image.step, image.encoding = 160, 120, 320, "16UC1"
+    image.data = b"".join(
+        (1000 * (1 + "abcd".index(BLOCKS[row // 30][column // 20]))).to_bytes(2, "little")
+        for row in range(120)
+        for column in range(160)
+    )
+    image.data_length = len(image.data)
+    return image
+
+
+def grey(image: Image) -> PIL.Image.Image:
+    depths = [int.from_bytes(image.data[i : i + 2], "little") for i in range(0, 2 * 160 * 120, 2)]
+    picture = PIL.Image.new("L", (160, 120))
+    picture.putdata([255 - depth // 25 for depth in depths])
+    return picture
+
+
+@pytest.mark.parametrize(
+    ("turn", "words"),
+    [
+        (PIL.Image.Transpose.FLIP_TOP_BOTTOM, "the picture is upside down: rows go from the top"),
+        (PIL.Image.Transpose.FLIP_LEFT_RIGHT, "the picture is mirrored: columns go from the left"),
+        (PIL.Image.Transpose.ROTATE_180, "the picture is turned by 180 degrees"),
+        (PIL.Image.Transpose.ROTATE_90, "width and height are exchanged: it is 160 wide, 120 high"),
+    ],
+)
+def test_a_picture_that_is_turned_is_recognised(turn: Any, words: str) -> None:
+    truth = depth_image()
+    shown = Picture(grey(truth).transpose(turn), "L", Kind.GREY)
+    assert picture_cause(truth, shown).startswith(words)
+
+
+def test_a_picture_that_is_black_or_unlike_is_told_apart() -> None:
+    truth = depth_image()
+    black = Picture(PIL.Image.new("L", (160, 120)), "L", Kind.GREY)
+    assert picture_cause(truth, black).startswith("the picture is all black: is it the data")
+    noise = PIL.Image.effect_noise((160, 120), 80)
+    assert picture_cause(truth, Picture(noise, "L", Kind.GREY)) == ""
+
+
+def test_a_dolly_that_does_not_drive_as_commanded_says_so() -> None:
+    right = twist(0.5, 0.3)
+    assert "do commands keep coming?" in dolly.circle_cause(None, [], right).text
+    assert "before the last one is too old" in dolly.circle_cause(1.2, [], right).text
+    assert "speed and turn rate are exchanged" in dolly.circle_cause(0.6, [], twist(0.3, 0.5)).text
+
+
+def test_ranges_that_are_printed_once_or_in_millimetres_are_recognised() -> None:
+    ranges = [3.36, 3.31, 5.05, math.inf]
+    assert "it prints once only" in dolly.ranges_cause("3.36", ranges, ["3.36"]).text
+    assert "it prints millimetres" in dolly.ranges_cause("3360 3310 5050", ranges, []).text
+
+
+def test_a_step_without_odometry_asks_for_the_simulator() -> None:
+    run = StepRun(Step(0.5, 0.0), [], [])
+    assert not run.is_over()
+    assert judge(run).hint == "does the simulator still run?"
+
+
+def test_an_exception_without_a_message_is_its_name() -> None:
+    assert str(Failure("KeyboardInterrupt", place="a.py:3")) == "KeyboardInterrupt (a.py:3)"
