@@ -7,7 +7,7 @@ messages, or arrays of them: its leaves. Must not know bytes or values.
 import struct
 from collections.abc import Iterator
 from functools import cache
-from math import prod
+from math import inf, prod
 from typing import NamedTuple, cast
 
 from lcmtools.messages.fields import Field, fields
@@ -96,6 +96,17 @@ def _smallest(field: Field) -> int:
         return count * smallest(field.message_class)
     code = FORMATS.get(field.type)
     return count * (struct.calcsize(f">{code}") if code else STRING_BYTES)
+
+
+@cache
+def longest_array(cls: type[Message]) -> float:
+    """Return the most elements that an array of a type can have; inf where a length field tells."""
+    sizes: list[float] = [0]
+    for leaf in layout(cls).leaves:
+        sizes += [size if isinstance(size, int) else inf for size in leaf.field.dimensions]
+        if leaf.field.message_class and inf not in sizes:
+            sizes.append(longest_array(leaf.field.message_class))
+    return max(sizes)
 
 
 def is_bounded(cls: type[Message]) -> bool:

@@ -12,6 +12,7 @@ from typing import NamedTuple, TypeAlias, cast
 
 from lcmtools.clock import NANOSECONDS, join_stamp
 from lcmtools.messages.fields import TIME_FIELDS, Field, is_time, visible_fields
+from lcmtools.messages.layout import longest_array
 from lcmtools.messages.path import Target
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.shape import as_bytes, as_sequence
@@ -53,6 +54,14 @@ class View(NamedTuple):
     def __bool__(self) -> bool:
         """Return True if a value is shown otherwise."""
         return self is not NOTHING and self != NOTHING
+
+    def changes(self, cls: type[Message]) -> bool:
+        """Return True if a value of some message of a type is shown otherwise."""
+        if not self:
+            return False
+        most = self.most_elements
+        is_short = most is None or longest_array(cls) <= most
+        return not is_short or bool(self._replace(most_elements=None, ellipsis=MORE))
 
     def omits(self, field: Field) -> bool:
         """Return True for a field that is left out."""

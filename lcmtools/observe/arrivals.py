@@ -83,6 +83,9 @@ class ArrivalStream:
         strict_time: Leave out packets that arrive before the simulated time is known.
         keep: True for packets that count; None for all.
 
+    Attributes:
+        is_one_of_many: Arrivals may be of several topics.
+
     Raises:
         UsageError: The text behind a topic is no field path.
     """
@@ -112,13 +115,6 @@ class ArrivalStream:
     def is_simulated(self) -> bool:
         """True if the times are simulated."""
         return self._clock.is_simulated
-
-    @property
-    def is_one_of_many(self) -> bool:
-        """True if arrivals may be of several topics."""
-        return len(self._selections) > 1 or any(
-            isinstance(one, TopicPattern) and not one.is_literal for one in self._selections
-        )
 
     @property
     def text(self) -> str:
@@ -210,6 +206,9 @@ class ArrivalStream:
         self._clock.is_simulated = not self._wall_time and is_simulated(graph)
         for one in self._selections:
             one.learn(graph)
+        self.is_one_of_many = len(self._selections) > 1 or any(
+            isinstance(one, TopicPattern) and not one.is_literal for one in self._selections
+        )
         wanted = {channel for one in self._selections for channel in one.channels()}
         # A simulator tells the time seldom where nobody listens to it.
         channels = sorted(wanted | {CLOCK} if self._clock.is_simulated else wanted)

@@ -48,10 +48,10 @@ class DisplayOptions:
             raise UsageError("--raw shows whole messages", "leave out the field, or --raw")
         return paths
 
-    def is_whole(self, paths: tuple[Path, ...]) -> bool:
-        """Return whether all of a message is shown, as it is."""
-        is_as_it_is = not self.view and not self.is_relative and self.writer == FREE
-        return is_as_it_is and paths == (Path(),)
+    def is_whole(self, paths: tuple[Path, ...], cls: MessageClass) -> bool:
+        """Return whether all of a message of a type is shown as text, as it is."""
+        is_text = self.form == "text" and self.writer == FREE and not self.is_relative
+        return is_text and paths == (Path(),) and not self.view.changes(cls)
 
     def check(self, types: tuple[str, ...], behind_topic: Path) -> None:
         """Find unknown fields before a message has come, where one type is announced."""
@@ -85,6 +85,8 @@ class MessageFormatter:
         self._decoder, self._options = decoder, options
         self._is_one_of_many, self._notify = is_one_of_many, notify
         self._table = CsvTable(self._tell)
+        self._paths: dict[Path, tuple[Path, ...]] = {}
+        self._whole: dict[tuple[Path, MessageClass], bool] = {}
         self._notified: set[str] = set()
         self._has_shown = False
 
@@ -105,7 +107,7 @@ class MessageFormatter:
         return text
 
     def _shown(self, found: SelectedPacket) -> str | None:
-        paths, packet = self._options.paths(found.path), found.packet
+        paths, packet = self._paths_behind(found.path), found.packet
         condition = self._options.condition
         message: Message | None = None
         if condition or not self._options.is_raw:
@@ -119,9 +121,17 @@ class MessageFormatter:
             return self._raw(found)
         return self._text(found, cast("Message", message), paths)
 
+    def _paths_behind(self, topic: Path) -> tuple[Path, ...]:
+        if topic not in self._paths:
+            self._paths[topic] = self._options.paths(topic)
+        return self._paths[topic]
+
     def _text(self, found: SelectedPacket, message: Message, paths: tuple[Path, ...]) -> str | None:
         form = self._options.form
-        if form == "text" and self._options.is_whole(paths):
+        whole = found.path, type(message)
+        if whole not in self._whole:
+            self._whole[whole] = self._options.is_whole(paths, type(message))
+        if self._whole[whole]:
             return self._headed(found, f"{format_message(message)}\n---")
         selected = {str(path): select(message, path) for path in paths}
         plain = _plain(selected, self._view(found))
@@ -164,7 +174,7 @@ class MessageFormatter:
     def _undecoded(self, found: SelectedPacket, reason: DecodeError) -> str | None:
         packet = found.packet
         channel = packet.channel
-        paths = self._options.paths(found.path)
+        paths = self._paths_behind(found.path)
         is_all = paths == (Path(),) and not self._options.condition
         if is_all and self._options.form == "json":
             return self._raw_record(packet, error=str(reason))

@@ -69,12 +69,14 @@ def display(
     names = ("--noarr", "--nostr", "--truncate-length", "--offset", "-w")
     changes = zip(names, (noarr, nostr, is_cut, offset, is_wide), strict=True)
     form = _form([name for name in forms if forms[name]], [name for name, on in changes if on])
-    is_short = sys.stdout.isatty() and form in ("text", "flow") and not full_length
+    view = View(noarr, nostr, longest, is_table=as_csv)
+    if sys.stdout.isatty() and form in ("text", "flow") and not full_length:
+        view = view._replace(most_elements=_SHORT, ellipsis=_MORE)
     return DisplayOptions(
         form,
         tuple(map(parse_path, fields)),
         Filter(condition) if condition is not None else None,
-        view=View(noarr, nostr, longest, _SHORT if is_short else None, _MORE, is_table=as_csv),
+        view=view,
         writer=Writer(width),
         is_relative=offset,
         message_class=message_class(type_) if type_ else None,

@@ -15,7 +15,8 @@ from lcmtools.messages.plain import (
 )
 from lcmtools.messages.registry import Message, message_class, type_names
 from lcmtools.messages.text import FREE, Writer, format_message
-from lcmtools.types.geometry_msgs import TransformStamped
+from lcmtools.types.geometry_msgs import TransformStamped, Twist
+from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker
@@ -127,3 +128,19 @@ def test_numbers_of_a_fixed_width_are_rostopics(joints: JointState) -> None:
     assert writer.block(shown(joints, "header.stamp")) == "sec:     0\nnsec:     5"
     assert writer.flow([True, 1, "a"]) == '[True,     1, "a"]'
     assert writer.block(123456789) == "123456789"
+
+
+@pytest.mark.parametrize(
+    ("view", "changed"),
+    [
+        (NOTHING, set()),
+        (View(most_elements=36, ellipsis="{} more"), {JointState, TFMessage}),
+        (View(most_elements=35), {JointState, TFMessage, Odometry}),
+        (View(most_elements=36, hides_arrays=True), {JointState, TFMessage, Odometry, Twist}),
+        (View(longest=5), {JointState, TFMessage, Odometry, Twist}),
+    ],
+)
+def test_a_view_that_shortens_arrays_leaves_types_without_longer_ones(
+    view: View, changed: set[type[Message]]
+) -> None:
+    assert {cls for cls in (Twist, Odometry, JointState, TFMessage) if view.changes(cls)} == changed
