@@ -2,7 +2,7 @@
 
 Belongs here: the syntax tree. All that is not listed is refused. The cost of an expression is
 bounded by its length and by the arrays it is given: there are no loops. Must not know the source of
-the names' values: see ``Scope``.
+the names' values: see ``NameLookup``.
 """
 
 import ast
@@ -35,7 +35,7 @@ _OF_VALUES = (ArithmeticError, LookupError, ValueError)
 _FAULTS = (*_OF_VALUES, AttributeError, TypeError)
 
 
-class Scope(Protocol):
+class NameLookup(Protocol):
     """The values of names while an expression is worked out."""
 
     def named(self, name: str) -> object:
@@ -79,7 +79,7 @@ class Expression:
         self.root = self._parsed()
         self._check(self.root, 0)
 
-    def value(self, scope: Scope) -> object:
+    def value(self, scope: NameLookup) -> object:
         """Return the value of the expression; raise ExpressionFault where it has none.
 
         It is NoValue where other values of the names might do: for an element that an array does
@@ -160,7 +160,7 @@ class Expression:
             return "numbers of 64 bits, text, True and False are"
         return self._language.allowed
 
-    def _value(self, node: ast.AST, scope: Scope) -> object:
+    def _value(self, node: ast.AST, scope: NameLookup) -> object:
         try:
             return self._ways[type(node)](self, node, scope)
         except _FAULTS as fault:
@@ -169,7 +169,7 @@ class Expression:
             kind = NoValue if depends else ExpressionFault
             raise kind(f"'{self.place(node)}': {reason}") from None
 
-    def _element(self, node: ast.Subscript, scope: Scope) -> object:
+    def _element(self, node: ast.Subscript, scope: NameLookup) -> object:
         array = cast("tuple[object, ...]", self._value(node.value, scope))
         index = cast("int", self._value(node.slice, scope))
         try:
@@ -177,19 +177,19 @@ class Expression:
         except IndexError:
             raise LookupError(f"it has {len(array)} elements, none at {index}") from None
 
-    def _slice(self, node: ast.Slice, scope: Scope) -> object:
+    def _slice(self, node: ast.Slice, scope: NameLookup) -> object:
         bounds = (node.lower, node.upper, node.step)
         return slice(*(bound and self._value(bound, scope) for bound in bounds))
 
-    def _call(self, node: ast.Call, scope: Scope) -> object:
+    def _call(self, node: ast.Call, scope: NameLookup) -> object:
         values = [self._value(argument, scope) for argument in node.args]
         return bounded(self._functions[cast("ast.Name", node.func).id](*values))
 
-    def _choice(self, node: ast.IfExp, scope: Scope) -> object:
+    def _choice(self, node: ast.IfExp, scope: NameLookup) -> object:
         chosen = node.body if self._value(node.test, scope) else node.orelse
         return self._value(chosen, scope)
 
-    def _boolean(self, node: ast.BoolOp, scope: Scope) -> object:
+    def _boolean(self, node: ast.BoolOp, scope: NameLookup) -> object:
         found: object = None
         missing: NoValue | None = None
         for operand in node.values:
@@ -204,7 +204,7 @@ class Expression:
             raise missing
         return found
 
-    def _comparison(self, node: ast.Compare, scope: Scope) -> bool:
+    def _comparison(self, node: ast.Compare, scope: NameLookup) -> bool:
         left = self._value(node.left, scope)
         for comparison, right_node in zip(node.ops, node.comparators, strict=True):
             right = self._value(right_node, scope)
@@ -213,17 +213,17 @@ class Expression:
             left = right
         return True
 
-    def _arithmetic(self, node: ast.BinOp, scope: Scope) -> object:
+    def _arithmetic(self, node: ast.BinOp, scope: NameLookup) -> object:
         left, right = self._value(node.left, scope), self._value(node.right, scope)
         is_text = isinstance(left, str) and isinstance(right, str) and isinstance(node.op, ast.Add)
         if is_text and self._language.has_choices:
             return joined(cast("str", left), cast("str", right))
         return bounded(ARITHMETIC[type(node.op)](number(left), number(right)))
 
-    def _sign(self, node: ast.UnaryOp, scope: Scope) -> object:
+    def _sign(self, node: ast.UnaryOp, scope: NameLookup) -> object:
         return bounded(SIGNS[type(node.op)](self._value(node.operand, scope)))
 
-    def _list(self, node: ast.Tuple | ast.List, scope: Scope) -> object:
+    def _list(self, node: ast.Tuple | ast.List, scope: NameLookup) -> object:
         return tuple(self._value(element, scope) for element in node.elts)
 
     _ways: ClassVar[Mapping[type[ast.AST], Callable[..., object]]] = {

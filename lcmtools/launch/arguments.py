@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from lcmtools.errors import UsageError
 from lcmtools.formats.strict_xml import Element
-from lcmtools.launch.plan import Argument
+from lcmtools.launch.plan import LaunchArgument
 from lcmtools.launch.scope import Scope
 from lcmtools.launch.tags import known_children
 from lcmtools.names import did_you_mean
@@ -35,13 +35,13 @@ def declare(element: Element, scope: Scope) -> Scope:
     return replace(scope, arguments={**scope.arguments, name: text})
 
 
-def arguments_of(element: Element) -> list[Argument]:
+def arguments_of(element: Element) -> list[LaunchArgument]:
     """Return the arguments that a file takes: those that it does not fix itself."""
-    found: dict[str, Argument] = {}
+    found: dict[str, LaunchArgument] = {}
     for child in _declarations(element):
         about = child.attributes
         if "value" not in about and (name := about.get("name")):
-            found.setdefault(name, Argument(name, about.get("default"), about.get("doc", "")))
+            found.setdefault(name, LaunchArgument(name, about.get("default"), about.get("doc", "")))
     return list(found.values())
 
 

@@ -42,7 +42,7 @@ class NodePlan:
 
 
 @dataclass(frozen=True, slots=True)
-class Argument:
+class LaunchArgument:
     """An argument of a launch file: its name, its default as written, its description.
 
     Without a default (None) a value must be given.

@@ -8,16 +8,16 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member, Relation
 from lcmtools.graph.model import Graph, Node, Role, Traffic
 from lcmtools.observe.describe import seen_types
 from lcmtools.observe.senders import Program, is_here
 
 _FLOWS = {
-    Role.PUBLISHER: Flow.PUBLISHES,
-    Role.SUBSCRIBER: Flow.SUBSCRIBES,
-    Role.SERVICE: Flow.SERVES,
-    Role.CLIENT: Flow.CALLS,
+    Role.PUBLISHER: Relation.PUBLISHES,
+    Role.SUBSCRIBER: Relation.SUBSCRIBES,
+    Role.SERVICE: Relation.SERVES,
+    Role.CLIENT: Relation.CALLS,
 }
 _Name = tuple[str, bool]  # of a channel, and True for a service
 
@@ -28,13 +28,13 @@ class _Use:
 
     member: str
     name: str
-    flow: Flow
+    relation: Relation
     messages: int
     rate: float | None = None
 
     @property
     def channel(self) -> _Name:
-        return self.name, self.flow in (Flow.CALLS, Flow.SERVES)
+        return self.name, self.relation in (Relation.CALLS, Relation.SERVES)
 
 
 def diagram_of(
@@ -102,7 +102,7 @@ def _of_node(id_: str, node: Node, graph: Graph) -> Iterator[_Use]:
 def _of_program(id_: str, program: Program) -> Iterator[_Use]:
     for name, seen in sorted(_by_channel(program.traffic).items()):
         messages = sum(traffic.messages for traffic in seen)
-        yield _Use(id_, name, Flow.PUBLISHES, messages, _rate(seen))
+        yield _Use(id_, name, Relation.PUBLISHES, messages, _rate(seen))
 
 
 def _by_channel(traffic: Iterable[Traffic]) -> dict[str, list[Traffic]]:
@@ -120,7 +120,7 @@ def _rate(seen: Iterable[Traffic]) -> float | None:
 def _channels(graph: Graph, uses: Sequence[_Use], rates: Mapping[str, float]) -> list[Channel]:
     sent: Counter[str] = Counter()
     for use in uses:
-        if use.flow is Flow.PUBLISHES:
+        if use.relation is Relation.PUBLISHES:
             sent[use.name] += use.messages
     topics = sorted({use.name for use in uses if not use.channel[1]})
     services = sorted({use.name for use in uses if use.channel[1]})
@@ -142,12 +142,12 @@ def _channels(graph: Graph, uses: Sequence[_Use], rates: Mapping[str, float]) ->
 def _edges(
     uses: Sequence[_Use], ids: Mapping[_Name, str], rates: Mapping[str, float] | None
 ) -> Iterator[Edge]:
-    publishers = Counter(use.name for use in uses if use.flow is Flow.PUBLISHES)
+    publishers = Counter(use.name for use in uses if use.relation is Relation.PUBLISHES)
     for use in uses:
         channel, rate = ids[use.channel], None
-        if rates is not None and use.flow is Flow.PUBLISHES:
+        if rates is not None and use.relation is Relation.PUBLISHES:
             rate = rates.get(use.name) if publishers[use.name] == 1 else use.rate
-        if use.flow in (Flow.PUBLISHES, Flow.CALLS):
-            yield Edge(use.member, channel, use.flow, use.messages, rate)
+        if use.relation in (Relation.PUBLISHES, Relation.CALLS):
+            yield Edge(use.member, channel, use.relation, use.messages, rate)
         else:
-            yield Edge(channel, use.member, use.flow, use.messages)
+            yield Edge(channel, use.member, use.relation, use.messages)

@@ -92,7 +92,7 @@ class ListenOptions:
 
 
 @dataclass(frozen=True, slots=True)
-class Report(Generic[FoundT]):
+class MeasurementReport(Generic[FoundT]):
     """The values found, by topic; or the fact that simulated time went back."""
 
     found: Mapping[str, FoundT | None]
@@ -145,7 +145,7 @@ class Measurement(Generic[ItemT, FoundT]):
         self.is_simulated = self._stream.is_simulated
         self.channels = [self._channel(topic) for topic in windows] if monitor.is_live else []
 
-    def reports(self) -> Iterator[Report[FoundT]]:
+    def reports(self) -> Iterator[MeasurementReport[FoundT]]:
         """Return a report once a second, and a last one when Ctrl-C or a log's end ends it.
 
         Raises:
@@ -164,7 +164,7 @@ class Measurement(Generic[ItemT, FoundT]):
                 raise
             self._notify_missing()
 
-    def _until_count(self) -> Iterator[Report[FoundT]]:
+    def _until_count(self) -> Iterator[MeasurementReport[FoundT]]:
         is_live, timeout = self._monitor.is_live, self._options.timeout
         last = start = time.monotonic()
         due = start + _REPORT_PERIOD if is_live else math.inf
@@ -174,7 +174,7 @@ class Measurement(Generic[ItemT, FoundT]):
             wait = min(due, give_up) - time.monotonic()
             batch = self._stream.receive(min(_REPORT_PERIOD, max(0.0, wait)))
             if batch.is_reset:
-                yield Report({}, is_reset=True)
+                yield MeasurementReport({}, is_reset=True)
             self._feed(batch)
             now = time.monotonic()
             if batch.arrivals:
@@ -189,8 +189,10 @@ class Measurement(Generic[ItemT, FoundT]):
                 if PATIENCE <= now - start < PATIENCE + _REPORT_PERIOD:
                     self._notify_silent()
 
-    def _report(self) -> Report[FoundT]:
-        return Report({topic: window.take(self._now) for topic, window in self._windows.items()})
+    def _report(self) -> MeasurementReport[FoundT]:
+        return MeasurementReport(
+            {topic: window.take(self._now) for topic, window in self._windows.items()}
+        )
 
     def _feed(self, batch: Batch) -> None:
         self._now = batch.now if self._monitor.is_live else 0  # a log has no now

@@ -157,7 +157,7 @@ def pick(parameters: Parameters, name: str, node: str, place: str = "") -> msgs.
 
 
 @dataclass(frozen=True, slots=True)
-class Target:
+class ParameterTarget:
     """One node, with a parameter or None for all; or the nodes of a namespace."""
 
     nodes: tuple[Node, ...]
@@ -173,7 +173,7 @@ class Target:
         return self.nodes[0]
 
 
-def find_target(graph: Graph, words: Sequence[str]) -> Target:
+def find_target(graph: Graph, words: Sequence[str]) -> ParameterTarget:
     """Return the node, the parameter, or the namespace with nodes that one word or two mean.
 
     Raises:
@@ -182,18 +182,18 @@ def find_target(graph: Graph, words: Sequence[str]) -> Target:
     """
     if len(words) > 1:
         node = require_parameters(find_node(graph, words[0]))
-        return Target((node,), words[1].removeprefix(f"{node.name}/") or None)
+        return ParameterTarget((node,), words[1].removeprefix(f"{node.name}/") or None)
     word = words[0]
     if not word:
         raise UsageError("the name is empty", "lcmtools param list shows the parameters")
     for name, rest in _splits(word.rstrip("/")):
         if any(not node.tool for node in graph.named(name)):
-            return Target((require_parameters(find_node(graph, name)),), rest or None)
+            return ParameterTarget((require_parameters(find_node(graph, name)),), rest or None)
     known = nodes_with_parameters(graph)
     prefix = f"/{word.strip('/')}/" if word.strip("/") else "/"
     inside = [node for node in known if not node.stale and node.name.startswith(prefix)]
     if inside:
-        return Target(tuple(inside), is_namespace=True)
+        return ParameterTarget(tuple(inside), is_namespace=True)
     raise _unknown(word, [node.name for node in known])
 
 

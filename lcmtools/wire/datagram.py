@@ -1,7 +1,7 @@
 """The datagrams of LCM's UDP multicast (``udpm``): reading any, writing correct ones.
 
 Sans-I/O: bytes in, values out. Nothing here knows a socket, a clock or a message type, and no
-datagram, however malformed, makes it fail: what cannot be read comes back as ``Malformed``.
+datagram, however malformed, makes it fail: what cannot be read comes back as ``MalformedDatagram``.
 
 Format (all integers big-endian), from lcm-proj/lcm, lcm/udpm_util.h:
 short message  "LC02" seqno:u32 channel NUL payload
@@ -51,20 +51,20 @@ class Fragment:
     part: bytes
 
 
-class Malformed(NamedTuple):
+class MalformedDatagram(NamedTuple):
     """A datagram that is none of LCM's, with the reason."""
 
     reason: str
 
 
-def parse(datagram: bytes) -> ShortMessage | Fragment | Malformed:
+def parse(datagram: bytes) -> ShortMessage | Fragment | MalformedDatagram:
     """Read one datagram; never raises."""
     magic = datagram[:4]
     if magic == MAGIC_SHORT:
         return _parse_short(datagram)
     if magic == MAGIC_FRAGMENT:
         return _parse_fragment(datagram)
-    return Malformed(f"starts with {magic!r}, not with LC02 or LC03")
+    return MalformedDatagram(f"starts with {magic!r}, not with LC02 or LC03")
 
 
 def short_message(seqno: int, channel: str, payload: bytes) -> bytes:
@@ -108,31 +108,31 @@ def _channel_bytes(channel: str) -> bytes:
     return channel.encode("utf-8", "surrogateescape") + b"\0"
 
 
-def _parse_short(datagram: bytes) -> ShortMessage | Malformed:
+def _parse_short(datagram: bytes) -> ShortMessage | MalformedDatagram:
     if len(datagram) < _SHORT_HEADER.size:
-        return Malformed("short message: shorter than its header")
+        return MalformedDatagram("short message: shorter than its header")
     end = datagram.find(b"\0", 8, 8 + CHANNEL_MAX + 1)
     if end < 0:
-        return Malformed("short message: channel name not ended within 63 bytes")
+        return MalformedDatagram("short message: channel name not ended within 63 bytes")
     channel = datagram[8:end].decode("utf-8", "surrogateescape")
     return ShortMessage(int.from_bytes(datagram[4:8], "big"), channel, datagram[end + 1 :])
 
 
-def _parse_fragment(datagram: bytes) -> Fragment | Malformed:
+def _parse_fragment(datagram: bytes) -> Fragment | MalformedDatagram:
     if len(datagram) < _FRAGMENT_HEADER.size:
-        return Malformed("fragment: shorter than its header")
+        return MalformedDatagram("fragment: shorter than its header")
     _, seqno, size, offset, number, count = _FRAGMENT_HEADER.unpack_from(datagram)
     if number >= count:
-        return Malformed(f"fragment: number {number} of {count}")
+        return MalformedDatagram(f"fragment: number {number} of {count}")
     if size > MESSAGE_MAX:
-        return Malformed(f"fragment: message of {size} bytes")
+        return MalformedDatagram(f"fragment: message of {size} bytes")
     start, channel = _FRAGMENT_HEADER.size, None
     if number == 0:
         end = datagram.find(b"\0", start, start + CHANNEL_MAX + 1)
         if end < 0:
-            return Malformed("fragment: channel name not ended within 63 bytes")
+            return MalformedDatagram("fragment: channel name not ended within 63 bytes")
         channel = datagram[start:end].decode("utf-8", "surrogateescape")
         start = end + 1
     if offset + len(datagram) - start > size:
-        return Malformed(f"fragment: reaches beyond the message's {size} bytes")
+        return MalformedDatagram(f"fragment: reaches beyond the message's {size} bytes")
     return Fragment(seqno, size, offset, number, count, channel, datagram[start:])

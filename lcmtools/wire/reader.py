@@ -7,7 +7,7 @@ from lcmtools.wire.datagram import (
     FRAGMENT_HEADER_BYTES,
     MAGIC_FRAGMENT,
     Fragment,
-    Malformed,
+    MalformedDatagram,
     ShortMessage,
     parse,
 )
@@ -60,7 +60,7 @@ class Reader:
         if not self.needs_all and _is_later_fragment(data):
             return None
         message = parse(data)
-        if isinstance(message, Malformed):
+        if isinstance(message, MalformedDatagram):
             if len(self.malformed) < _MOST_SENDERS or sender in self.malformed:
                 self.malformed[sender] = message.reason
             return None

@@ -21,7 +21,7 @@ _BASH_COMPLETION = ("usr/share/bash-completion/bash_completion", "etc/bash_compl
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class Installation:
     """The parts of an installation."""
 
     script: Path  # the file that the script goes to
@@ -45,7 +45,7 @@ def shell_named(name: str | None, environment: Mapping[str, str]) -> str:
     return meant
 
 
-def plan(shell: str, environment: Mapping[str, str], root: Path = Path("/")) -> Plan:
+def plan(shell: str, environment: Mapping[str, str], root: Path = Path("/")) -> Installation:
     """Return the parts of an installation for "bash", "zsh" or "fish".
 
     ``root`` is the folder of the system's own files.
@@ -56,7 +56,7 @@ def plan(shell: str, environment: Mapping[str, str], root: Path = Path("/")) -> 
     if data is None or config is None or home is None:
         raise LcmtoolsError("HOME is not set", _ALONE)
     if shell == "fish":
-        return Plan(config / "fish/completions/lcmtools.fish", None, "", "exec fish")
+        return Installation(config / "fish/completions/lcmtools.fish", None, "", "exec fish")
     if shell == "zsh":
         target = data / "zsh/site-functions/_lcmtools"
         file, named = quote(str(target)), environment.get("ZDOTDIR", "")
@@ -64,7 +64,7 @@ def plan(shell: str, environment: Mapping[str, str], root: Path = Path("/")) -> 
         load = "(( $+functions[compdef] )) || { autoload -Uz compinit && compinit }"
         settings = (Path(named) if named.startswith("/") else home) / ".zshrc"
         line = f"[[ -r {file} ]] && {{ {load}; . {file} }}  {_MARK}"
-        return Plan(target, settings, line, "exec zsh")
+        return Installation(target, settings, line, "exec zsh")
     target = data / "bash-completion/completions/lcmtools"
     rows = (_text(home / ".bashrc") or "").splitlines()
     is_loaded = any((root / name).exists() for name in _BASH_COMPLETION) and any(
@@ -72,10 +72,10 @@ def plan(shell: str, environment: Mapping[str, str], root: Path = Path("/")) -> 
     )
     file = quote(str(target))
     line = f"[ -r {file} ] && . {file}  {_MARK}"
-    return Plan(target, None if is_loaded else home / ".bashrc", line, "exec bash")
+    return Installation(target, None if is_loaded else home / ".bashrc", line, "exec bash")
 
 
-def install(shell: str, wanted: Plan) -> Iterator[str]:
+def install(shell: str, wanted: Installation) -> Iterator[str]:
     """Install a shell's script; yield a line for each step."""
     text = script(shell)
     if _text(wanted.script) == text:
@@ -95,7 +95,7 @@ def install(shell: str, wanted: Plan) -> Iterator[str]:
     yield f"added a line to {wanted.settings}: {wanted.line}"
 
 
-def uninstall(wanted: Plan) -> Iterator[str]:
+def uninstall(wanted: Installation) -> Iterator[str]:
     """Undo ``install``; yield a line for each step."""
     if _text(wanted.script) is None:
         yield f"{wanted.script} is not there"

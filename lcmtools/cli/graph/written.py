@@ -28,7 +28,7 @@ _SUFFIXES = {
 
 
 @dataclass(frozen=True, slots=True)
-class Output:
+class Destination:
     """The format of a diagram, and its file; "-" for standard output."""
 
     format: str
@@ -47,7 +47,7 @@ class Output:
             _write(Path(self.file), mermaid.fenced(document) if is_markdown else document)
 
 
-def chosen(format_: str | None, file: str | None, *, as_json: bool, force: bool) -> Output:
+def chosen(format_: str | None, file: str | None, *, as_json: bool, force: bool) -> Destination:
     """The output that the options --format, --output, --json and --force mean."""
     if as_json and format_ not in (None, "json"):
         raise UsageError(
@@ -55,9 +55,9 @@ def chosen(format_: str | None, file: str | None, *, as_json: bool, force: bool)
         )
     format_ = "json" if as_json else format_
     if file is None or file == STDOUT:
-        output = Output(format_ or "text")
+        output = Destination(format_ or "text")
     else:
-        output = Output(format_ or _by_suffix(file), file)
+        output = Destination(format_ or _by_suffix(file), file)
         if Path(file).is_file() and not force:
             raise UsageError(f"{file} already exists", "--force overwrites it")
     if output.format == "svg":

@@ -8,7 +8,7 @@ from lcmtools.errors import ServiceError, ServiceTimeout
 from lcmtools.graph.model import Graph, Node, Staleness
 from lcmtools.publish.parameters import (
     ParameterClient,
-    Target,
+    ParameterTarget,
     find_target,
     nodes_with_parameters,
 )
@@ -22,7 +22,7 @@ def look(timeout: float) -> tuple[Graph, ParameterClient]:
     return graph, ParameterClient(url, timeout)
 
 
-def named(graph: Graph, node: str, *name: str) -> Target:
+def named(graph: Graph, node: str, *name: str) -> ParameterTarget:
     """Return the node, the parameter or the namespace that words on the command line mean."""
     return find_target(graph, [in_names(node), *filter(None, name)])
 

@@ -10,7 +10,7 @@ from lcmtools.cli.words import CommandWithWords
 from lcmtools.errors import UsageError
 from lcmtools.messages.documents import parse_values
 from lcmtools.messages.setting import ANY, text_of
-from lcmtools.publish.parameters import ParameterClient, Target
+from lcmtools.publish.parameters import ParameterClient, ParameterTarget
 
 _EXAMPLE = "for example: lcmtools param set /husky0/simple_controller kp 0.5"
 
@@ -40,7 +40,7 @@ def set_parameters(words: tuple[str, ...], *, timeout: float) -> None:
         talk(f"{target.node.name}/{name} is now {parameters[name].value}")
 
 
-def _texts(client: ParameterClient, target: Target, value: str) -> Mapping[str, str]:
+def _texts(client: ParameterClient, target: ParameterTarget, value: str) -> Mapping[str, str]:
     if target.parameter is not None:
         return {target.parameter: value}
     values = parse_values([value])

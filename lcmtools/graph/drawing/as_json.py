@@ -47,7 +47,7 @@ def _edge(edge: Edge) -> dict[str, object]:
     return {
         "from": edge.source,
         "to": edge.target,
-        "kind": edge.flow.value,
+        "kind": edge.relation.value,
         "messages": edge.messages,
         "rate": edge.rate,
         "topics": list(edge.topics),

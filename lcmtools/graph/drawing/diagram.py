@@ -1,4 +1,4 @@
-"""The values of a diagram: members of the bus, channels, and the flows between them.
+"""The values of a diagram: members of the bus, channels, and the relations between them.
 
 Must not know the formats of diagrams.
 """
@@ -12,7 +12,7 @@ QUIET = frozenset({"/clock", "/rosout", "/rosout_agg", "/statistics", "/paramete
 """Topics that nearly every node has: they would connect everything with everything."""
 
 
-class Flow(Enum):
+class Relation(Enum):
     """A relation of a member to a channel or, where channels are not drawn, to a member."""
 
     PUBLISHES = "publishes"
@@ -93,7 +93,7 @@ class Edge:
 
     source: str  # ids of both ends
     target: str
-    flow: Flow  # the member's role
+    relation: Relation  # the member's role
     messages: int = 0  # as counted by the member, or observed
     rate: float | None = None  # [Hz], if measured
     topics: tuple[str, ...] = ()  # those that it replaces, where channels are not drawn

@@ -6,7 +6,7 @@ Graphviz reads entities wherever it writes text.
 
 from collections.abc import Iterable
 
-from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member, Relation
 from lcmtools.graph.drawing.labels import (
     edge_label,
     edge_tip,
@@ -66,7 +66,7 @@ def _edge(edge: Edge) -> str:
     style = {
         "label": _text(edge_label(edge)),
         "tooltip": _text(edge_tip(edge)),
-        "style": "dashed" if edge.flow in (Flow.CALLS, Flow.SERVES) else "",
+        "style": "dashed" if edge.relation in (Relation.CALLS, Relation.SERVES) else "",
     }
     words = [f"{name}={value}" for name, value in style.items() if value not in ("", '""')]
     return f"{edge.source} -> {edge.target} [{', '.join(words)}];"

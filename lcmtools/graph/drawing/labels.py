@@ -91,7 +91,7 @@ def edge_tip(edge: Edge) -> list[str]:
     """Return the lines that pop up over an arrow."""
     counted = f", {edge.messages} messages" if edge.messages else ""
     rate = f", {rate_text(edge.rate)}" if edge.rate is not None else ""
-    return [f"{edge.flow.value}{counted}{rate}", *map(printable, edge.topics)]
+    return [f"{edge.relation.value}{counted}{rate}", *map(printable, edge.topics)]
 
 
 def printable(text: str) -> str:

@@ -7,7 +7,7 @@ written as entities: "#" and the character's number and ";".
 import re
 from collections.abc import Iterable
 
-from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member, Relation
 from lcmtools.graph.drawing.labels import edge_label, printable, vertex_labels
 
 _STYLES = """\
@@ -52,7 +52,7 @@ def _channel(channel: Channel, text: str) -> str:
 
 
 def _edge(edge: Edge) -> str:
-    arrow = "-.->" if edge.flow in (Flow.CALLS, Flow.SERVES) else "-->"
+    arrow = "-.->" if edge.relation in (Relation.CALLS, Relation.SERVES) else "-->"
     label = edge_label(edge)
     return f"{edge.source} {arrow}{f'|{_text(label)}|' if label else ''} {edge.target}"
 

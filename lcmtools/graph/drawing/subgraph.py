@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
-from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member, Relation
 from lcmtools.graph.drawing.labels import title
 from lcmtools.names import Pattern, has_wildcard
 
@@ -83,7 +83,7 @@ def members_only(diagram: Diagram) -> Diagram:
                 key = (source.source, target.target, channel.is_service)
                 found.setdefault(key, []).append(channel.name)
     edges = [
-        Edge(source, target, Flow.CALLS if is_service else Flow.FEEDS, topics=tuple(topics))
+        Edge(source, target, Relation.CALLS if is_service else Relation.FEEDS, topics=tuple(topics))
         for (source, target, is_service), topics in found.items()
     ]
     return replace(diagram, channels=(), edges=tuple(edges))

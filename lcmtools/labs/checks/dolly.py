@@ -9,7 +9,7 @@ from itertools import pairwise
 
 from lcmtools.labs.checks.diagnosis import misplaced
 from lcmtools.labs.checks.measures import BAND, fit_radius, is_within
-from lcmtools.labs.checks.observations import Sample, Touch
+from lcmtools.labs.checks.observations import Touch, TrueState
 from lcmtools.labs.checks.programs import CheckedProgram
 from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.labs.checks.test_bench import TestBench
@@ -109,7 +109,7 @@ def velocity_cause(twist: Twist) -> Cause:
     return Cause("velocity", "set linear.x and angular.z; everything else stays 0")
 
 
-def _circle(path: Sequence[Sample], touches: Sequence[Touch], twist: Twist) -> CheckResult:
+def _circle(path: Sequence[TrueState], touches: Sequence[Touch], twist: Twist) -> CheckResult:
     radius = fit_radius([(place.x, place.y) for place in path])
     cause = circle_cause(radius, touches, twist)
     stuck = f", stuck on {touches[0]}" if touches else ""

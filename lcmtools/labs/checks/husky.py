@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from lcmtools.labs.checks.diagnosis import IGNORED, RAISED, SAME, cause_of, explain_number
-from lcmtools.labs.checks.observations import Sample
+from lcmtools.labs.checks.observations import TrueState
 from lcmtools.labs.checks.results import CheckResult
 from lcmtools.labs.checks.step_response import (
     LONGEST,
@@ -40,7 +40,7 @@ class _Robot:
     def __init__(self, bench: TestBench) -> None:
         self._bench = bench
         self._publisher = bench.node.create_publisher(Twist, f"{_ROBOT}/desired_velocity")
-        self._samples: list[Sample] = []
+        self._samples: list[TrueState] = []
         self._first_command, self._start = 0, 0.0
         self._desired = Twist()
         self._repeats = 0
@@ -93,7 +93,7 @@ class _Robot:
         stamp, twist = odometry.header.stamp, odometry.twist.twist
         place = odometry.pose.pose.position
         time = stamp.sec + stamp.nsec / 1e9
-        self._samples.append(Sample(time, place.x, place.y, twist.linear.x, twist.angular.z))
+        self._samples.append(TrueState(time, place.x, place.y, twist.linear.x, twist.angular.z))
 
     def _repeat(self) -> None:
         """Publish it some times: a program does not get one whenever it has odometry.

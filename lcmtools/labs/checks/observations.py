@@ -18,7 +18,7 @@ _LONGEST_LINE = 200
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class CommandMessage:
     """A message of the program on a topic that it is to publish, with its simulated time [s]."""
 
     time: float
@@ -27,7 +27,7 @@ class Command:
 
 
 @dataclass(frozen=True, slots=True)
-class Sample:
+class TrueState:
     """The robot's true state: simulated time [s], place [m], velocity [m/s] and [rad/s]."""
 
     time: float
@@ -141,9 +141,9 @@ class Observations:
     """
 
     program: LabProgram
-    commands: Sequence[Command] = ()
+    commands: Sequence[CommandMessage] = ()
     desired: Sequence[Desire] = ()
-    motion: Sequence[Sample] = ()
+    motion: Sequence[TrueState] = ()
     touches: Sequence[Touch] = ()
     warnings: Sequence[str] = ()
     printed: str = ""

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import accumulate, pairwise
 
-from lcmtools.labs.checks.observations import Sample, Touch
+from lcmtools.labs.checks.observations import Touch, TrueState
 from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.labs.checks.test_bench import TestBench
 from lcmtools.types.geometry_msgs import Twist
@@ -28,7 +28,7 @@ Point = tuple[float, float]
 
 
 @dataclass
-class Drive:
+class DrivenPath:
     """A robot's way along a path.
 
     Attributes:
@@ -40,7 +40,7 @@ class Drive:
 
     points: Sequence[Point]
     along: float = 0.0
-    offsets: list[tuple[Sample, float]] = field(default_factory=list)
+    offsets: list[tuple[TrueState, float]] = field(default_factory=list)
     last_progress: float = 0.0
 
     def __post_init__(self) -> None:
@@ -50,7 +50,7 @@ class Drive:
         self.length = self._starts[-1]
         self._progress = 0.0
 
-    def add(self, sample: Sample) -> None:
+    def add(self, sample: TrueState) -> None:
         """Take the robot's next state."""
         if not self.offsets:
             self.last_progress = sample.time
@@ -73,7 +73,7 @@ class Drive:
         return is_lost or self.along > self.length - _AT_REST
 
     @property
-    def farthest(self) -> tuple[Sample, float]:
+    def farthest(self) -> tuple[TrueState, float]:
         """The state that is farthest from the path, and its offset [m]."""
         return max(self.offsets, key=lambda one: abs(one[1]))
 
@@ -82,7 +82,7 @@ class Drive:
         """The mean distance from the path [m]."""
         return math.fsum(abs(offset) for _, offset in self.offsets) / len(self.offsets)
 
-    def _beside(self, number: int, sample: Sample) -> tuple[float, float]:
+    def _beside(self, number: int, sample: TrueState) -> tuple[float, float]:
         """The offset from a piece of the path, and the distance along the path there [m]."""
         (x0, y0), (x1, y1) = self.points[number], self.points[number + 1]
         dx, dy, x, y = x1 - x0, y1 - y0, sample.x - x0, sample.y - y0
@@ -108,7 +108,7 @@ def check_path(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult
     yield first
     if not first.is_ok:
         return
-    drive = Drive(bench.path)
+    drive = DrivenPath(bench.path)
     results = _driven(bench, drive)
     is_wrong = not all(result.is_ok for result in results)
     # a program that does not answer each pose may go by the real clock: that is to confirm it
@@ -116,14 +116,14 @@ def check_path(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult
     if is_wrong and not is_certain and program.code is None and bench.has_slowed_down():
         bench.start_again()
         program = bench.start(command)
-        results = _driven(bench, Drive(bench.path))
+        results = _driven(bench, DrivenPath(bench.path))
     if program.code is None:
         yield from results
     else:
         yield program.early_end("drives the path")
 
 
-def _driven(bench: TestBench, drive: Drive) -> list[CheckResult]:
+def _driven(bench: TestBench, drive: DrivenPath) -> list[CheckResult]:
     """Return the rows of a drive from here."""
     program, seen = bench.program, bench.recorder
     first, touch = len(seen.motion), len(seen.touches)
@@ -138,7 +138,7 @@ def _driven(bench: TestBench, drive: Drive) -> list[CheckResult]:
     return list(judge(drive, seen.touches[touch:]))
 
 
-def judge(drive: Drive, touches: Sequence[Touch]) -> Iterator[CheckResult]:
+def judge(drive: DrivenPath, touches: Sequence[Touch]) -> Iterator[CheckResult]:
     """Judge a drive: the length, the greatest and the mean distance."""
     wanted = f"{_MOST:.0%} of {drive.length:.1f} m"
     if not drive.offsets:
@@ -170,7 +170,7 @@ def judge(drive: Drive, touches: Sequence[Touch]) -> Iterator[CheckResult]:
         yield CheckResult(what, limit, measured, is_ok, cause.text, cause.key)
 
 
-def drive_cause(drive: Drive, touches: Sequence[Touch]) -> Cause:
+def drive_cause(drive: DrivenPath, touches: Sequence[Touch]) -> Cause:
     """Return why a robot does not follow the path, by where it went."""
     last, offset = drive.offsets[-1]
     if touches:
@@ -189,7 +189,7 @@ def drive_cause(drive: Drive, touches: Sequence[Touch]) -> Cause:
     )
 
 
-def _velocity_cause(drive: Drive) -> Cause | None:
+def _velocity_cause(drive: DrivenPath) -> Cause | None:
     """Return the fault that the robot's velocities show."""
     first, (_, offset) = drive.offsets[0][0], drive.offsets[-1]
     if max(math.dist((s.x, s.y), (first.x, first.y)) for s, _ in drive.offsets) < _AHEAD / 10:
@@ -210,7 +210,7 @@ def _velocity_cause(drive: Drive) -> Cause | None:
     return None
 
 
-def _turn_around(samples: Sequence[Sample]) -> Sample | None:
+def _turn_around(samples: Sequence[TrueState]) -> TrueState | None:
     """Return where a robot that drove well till then turned all the way round; None if nowhere."""
     turned, first = 0.0, samples[0]
     for before, now in pairwise(samples):

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from lcmtools import Node
 from lcmtools.labs.catalogue import Lab, LabProgram
-from lcmtools.labs.checks.observations import Command, Desire, Sample, Touch
+from lcmtools.labs.checks.observations import CommandMessage, Desire, Touch, TrueState
 from lcmtools.messages.registry import Message
 from lcmtools.types.gazebo_msgs import ContactsState
 from lcmtools.types.nav_msgs import Odometry
@@ -45,9 +45,9 @@ class Recorder:
     def __init__(self, node: Node, lab: Lab, program: LabProgram, rate: float) -> None:
         self.rate = rate
         self.time = self.duration = 0.0
-        self.commands: list[Command] = []
+        self.commands: list[CommandMessage] = []
         self.desired: list[Desire] = []
-        self.motion: list[Sample] = []
+        self.motion: list[TrueState] = []
         self.touches: list[Touch] = []
         self.warnings: list[str] = []
         self._node, self._program, self._simulator = node, program, lab.simulator
@@ -73,7 +73,7 @@ class Recorder:
         for topic in self._program.publishes:
 
             def take(message: Message, topic: str = topic) -> None:
-                self.commands.append(Command(self.time, topic, message))
+                self.commands.append(CommandMessage(self.time, topic, message))
 
             self._node.create_subscription(message_types, topic, take, DEPTH)
 
@@ -89,10 +89,10 @@ class Recorder:
     def _take_motion(self, odometry: Odometry) -> None:
         place, twist = odometry.pose.pose.position, odometry.twist.twist
         time = _seconds(odometry.header.stamp)
-        self.motion.append(Sample(time, place.x, place.y, twist.linear.x, twist.angular.z))
+        self.motion.append(TrueState(time, place.x, place.y, twist.linear.x, twist.angular.z))
 
     def _take_contacts(self, contacts: ContactsState) -> None:
-        place = self.motion[-1] if self.motion else Sample(0.0, 0.0, 0.0, 0.0, 0.0)
+        place = self.motion[-1] if self.motion else TrueState(0.0, 0.0, 0.0, 0.0, 0.0)
         self.touches += [
             Touch(_seconds(contacts.header.stamp), state.collision2_name, place.x, place.y)
             for state in contacts.states

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from lcmtools.labs.checks.measures import BAND, Response, analyse, is_within
-from lcmtools.labs.checks.observations import Command, Sample, Touch
+from lcmtools.labs.checks.observations import CommandMessage, Touch, TrueState
 from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
@@ -69,8 +69,8 @@ class StepRun:
     """
 
     step: Step
-    motion: Sequence[Sample]
-    commands: Sequence[Command]
+    motion: Sequence[TrueState]
+    commands: Sequence[CommandMessage]
     touches: Sequence[Touch] = ()
     pace: float = 1.0
 
@@ -114,7 +114,7 @@ class StepRun:
         return all(effort == efforts[0] for effort in efforts)
 
 
-def is_at_rest(motion: Sequence[Sample]) -> bool:
+def is_at_rest(motion: Sequence[TrueState]) -> bool:
     """Return True if the newest sample is of a robot that does not move."""
     return bool(motion) and max(abs(motion[-1].forward), abs(motion[-1].turn_rate)) < _SLOW
 
@@ -244,7 +244,7 @@ def _unmoved_cause(run: StepRun) -> Cause:
     return Cause(f"unmoved-{field}", f"it does not move: does it use {field}?")
 
 
-def _efforts(command: Command) -> Sequence[float]:
+def _efforts(command: CommandMessage) -> Sequence[float]:
     """Return what a command makes of the two sides, in its own unit."""
     message = command.message
     if isinstance(message, JointState):

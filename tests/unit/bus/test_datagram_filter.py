@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lcmtools.bus.socket_filter import Instruction, well_formed
-from lcmtools.wire.datagram import Fragment, Malformed, fragments, parse, short_message
+from lcmtools.wire.datagram import Fragment, MalformedDatagram, fragments, parse, short_message
 
 PROGRAM = well_formed()
 Accepts = Callable[[bytes], bool]
@@ -23,7 +23,7 @@ def accepts(lets_pass: Callable[[list[Instruction], bytes], bool]) -> Accepts:
 def expected(datagram: bytes) -> bool:
     """What the project's own parser thinks, which an empty channel does not bother."""
     parsed = parse(datagram)
-    if isinstance(parsed, Malformed):
+    if isinstance(parsed, MalformedDatagram):
         return False
     return parsed.channel != ""
 

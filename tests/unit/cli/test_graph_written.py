@@ -10,36 +10,36 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from lcmtools.cli.graph.written import Output, chosen
+from lcmtools.cli.graph.written import Destination, chosen
 from lcmtools.errors import LcmtoolsError, MissingExtra, UsageError
 from lcmtools.graph.drawing import dot
-from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member, Relation
 
 _PICTURE = Diagram(
-    (Member("n1", "/a"),), (Channel("t1", "x\udcff"),), (Edge("n1", "t1", Flow.PUBLISHES),)
+    (Member("n1", "/a"),), (Channel("t1", "x\udcff"),), (Edge("n1", "t1", Relation.PUBLISHES),)
 )
 
 
 @pytest.mark.parametrize(
     ("form", "file", "as_json", "expected"),
     [
-        (None, None, False, Output("text")),
-        (None, "-", False, Output("text")),
-        ("dot", "-", False, Output("dot")),
-        (None, None, True, Output("json")),
-        ("json", None, True, Output("json")),
-        (None, "a.GV", False, Output("dot", "a.GV")),
-        (None, "a.dot", False, Output("dot", "a.dot")),
-        (None, "a.mmd", False, Output("mermaid", "a.mmd")),
-        (None, "a.md", False, Output("mermaid", "a.md")),
-        (None, "a.json", False, Output("json", "a.json")),
-        (None, "a.txt", False, Output("text", "a.txt")),
-        ("dot", "a.txt", False, Output("dot", "a.txt")),
-        ("dot", "a", False, Output("dot", "a")),
+        (None, None, False, Destination("text")),
+        (None, "-", False, Destination("text")),
+        ("dot", "-", False, Destination("dot")),
+        (None, None, True, Destination("json")),
+        ("json", None, True, Destination("json")),
+        (None, "a.GV", False, Destination("dot", "a.GV")),
+        (None, "a.dot", False, Destination("dot", "a.dot")),
+        (None, "a.mmd", False, Destination("mermaid", "a.mmd")),
+        (None, "a.md", False, Destination("mermaid", "a.md")),
+        (None, "a.json", False, Destination("json", "a.json")),
+        (None, "a.txt", False, Destination("text", "a.txt")),
+        ("dot", "a.txt", False, Destination("dot", "a.txt")),
+        ("dot", "a", False, Destination("dot", "a")),
     ],
 )
 def test_the_form_is_what_is_said_or_the_files_name_tells(
-    form: str | None, file: str | None, *, as_json: bool, expected: Output
+    form: str | None, file: str | None, *, as_json: bool, expected: Destination
 ) -> None:
     assert chosen(form, file, as_json=as_json, force=False) == expected
 
@@ -78,9 +78,9 @@ def test_json_keeps_the_bytes_of_a_name_that_is_no_utf_8(tmp_path: Path) -> None
 def test_what_cannot_be_written_is_one_error(tmp_path: Path) -> None:
     file = tmp_path / "none" / "a.dot"
     with pytest.raises(LcmtoolsError, match=r"cannot write .*a\.dot: No such file or directory"):
-        Output("dot", str(file)).write(_PICTURE)
+        Destination("dot", str(file)).write(_PICTURE)
     with pytest.raises(LcmtoolsError, match="Is a directory"):
-        Output("dot", str(tmp_path)).write(_PICTURE)
+        Destination("dot", str(tmp_path)).write(_PICTURE)
 
 
 def test_a_pipe_is_written_into_and_not_replaced(tmp_path: Path) -> None:
@@ -88,7 +88,7 @@ def test_a_pipe_is_written_into_and_not_replaced(tmp_path: Path) -> None:
     os.mkfifo(pipe)
     reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
     try:
-        Output("dot", str(pipe)).write(_PICTURE)
+        Destination("dot", str(pipe)).write(_PICTURE)
         assert os.read(reader, 7) == b"digraph"
     finally:
         os.close(reader)
@@ -135,7 +135,7 @@ def test_svg_is_what_graphviz_makes_of_the_dot_document(path: Path, tmp_path: Pa
 def test_a_graphviz_that_fails_is_one_line_and_no_file(path: Path, tmp_path: Path) -> None:
     fake_dot(path, "sys.exit('Error: out of memory\\nmore')")
     with pytest.raises(LcmtoolsError, match=r"^Graphviz's dot failed \(Error: out of memory\)$"):
-        Output("svg", str(tmp_path / "a.svg")).write(_PICTURE)
+        Destination("svg", str(tmp_path / "a.svg")).write(_PICTURE)
     assert not (tmp_path / "a.svg").exists()
 
 

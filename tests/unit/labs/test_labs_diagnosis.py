@@ -13,11 +13,11 @@ from lcmtools.labs.checks.diagnosis import DIED, SELDOM, SILENT, cause_of, mispl
 from lcmtools.labs.checks.keys import DIRECTIONS, KeyPress, key_cause
 from lcmtools.labs.checks.observations import (
     BusLook,
-    Command,
+    CommandMessage,
     Failure,
     Observations,
-    Sample,
     Touch,
+    TrueState,
     Wire,
     last_failure,
     last_words,
@@ -184,7 +184,7 @@ def test_an_exception_now_and_then_is_not_why_the_robot_is_too_slow(
 ) -> None:
     row = CheckResult("drive at 0.1 m/s", "0.1 m/s", "0.05 m/s", is_ok=False, cause="slow")
     failure = Failure("KeyError", "'a'", "c.py:3", count, callback)
-    commands = [Command(0.0, OUTPUT.topic, effort(1, 1))] * 100
+    commands = [CommandMessage(0.0, OUTPUT.topic, effort(1, 1))] * 100
     look = replace(WELL, failures=[failure])
     assert cause_of(row, Observations(CONTROLLER, commands, look=look)).key == key
 
@@ -210,8 +210,8 @@ def step_run(
     count: int = 400,
     touches: Sequence[Touch] = (),
 ) -> StepRun:
-    motion = [Sample(i / 50, 0.0, 0.0, *reached) for i in range(400)]
-    commands = [Command(i * 8 / max(count, 1), "/husky0/velocity_cmd", message)
+    motion = [TrueState(i / 50, 0.0, 0.0, *reached) for i in range(400)]
+    commands = [CommandMessage(i * 8 / max(count, 1), "/husky0/velocity_cmd", message)
                 for i in range(count)]  # fmt: skip
     return StepRun(step, motion, commands, touches)
 
@@ -253,8 +253,10 @@ def varied_run(
 ) -> StepRun:
     """A step of 8 s, with the velocity and the effort of both sides at each time [s]."""
     times = [i / 50 for i in range(400)]
-    motion = [Sample(t, 0.0, 0.0, *speeds(t)) for t in times]
-    commands = [Command(t, "/husky0/velocity_cmd", effort(force(t), force(t))) for t in times]
+    motion = [TrueState(t, 0.0, 0.0, *speeds(t)) for t in times]
+    commands = [
+        CommandMessage(t, "/husky0/velocity_cmd", effort(force(t), force(t))) for t in times
+    ]
     return StepRun(step, motion, commands)
 
 

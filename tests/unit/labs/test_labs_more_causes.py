@@ -18,7 +18,7 @@ from lcmtools.labs.checks.keys import (
     key_result,
     speeds_result,
 )
-from lcmtools.labs.checks.observations import Command, Failure
+from lcmtools.labs.checks.observations import CommandMessage, Failure
 from lcmtools.labs.checks.step_response import Step, StepRun, judge
 from lcmtools.labs.checks.teleop import check_teleop
 from lcmtools.labs.checks.viewer import picture_cause
@@ -124,9 +124,9 @@ def test_a_key_that_changes_no_speed_is_told_by_the_one_before(before: Twist, wo
 
 def test_a_first_key_that_brings_a_twist_of_0_is_asked_for_once() -> None:
     """The robot does not move, although something is published: the key is not in the table."""
-    commands: list[Command] = []
+    commands: list[CommandMessage] = []
     program = SimpleNamespace(
-        code=None, press=lambda _: commands.append(Command(0.0, "/RosAria/cmd_vel", Twist()))
+        code=None, press=lambda _: commands.append(CommandMessage(0.0, "/RosAria/cmd_vel", Twist()))
     )
     recorder = SimpleNamespace(commands=commands, record_command=lambda _: None)
     bench: Any = SimpleNamespace(

@@ -5,18 +5,18 @@ from collections.abc import Iterable
 
 import pytest
 
-from lcmtools.labs.checks.observations import Sample, Touch
-from lcmtools.labs.checks.path import Drive, drive_cause, judge
+from lcmtools.labs.checks.observations import Touch, TrueState
+from lcmtools.labs.checks.path import DrivenPath, drive_cause, judge
 
 ROUND = [(2 * math.sin(a / 20), 2 - 2 * math.cos(a / 20)) for a in range(126)]
 """Nearly a whole circle to the left, 12.5 m long."""
 
 
-def drive_along(states: Iterable[tuple[float, float, float, float]]) -> Drive:
+def drive_along(states: Iterable[tuple[float, float, float, float]]) -> DrivenPath:
     """Drive through places with a speed and a turn rate, ten a second."""
-    drive = Drive(ROUND)
+    drive = DrivenPath(ROUND)
     for number, state in enumerate(states):
-        drive.add(Sample(number / 10, *state))
+        drive.add(TrueState(number / 10, *state))
     return drive
 
 

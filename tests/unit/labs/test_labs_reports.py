@@ -12,7 +12,7 @@ import pytest
 from lcmtools.errors import UsageError
 from lcmtools.labs.catalogue import LABS
 from lcmtools.labs.checks.class_check import ClassCheck
-from lcmtools.labs.checks.observations import Desire, Observations, Sample, Touch
+from lcmtools.labs.checks.observations import Desire, Observations, Touch, TrueState
 from lcmtools.labs.checks.plot import plot, series
 from lcmtools.labs.checks.reporters import (
     heading,
@@ -50,7 +50,7 @@ CONTROLLER = LABS["husky"].programs[0]
 OBSERVED = Observations(
     CONTROLLER,
     desired=[Desire(0.0, 0.0, 0.0), Desire(1.0, 0.5, 0.0)],
-    motion=[Sample(t / 10, t / 20, 0.0, 0.5, float("nan")) for t in range(40)],
+    motion=[TrueState(t / 10, t / 20, 0.0, 0.5, float("nan")) for t in range(40)],
     touches=[Touch(3.0, "pillar", 4.0, -3.0)],
 )
 REPORT = Report("controller", ("python", "my c.py"), [OK, WRONG, FOLLOWS], OBSERVED, duration=12.34)

@@ -3,7 +3,7 @@
 import socket
 
 from lcmtools.bus.processes import Process
-from lcmtools.graph.drawing.diagram import Diagram, Edge, Flow, Member
+from lcmtools.graph.drawing.diagram import Diagram, Edge, Member, Relation
 from lcmtools.graph.drawing.labels import notes
 from lcmtools.graph.drawing.subgraph import DiagramOptions, select
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
@@ -41,8 +41,8 @@ def test_nodes_and_their_topics() -> None:
     assert [m.name for m in diagram.members] == ["/a", "/b"]
     (channel,) = diagram.channels
     assert (channel.name, channel.types, channel.messages) == ("/t", ("std_msgs/String",), 5)
-    assert _edge(diagram, "/a", "/t") == Edge("n1", "t1", Flow.PUBLISHES, 5)
-    assert _edge(diagram, "/t", "/b") == Edge("t1", "n2", Flow.SUBSCRIBES, 4)
+    assert _edge(diagram, "/a", "/t") == Edge("n1", "t1", Relation.PUBLISHES, 5)
+    assert _edge(diagram, "/t", "/b") == Edge("t1", "n2", Relation.SUBSCRIBES, 4)
 
 
 def test_services_are_channels_of_their_own_even_by_a_topics_name() -> None:
@@ -51,11 +51,11 @@ def test_services_are_channels_of_their_own_even_by_a_topics_name() -> None:
     diagram = diagram_of(Graph((server, client)), [], None)
     assert [(c.id, c.is_service) for c in diagram.channels] == [("t1", False), ("s1", True)]
     assert diagram.channels[1].types == ("std_srvs/SetBool",)
-    flows = {(edge.source, edge.target): edge.flow for edge in diagram.edges}
-    assert flows == {
-        ("s1", "n1"): Flow.SERVES,
-        ("n2", "s1"): Flow.CALLS,
-        ("n2", "t1"): Flow.PUBLISHES,
+    relations = {(edge.source, edge.target): edge.relation for edge in diagram.edges}
+    assert relations == {
+        ("s1", "n1"): Relation.SERVES,
+        ("n2", "s1"): Relation.CALLS,
+        ("n2", "t1"): Relation.PUBLISHES,
     }
 
 

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lcmtools.wire import datagram as wire
-from lcmtools.wire.datagram import Fragment, Malformed, ShortMessage
+from lcmtools.wire.datagram import Fragment, MalformedDatagram, ShortMessage
 
 
 def test_a_short_message_has_the_bytes_that_liblcm_sends() -> None:
@@ -101,7 +101,7 @@ _HEADER = b"LC03" + bytes.fromhex("00000001")
 )
 def test_a_datagram_that_is_none_of_lcms_says_why(datagram: bytes, reason: str) -> None:
     parsed = wire.parse(datagram)
-    assert isinstance(parsed, Malformed)
+    assert isinstance(parsed, MalformedDatagram)
     assert reason in parsed.reason
 
 
@@ -118,13 +118,13 @@ def test_a_channel_that_is_not_utf8_keeps_its_bytes() -> None:
 
 @given(st.binary(max_size=120))
 def test_any_bytes_are_read_without_an_exception(data: bytes) -> None:
-    assert isinstance(wire.parse(data), ShortMessage | Fragment | Malformed)
+    assert isinstance(wire.parse(data), ShortMessage | Fragment | MalformedDatagram)
 
 
 @given(st.sampled_from([b"LC02", b"LC03"]), st.binary(max_size=120))
 def test_any_bytes_after_a_magic_are_read_without_an_exception(magic: bytes, rest: bytes) -> None:
     parsed = wire.parse(magic + rest)
-    assert isinstance(parsed, ShortMessage | Fragment | Malformed)
+    assert isinstance(parsed, ShortMessage | Fragment | MalformedDatagram)
     if isinstance(parsed, Fragment):
         assert parsed.number < parsed.count
         assert parsed.offset + len(parsed.part) <= parsed.message_size <= wire.MESSAGE_MAX

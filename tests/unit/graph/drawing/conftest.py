@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import pytest
 
-from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member, Relation
 
 Draw = Callable[..., Diagram]
 
@@ -33,7 +33,7 @@ def draw() -> Draw:
         for word in words:
             parts = word.split(" > ")
             for source, target in pairwise(parts):
-                flow = Flow.PUBLISHES if _is_channel(target) else Flow.SUBSCRIBES
+                flow = Relation.PUBLISHES if _is_channel(target) else Relation.SUBSCRIBES
                 edges.append(Edge(ids[source], ids[target], flow))
         return Diagram(
             tuple(replace(Member(ids[n], n, pid=1), **changed.get(n, {})) for n in members),

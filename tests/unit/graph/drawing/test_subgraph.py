@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Relation
 from lcmtools.graph.drawing.subgraph import (
     DiagramOptions,
     LeftOut,
@@ -82,7 +82,7 @@ def test_hidden_names_are_left_out(draw: Draw) -> None:
 def test_services_are_drawn_where_they_are_asked_for(draw: Draw) -> None:
     service = Channel("s1", "/switch", is_service=True)
     diagram = draw("/a")
-    diagram = replace(diagram, channels=(service,), edges=(Edge("s1", "n1", Flow.SERVES),))
+    diagram = replace(diagram, channels=(service,), edges=(Edge("s1", "n1", Relation.SERVES),))
     assert shown(diagram) == {"/a"}
     assert shown(diagram, services=True) == {"/a", "/switch"}
 
@@ -141,4 +141,7 @@ def test_without_channels_members_are_connected_by_their_topics(draw: Draw) -> N
 
 def test_calls_are_not_mixed_with_topics(draw: Draw) -> None:
     diagram = draw("/a > /t1 > /b", "/a > /t2 > /b", changes={"/t2": {"is_service": True}})
-    assert [edge.flow for edge in members_only(diagram).edges] == [Flow.FEEDS, Flow.CALLS]
+    assert [edge.relation for edge in members_only(diagram).edges] == [
+        Relation.FEEDS,
+        Relation.CALLS,
+    ]

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Relation
 from lcmtools.graph.drawing.subgraph import members_only
 from lcmtools.graph.drawing.text import ASCII, UNICODE, signs_for, write
 
@@ -45,7 +45,7 @@ def test_what_nobody_publishes_stands_at_the_end(draw: Draw) -> None:
 
 def test_services_are_marked(draw: Draw) -> None:
     service = Channel("s1", "/switch", ("std_srvs/SetBool",), is_service=True)
-    diagram = replace(draw("/a"), channels=(service,), edges=(Edge("s1", "n1", Flow.SERVES),))
+    diagram = replace(draw("/a"), channels=(service,), edges=(Edge("s1", "n1", Relation.SERVES),))
     assert write(diagram) == [
         "(no client announced)",
         "└─ /switch [std_srvs/SetBool] (service)",

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lcmtools.graph.drawing import as_json, dot, mermaid
-from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Flow, Member
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member, Relation
 from lcmtools.graph.drawing.labels import printable
 from lcmtools.graph.drawing.subgraph import members_only
 
@@ -61,8 +61,8 @@ _PICTURES = pytest.mark.parametrize("write", [dot.write, mermaid.write], ids=["d
 def diagram_of(names: list[str]) -> Diagram:
     """A node that publishes topics of these names, and a program of such a name that subscribes."""
     members = (Member("n1", "/a", pid=1), Member("n2", "".join(names), is_node=False))
-    edges = [Edge("n1", f"t{n}", Flow.PUBLISHES, 3, 9.0) for n in range(len(names))]
-    edges += [Edge(f"t{n}", "n2", Flow.SUBSCRIBES) for n in range(len(names))]
+    edges = [Edge("n1", f"t{n}", Relation.PUBLISHES, 3, 9.0) for n in range(len(names))]
+    edges += [Edge(f"t{n}", "n2", Relation.SUBSCRIBES) for n in range(len(names))]
     channels = (Channel(f"t{n}", name, ("a/B",)) for n, name in enumerate(names))
     return Diagram(members, tuple(channels), tuple(edges))
 
@@ -159,7 +159,7 @@ def test_mermaid_in_markdown_is_a_block() -> None:
 def test_dot_marks_programs_stale_nodes_and_calls(draw: Draw) -> None:
     changes = {"/a": {"is_node": False}, "/b": {"stale": "ended"}, "/t": {"is_service": True}}
     diagram = draw("/a > /t > /b", changes=changes)
-    edges = (replace(diagram.edges[0], flow=Flow.CALLS), diagram.edges[1])
+    edges = (replace(diagram.edges[0], relation=Relation.CALLS), diagram.edges[1])
     program, stale, service, call, _, _ = dot.write(replace(diagram, edges=edges)).splitlines()[5:]
     assert 'shape=ellipse, style=dashed, color="#616161"' in program
     assert 'fontcolor="#c62828"' in stale
