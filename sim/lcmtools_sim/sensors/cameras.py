@@ -83,10 +83,11 @@ class _MountedCamera:
         self._fixed: Solids | None = None
         self._fixed_parts: object = None
 
-    def view(self, state: RobotState) -> Rendering:
+    def view(self, state: RobotState, *, only_depth: bool = False) -> Rendering:
         """The view after one step."""
         position, rotation = state.sensor_frame(self._pose)
-        return render(self._solids(), self.camera, position, optical(rotation))
+        view = optical(rotation)
+        return render(self._solids(), self.camera, position, view, only_depth=only_depth)
 
     def encoded(self, made: _Made, state: RobotState) -> dict[str, bytes]:
         """The messages' payloads, with their headers."""
@@ -183,8 +184,9 @@ class DepthCameraSensor:
         """The pictures of one step; the view that they share is rendered once."""
         made: _Made = {}
         if _PICTURES.intersection(wanted):
-            view = self._mounted.view(state)
-            color = color_image(view) if _COLORED.intersection(wanted) else None
+            is_colored = bool(_COLORED.intersection(wanted))
+            view = self._mounted.view(state, only_depth=not is_colored)
+            color = color_image(view) if is_colored else None
             random = self._noise.at(state.time)
             depth = noisy(view.depth, random, **self._errors)
             made |= self._depth_messages(depth, color, wanted)

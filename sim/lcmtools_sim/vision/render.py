@@ -32,7 +32,8 @@ class Rendering:
         bounds: Of the solids in view.
         turn: Rotation matrix of the optical frame in the world.
         depth: (height, width) float32 along the optical axis [m]; inf for the sky.
-        solid: (height, width) int16, the number of the visible solid, GROUND or SKY.
+        solid: (height, width) int16, the number of the visible solid, GROUND or SKY; empty if only
+            the depth was wanted.
         eye: The position of the camera in the world [m].
     """
 
@@ -48,7 +49,13 @@ class Rendering:
 # Rays that miss a round side make NaN, and so does a body that the engine has lost.
 @np.errstate(invalid="ignore", divide="ignore", over="ignore")
 def render(
-    solids: Solids, camera: Camera, position: Vector, rotation: Quaternion, far: float = np.inf
+    solids: Solids,
+    camera: Camera,
+    position: Vector,
+    rotation: Quaternion,
+    far: float = np.inf,
+    *,
+    only_depth: bool = False,
 ) -> Rendering:
     """Render solids and the ground.
 
@@ -58,9 +65,10 @@ def render(
         position: Of the optical frame in the world [m].
         rotation: Of the optical frame in the world (see ``camera.optical``).
         far: Greatest depth that is seen [m].
+        only_depth: Leave out which solid is visible.
     """
     local, turn = solids.seen_from(position, rotation), matrix(rotation)
-    picture = _DepthBuffer(camera, (1 - _REACH) / far)
+    picture = _DepthBuffer(camera, (1 - _REACH) / far, only_depth=only_depth)
     form = ground(position[2], turn[2])
     if solids.ground is not None and form is not None:
         picture.fill(form)
@@ -75,12 +83,12 @@ def render(
 class _DepthBuffer:
     """Inverse depth and number of the nearest surface so far."""
 
-    def __init__(self, camera: Camera, least: float) -> None:
+    def __init__(self, camera: Camera, least: float, *, only_depth: bool) -> None:
         shape = camera.height, camera.width
         self._x, self._y = camera.slopes()
         self._least = np.float32(least)
         self._inverse_depth = np.full(shape, self._least)
-        self.solid = np.full(shape, SKY, np.int16)
+        self.solid = np.full((0, 0) if only_depth else shape, SKY, np.int16)
         self._buffers = [np.empty(max(_STRIP, camera.width), np.float32) for _ in range(4)]
 
     def fill(self, form: Floats) -> None:
@@ -92,7 +100,8 @@ class _DepthBuffer:
             inverse_depth = evaluate(form, self._x, self._y[rows], self._inverse_depth[rows])
             np.maximum(inverse_depth, self._least, out=inverse_depth)
             # Sums and products of masks, here and below: to assign by a mask takes far longer.
-            np.add(inverse_depth > self._least, np.int16(SKY), out=self.solid[rows])
+            if self.solid.size:
+                np.add(inverse_depth > self._least, np.int16(SKY), out=self.solid[rows])
 
     def draw(self, bounds: PixelBounds, seen: Surfaces) -> None:
         """Draw a solid in front of what is behind it."""
@@ -102,13 +111,14 @@ class _DepthBuffer:
             np.maximum(lower, behind, out=lower)
             visible = upper > lower  # False where NaN
             np.copyto(behind, upper, where=visible)
-            np.copyto(self.solid[rows, columns], np.int16(bounds.number), where=visible)
+            if self.solid.size:
+                np.copyto(self.solid[rows, columns], np.int16(bounds.number), where=visible)
 
     def depth(self) -> Floats32:
         """The depth [m]; it takes the buffer's place."""
         inverse_depth = self._inverse_depth
         if self._least:  # which the sky has
-            np.multiply(inverse_depth, self.solid != SKY, out=inverse_depth)
+            np.multiply(inverse_depth, inverse_depth > self._least, out=inverse_depth)
         return np.divide(np.float32(1), inverse_depth, out=inverse_depth)
 
     def _interval(self, seen: Surfaces, x: Floats, y: Floats) -> tuple[Floats32, Floats32]:

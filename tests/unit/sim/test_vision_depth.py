@@ -208,6 +208,8 @@ def test_any_picture_is_what_rays_cast_one_by_one_see(
 ) -> None:
     solids = solids_of(parts, GREY)
     depth = render(solids, SMALL, eye, rotation, far=8.0).depth
+    alone = render(solids, SMALL, eye, rotation, far=8.0, only_depth=True).depth
+    np.testing.assert_array_equal(alone, depth)
     expected = truth(solids, SMALL, eye, rotation, far=8.0)
 
     # At the very edge of a solid a ray that touches it may go either way.
