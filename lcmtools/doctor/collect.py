@@ -24,7 +24,7 @@ from lcmtools.doctor.evidence import (
 )
 from lcmtools.doctor.listening import Listening, target_rate
 from lcmtools.doctor.memory import Memory
-from lcmtools.doctor.rules import pace, traffic
+from lcmtools.doctor.rules import callbacks, pace, traffic
 from lcmtools.errors import BusError, UsageError
 from lcmtools.graph.model import Graph, Node, Role, Staleness
 from lcmtools.graph.protocol import PERIOD
@@ -77,7 +77,8 @@ def _look(monitor: BusMonitor, evidence: Evidence, listen: float, memory: Memory
     evidence = replace(evidence, before=begin.graph)
     _take(monitor, begin.listening, listen)
     found = memory.recall(_gathered(monitor, evidence, begin, listen))
-    longer = max(pace.doubt(found), traffic.doubt(found)) if listen >= _LONG_ENOUGH else 0.0
+    doubts = (rules.doubt(found) for rules in (callbacks, pace, traffic))
+    longer = max(doubts) if listen >= _LONG_ENOUGH else 0.0
     if longer > listen:
         _take(monitor, begin.listening, longer - listen)
         found = memory.recall(_gathered(monitor, evidence, begin, longer))

@@ -96,6 +96,7 @@ FACTS = {
     "dropped": "{listener}: {drops}, its receive buffer {buffer_bytes:holds}",
     "dropped-by-busy-node": f"{_LOST}: its node is in {{busiest:work}} most of the time",
     "dropped-by-queue": _LOST,
+    "dropped-held-up": f"{_LOST}: its node was in {{busiest:work}} for {{seconds:time}} meanwhile",
     "dropped-in-bursts": f"{_LOST}: they come in bursts",
     "dropped-long-call": f"{_LOST}: a call of its callback took {{seconds:time}}",
     "dropped-slow-callback": f"{_LOST}: {_PACE}",

@@ -15,6 +15,8 @@ _ALWAYS = 0.95  # of the time in callbacks: everything else that waits comes lat
 _START = 3.0  # [s] that a node may take until it spins
 _UNBROKEN = 0.999  # without a pause: no busy computer makes it so
 _ENOUGH_CALLS = 5  # the first ones may load what the later ones need
+_MANY = 0.05  # of all messages: so many are not lost in the first seconds only
+_SECOND_LOOK = 3.5  # [s]
 _LONG_CALL, _HANGS = 20_000_000, 3_000_000_000  # [ns] in one call
 
 
@@ -26,13 +28,24 @@ class _Work:
     node: Node  # as it is now
     pairs: tuple[tuple[Endpoint, Endpoint], ...]  # each endpoint as it was and as it is
 
+    def other(self, endpoint: Endpoint, least: float) -> tuple[str, float]:
+        """Return the work that held a callback up for so long [ns], and its time; "" for none."""
+        name = self.busiest(but=endpoint)
+        longest = (min(e.longest, e.busy - was.busy) for was, e in self.pairs if e.topic == name)
+        took = float(max(longest, default=self.in_timers()))
+        return (name, took) if took > least else ("", 0.0)
+
+    def in_timers(self) -> int:
+        """Return the time in timers [ns]."""
+        spent = sum(e.busy - was.busy for was, e in self.pairs if e.busy > was.busy)
+        return self.node.busy - self.earlier.busy - spent
+
     def busiest(self, but: Endpoint | None = None) -> str:
         """The topic or service whose callback took most of the time, or "timers"; "" for none."""
         spent = {e.topic: e.busy - was.busy for was, e in self.pairs if e.busy > was.busy}
-        timers = self.node.busy - self.earlier.busy - sum(spent.values())
         if but is not None:
             spent.pop(but.topic, None)
-        if timers > 0:
+        if (timers := self.in_timers()) > 0:
             spent["timers"] = timers
         return max(spent, key=lambda name: spent[name], default="")
 
@@ -166,10 +179,27 @@ def _cause(one: _Subscription) -> tuple[Statement, Statement]:
     if share >= _NEARLY_ALL and busiest:
         remedy = state("busiest-less", node=node, busiest=busiest)
         return lost("by-busy-node", busiest=busiest), remedy
-    if endpoint.longest > max(endpoint.depth * one.interval, _LONG_CALL):
-        fact = lost("long-call", seconds=endpoint.longest / 1e9)
-        return fact, state("never-wait-or-depth", topic=topic)
-    return lost("in-bursts"), state("depth", topic=topic)
+    least = max(endpoint.depth * one.interval, _LONG_CALL)  # [ns] that fill the queue
+    held_up_by, took = one.work.other(endpoint, least)
+    if endpoint.longest > least:
+        cause = lost("long-call", seconds=endpoint.longest / 1e9)
+        remedy = state("never-wait-or-depth", topic=topic)
+    elif held_up_by:
+        cause = lost("held-up", busiest=held_up_by, seconds=took / 1e9)
+        remedy = state("busiest-less", node=node, busiest=held_up_by)
+    else:
+        cause, remedy = lost("in-bursts"), state("depth", topic=topic)
+    return cause, remedy
+
+
+def doubt(evidence: Evidence) -> float:
+    """The duration of a look [s] that would show who loses messages now and then; 0 for no doubt.
+
+    A node may be held up in every few seconds only, but has lost many of all its messages.
+    """
+    subscriptions = [one for work in _works(evidence) for one in _subscriptions(work)]
+    lossy = (one.endpoint.drops > _MANY * one.endpoint.messages for one in subscriptions)
+    return _SECOND_LOOK if any(lossy) and not any(one.lost for one in subscriptions) else 0.0
 
 
 def _works(evidence: Evidence) -> Iterator[_Work]:

@@ -184,6 +184,31 @@ def test_another_topic_that_holds_the_node_up_is_named() -> None:
     assert finding.remedies == ("let the callback of /image of /n do less, and never wait",)
 
 
+def test_work_that_takes_a_third_of_the_time_at_once_is_named() -> None:
+    scan, image = ear(), ear("/image", depth=1)
+    lossy = scan, later(scan, rate=20, calls=10, busy=20 * MS, drops=5)
+    finding = dropped(look(lossy, timers=600 * MS))
+    lost = " * /n lost 5 messages of /scan (depth 10): its node was in"
+    assert finding.items == (f"{lost} the timers for 600 ms meanwhile",)
+    assert finding.remedies == ("let the timers of /n do less, and never wait",)
+    slow = replace(later(image, rate=1, calls=1, busy=700 * MS), longest=700 * MS)
+    finding = dropped(look(lossy, (image, slow)))
+    assert finding.items == (f"{lost} the callback of /image for 700 ms meanwhile",)
+    many_short = replace(slow, longest=90 * MS)
+    finding = dropped(look(lossy, (image, many_short)))
+    assert finding.items[0].endswith("they come in bursts")
+
+
+def test_a_look_goes_on_where_a_node_has_lost_many_messages_but_none_now() -> None:
+    scan = ear(drops=30)
+    now = later(scan, rate=20, calls=20, busy=MS)
+    assert callbacks.doubt(look((scan, now))) > 3.0
+    assert callbacks.doubt(look((scan, replace(now, drops=35)))) == 0.0  # it is told already
+    once = ear(drops=30, messages=5000)
+    assert callbacks.doubt(look((once, later(once, rate=20, calls=20, busy=MS)))) == 0.0
+    assert callbacks.doubt(look((scan, now), tool=True)) == 0.0
+
+
 def test_two_subscriptions_to_one_topic_are_told_apart() -> None:
     quick, lossy = ear(), ear(drops=70)
     evidence = look(
