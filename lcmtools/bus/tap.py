@@ -11,7 +11,8 @@ next to nothing to watch.
 import contextlib
 import select
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
 
 from lcmtools.bus.kernel import ANCILLARY_BYTES, arrival, attach, dropped, request_arrival
 from lcmtools.bus.multicast import (
@@ -29,10 +30,13 @@ from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.reader import PROTOCOL_PREFIX, Reader
 from lcmtools.wire.sequence import Sequence
 
+if TYPE_CHECKING:
+    from lcmtools.bus.datagram_batch import DatagramBatch
+
 _MAX_DATAGRAM = 65536
 _BATCH = 256  # datagrams taken in one turn
 _STREAM, _STREAM_GAP, _NAP = 8, 0.005, 0.01
-"""After so many turns, each within so many seconds of the last, a turn begins with a nap [s]."""
+"""After so many turns that waited for less than so many seconds, a turn begins with a nap [s]."""
 _OF_A_NAP = 128
 """Messages that may come meanwhile: half of what a usual buffer holds of small ones."""
 
@@ -81,7 +85,8 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         self.sequences: Mapping[Sender, Sequence] = self._reader.sequences
         self.ttls: Mapping[Sender, int] = self._reader.ttls
         self._buffer = memoryview(bytearray(_MAX_DATAGRAM))
-        self._turns, self._last_turn = 0, 0.0
+        self._batch: DatagramBatch | None = None
+        self._turns = 0
         self._has_times = request_arrival(self._receiver)
 
     def __exit__(self, *_: object) -> None:
@@ -136,19 +141,20 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         is_streaming = self._is_streaming()
         if is_streaming:  # waking up for each message costs more than reading it
             time.sleep(min(self._nap, timeout))
-        if not select.select([self._receiver], [], [], timeout)[0]:
+        start = time.monotonic()
+        has_any = bool(select.select([self._receiver], [], [], timeout)[0])
+        is_soon = time.monotonic() - start < _STREAM_GAP
+        self._turns = self._turns + has_any if is_soon else 0
+        if not has_any:
             return []
         packets: list[Packet] = []
-        receive, read, buffer = self._receiver.recvmsg_into, self._reader.read, self._buffer
-        with contextlib.suppress(BlockingIOError):
-            for _ in range(_BATCH):
-                size, ancillary, _, address = receive([buffer], ANCILLARY_BYTES)
-                received, ttl = arrival(ancillary)
-                packet = read(bytes(buffer[:size]), Sender(*address), received, ttl)
-                if packet is not None:
-                    packets.append(packet)
-                    if packet.channel == SELF_TEST_CHANNEL:  # it stays here even if others do not
-                        self._reader.ttls.pop(Sender(*address), None)
+        read = self._reader.read
+        for data, sender, received, ttl in self._datagrams():
+            packet = read(data, sender, received, ttl)
+            if packet is not None:
+                packets.append(packet)
+                if packet.channel == SELF_TEST_CHANNEL:  # it stays here even if others do not
+                    self._reader.ttls.pop(sender, None)
         if is_streaming:
             self._nap = min(self.longest_nap, self._nap * _OF_A_NAP / max(1, len(packets)))
         needed = self._reader.largest_whole
@@ -157,17 +163,28 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
             self._filtered = attach(self._receiver, heads_only(but_up_to=needed))
         return packets
 
+    def _datagrams(self) -> Iterator[tuple[bytes, Sender, int, int | None]]:
+        """Take what has arrived: data, sender, time, time to live."""
+        if self._batch is None and self._turns >= _STREAM and self._has_times:
+            from lcmtools.bus import datagram_batch  # most commands end before they need it
+
+            if datagram_batch.IS_POSSIBLE:
+                self._batch = datagram_batch.DatagramBatch(self._receiver)
+        if self._batch:
+            yield from self._batch.take(_BATCH)
+            return
+        receive, buffer = self._receiver.recvmsg_into, self._buffer
+        with contextlib.suppress(BlockingIOError):
+            for _ in range(_BATCH):
+                size, ancillary, _, address = receive([buffer], ANCILLARY_BYTES)
+                yield bytes(buffer[:size]), Sender(*address), *arrival(ancillary)
+
     def _is_streaming(self) -> bool:
         """Return whether turns follow each other at once, so that a nap pays.
 
         Never with large messages, which would fill the kernel's buffer meanwhile, where they are
         wanted whole, nor where a message's receive time is that of its reading.
         """
-        now = time.monotonic()
-        self._turns = self._turns + 1 if now - self._last_turn < _STREAM_GAP else 0
-        self._last_turn = now
         has_large = self._wants_whole and self._reader.largest_whole > 0
-        if self._turns < _STREAM or has_large or not (self.longest_nap and self._has_times):
-            return False
-        self._last_turn += self._nap
-        return True
+        is_useful = self.longest_nap and self._has_times and not has_large
+        return self._turns >= _STREAM and bool(is_useful)

@@ -25,6 +25,7 @@ class _Count:
     first_time: int
     last_time: int = 0
     messages: int = 0
+    head: bytes = b""  # of the last payload, as long as a fingerprint
     bytes: int = 0
     fingerprints: dict[int, None] = field(default_factory=dict)
 
@@ -32,7 +33,9 @@ class _Count:
         self.messages += 1
         self.bytes += packet.size
         self.last_time = packet.time
-        if len(self.fingerprints) < MOST_FINGERPRINTS:
+        head = packet.payload[:8]
+        if head != self.head and len(self.fingerprints) < MOST_FINGERPRINTS:
+            self.head = head
             fingerprint = packet.fingerprint
             if fingerprint is not None:
                 self.fingerprints[fingerprint] = None
@@ -54,18 +57,17 @@ class GraphBuilder:
 
     def add(self, packet: Packet) -> Announcement | None:
         """Learn from one packet; return the announcement if it was one."""
-        if packet.channel == NODE_CHANNEL:
+        if packet.channel not in TALK_CHANNELS:
+            key = (packet.channel, packet.sender)
+            count = self._traffic.get(key)
+            if count is None:
+                count = self._traffic[key] = _Count(packet.time)
+            count.add(packet)
+        elif packet.channel == NODE_CHANNEL:
             announcement = decode_announcement(packet.payload)
             if announcement is not None:
                 self._announced(announcement, packet)
             return announcement
-        if packet.channel in TALK_CHANNELS:
-            return None
-        key = (packet.channel, packet.sender)
-        count = self._traffic.get(key)
-        if count is None:
-            count = self._traffic[key] = _Count(packet.time)
-        count.add(packet)
         return None
 
     def add_head(self, head: Head, packet: Packet) -> None:

@@ -140,9 +140,9 @@ class ArrivalStream:
         if not self._is_fixed:
             self._look_again(packets)
         arrivals: list[SelectedPacket] = []
-        is_reset = False
+        is_reset, is_simulated = False, self._clock.is_simulated
         for packet in packets:
-            if self._clock.learn(packet):
+            if is_simulated and self._clock.learn(packet):
                 is_reset = True
                 arrivals.clear()
             routes = self._routes.get(packet.channel)

@@ -137,7 +137,7 @@ class BusMonitor:
             self._last_time = packets[-1].time
         for packet in packets:
             self._builder.add(packet)
-            if self._node.endpoints:
+            if packet.channel in TALK_CHANNELS and self._node.endpoints:
                 self._answer(packet)
         return packets
 

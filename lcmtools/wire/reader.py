@@ -57,21 +57,21 @@ class Reader:
             time: Its arrival, nanoseconds since 1970.
             ttl: Its time to live, if known.
         """
-        if not self.needs_all and _is_later_fragment(data):
+        if data[:4] == MAGIC_FRAGMENT and not self.needs_all and _is_later(data):
             return None
         message = parse(data)
-        if isinstance(message, MalformedDatagram):
+        if isinstance(message, ShortMessage):
+            packet = Packet(message.channel, message.payload, time, sender, message.seqno)
+        elif isinstance(message, MalformedDatagram):
             if len(self.malformed) < _MOST_SENDERS or sender in self.malformed:
                 self.malformed[sender] = message.reason
             return None
-        if isinstance(message, ShortMessage):
-            packet = Packet(message.channel, message.payload, time, sender, message.seqno)
         elif (joined := self._join(message, sender, time)) is not None:
             packet = joined
         else:
             return None
         self._sequence(sender).add(message.seqno)
-        if ttl is not None and sender in self.sequences:
+        if ttl != self.ttls.get(sender) and ttl is not None and sender in self.sequences:
             self.ttls[sender] = ttl
         return packet
 
@@ -112,8 +112,6 @@ class Reader:
         return known
 
 
-def _is_later_fragment(data: bytes) -> bool:
+def _is_later(fragment: bytes) -> bool:
     # as the filter in the kernel decides
-    return (
-        data[:4] == MAGIC_FRAGMENT and len(data) >= FRAGMENT_HEADER_BYTES and data[16:18] != b"\0\0"
-    )
+    return len(fragment) >= FRAGMENT_HEADER_BYTES and fragment[16:18] != b"\0\0"
