@@ -108,6 +108,11 @@ param = _group(
     "list",
     "set simple_controller kp 0.5",
 )
+_BAG = _entries("""\
+info     cli.bag.info:info     Show what is in logs.
+reindex  cli.bag.info:reindex  Write the index of a log.
+""")
+bag = _group("bag", "Look into logs, and work on them.", _BAG, "info ride.lcmlog", has_bus=False)
 _SIM = _entries("""\
 pause     cli.sim.time:pause        Pause simulated time.
 resume    cli.sim.time:resume       Resume simulated time.
@@ -155,6 +160,7 @@ sim         cli.commands:sim                Control a simulator: pause, reset, s
 run         cli.run:command                 Run a node, or the simulator.
 lab         cli.commands:lab                Work on the labs: list, start, check and more.
 launch      cli.launch.command:command      Run the nodes of a launch file.
+bag         cli.commands:bag                Look into logs, and work on them.
 pkg         cli.commands:pkg                Create and find packages: create, list, build.
 config      cli.config:command              Show the settings and their sources.
 completion  cli.completion.command:command  Complete words with TAB.

@@ -4,6 +4,7 @@ import contextlib
 import os
 import stat
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from lcmtools.color import BOLD_RED, paint, stream_wants_color
@@ -18,6 +19,9 @@ _ESCAPES = {
     for code in (*range(0x20), *_ODD)
     if code != ord("\t")
 }
+
+_PATIENCE = 0.5  # [s] before progress is shown
+_SHOWN_EVERY = 0.1  # [s]
 
 
 def data(text: str) -> None:
@@ -59,6 +63,25 @@ def columns(rows: Sequence[Sequence[str]]) -> Iterator[str]:
         yield "  ".join(cells).rstrip()
 
 
+@contextlib.contextmanager
+def progress(doing: str, total: int) -> Iterator[Callable[[int], None]]:
+    """Show how much of a long work is done, in a line of a terminal; after a while only."""
+    begin = shown = time.monotonic()
+
+    def report(done: int) -> None:
+        nonlocal shown
+        now = time.monotonic()
+        if now - begin > _PATIENCE and now - shown > _SHOWN_EVERY and sys.stderr.isatty():
+            shown = now
+            _say(f"\r{doing.translate(_ESCAPES)}: {100 * done // max(1, total)} %")
+
+    try:
+        yield report
+    finally:
+        if shown > begin:
+            _say("\r\033[K")
+
+
 def talk(text: str, speaker: str = "") -> None:
     """Print a message for the person to standard error, behind the name of its speaker."""
     said = "\n".join(row.translate(_ESCAPES) for row in text.split("\n"))
@@ -66,9 +89,7 @@ def talk(text: str, speaker: str = "") -> None:
         name = f"{speaker.translate(_ESCAPES)}:"
         wanted = stream_wants_color(sys.stderr, os.environ)
         said = f"{paint(name, BOLD_RED) if wanted else name} {said}"
-    with contextlib.suppress(OSError):  # where nothing can be said, the exit code remains
-        sys.stderr.write(f"{said}\n")
-        sys.stderr.flush()
+    _say(f"{said}\n")
 
 
 def complain(command: str, error: LcmtoolsError, *, as_json: bool = False) -> None:
@@ -95,6 +116,12 @@ def clearing() -> str:
     """Return what clears the screen; "" where there is none."""
     can_clear = sys.stdout.isatty() and os.environ.get("TERM", "dumb") != "dumb"
     return "\033[2J\033[;H" if can_clear else ""  # the screen, and the cursor to its corner
+
+
+def _say(text: str) -> None:
+    with contextlib.suppress(OSError):  # where nothing can be said, the exit code remains
+        sys.stderr.write(text)
+        sys.stderr.flush()
 
 
 def _write(text: str) -> None:

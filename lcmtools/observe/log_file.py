@@ -3,7 +3,8 @@
 import mmap
 import stat
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
 from pathlib import Path
 
@@ -74,14 +75,22 @@ class LogFile(AbstractContextManager["LogFile"]):
 
     def packets(self, start: int = 0) -> Iterator[Packet]:
         """Yield the messages from some byte on, with their senders where the index has them."""
+        for event, sender in self.placed(start):
+            yield event.packet(self.data)._replace(sender=sender)
+
+    def placed(self, start: int = 0) -> Iterator[tuple[Event, Sender | None]]:
+        """Yield the places of the events from some byte on, with their senders as above."""
         for block in self.index.blocks:
             if block.end > start:
                 yield from self._of_block(block, start)
         for event in self.events(max(start, self.index.end)):
-            yield event.packet(self.data)
+            yield event, None
 
-    def blocks(self) -> Iterator[Block]:
-        """Yield the blocks of the index, and those that are found behind them in the log."""
+    def blocks(self, announced: Callable[[Packet], object] = lambda _: None) -> Iterator[Block]:
+        """Yield the blocks of the index, and those that are found behind them in the log.
+
+        ``announced`` is called with the announcements of nodes that are among these events.
+        """
         yield from self.index.blocks
         block = Block(self.index.end)
         for event in self.events(self.index.end):
@@ -92,6 +101,8 @@ class LogFile(AbstractContextManager["LogFile"]):
                 block.start = event.start
             block.add(event.head(self.data))
             block.end = event.end
+            if event.channel == NODE_CHANNEL:
+                announced(event.packet(self.data))
         if block.channels:
             yield block
 
@@ -115,13 +126,23 @@ class LogFile(AbstractContextManager["LogFile"]):
         place = bisect_right(last_times, time - 1)
         return self.index.blocks[place].start if place < len(last_times) else self.index.end
 
-    def _of_block(self, block: Block, start: int) -> Iterator[Packet]:
-        counts = block.channels.items()
-        senders = {name: self._in_order(count.senders) for name, count in counts}
-        for event in self.events(block.start, block.end):
+    def _of_block(self, block: Block, start: int) -> Iterator[tuple[Event, Sender | None]]:
+        found: Iterable[Event] = self.events(block.start, block.end)
+        channels = block.channels
+        if any(len(count.senders) > 1 for count in channels.values()):
+            # where events were damaged since, their order does not tell whose the others are
+            found = list(found)
+            counts = Counter(event.channel for event in found)
+            channels = {
+                name: count
+                for name, count in channels.items()
+                if len(count.senders) == 1 or count.messages == counts[name]
+            }
+        senders = {name: self._in_order(count.senders) for name, count in channels.items()}
+        for event in found:
             sender = next(senders.get(event.channel, iter(())), None)
             if event.start >= start:
-                yield event.packet(self.data)._replace(sender=sender)
+                yield event, sender
 
     def _in_order(self, runs: list[list[int]]) -> Iterator[Sender | None]:
         for number, messages in runs:

@@ -1,0 +1,164 @@
+"""The edits of logs, each a stream of messages made of a stream of messages.
+
+They need no more memory for a long log than for a short one; sorting one keeps the place of each
+message.
+"""
+
+import heapq
+from array import array
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from lcmtools.errors import DecodeError, LcmtoolsError
+from lcmtools.graph.protocol import (
+    NODE_CHANNEL,
+    decode_announcement,
+    encode_announcement,
+)
+from lcmtools.messages.filter import Filter
+from lcmtools.names import Pattern, did_you_mean
+from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.log_file import LogFile
+from lcmtools.wire.log_index import RecordedNode
+from lcmtools.wire.packet import Packet
+
+
+@dataclass(frozen=True, slots=True)
+class TopicChoice:
+    """The topics that are meant: by names, namespaces and patterns; none for all."""
+
+    wanted: Sequence[str] = ()
+    excluded: Sequence[str] = ()
+
+    def has(self, topic: str) -> bool:
+        """Return whether a topic is meant."""
+        return (not self.wanted or _covers(self.wanted, topic)) and not _covers(
+            self.excluded, topic
+        )
+
+    def check(self, known: Iterable[str]) -> None:
+        """Raise LcmtoolsError for a name that means none of the known topics."""
+        known = list(known)
+        for word in (*self.wanted, *self.excluded):
+            if not any(_covers([word], topic) for topic in known):
+                near = did_you_mean(word, known)
+                raise LcmtoolsError(
+                    f"no topic {word} is in the log", near or "lcmtools bag info shows them"
+                )
+
+
+def chosen(packets: Iterable[Packet], topics: TopicChoice) -> Iterator[Packet]:
+    """Yield the messages of some topics."""
+    known: dict[str, bool] = {}
+    for packet in packets:
+        has = known.get(packet.channel)
+        if has is None:
+            has = known[packet.channel] = topics.has(packet.channel)
+        if has:
+            yield packet
+
+
+def between(packets: Iterable[Packet], first: int, last: int) -> Iterator[Packet]:
+    """Yield the messages recorded from one time to another [ns since 1970], both included."""
+    return (packet for packet in packets if first <= packet.time <= last)
+
+
+def matching(
+    packets: Iterable[Packet], condition: Filter, types_of: Callable[[str], Sequence[str]]
+) -> Iterator[Packet]:
+    """Yield the messages that meet a condition; not those that cannot be decoded."""
+    decoder = Decoder(types_of)
+    for packet in packets:
+        try:
+            message = decoder.decode(packet)
+        except DecodeError:
+            continue
+        if condition.matches(message):
+            yield packet
+
+
+def renamed(packets: Iterable[Packet], names: Mapping[str, str]) -> Iterator[Packet]:
+    """Yield the messages with other names of topics; announcements name them so too."""
+    for packet in packets:
+        if packet.channel == NODE_CHANNEL:
+            yield packet._replace(payload=_renamed_payload(packet.payload, names))
+        elif packet.channel in names:
+            yield packet._replace(channel=names[packet.channel])
+        else:
+            yield packet
+
+
+def renamed_node(node: RecordedNode, names: Mapping[str, str]) -> RecordedNode:
+    """Return an announcement with other names of topics."""
+    return replace(node, payload=_renamed_payload(node.payload, names))
+
+
+def shifted(packets: Iterable[Packet], by: int) -> Iterator[Packet]:
+    """Yield the messages with later times of recording [ns]; stamps within them stay."""
+    return (packet._replace(time=packet.time + by) for packet in packets)
+
+
+def thinned(
+    packets: Iterable[Packet], topics: TopicChoice, *, every: int = 1, rate: float = 0.0
+) -> Iterator[Packet]:
+    """Yield each n-th message of the topics, and at most some a second [Hz]; all of others."""
+    counts: dict[str, int] = {}
+    due: dict[str, int] = {}
+    period = round(1e9 / rate) if rate else 0
+    for packet in packets:
+        name = packet.channel
+        if not topics.has(name):
+            yield packet
+            continue
+        counts[name] = count = counts.get(name, -1) + 1
+        if count % every or packet.time < due.get(name, packet.time):
+            continue
+        # on a grid: messages that come a little late do not make the next ones late
+        missed = (packet.time - due.get(name, packet.time)) // period if period else 0
+        due[name] = due.get(name, packet.time) + (missed + 1) * period
+        yield packet
+
+
+def merged(logs: Sequence[LogFile]) -> Iterator[Packet]:
+    """Yield the messages of several logs in the order of their times."""
+    return heapq.merge(*map(in_order, logs), key=lambda packet: packet.time)
+
+
+def in_order(log: LogFile) -> Iterator[Packet]:
+    """Yield the messages of a log in the order of their times; equal ones as they lie there."""
+    times, places, senders = array("q"), array("q"), array("l")
+    known = [None, *log.senders.values()]
+    numbers = {sender: number for number, sender in enumerate(known)}
+    for event, sender in log.placed():
+        times.append(event.time // 1000)  # a log has microseconds
+        places.append(event.start)
+        senders.append(numbers[sender])
+    if all(map(int.__le__, times, times[1:])):
+        yield from log.packets()
+        return
+    for number in sorted(range(len(times)), key=times.__getitem__):
+        event = next(log.events(places[number]))
+        yield event.packet(log.data)._replace(sender=known[senders[number]])
+
+
+def damaged_parts(log: LogFile) -> Iterator[tuple[int, int]]:
+    """Yield the first byte of each part of a log that is of no message, and the one behind it."""
+    end = 0
+    for event in log.events():
+        if event.start > end:
+            yield end, event.start
+        end = event.end
+    if end < log.size:
+        yield end, log.size
+
+
+def _covers(words: Sequence[str], topic: str) -> bool:
+    return any(Pattern(word, hidden=True).covers(topic) for word in words)
+
+
+def _renamed_payload(payload: bytes, names: Mapping[str, str]) -> bytes:
+    said = decode_announcement(payload)
+    if said is None or not any(end.topic in names for end in said.node.endpoints):
+        return payload
+    ends = (replace(end, topic=names.get(end.topic, end.topic)) for end in said.node.endpoints)
+    return encode_announcement(replace(said, node=replace(said.node, endpoints=tuple(ends))))

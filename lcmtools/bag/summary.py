@@ -1,0 +1,152 @@
+"""The summary of a log: topics, counts, times, gaps and losses, by its index.
+
+Must not know how it is shown. What the index does not have is read, of each event only the head.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+
+from lcmtools.graph.builder import MOST_FINGERPRINTS, GraphBuilder
+from lcmtools.messages.registry import candidates
+from lcmtools.observe.log_file import LogFile
+from lcmtools.observe.losses import Loss
+from lcmtools.wire.log import HEAD_BYTES
+from lcmtools.wire.log_index import Block, ChannelCount
+from lcmtools.wire.packet import Sender
+
+_BINS = 60  # of a histogram
+_SHORT = 8 << 20  # bytes of a log that is read for its histogram
+
+Progress = Callable[[int], object]
+"""Takes the number of bytes of the log that have been looked at."""
+
+
+@dataclass(slots=True)
+class TopicSummary:
+    """The messages of a topic in a log; times are nanoseconds since 1970."""
+
+    name: str
+    types: tuple[str, ...] = ()  # as nodes announce them, else by fingerprint, the likeliest first
+    messages: int = 0
+    bytes: int = 0  # of payloads
+    first_time: int = 0
+    last_time: int = 0
+    longest_gap: int = 0  # without a message, between the first and the last [ns]
+    fingerprints: dict[int, None] = field(default_factory=dict)  # in order of appearance
+    senders: dict[str, int] = field(default_factory=dict)  # messages by the sender's name
+
+    @property
+    def rate(self) -> float | None:
+        """The messages per second, first to last; None before two messages."""
+        span = self.last_time - self.first_time
+        return (self.messages - 1) * 1e9 / span if span > 0 else None
+
+    @property
+    def mean_bytes(self) -> float:
+        """Bytes of a payload on average."""
+        return self.bytes / self.messages if self.messages else 0.0
+
+    def add(self, count: ChannelCount, senders: Mapping[int, str]) -> None:
+        """Count the messages of one block, which is behind all earlier ones."""
+        if not self.messages:
+            self.first_time, self.last_time = count.first_time, count.last_time
+        gap = max(count.longest_gap, count.first_time - self.last_time)
+        self.longest_gap = max(self.longest_gap, gap)
+        self.first_time = min(self.first_time, count.first_time)
+        self.last_time = max(self.last_time, count.last_time)
+        self.messages += count.messages
+        self.bytes += count.bytes
+        if count.fingerprint is not None and len(self.fingerprints) < MOST_FINGERPRINTS:
+            self.fingerprints[count.fingerprint] = None
+        for number, messages in count.senders:
+            if name := senders.get(number):
+                self.senders[name] = self.senders.get(name, 0) + messages
+
+
+@dataclass(frozen=True, slots=True)
+class LogSummary:
+    """The summary of a log; times are nanoseconds since 1970."""
+
+    path: str
+    bytes: int  # of the file
+    indexed: int  # bytes that the index covers
+    damaged: int  # bytes that are of no event
+    start: int  # of the recording; 0 of an empty log
+    end: int
+    topics: tuple[TopicSummary, ...]  # by name
+    nodes: tuple[str, ...]  # that announced themselves
+    losses: Mapping[Sender, Loss]  # as the recorder saw them
+    histogram: tuple[int, ...]  # messages in equal parts of the time
+
+    @property
+    def messages(self) -> int:
+        """The number of messages."""
+        return sum(topic.messages for topic in self.topics)
+
+    @property
+    def duration(self) -> float:
+        """The time from the first to the last message [s]."""
+        return (self.end - self.start) / 1e9
+
+
+def summarize(log: LogFile, progress: Progress = lambda _: None) -> LogSummary:
+    """Return the summary of a log; ``progress`` is called while it is read."""
+    builder = GraphBuilder(is_log=True)
+    for packet in log.announcements():
+        builder.add(packet)
+    names = {number: one.name for number, one in log.index.senders.items()}
+    topics: dict[str, TopicSummary] = {}
+    blocks, of_events = [], 0
+    for block in log.blocks(builder.add):
+        progress(block.end)
+        blocks.append(block)
+        of_events += _event_bytes(block)
+        for name, count in block.channels.items():
+            if name not in topics:
+                topics[name] = TopicSummary(name)
+            topics[name].add(count, names)
+    for topic in topics.values():
+        seen = (name for number in topic.fingerprints for name in candidates(number)[:1])
+        topic.types = builder.types_of(topic.name) or tuple(dict.fromkeys(seen))
+    start = min((block.first_time for block in blocks), default=0)
+    end = max((block.last_time for block in blocks), default=0)
+    return LogSummary(
+        str(log.path),
+        log.size,
+        log.index.end,
+        log.size - of_events,
+        start,
+        end,
+        tuple(topics[name] for name in sorted(topics)),
+        tuple(dict.fromkeys(node.name for node in builder.snapshot(end).nodes if not node.tool)),
+        log.losses(),
+        tuple(_histogram(_spreads(log, blocks), start, end)),
+    )
+
+
+def _event_bytes(block: Block) -> int:
+    """Bytes of the events of a block."""
+    return sum(
+        one.bytes + one.messages * (HEAD_BYTES + len(name.encode("utf-8", "surrogateescape")))
+        for name, one in block.channels.items()
+    )
+
+
+def _spreads(log: LogFile, blocks: list[Block]) -> Iterator[tuple[int, int, int]]:
+    """Yield times from and to [ns], and the number of messages between them."""
+    if log.size <= _SHORT:
+        yield from ((event.time, event.time, 1) for event in log.events())
+        return
+    for block in blocks:
+        counts = block.channels.values()
+        yield from ((one.first_time, one.last_time, one.messages) for one in counts)
+
+
+def _histogram(spreads: Iterator[tuple[int, int, int]], start: int, end: int) -> list[int]:
+    """The messages in each part of the time; those of a block are taken as evenly spread."""
+    bins, width = [0.0] * _BINS, max(1, -(-(end - start + 1) // _BINS))
+    for first, last, messages in spreads:
+        one, other = (first - start) // width, (last - start) // width
+        for place in range(one, other + 1):
+            bins[place] += messages / (other + 1 - one)
+    return list(map(round, bins))

@@ -1,0 +1,126 @@
+"""The summary of a log as lines of text and as values for JSON."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from datetime import datetime, timezone
+
+from lcmtools.bag.summary import LogSummary, TopicSummary
+from lcmtools.observe.describe import UNKNOWN
+
+_LEVELS = " ▁▂▃▄▅▆▇█"
+_HEAD = ("TOPIC", "TYPE", "MESSAGES", "RATE", "SIZE", "TOTAL", "LONGEST GAP", "SENDERS")
+
+
+def bytes_text(count: float) -> str:
+    """Return a number of bytes for people: "12 B", "1.5 KB" of 1000 bytes, "10.7 GB"."""
+    for unit in ("B", "KB", "MB"):
+        if count < 1000:  # noqa: PLR2004 - the next unit
+            return f"{count:.0f} {unit}" if unit == "B" else f"{count:.1f} {unit}"
+        count /= 1000
+    return f"{count:.1f} GB"
+
+
+def time_text(time: int) -> str:
+    """Return a time [ns since 1970] as the computer's zone has it, and in seconds."""
+    seconds = f"{time // 1_000_000_000}.{time % 1_000_000_000 // 1_000_000:03}"
+    with suppress(ValueError, OverflowError, OSError):  # far from any year with four digits
+        moment = datetime.fromtimestamp(time / 1e9, timezone.utc).astimezone()
+        return f"{moment:%Y-%m-%d %H:%M:%S}.{moment.microsecond // 1000:03} ({seconds})"
+    return seconds
+
+
+def span_text(seconds: float) -> str:
+    """Return a time span for people: "12.3 s", "1m 32s", "2h 05m"."""
+    if seconds < 60:  # noqa: PLR2004 - seconds of a minute
+        return f"{seconds:.3g} s"
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}h {minutes:02}m" if hours else f"{minutes}m {rest:02}s"
+
+
+def summary_rows(summary: LogSummary) -> Iterator[tuple[str, str]]:
+    """Yield the lines of a log, each its key and its value."""
+    yield "path:", summary.path
+    yield "size:", f"{bytes_text(summary.bytes)} in {summary.messages} messages"
+    if summary.messages:
+        yield "duration:", span_text(summary.duration)
+        yield "start:", time_text(summary.start)
+        yield "end:", time_text(summary.end)
+    yield "index:", _index_text(summary)
+    if summary.damaged:
+        what = f"{bytes_text(summary.damaged)} belong to no message"
+        yield "damaged:", f"{what}; lcmtools bag fix shows where"
+    if summary.nodes:
+        yield "nodes:", ", ".join(summary.nodes)
+    lost = [f"{loss} of {sender}" for sender, loss in summary.losses.items() if loss.lost]
+    for number, text in enumerate(lost):
+        yield "" if number else "lost:", f"{text}, before they were recorded"
+    if summary.messages:
+        yield "activity:", _spark_line(summary.histogram)
+
+
+def topic_table(topics: Sequence[TopicSummary]) -> list[Sequence[str]]:
+    """Return the table of topics, with its heading; none for a log without messages."""
+    rows = [
+        (
+            topic.name,
+            ", ".join(topic.types) or UNKNOWN,
+            str(topic.messages),
+            "-" if topic.rate is None else f"{topic.rate:.2f} Hz",
+            bytes_text(topic.mean_bytes),
+            bytes_text(topic.bytes),
+            span_text(topic.longest_gap / 1e9) if topic.messages > 1 else "-",
+            ", ".join(topic.senders) or "-",
+        )
+        for topic in topics
+    ]
+    return [_HEAD, *rows] if rows else []
+
+
+def summary_record(summary: LogSummary) -> dict[str, object]:
+    """Return the same for JSON; times are nanoseconds since 1970."""
+    return {
+        "path": summary.path,
+        "bytes": summary.bytes,
+        "indexed_bytes": summary.indexed,
+        "damaged_bytes": summary.damaged,
+        "messages": summary.messages,
+        "start": summary.start if summary.messages else None,
+        "end": summary.end if summary.messages else None,
+        "duration": summary.duration,
+        "nodes": list(summary.nodes),
+        "losses": [
+            {"sender": str(sender), "lost": loss.lost, "of": loss.sent}
+            for sender, loss in summary.losses.items()
+        ],
+        "histogram": list(summary.histogram),
+        "topics": [
+            {
+                "topic": topic.name,
+                "types": list(topic.types),
+                "fingerprints": [f"{number:#018x}" for number in topic.fingerprints],
+                "messages": topic.messages,
+                "bytes": topic.bytes,
+                "rate": topic.rate,
+                "start": topic.first_time,
+                "end": topic.last_time,
+                "longest_gap": topic.longest_gap / 1e9,
+                "senders": dict(topic.senders),
+            }
+            for topic in summary.topics
+        ],
+    }
+
+
+def _index_text(summary: LogSummary) -> str:
+    if summary.indexed == summary.bytes:
+        return "complete"
+    if not summary.indexed:
+        return "none; lcmtools bag reindex writes one"
+    return f"of the first {bytes_text(summary.indexed)}; lcmtools bag reindex completes it"
+
+
+def _spark_line(histogram: Sequence[int]) -> str:
+    """The messages over the time, as bars of eight heights; a blank for none."""
+    most = max(histogram) or 1
+    return "".join(_LEVELS[-(-8 * count // most)] for count in histogram)

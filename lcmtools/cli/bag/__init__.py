@@ -1,0 +1,1 @@
+"""The verbs of ``lcmtools bag``, one file each."""

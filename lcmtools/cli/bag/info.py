@@ -1,0 +1,52 @@
+"""``lcmtools bag info`` and ``reindex``."""
+
+from lcmtools.bag.reindex import reindex_log
+from lcmtools.bag.summary import summarize
+from lcmtools.bag.summary_report import bytes_text, summary_record, summary_rows, topic_table
+from lcmtools.cli.declare import argument, examples, subcommand
+from lcmtools.cli.options import json_option
+from lcmtools.cli.output import columns, document, lines, progress, show
+from lcmtools.observe.log_file import LogFile
+from lcmtools.packages import provide_recorded_types
+
+
+@subcommand("info", json_option)
+@examples("bag info ride.lcmlog", "bag info *.lcmlog --json")
+@argument("files", metavar="FILE...", nargs=-1, required=True, completer="files")
+def info(files: tuple[str, ...], *, as_json: bool) -> None:
+    """Show what is in logs: times, topics with their types, counts, rates, sizes, gaps, losses.
+
+    By the index beside a log this takes milliseconds, however large the log is. A log without one
+    is read. The activity is the number of messages over the time of the log. The longest gap is
+    the longest time without a message of the topic. Losses are messages that did not reach the
+    recorder, by the numbers of their sender.
+    """
+    found = []
+    for file in files:
+        with LogFile(file) as log, progress(f"reading {file}", log.size) as report:
+            provide_recorded_types(log.index.types.values())
+            found.append(summarize(log, report))
+    if as_json:
+        document(list(map(summary_record, found)))
+        return
+    for number, summary in enumerate(found):
+        lines([""] if number else [])
+        lines(columns([*summary_rows(summary)]))
+        lines(["", *columns(topic_table(summary.topics))] if summary.topics else [])
+
+
+@subcommand("reindex", json_option)
+@examples("bag reindex old.lcmlog")
+@argument("files", metavar="FILE...", nargs=-1, required=True, completer="files")
+def reindex(files: tuple[str, ...], *, as_json: bool) -> None:
+    """Write the index of logs that have none, or complete one that was cut off.
+
+    The logs themselves are not changed. What an index has already is kept.
+    """
+    sizes: dict[str, int] = {}
+    for file in files:
+        with LogFile(file) as log, progress(f"reading {file}", log.size) as report:
+            sizes[file] = reindex_log(log, report)
+    records = [{"path": file, "indexed_bytes": size} for file, size in sizes.items()]
+    rows = [f"{file}: {bytes_text(size)} indexed" for file, size in sizes.items()]
+    show(records, rows, as_json=as_json)
