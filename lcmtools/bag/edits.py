@@ -9,7 +9,8 @@ from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from lcmtools.errors import DecodeError, LcmtoolsError
+from lcmtools.clock import NANOSECONDS
+from lcmtools.errors import DecodeError, LcmtoolsError, UsageError
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     decode_announcement,
@@ -19,6 +20,7 @@ from lcmtools.messages.filter import Filter
 from lcmtools.names import Pattern, did_you_mean
 from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.log_file import LogFile
+from lcmtools.settings import parse_duration
 from lcmtools.wire.log_index import RecordedNode
 from lcmtools.wire.packet import Packet
 
@@ -77,6 +79,32 @@ def matching(
             yield packet
 
 
+def parse_renames(words: Sequence[str], known: Iterable[str]) -> dict[str, str]:
+    """Return the new names of topics, of words such as "/old:=/new".
+
+    A name that ends in "/" is a namespace, of all topics in it.
+
+    Raises:
+        UsageError: A word is no rename, or two topics would become one.
+        LcmtoolsError: It is of no topic.
+    """
+    known = list(known)
+    names: dict[str, str] = {}
+    for word in words:
+        old, sign, new = word.partition(":=")
+        if not (old and sign and new) or old.endswith("/") != new.endswith("/"):
+            raise UsageError(f"'{word}' is no rename", "write OLD:=NEW, or /old/:=/new/")
+        is_all = old.endswith("/")
+        found = [one for one in known if one == old or (is_all and one.startswith(old))]
+        if not found:
+            TopicChoice([old]).check(known)
+        names |= {one: new + one[len(old) :] for one in found}
+    kept = [names.get(one, one) for one in known]
+    if twice := next((one for one in kept if kept.count(one) > 1), ""):
+        raise UsageError(f"two topics would be {twice}", "rename the other one too")
+    return names
+
+
 def renamed(packets: Iterable[Packet], names: Mapping[str, str]) -> Iterator[Packet]:
     """Yield the messages with other names of topics; announcements name them so too."""
     for packet in packets:
@@ -93,9 +121,23 @@ def renamed_node(node: RecordedNode, names: Mapping[str, str]) -> RecordedNode:
     return replace(node, payload=_renamed_payload(node.payload, names))
 
 
+def parse_shift(text: str) -> int:
+    """Return the time [ns] of a text such as "1.5s", or "-2m"; UsageError for others."""
+    span = round(parse_duration(text.lstrip("+-")) * NANOSECONDS)
+    return -span if text.startswith("-") else span
+
+
 def shifted(packets: Iterable[Packet], by: int) -> Iterator[Packet]:
-    """Yield the messages with later times of recording [ns]; stamps within them stay."""
-    return (packet._replace(time=packet.time + by) for packet in packets)
+    """Yield the messages with later times of recording [ns]; stamps within them stay.
+
+    Raises:
+        UsageError: A time would be one that no log can have.
+    """
+    for packet in packets:
+        time = packet.time + by
+        if not -(2**63) <= time // 1000 < 2**63:
+            raise UsageError("a log has no times so far from 1970", f"one would be {time} ns")
+        yield packet._replace(time=time)
 
 
 def thinned(
@@ -141,17 +183,6 @@ def in_order(log: LogFile) -> Iterator[Packet]:
         yield event.packet(log.data)._replace(sender=known[senders[number]])
 
 
-def damaged_parts(log: LogFile) -> Iterator[tuple[int, int]]:
-    """Yield the first byte of each part of a log that is of no message, and the one behind it."""
-    end = 0
-    for event in log.events():
-        if event.start > end:
-            yield end, event.start
-        end = event.end
-    if end < log.size:
-        yield end, log.size
-
-
 def _covers(words: Sequence[str], topic: str) -> bool:
     return any(Pattern(word, hidden=True).covers(topic) for word in words)
 
@@ -161,4 +192,4 @@ def _renamed_payload(payload: bytes, names: Mapping[str, str]) -> bytes:
     if said is None or not any(end.topic in names for end in said.node.endpoints):
         return payload
     ends = (replace(end, topic=names.get(end.topic, end.topic)) for end in said.node.endpoints)
-    return encode_announcement(replace(said, node=replace(said.node, endpoints=tuple(ends))))
+    return encode_announcement(said._replace(node=replace(said.node, endpoints=tuple(ends))))

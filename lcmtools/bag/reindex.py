@@ -1,11 +1,9 @@
 """Writing the index of a log that has none, or none of its end."""
 
-import os
 from collections.abc import Iterator
-from contextlib import suppress
 
+from lcmtools.bag.output import output_beside
 from lcmtools.bag.summary import Progress
-from lcmtools.errors import os_errors_as
 from lcmtools.graph.protocol import head_of
 from lcmtools.observe.log_file import LogFile, index_path
 from lcmtools.wire import log_index
@@ -16,21 +14,14 @@ from lcmtools.wire.packet import Packet
 def reindex_log(log: LogFile, progress: Progress = lambda _: None) -> int:
     """Write a log's index, with all that it had; return the number of bytes that it is of.
 
-    It is written beside and renamed when it is whole.
-
     Raises:
         LcmtoolsError: It cannot be written.
     """
-    target = index_path(log.path)
-    scratch = target.with_name(f".making-{os.getpid()}-{target.name}")
-    with os_errors_as(f"cannot write {target}"):
-        try:
-            with scratch.open("w", encoding="utf-8") as file:
-                file.writelines(_lines(log, progress))
-            scratch.rename(target)
-        finally:
-            with suppress(OSError):
-                scratch.unlink()
+    with (
+        output_beside(index_path(log.path), force=True) as made,
+        made.open("w", encoding="utf-8") as file,
+    ):
+        file.writelines(_lines(log, progress))
     return log.size
 
 

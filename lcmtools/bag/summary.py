@@ -6,10 +6,12 @@ Must not know how it is shown. What the index does not have is read, of each eve
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
+from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.builder import MOST_FINGERPRINTS, GraphBuilder
 from lcmtools.messages.registry import candidates
 from lcmtools.observe.log_file import LogFile
 from lcmtools.observe.losses import Loss
+from lcmtools.packages import provide_recorded_types
 from lcmtools.wire.log import HEAD_BYTES
 from lcmtools.wire.log_index import Block, ChannelCount
 from lcmtools.wire.packet import Sender
@@ -90,10 +92,12 @@ class LogSummary:
 
 
 def summarize(log: LogFile, progress: Progress = lambda _: None) -> LogSummary:
-    """Return the summary of a log; ``progress`` is called while it is read."""
-    builder = GraphBuilder(is_log=True)
-    for packet in log.announcements():
-        builder.add(packet)
+    """Return the summary of a log; ``progress`` is called while it is read.
+
+    Raises:
+        LcmtoolsError: There is something in the file, and no message.
+    """
+    builder = known_nodes(log)
     names = {number: one.name for number, one in log.index.senders.items()}
     topics: dict[str, TopicSummary] = {}
     blocks, of_events = [], 0
@@ -108,6 +112,8 @@ def summarize(log: LogFile, progress: Progress = lambda _: None) -> LogSummary:
     for topic in topics.values():
         seen = (name for number in topic.fingerprints for name in candidates(number)[:1])
         topic.types = builder.types_of(topic.name) or tuple(dict.fromkeys(seen))
+    if log.size and not blocks:
+        raise LcmtoolsError(f"no message is in {log.path}", "it is no LCM log")
     start = min((block.first_time for block in blocks), default=0)
     end = max((block.last_time for block in blocks), default=0)
     return LogSummary(
@@ -122,6 +128,22 @@ def summarize(log: LogFile, progress: Progress = lambda _: None) -> LogSummary:
         log.losses(),
         tuple(_histogram(_spreads(log, blocks), start, end)),
     )
+
+
+def known_nodes(log: LogFile) -> GraphBuilder:
+    """Return what the nodes in a log's index announce; its types are known from here on."""
+    provide_recorded_types(log.index.types.values())
+    builder = GraphBuilder(is_log=True)
+    for packet in log.announcements():
+        builder.add(packet)
+    return builder
+
+
+def log_span(log: LogFile) -> tuple[int, int]:
+    """Return the times of the first and the last message [ns since 1970]; of an empty log 0, 0."""
+    blocks = list(log.blocks())
+    first = min((block.first_time for block in blocks), default=0)
+    return first, max((block.last_time for block in blocks), default=0)
 
 
 def _event_bytes(block: Block) -> int:

@@ -1,17 +1,15 @@
 """Making a log of others: messages with their senders in, a log with its index out.
 
-What the indexes of the others know (types, nodes, senders, losses) is carried over. The result is
-written beside its place and renamed when it is whole.
+What the indexes of the others know (types, nodes, senders, losses) is carried over. The result
+appears when it is whole.
 """
 
-import os
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import suppress
 from pathlib import Path
 
+from lcmtools.bag.output import output_beside
 from lcmtools.bag.summary import Progress
 from lcmtools.bag.writer import LogWriter
-from lcmtools.errors import LcmtoolsError, os_errors_as
 from lcmtools.observe.log_file import LogFile, index_path
 from lcmtools.observe.losses import Loss
 from lcmtools.wire.log_index import RecordedNode
@@ -43,24 +41,15 @@ def write_log(
         LcmtoolsError: The file exists, or cannot be written.
     """
     target = Path(target)
-    if target.exists() and not force:
-        raise LcmtoolsError(f"{target} exists", "name another file, or add --force")
-    scratch = target.with_name(f".making-{os.getpid()}-{target.name}")
-    parts = {scratch: target, index_path(scratch): index_path(target)}
-    try:
-        with LogWriter(scratch, force=True) as writer:
+    with output_beside(target, force=force) as made:
+        with LogWriter(made) as writer:
             copier = _Copier(writer)
             for source in sources:
                 copier.carry(source, change_node)
             copier.copy(packets, progress)
-        with os_errors_as(f"cannot write {target}"):
-            for made, place in parts.items():
-                made.rename(place)
-        return writer.messages
-    finally:
-        for made in parts:
-            with suppress(OSError):
-                made.unlink()
+        # with the old log the new index says nothing
+        index_path(made).rename(index_path(target))
+    return writer.messages
 
 
 class _Copier:

@@ -109,10 +109,25 @@ param = _group(
     "set simple_controller kp 0.5",
 )
 _BAG = _entries("""\
-info     cli.bag.info:info     Show what is in logs.
-reindex  cli.bag.info:reindex  Write the index of a log.
+info        cli.bag.info:info        Show what is in logs.
+filter      cli.bag.edit:filter_     Write the messages that meet a condition.
+cut         cli.bag.edit:cut         Write the part between two times.
+merge       cli.bag.join:merge       Join logs into one.
+sort        cli.bag.join:sort        Bring messages into the order of their times.
+rename      cli.bag.change:rename     Give topics other names.
+shift       cli.bag.change:shift      Change the times of recording.
+downsample  cli.bag.edit:downsample  Leave out messages that come too often.
+fix         cli.bag.join:fix         Save what can be read of a damaged log.
+reindex     cli.bag.info:reindex     Write the index of a log.
 """)
-bag = _group("bag", "Look into logs, and work on them.", _BAG, "info ride.lcmlog", has_bus=False)
+bag = _group(
+    "bag",
+    "Look into logs, and work on them.",
+    _BAG,
+    "info ride.lcmlog",
+    "cut ride.lcmlog end.lcmlog -s end-1m",
+    has_bus=False,
+)
 _SIM = _entries("""\
 pause     cli.sim.time:pause        Pause simulated time.
 resume    cli.sim.time:resume       Resume simulated time.

@@ -7,7 +7,6 @@ from lcmtools.cli.declare import argument, examples, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import columns, document, lines, progress, show
 from lcmtools.observe.log_file import LogFile
-from lcmtools.packages import provide_recorded_types
 
 
 @subcommand("info", json_option)
@@ -24,7 +23,6 @@ def info(files: tuple[str, ...], *, as_json: bool) -> None:
     found = []
     for file in files:
         with LogFile(file) as log, progress(f"reading {file}", log.size) as report:
-            provide_recorded_types(log.index.types.values())
             found.append(summarize(log, report))
     if as_json:
         document(list(map(summary_record, found)))
@@ -36,7 +34,7 @@ def info(files: tuple[str, ...], *, as_json: bool) -> None:
 
 
 @subcommand("reindex", json_option)
-@examples("bag reindex old.lcmlog")
+@examples("bag reindex old.lcmlog", "bag reindex *.lcmlog --json")
 @argument("files", metavar="FILE...", nargs=-1, required=True, completer="files")
 def reindex(files: tuple[str, ...], *, as_json: bool) -> None:
     """Write the index of logs that have none, or complete one that was cut off.

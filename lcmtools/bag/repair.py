@@ -1,0 +1,48 @@
+"""The damaged parts of a log: the bytes that are of no message."""
+
+from dataclasses import dataclass
+
+from lcmtools.bag.summary_report import bytes_text, time_text
+from lcmtools.observe.log_file import LogFile
+
+
+@dataclass(frozen=True, slots=True)
+class Damage:
+    """Bytes one after another that are of no message; times are nanoseconds since 1970."""
+
+    start: int  # the first byte
+    end: int  # behind the last
+    after: int | None  # time of the message before; None where there is none
+    before: int | None  # time of the message behind
+
+    def record(self) -> dict[str, object]:
+        """Return it for JSON."""
+        names = ("start", "end", "after", "before")
+        return {name: getattr(self, name) for name in names}
+
+    def __str__(self) -> str:
+        """Return it for people."""
+        size = bytes_text(self.end - self.start)
+        where = f"{size} are of no message: bytes {self.start} to {self.end - 1}"
+        after = f"after {time_text(self.after)}" if self.after is not None else "at the start"
+        return f"{where}, {after}{'' if self.before is not None else ', up to the end'}"
+
+
+def find_damage(log: LogFile) -> list[Damage]:
+    """Return the damaged parts of a log."""
+    found: list[Damage] = []
+    end, time = 0, None
+    for event in log.events():
+        if event.start > end:
+            found.append(Damage(end, event.start, time, event.time))
+        end, time = event.end, event.time
+    if end < log.size:
+        found.append(Damage(end, log.size, time, None))
+    return found
+
+
+def damage_rows(damage: list[Damage]) -> list[str]:
+    """Return a line for each part, and one for all."""
+    total = sum(part.end - part.start for part in damage)
+    rows = [f"left out: {part}" for part in damage]
+    return [*rows, f"left out in all: {bytes_text(total)}"] if len(rows) > 1 else rows

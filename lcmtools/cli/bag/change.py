@@ -1,0 +1,64 @@
+"""``lcmtools bag rename`` and ``shift``: the same messages, elsewhere."""
+
+from dataclasses import replace
+
+from lcmtools.bag import edits
+from lcmtools.bag.summary import log_span
+from lcmtools.bag.times import LogTime
+from lcmtools.cli.bag.common import (
+    made_options,
+    source_argument,
+    target_argument,
+    time_option,
+    write,
+)
+from lcmtools.cli.declare import argument, examples, option, subcommand
+from lcmtools.errors import UsageError
+from lcmtools.observe.log_file import LogFile
+
+
+@subcommand("rename", made_options)
+@examples("bag rename a.lcmlog b.lcmlog /odom:=/husky0/odometry", "bag rename a b /a/:=/b/")
+@source_argument
+@target_argument
+@argument("names", metavar="OLD:=NEW...", nargs=-1, required=True)
+def rename(source: str, target: str, names: tuple[str, ...], *, force: bool, as_json: bool) -> None:
+    """Give topics other names; with a / at the end of both, all topics of a namespace."""
+    with LogFile(source) as log:
+        known = dict.fromkeys(name for block in log.blocks() for name in block.channels)
+        table = edits.parse_renames(names, known)
+        found = edits.renamed(log.packets(), table)
+        write(
+            target,
+            found,
+            log,
+            force=force,
+            as_json=as_json,
+            change_node=lambda node: edits.renamed_node(node, table),
+        )
+
+
+@subcommand("shift", made_options)
+@examples("bag shift a.lcmlog b.lcmlog --by -1.5s", "bag shift a b --to '2026-11-22 12:00:00'")
+@source_argument
+@target_argument
+@option("--by", metavar="TIME", help="Later by so long; earlier behind a -.")
+@time_option("--to", text="Begin at this time.")
+def shift(
+    source: str, target: str, *, by: str | None, to: LogTime | None, force: bool, as_json: bool
+) -> None:
+    """Change the times of recording of all messages; stamps within the messages stay."""
+    if (by is None) == (to is None):
+        raise UsageError("by how much is not said", "add either --by or --to")
+    with LogFile(source) as log:
+        span = log_span(log)
+        late = to.within(*span) - span[0] if to else edits.parse_shift(str(by))
+        found = edits.shifted(log.packets(), late)
+        write(
+            target,
+            found,
+            log,
+            force=force,
+            as_json=as_json,
+            change_node=lambda node: replace(node, time=node.time + late),
+        )

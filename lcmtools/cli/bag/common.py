@@ -1,0 +1,82 @@
+"""The options, arguments and the answer of the commands that make a log of another."""
+
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from lcmtools.bag.edits import TopicChoice
+from lcmtools.bag.summary_report import bytes_text
+from lcmtools.bag.surgery import write_log
+from lcmtools.bag.times import LogTime, parse_time
+from lcmtools.cli.declare import CommandT, argument, flag, option, together
+from lcmtools.cli.options import json_option
+from lcmtools.cli.output import progress, show
+from lcmtools.observe.log_file import LogFile
+from lcmtools.wire.packet import Packet
+
+source_argument = argument("source", metavar="IN", completer="files")
+target_argument = argument("target", metavar="OUT", completer="files")
+force_option = flag("--force", help="Take the place of a file that exists.")
+made_options = together(force_option, json_option)
+topics_option = option(
+    "-t",
+    "--topics",
+    "wanted",
+    metavar="TOPIC",
+    multiple=True,
+    help="Only this topic, namespace or pattern; may be repeated.",
+)
+exclude_option = option(
+    "-x",
+    "--exclude",
+    "excluded",
+    metavar="TOPIC",
+    multiple=True,
+    help="Not this topic, namespace or pattern; may be repeated.",
+)
+
+
+def _time(text: str | LogTime) -> LogTime:
+    return text if isinstance(text, LogTime) else parse_time(text)
+
+
+def time_option(*names: str, text: str) -> Callable[[CommandT], CommandT]:
+    """Return an option whose value is a time within a log."""
+    return option(*names, metavar="TIME", type=_time, help=text)
+
+
+window_options = together(
+    time_option("-s", "--start", text="From this time on: 10s, end-1m, 12:30:05."),
+    time_option("-e", "--end", text="Until this time."),
+)
+
+
+def topic_choice(log: LogFile, wanted: tuple[str, ...], excluded: tuple[str, ...]) -> TopicChoice:
+    """Return the topics that are meant; an error names one that the log does not have."""
+    choice = TopicChoice(wanted, excluded)
+    if wanted or excluded:
+        choice.check({name for block in log.blocks() for name in block.channels})
+    return choice
+
+
+def write(
+    target: str,
+    packets: Iterable[Packet],
+    *sources: LogFile,
+    force: bool,
+    as_json: bool,
+    more: Mapping[str, object] | None = None,
+    **change: Any,  # noqa: ANN401 - of write_log
+) -> None:
+    """Write a log, and say how many messages it has; in JSON also ``more``."""
+    total = sum(source.size for source in sources)
+    with progress(f"writing {target}", total) as report:
+        messages = write_log(target, packets, sources, force=force, progress=report, **change)
+    size = Path(target).stat().st_size
+    record: Mapping[str, object] = {
+        "path": target,
+        "messages": messages,
+        "bytes": size,
+        **(more or {}),
+    }
+    show(record, [f"{target}: {messages} messages, {bytes_text(size)}"], as_json=as_json)

@@ -1,0 +1,140 @@
+"""The summary of a log, by its index and without."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from lcmtools.bag.reindex import reindex_log
+from lcmtools.bag.summary import summarize
+from lcmtools.bag.summary_report import bytes_text, span_text, time_text
+from lcmtools.bag.writer import LogWriter
+from lcmtools.cli.main import main
+from lcmtools.messages.codec import encode
+from lcmtools.observe.log_file import LogFile, index_path
+from lcmtools.observe.losses import Loss
+from lcmtools.types.std_msgs import String
+from lcmtools.wire.log import encode_event
+from lcmtools.wire.packet import Packet, Sender
+
+_SECOND = 1_000_000_000
+_START = 1_795_384_180 * _SECOND
+_ONE = Sender("10.0.0.7", 4001)
+
+
+def _string(text: str) -> bytes:
+    message = String()
+    message.data = text
+    return encode(message)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """A log of two minutes: /chatter at 2 Hz with a gap of 20 s, and 8 bytes of another type."""
+    path = tmp_path / "ride.lcmlog"
+    with LogWriter(path) as log:
+        talker, driver = log.sender_number(_ONE, "/talker"), log.sender_number(_ONE, "driver")
+        for half in range(240):
+            time = _START + half * _SECOND // 2
+            if not 100 <= half < 140:
+                log.add(Packet("/chatter", _string("x" * 5), time), talker)
+            if half % 10 == 0:
+                log.add(Packet("RAW", b"\1" * 8, time), driver if half < 100 else talker)
+            log.flush()
+        log.set_losses({talker: (3, 500)})
+    return path
+
+
+@pytest.mark.parametrize("keeps_index", [True, False])
+def test_a_summary_is_the_same_with_and_without_an_index(path: Path, keeps_index: bool) -> None:  # noqa: FBT001
+    if not keeps_index:
+        index_path(path).unlink()
+    with LogFile(path) as log:
+        found = summarize(log)
+        assert len(list(log.blocks())) > 5
+    chatter, raw = found.topics
+    assert (found.bytes, found.damaged, found.messages) == (path.stat().st_size, 0, 224)
+    assert (found.start, found.duration) == (_START, 119.5)
+    assert found.indexed == (found.bytes if keeps_index else 0)
+    assert (chatter.name, chatter.types, chatter.messages) == (
+        "/chatter",
+        ("std_msgs/String",),
+        200,
+    )
+    assert chatter.longest_gap == 20.5 * _SECOND
+    assert chatter.rate == pytest.approx(199 / 119.5)
+    assert chatter.mean_bytes == len(_string("x" * 5))
+    assert (raw.types, raw.bytes) == ((), 24 * 8)
+    assert raw.senders == ({"driver": 10, "/talker": 14} if keeps_index else {})
+    assert list(found.losses.values()) == ([Loss(3, 500)] if keeps_index else [])
+    assert len(found.histogram) == 60
+    assert sum(found.histogram) == 224
+    assert set(found.histogram[26:34]) <= {0, 1}  # the gap
+
+
+def test_an_index_is_completed_with_what_it_had(path: Path) -> None:
+    whole = index_path(path).read_text().splitlines(keepends=True)
+    blocks = [place for place, line in enumerate(whole) if line.startswith('{"block"')]
+    index_path(path).write_text("".join(whole[: blocks[4]]))
+    with LogFile(path) as log:
+        assert 0 < log.index.end < log.size
+        reindex_log(log)
+    with LogFile(path) as log:
+        assert (log.index.end, log.index.size) == (log.size, log.size)
+        assert len(log.senders) == 2
+        assert (
+            sum(
+                b.channels["/chatter"].messages
+                for b in log.index.blocks
+                if "/chatter" in b.channels
+            )
+            == 200
+        )
+    assert not list(path.parent.glob(".*"))
+
+
+def test_info_prints_what_a_log_has(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bag", "info", str(path)]) == 0
+    text = capsys.readouterr().out
+    assert "in 224 messages\n" in text
+    assert "duration:  2m 00s\n" in text
+    assert "index:     complete\n" in text
+    assert "lost:      3 of 500 (0.6 %) of /talker, before they were recorded\n" in text
+    row = next(line for line in text.splitlines() if line.startswith("/chatter"))
+    cells = "/chatter std_msgs/String 200 1.67 Hz 18 B 3.6 KB 20.5 s /talker"
+    assert " ".join(row.split()) == cells
+    assert main(["bag", "info", str(path), "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)[0]
+    assert (record["messages"], record["damaged_bytes"], record["duration"]) == (224, 0, 119.5)
+    assert [topic["topic"] for topic in record["topics"]] == ["/chatter", "RAW"]
+
+
+def test_strange_logs_have_a_summary(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "a.log"
+    path.write_bytes(b"")
+    assert main(["bag", "info", str(path)]) == 0
+    assert "0 B in 0 messages" in capsys.readouterr().out
+    packets = [Packet("/\x1b[2J", b"x", n * 1000) for n in (2**63 - 1, -(2**63), 5, 4)]
+    data = b"".join(encode_event(n, packet) for n, packet in enumerate(packets))
+    path.write_bytes(b"bad" + data[:60] + data)
+    assert main(["bag", "info", str(path)]) == 0
+    text = capsys.readouterr().out
+    assert "in 5 messages" in text
+    assert "belong to no message" in text
+    assert "\x1b" not in text
+    assert main(["bag", "info", str(path), "--json"]) == 0
+    path.write_text("hello\n" * 100)
+    assert main(["bag", "info", str(path)]) == 1
+    assert capsys.readouterr().err == (
+        f"lcmtools bag info: no message is in {path}; it is no LCM log\n"
+    )
+
+
+def test_words_of_sizes_spans_and_times() -> None:
+    assert list(map(bytes_text, (0, 999, 1000, 1_500_000, 2e10))) == [
+        *("0 B", "999 B", "1.0 KB", "1.5 MB", "20.0 GB")
+    ]
+    assert list(map(span_text, (0.01234, 59.9, 60, 3600, 7265))) == [
+        *("0.0123 s", "59.9 s", "1m 00s", "1h 00m", "2h 01m")
+    ]
+    assert time_text(2**70) == "1180591620717.411"
