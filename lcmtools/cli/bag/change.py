@@ -7,8 +7,7 @@ from lcmtools.bag.summary import log_span
 from lcmtools.bag.times import LogTime
 from lcmtools.cli.bag.common import (
     made_options,
-    source_argument,
-    target_argument,
+    places,
     time_option,
     write,
 )
@@ -19,8 +18,7 @@ from lcmtools.observe.log_file import LogFile
 
 @subcommand("rename", made_options)
 @examples("bag rename a.lcmlog b.lcmlog /odom:=/husky0/odometry", "bag rename a b /a/:=/b/")
-@source_argument
-@target_argument
+@places
 @argument("names", metavar="OLD:=NEW...", nargs=-1, required=True)
 def rename(source: str, target: str, names: tuple[str, ...], *, force: bool, as_json: bool) -> None:
     """Give topics other names; with a / at the end of both, all topics of a namespace."""
@@ -40,8 +38,7 @@ def rename(source: str, target: str, names: tuple[str, ...], *, force: bool, as_
 
 @subcommand("shift", made_options)
 @examples("bag shift a.lcmlog b.lcmlog --by -1.5s", "bag shift a b --to '2026-11-22 12:00:00'")
-@source_argument
-@target_argument
+@places
 @option("--by", metavar="TIME", help="Later by so long; earlier behind a -.")
 @time_option("--to", text="Begin at this time.")
 def shift(

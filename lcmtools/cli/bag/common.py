@@ -14,8 +14,10 @@ from lcmtools.cli.output import progress, show
 from lcmtools.observe.log_file import LogFile
 from lcmtools.wire.packet import Packet
 
-source_argument = argument("source", metavar="IN", completer="files")
-target_argument = argument("target", metavar="OUT", completer="files")
+places = together(
+    argument("source", metavar="IN", completer="files"),
+    argument("target", metavar="OUT", completer="files"),
+)
 force_option = flag("--force", help="Take the place of a file that exists.")
 made_options = together(force_option, json_option)
 topics_option = option(

@@ -6,8 +6,7 @@ from lcmtools.bag.times import LogTime, time_window
 from lcmtools.cli.bag.common import (
     exclude_option,
     made_options,
-    source_argument,
-    target_argument,
+    places,
     topic_choice,
     topics_option,
     window_options,
@@ -27,8 +26,7 @@ _Topics = tuple[str, ...]
     "bag filter ride.lcmlog out.lcmlog 'm.pose.pose.position.x > 1' -t /husky0/odometry",
     "bag filter ride.lcmlog out.lcmlog -x '**/image' -s 10s -e end-1m",
 )
-@source_argument
-@target_argument
+@places
 @argument("expression", metavar="[EXPR]", required=False)
 @topics_option
 @exclude_option
@@ -62,8 +60,7 @@ def filter_(
 
 @subcommand("cut", made_options)
 @examples("bag cut ride.lcmlog start.lcmlog -e 10s", "bag cut a.lcmlog b.lcmlog -s end-1m -d 10s")
-@source_argument
-@target_argument
+@places
 @window_options
 @option("-d", "--duration", type=time_span, help="At most so long.")
 def cut(
@@ -85,8 +82,7 @@ def cut(
 
 @subcommand("downsample", made_options)
 @examples("bag downsample a.lcmlog b.lcmlog --rate 10 -t /scan", "bag downsample a b --every 5")
-@source_argument
-@target_argument
+@places
 @topics_option
 @exclude_option
 @option("-r", "--rate", "most", type=rate, help="At most so many messages a second of a topic.")

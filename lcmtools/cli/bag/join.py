@@ -4,7 +4,7 @@ from contextlib import ExitStack
 
 from lcmtools.bag import edits
 from lcmtools.bag.repair import damage_rows, find_damage
-from lcmtools.cli.bag.common import made_options, source_argument, target_argument, write
+from lcmtools.cli.bag.common import made_options, places, write
 from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.output import lines, talk
 from lcmtools.observe.log_file import LogFile
@@ -27,8 +27,7 @@ def merge(files: tuple[str, ...], *, target: str, force: bool, as_json: bool) ->
 
 @subcommand("sort", made_options)
 @examples("bag sort mixed.lcmlog sorted.lcmlog", "bag sort ride.lcmlog ride.lcmlog --force")
-@source_argument
-@target_argument
+@places
 def sort(source: str, target: str, *, force: bool, as_json: bool) -> None:
     """Bring messages into the order of their times; equal ones keep theirs."""
     with LogFile(source) as log:
@@ -37,8 +36,7 @@ def sort(source: str, target: str, *, force: bool, as_json: bool) -> None:
 
 @subcommand("fix", made_options)
 @examples("bag fix broken.lcmlog fixed.lcmlog", "bag fix broken.lcmlog fixed.lcmlog --json")
-@source_argument
-@target_argument
+@places
 def fix(source: str, target: str, *, force: bool, as_json: bool) -> None:
     """Write all that can be read of a damaged log to another one, and say what is left out.
 
