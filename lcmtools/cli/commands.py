@@ -160,10 +160,23 @@ lab = _group(
     "start husky",
     'check husky --controller "python my_controller.py"',
 )
+_BAG = _entries("""\
+plot      cli.plot:of_log              Draw fields of a log over time.
+""")
+bag = _group(
+    "bag",
+    "Record what is on the bus; look into logs, play them, and hand them on.",
+    _BAG,
+    "plot ride.lcmlog /husky0/odometry/twist.twist.linear.x",
+    "plot ride.lcmlog /imu/angular_velocity -o turning.png",
+    has_bus=False,
+)
 COMMANDS = {
     **_TOPIC,
     **_entries("""\
 spy         cli.spy.command:command         Watch all channels of the bus, live.
+plot        cli.plot:command                Draw fields of messages over time, live.
+bag         cli.commands:bag                Record, play and look into logs.
 node        cli.commands:node               Query nodes: list, info, ping and more.
 msg         cli.commands:msg                Show message types: list, show, proto and more.
 service     cli.commands:service            List and call services.

@@ -1,0 +1,216 @@
+"""Values of fields over time, as curves; and these as a picture or as text for a terminal."""
+
+import math
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import cast
+
+from lcmtools.clock import join_stamp
+from lcmtools.errors import DecodeError, LcmtoolsError, MissingExtra, UsageError
+from lcmtools.messages.fields import is_time, visible_fields
+from lcmtools.messages.layout import is_generated
+from lcmtools.messages.path import Path, select
+from lcmtools.messages.registry import Message
+from lcmtools.messages.shape import as_sequence
+from lcmtools.names import Resolver
+from lcmtools.observe.arrivals import ArrivalStream, SelectedPacket, taken
+from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.selection import select_topics
+
+PICTURES = (".png", ".svg", ".pdf")
+"""The endings of pictures."""
+_MOST_CURVES = 20  # of a path: more cannot be told apart
+_HINT = "name a field of numbers"
+_EXTRA = "pip install -e '.[plot]'"
+
+
+@dataclass(slots=True)
+class Curve:
+    """The values of a field: times [s since 1970 or since the start of the simulation], values."""
+
+    label: str  # "/husky0/odometry/twist.twist.linear.x"
+    times: list[float] = field(default_factory=list)
+    values: list[float] = field(default_factory=list)
+
+    def drop_before(self, time: float) -> None:
+        """Forget what is older than ``time`` [s]; all, where simulated time has gone back."""
+        if self.times[-1] < self.times[0]:
+            del self.times[:-1], self.values[:-1]
+        old = next((n for n, one in enumerate(self.times) if one >= time), len(self.times))
+        del self.times[:old], self.values[:old]
+
+
+class Curves:
+    """The curves of the fields that are selected, on a bus or in a log.
+
+    Args:
+        monitor: The bus or the log.
+        fields: Topics with field paths behind them.
+        names: The namespace and the remaps that topics are read by.
+        tell: Called with a sentence: about what is left out, once for each reason; when it takes
+            long.
+        window: Only so many seconds are kept; None for all.
+
+    Raises:
+        UsageError: A path is wrong.
+    """
+
+    def __init__(
+        self,
+        monitor: BusMonitor,
+        fields: Iterable[str],
+        names: Resolver,
+        tell: Callable[[str], None],
+        window: float | None = None,
+    ) -> None:
+        monitor.discover()
+        selections = [select_topics(one, names) for one in fields]
+        self._stream = ArrivalStream(monitor, selections, names)
+        self._decoder, self._tell, self._window = Decoder(monitor.types_of), tell, window
+        self._told: set[str] = set()
+        self._curves: dict[str, Curve] = {}
+
+    def __iter__(self) -> Iterator[Curve]:
+        """Return the curves, in order of appearance."""
+        return iter(self._curves.values())
+
+    def follow(
+        self, period: float = math.inf, timeout: float | None = None, duration: float | None = None
+    ) -> Iterator[None]:
+        """Take messages, and yield every ``period`` [s], until the log or ``duration`` [s] ends.
+
+        Raises:
+            UsageError: What is selected is no number.
+            ValueMismatch: A message has no such field or element.
+            NothingReceived: No message came for ``timeout`` [s].
+            LcmtoolsError: Nothing in the log is of the topics.
+        """
+        start = due = time.monotonic()
+        for _ in taken(self._stream, self._take, timeout, self._tell):
+            now = time.monotonic()
+            if now >= due and math.isfinite(period):
+                due = now + period
+                yield
+            if duration is not None and now - start >= duration:
+                return
+
+    def _take(self, found: SelectedPacket) -> bool | None:
+        """Add the numbers of a message; return None for one that cannot be decoded."""
+        try:
+            message = self._decoder.decode(found.packet)
+        except DecodeError as error:
+            text = f"messages on {found.packet.channel} are left out: {error}"
+            if text not in self._told:
+                self._told.add(text)
+                self._tell(text)
+            return None
+        moment = found.time / 1e9
+        for path, value in _numbers(message, found.path):
+            label = f"{found.packet.channel}/{path}" if path else found.packet.channel
+            curve = self._curves.get(label)
+            if curve is None:
+                curve = self._curves[label] = Curve(label)
+            curve.times.append(moment)
+            curve.values.append(value)
+            if self._window is not None:
+                curve.drop_before(moment - self._window)
+        return True
+
+
+def _numbers(message: Message, path: Path) -> list[tuple[str, float]]:
+    """The numbers that a path selects, with the path of each."""
+    found = select(message, path)
+    numbers = list(_of_value(found.value, found.target.type, str(path)))
+    where = str(path) or "the message"
+    if not numbers:
+        raise UsageError(f"{where} has no number", _HINT)
+    if len(numbers) > _MOST_CURVES:
+        raise UsageError(f"{where} has {len(numbers)} numbers", f"name some: {numbers[0][0]}")
+    return numbers
+
+
+def _of_value(value: object, kind: str, path: str) -> Iterator[tuple[str, float]]:
+    """The numbers in a value: its own, those of its elements, or those of its fields."""
+    if isinstance(value, (bool, int, float)):
+        yield path, float(value)
+    elif isinstance(value, str):
+        raise UsageError(f"{path} is no number but a {kind}", _HINT)
+    elif is_generated(type(value)):
+        yield from _of_message(cast("Message", value), path)
+    else:
+        for index, element in enumerate(as_sequence(value)):
+            yield from _of_value(element, kind, f"{path}[{index}]")
+
+
+def _of_message(message: Message, path: str) -> Iterator[tuple[str, float]]:
+    cls = type(message)
+    if is_time(cls):
+        yield path, join_stamp(*(int(getattr(message, name)) for name in cls.__slots__)) / 1e9
+        return
+    for part in visible_fields(cls):
+        if part.type != "string":
+            inner = f"{path}.{part.name}" if path else part.name
+            yield from _of_value(getattr(message, part.name), part.type, inner)
+
+
+def _common_start(curves: Sequence[Curve]) -> float:
+    """Return the first time of all curves [s]; 0 without values."""
+    return min((curve.times[0] for curve in curves if curve.times), default=0.0)
+
+
+def draw_picture(curves: Sequence[Curve], path: FilePath) -> None:
+    """Draw curves over seconds since their first value into a file: PNG, SVG or PDF by its suffix.
+
+    Raises:
+        MissingExtra: matplotlib is missing.
+        UsageError: The suffix is none of these.
+        LcmtoolsError: The file cannot be written.
+    """
+    if path.suffix not in PICTURES:
+        raise UsageError(f"{path} is no picture", f"end it in {', '.join(PICTURES)}")
+    try:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise MissingExtra("pictures of curves need the extra 'plot'", _EXTRA) from error
+    figure = Figure(figsize=(10, 5), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    start = _common_start(curves)
+    for curve in curves:
+        axes.plot([time - start for time in curve.times], curve.values, label=curve.label)
+    axes.set_xlabel("time [s]")
+    axes.grid(visible=True, alpha=0.3)
+    axes.legend(loc="best")
+    try:
+        figure.savefig(path, dpi=120)
+    except OSError as error:
+        raise LcmtoolsError(f"cannot write {path}: {error.strerror}") from error
+
+
+def draw_text(curves: Sequence[Curve], width: int, height: int, *, colored: bool) -> str:
+    """Return curves as text of so many columns and rows, over seconds since their first value.
+
+    Raises:
+        MissingExtra: plotext is missing.
+    """
+    try:
+        import plotext
+    except ImportError as error:
+        raise MissingExtra("curves in a terminal need the extra 'plot'", _EXTRA) from error
+    plotext.clear_figure()
+    plotext.theme("pro" if colored else "clear")
+    plotext.plotsize(width, height)
+    start = _common_start(curves)
+    for curve in curves:
+        finite = [n for n, value in enumerate(curve.values) if math.isfinite(value)]
+        times = [curve.times[n] - start for n in finite]
+        if finite:
+            values = [curve.values[n] for n in finite]
+            plotext.plot(times, values, label=curve.label, marker="braille")
+    plotext.xlabel("time [s]")
+    text = str(plotext.build())
+    return text if colored else str(plotext.uncolorize(text))

@@ -1,0 +1,93 @@
+"""plot: fields over time, of a bus and of a log."""
+
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import lcm
+import pytest
+
+from lcmtools.messages.codec import encode
+from lcmtools.types.geometry_msgs import Twist
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> str:
+    """The path of a log with a Twist on /cmd each second."""
+    path = str(tmp_path / "a.log")
+    log = lcm.EventLog(path, "w", overwrite=True)
+    for number in range(20):
+        twist = Twist()
+        twist.linear.x = number / 4
+        log.write_event(1_000_000 * (100 + number), "/cmd", encode(twist))
+    log.close()
+    return path
+
+
+def test_a_log_is_drawn_as_text(log: str, lcmtools: Run) -> None:
+    result = lcmtools("bag", "plot", log, "/cmd/linear.x")
+    assert (result.returncode, result.stderr) == (0, "")
+    assert "/cmd/linear.x" in result.stdout
+    assert "4.75" in result.stdout  # its greatest value, and its last time
+    assert "19.0" in result.stdout
+
+
+def test_a_log_is_drawn_as_a_picture(log: str, tmp_path: Path, lcmtools: Run) -> None:
+    picture = tmp_path / "a.svg"
+    result = lcmtools("bag", "plot", log, "/cmd/linear", "-o", str(picture))
+    assert (result.returncode, result.stdout) == (0, "")
+    assert result.stderr == f"{picture}: /cmd/linear.x, /cmd/linear.y, /cmd/linear.z\n"
+    assert "<svg" in picture.read_text()
+
+
+@pytest.mark.parametrize(
+    ("field", "said", "code"),
+    [
+        ("/cmd/linear.q", "no field 'q' (fields: x, y, z)", 2),
+        ("/cmt/linear.x", "nothing is on /cmt/linear.x in the log; it has /cmd", 1),
+    ],
+)
+def test_what_is_not_in_the_log_is_named(
+    field: str, said: str, code: int, log: str, lcmtools: Run
+) -> None:
+    result = lcmtools("bag", "plot", log, field)
+    assert said in result.stderr
+    assert result.returncode == code
+
+
+@pytest.fixture
+def _driven(
+    bus_url: str,
+    start: Callable[..., object],
+    lcmtools_path: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A Twist on /cmd at 50 Hz."""
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+    start(lcmtools_path, "pub", "-r", "50", "/cmd", "geometry_msgs/Twist", "{linear: {x: 2}}")
+
+
+@pytest.mark.usefixtures("_driven")
+def test_a_picture_of_a_bus_is_of_the_time_given(tmp_path: Path, lcmtools: Run) -> None:
+    picture = tmp_path / "a.png"
+    result = lcmtools("plot", "/cmd/linear.x", "--duration", "0.5s", "-o", str(picture))
+    assert (result.returncode, result.stdout) == (0, ""), result.stderr
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.usefixtures("_driven")
+def test_curves_are_drawn_on_a_terminal_again_and_again(on_terminal: Callable[..., str]) -> None:
+    text = on_terminal("plot", "/cmd/linear.x", "--duration", "1s")
+    assert text.count("/cmd/linear.x") > 1
+    assert text.count("\x1b[2J") > 1
+    assert "time [s]" in text
+
+
+def test_what_is_no_terminal_needs_a_file(lcmtools: Run) -> None:
+    result = lcmtools("plot", "/cmd/linear.x")
+    assert result.stderr == (
+        "lcmtools plot: plot draws on a terminal; or into a picture: -o FILE.png\n"
+    )
+    assert result.returncode == 2
