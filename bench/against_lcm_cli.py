@@ -35,7 +35,7 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import LaserScan
 
 _REQUIREMENT = "lcm-cli==0.2.0"
-_HOME = "LCMTOOLS_BENCH_LCM_CLI"  # where it is, for this script when it starts anew in a namespace
+_HOME = "LCMTOOLS_BENCH_LCM_CLI"  # where it is, for this script when it starts again in a namespace
 _PORT = 7790
 _CHANNELS = 10
 _SECONDS = 2.0  # that a command which goes on is watched
@@ -71,7 +71,7 @@ def stream(connection: Connection, payload: bytes, rate: float) -> None:
 
 
 def payloads() -> dict[str, bytes]:
-    """What is echoed: a small message and a larger one."""
+    """The messages that are echoed: a small one and a larger one."""
     twist, scan = Twist(), LaserScan()
     twist.linear.x, twist.angular.z = 0.5, 0.3
     scan.header.frame_id = "laser"

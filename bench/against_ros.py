@@ -106,7 +106,7 @@ def stream(connection: Connection, rate: float) -> None:
 
 
 def message() -> Twist:
-    """What is sent."""
+    """The messages that are sent."""
     twist = Twist()
     twist.linear.x, twist.angular.z = 0.5, 0.3
     return twist

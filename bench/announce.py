@@ -1,4 +1,4 @@
-"""What a node pays for 200 nodes that announce themselves once a second.
+"""The cost to a node of 200 nodes that announce themselves once a second.
 
 Eight node processes run at the same time: four on an empty bus, four on a bus where one sender
 announces 199 more nodes, evenly over each second, in lcmtools' own encoding, each with seven

@@ -1,4 +1,4 @@
-"""How fast messages become bytes and come back: lcmtools beside the code that lcm-gen writes.
+"""Speed of encoding and decoding: lcmtools beside the code that lcm-gen writes.
 
 Both decode the same payload and encode what they decoded; "of lists" is ours with lists for arrays.
 Each figure is the median of alternating rounds, in microseconds for one message; the ratio is
@@ -30,7 +30,7 @@ _ROUND = 0.01  # [s] that one call is repeated before it is the next one's turn
 
 
 class Generated(Message, Protocol):
-    """What lcm-gen's classes have besides: their own decoder."""
+    """The classes of lcm-gen, which have a decoder of their own."""
 
     @classmethod
     def decode(cls, data: bytes) -> "Generated":

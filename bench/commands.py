@@ -1,4 +1,4 @@
-"""What the benches of whole commands share: running them, and watching those that go on.
+"""Parts of the benchmarks of whole commands: running them, and watching those that go on.
 
 Belongs here: processes as a shell would start them, their output and their processor time. Must not
 know whose commands they are.
@@ -41,7 +41,7 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Flow:
-    """What a command that goes on did in a while.
+    """The work of a command that goes on, in a while.
 
     Attributes:
         messages: How many it printed.
@@ -72,7 +72,7 @@ class Flow:
 
 
 def child_environment(cache: str, port: int = 7792) -> dict[str, str]:
-    """What a user's shell has: Python keeps its bytecode (here: in a folder of our own)."""
+    """The environment of a user's shell: Python keeps its bytecode, in a folder of our own."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith(_FOREIGN)}
     return {**kept, "PYTHONPYCACHEPREFIX": cache, "LCM_DEFAULT_URL": bus(port)}
 
@@ -155,7 +155,7 @@ def talking(environment: Environment) -> Iterator[None]:
 
 
 def in_turn(sides: Mapping[str, Callable[[], Result]], rounds: int) -> dict[str, list[Result]]:
-    """What each side gives, round after round; the first round warms up and does not count."""
+    """The results of each side, round after round; the first round warms up and does not count."""
     found: dict[str, list[Result]] = {label: [] for label in sides}
     for _ in range(1 + rounds):
         for label, measure in sides.items():

@@ -1,4 +1,4 @@
-"""What the benchmarks share: a network of their own, child processes, and tables.
+"""Parts of all benchmarks: a network of their own, child processes, and tables.
 
 A benchmark asserts nothing: it measures two ways of doing the same thing side by side in one run
 and prints the ratio, so that a busy computer disturbs both alike.
@@ -34,7 +34,7 @@ def parser(docstring: str | None) -> argparse.ArgumentParser:
 
 
 def rounds_asked(docstring: str | None, usual: int) -> int:
-    """How many rounds the command line asks for: ``--rounds N``, or ``--quick`` for a few."""
+    """The number of rounds: ``--rounds N``, or ``--quick`` for a few."""
     options = parser(docstring)
     options.add_argument("--rounds", type=int, default=usual, help="default: %(default)s")
     options.add_argument("--quick", action="store_true", help="a few rounds: rough figures")
@@ -50,7 +50,7 @@ def bus(port: int, **options: int) -> str:
 
 
 def isolate() -> bool:
-    """Start this script anew in a network namespace of its own, if the system permits it.
+    """Start this script again in a network namespace of its own, if the system permits it.
 
     Returns:
         Whether the network is the script's own; False (with a word about it) where the system
@@ -83,7 +83,7 @@ class Child:
     pid: int
 
     def wait(self) -> object:
-        """What the child sends next: that it is ready, or its result.
+        """The child's next message: that it is ready, or its result.
 
         Raises:
             TimeoutError: Nothing comes.

@@ -1,4 +1,4 @@
-"""How long a shell waits when somebody presses TAB, beside Python itself.
+"""The time that a shell waits after TAB, beside Python itself.
 
 Each question runs in turn, round after round; shown are medians and the slowest of wall time, and
 of processor time, and their ratios to ``python -c pass``. The bus has a talker and a listener;

@@ -1,4 +1,4 @@
-"""How soon the graph is complete after asking for it, on a bus of 20 nodes in 5 processes.
+"""The time until the graph is complete, after asking for it, on a bus of 20 nodes in 5 processes.
 
 Two clocks run from the probe on: until the last node's answer has arrived at a tap (what the bus
 needs), and until ``Watch.settle`` returns (what ``lcmtools list`` waits). Answers are told from the

@@ -1,4 +1,4 @@
-"""Whether large messages arrive at receivers that have the system's own receive buffer.
+"""The arrival of large messages at receivers that have the system's own receive buffer.
 
 Messages of 1 MB at 30 Hz go to two receivers of the plain ``lcm`` package, opened as its users do:
 sent by the plain package (liblcm sends all fragments in one burst) and by an lcmtools node (which

@@ -1,4 +1,4 @@
-"""How long commands take from the shell, beside Python itself.
+"""The time that commands take from the shell, beside Python itself.
 
 Each command runs in turn, round after round, on a bus with a talker at 10 Hz and a listener;
 shown are medians of wall time and of processor time (user and system), and their ratios to

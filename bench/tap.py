@@ -1,4 +1,4 @@
-"""What it costs to watch a bus full of images.
+"""The cost of watching a bus full of images.
 
 1 kHz of small messages go beside 100 MB/s of images of 1 MB, in a network namespace of its own. The
 tap watches them, and the graph is learned from what it sees, as ``lcmtools list`` and ``hz`` do it:

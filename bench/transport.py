@@ -1,4 +1,4 @@
-"""How messages travel: lcmtools' nodes beside the plain ``lcm`` package with lcm-gen's code.
+"""Latency and throughput: lcmtools' nodes beside the plain ``lcm`` package with lcm-gen's code.
 
 Each stream goes from one process to another, timed from before a message is encoded until after it
 is decoded: at a fixed rate (share that arrived, one-way latency), then as fast as it can be
@@ -35,7 +35,7 @@ _GAP = 0.15  # [s] between a stream and the message that ends it
 
 @dataclass(frozen=True, slots=True)
 class Stream:
-    """What is sent: a type, how many messages, and how often [Hz], None for flat out."""
+    """A stream: its type, number of messages, and rate [Hz], None for flat out."""
 
     kind: type[Sample]
     messages: int
@@ -54,7 +54,7 @@ class Stream:
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What came of a stream: messages a second as published, share arrived, latencies [s]."""
+    """The outcome of a stream: messages a second as published, share arrived, latencies [s]."""
 
     rate: float
     arrived: float
@@ -190,7 +190,7 @@ def summary(stream: Stream, results: list[Result]) -> list[float]:
 
 
 def streams(*, fast: bool) -> list[Stream]:
-    """What is sent."""
+    """The messages that are sent."""
     wanted = ((Twist, 1000.0), (Odometry, 1000.0), (LaserScan, 100.0))
     rates = [(kind, rate if fast else min(rate, _MODEST_RATE)) for kind, rate in wanted]
     fixed = [Stream(kind, round(_SECONDS * rate), rate) for kind, rate in rates]

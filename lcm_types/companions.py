@@ -216,7 +216,7 @@ def imports(cls: type[Struct], lines: Iterable[str]) -> str:
 def annotation(typename: str, dimensions: Sequence[int | str] | None, fields: Iterable[str]) -> str:
     """Return the Python type of a field.
 
-    Arrays of numbers are lists in a new message and tuples in a decoded one, hence Sequence.
+    Arrays of numbers are lists in a new message and tuples in a decoded one: a Sequence is either.
     """
     depth = len(dimensions or ())
     if typename == "byte" and depth > 0:

@@ -1,4 +1,4 @@
-"""What all tests share: a private bus, a network of one's own, processes that surely end.
+"""Fixtures of all tests: a private bus, a network of one's own, processes that surely end.
 
 Nothing here waits for luck: every wait has a condition and a deadline.
 """

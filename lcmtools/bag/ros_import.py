@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 _MCAP, _ROS_1 = b"\x89MCAP0", b"#ROSBAG V"
 _SCHEMAS = ("ros1msg", "ros2msg", "ros2idl")
 _BROKEN = (AssertionError, EOFError, KeyError, LookupError, OSError, ValueError, struct.error)
-"""What the libraries raise for files that are damaged, besides errors of their own."""
+"""The errors of the libraries for damaged files, besides their own."""
 
 
 class Imported(NamedTuple):

@@ -32,7 +32,7 @@ _FILE = click.Path(dir_okay=False, path_type=Path)
     "wtf --save evidence.json",
     "wtf --from evidence.json",
 )
-@option("--wait", type=duration, default=1.0, help="Observe the traffic so long (else 1s).")
+@option("--wait", type=duration, default=1.0, help="Observe the traffic for this long (else 1s).")
 @rule_option("--rule", "only", text="Only this rule; repeatable.", multiple=True)
 @rule_option("--ignore", text="All but this rule; repeatable.", multiple=True)
 @flag("--list", "list_rules", help="List the rules.")

@@ -171,7 +171,7 @@ def _counted_again(monitor: BusMonitor, listening: Listening, listen: float) -> 
 
     The request for them, or an answer, may be lost between computers, and a sender there would be
     reported by its address, although it is a node. So the request is repeated until every sender on
-    another computer has its node. Plain LCM programs never answer, hence the limit: where one
+    another computer has its node. Plain LCM programs never answer, so there is a limit: where one
     datagram in ten is lost, five requests without an answer happen once in 4,000 looks. A node
     that runs and has not answered may have to wait for a processor: it is given more time.
     """

@@ -72,7 +72,7 @@ def loose_ends(
 
 
 def _heard(nodes: Iterable[Node], now: int, fewest: int) -> set[str]:
-    """The topics of which messages came of late, by the counters of their subscribers.
+    """The topics of which messages came recently, by the counters of their subscribers.
 
     A program that is no node may publish too seldom to be seen in one look.
     """

@@ -201,7 +201,7 @@ class Context:
         """Return a node's description; write its record, again when it has other topics."""
         node = participant.describe()
         topics = frozenset((endpoint.topic, endpoint.role) for endpoint in node.endpoints)
-        with self._recording:  # a node that has been made has a record, whoever writes it
+        with self._recording:  # a node that has been made has a record, whichever thread writes it
             if self._records and self._recorded.get(node.id) != topics:
                 self._recorded[node.id] = topics
                 self._records.write(node)

@@ -124,7 +124,7 @@ class RecordedNode:
 
 @dataclass(slots=True)
 class LogIndex:
-    """What an index says of its log."""
+    """The content of an index: what is known of its log."""
 
     blocks: list[Block] = field(default_factory=list)
     senders: dict[int, RecordedSender] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""What every command says of itself, and under which names it is found."""
+"""Help of every command, and the names that it is found by."""
 
 import importlib.metadata
 import sys

@@ -135,7 +135,7 @@ def broken_settings(tmp_path: object, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_value_of_an_option_may_begin_with_a_minus() -> None:
-    """Whether it makes sense is another question: it is not taken for an option."""
+    """Such a word is not taken for an option; it may make no sense."""
     for path, option in VALUED:
         command = TREE[path]
         parser = command.make_parser(click.Context(command, **command.context_settings))

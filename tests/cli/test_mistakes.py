@@ -1,4 +1,4 @@
-"""What is typed wrongly costs one line on standard error, which says what, where and what to do.
+"""Mistakes cost one line on standard error, which says what, where and what to do.
 
 The mistakes are in the folder mistakes, as in a terminal.
 """
@@ -42,7 +42,7 @@ COMMANDS_WITH_BUS = [
 
 
 def read_mistakes() -> Iterator[tuple[str, int, str]]:
-    """What is typed, the exit code, and the line that comes back."""
+    """The line that is typed, the exit code, and the line that comes back."""
     for file in sorted((Path(__file__).parent / "mistakes").glob("*.txt")):
         code = 2
         lines = iter(file.read_text().splitlines())

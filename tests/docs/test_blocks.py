@@ -63,7 +63,7 @@ class Block:
     notes: dict[str, str]
 
     def commands(self) -> list[Command]:
-        """What is typed in it."""
+        """The lines that are typed in it."""
         found: list[Command] = []
         for line in self.text.splitlines():
             if self.language == "sh":
@@ -155,7 +155,7 @@ class Shell:
         pytest.fail(f"{', '.join(commands)}: not all run")
 
     def _others(self) -> int:
-        """How many programs use LCM and are no nodes."""
+        """The number of programs that use LCM and are no nodes."""
         listed = subprocess.run(
             ["lcmtools", "node", "list", "-a", "--json"],  # noqa: S607 - as documents have it
             env=self._environment,
@@ -195,7 +195,7 @@ class Running:
             self._process.wait(timeout)
 
     def output(self) -> str:
-        """What it has printed."""
+        """Its output."""
         return self._output.read_text(errors="replace")
 
     def end(self) -> None:
@@ -213,7 +213,7 @@ class Running:
 
 
 def shows(output: str, shown: list[str]) -> bool:
-    """Whether the lines shown are in an output, in their order; … is anything."""
+    """Return whether the lines shown are in an output, in their order; … is anything."""
     rest = [line.rstrip() for line in output.splitlines()]
     for line in shown:
         pattern = ".*".join(re.escape(part) for part in re.split(r"…", line.rstrip()))

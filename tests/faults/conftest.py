@@ -227,7 +227,7 @@ class World:
         return str(_PACKAGES / "bin" / name)
 
     def fingerprint(self, definition: str) -> str:
-        """What lcm-gen makes the fingerprint of a type's definition, as hexadecimal digits."""
+        """The fingerprint that lcm-gen gives a type's definition, as hexadecimal digits."""
         file = self._folder / "type.lcm"
         file.write_text(definition)
         command = [self.program("lcm-gen"), "--python", "--ppath", self._folder, file]
@@ -239,7 +239,7 @@ class World:
         return done.stdout.strip()
 
     def is_heard_by(self, user: int) -> bool:
-        """Whether a program of this user listens to the usual bus."""
+        """Return whether a program of this user listens to the usual bus."""
         rows = Path("/proc/thread-self/net/udp").read_text().splitlines()[1:]
         return any(row.split()[7] == str(user) and row.split()[1].endswith(":1DF3") for row in rows)
 
@@ -286,7 +286,7 @@ class World:
     # --- what there is ---------------------------------------------------------------------------
 
     def graph(self, **environment: str) -> Graph:
-        """What is on a bus."""
+        """The packets on a bus."""
         url, _ = choose_url("", "", {**os.environ, **environment})
         with QuickProbe(url) as glance:
             return glance.graph()
@@ -305,7 +305,7 @@ class World:
     # --- wtf -------------------------------------------------------------------------------------
 
     def look(self, *arguments: str, wait: str = "0.5s", **environment: str) -> list[Found]:
-        """What wtf finds, all rules; checks that the exit code goes with it."""
+        """The findings of wtf, all rules; checks that the exit code goes with it."""
         result = subprocess.run(
             [self.command, "wtf", "--json", "--wait", wait, *arguments],
             env={**os.environ, **environment},
@@ -361,7 +361,7 @@ def _told(found: Sequence[Found]) -> str:
 
 
 def _listens(pid: int) -> bool:
-    """Whether anything of a process's network listens to a multicast group."""
+    """Return whether anything of a process's network listens to a multicast group."""
     rows = Path(f"/proc/{pid}/net/udp").read_text().splitlines()[1:]
     held = set()
     for file in Path(f"/proc/{pid}/fd").iterdir():

@@ -39,7 +39,7 @@ def _open(interface: str) -> socket.socket:
 
 
 def _is_lost(frame: bytes, numbers: Counter[bytes], every: int) -> bool:
-    """Whether it is the first piece of a datagram that is to be lost: then the others are no use.
+    """Return whether it is the first piece of a datagram to be lost: the others are no use then.
 
     The count is each sender's own: source address and source port.
     """
@@ -51,7 +51,7 @@ def _is_lost(frame: bytes, numbers: Counter[bytes], every: int) -> bool:
 
 
 def _is_udp(frame: bytes) -> bool:
-    """Whether a UDP header follows an IPv4 header without options."""
+    """Return whether a UDP header follows an IPv4 header without options."""
     return (
         frame[12:15] == b"\x08\x00\x45"
         and frame[23] == MULTICAST_UDP

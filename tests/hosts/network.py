@@ -57,7 +57,7 @@ class Computer:
         return self._start(*command, popen=self._popen, **environment)
 
     def call(self, function: Callable[..., Any], *arguments: Any, **named: Any) -> Any:
-        """What a function returns there; the processes that it starts stay there."""
+        """The result of a function there; the processes that it starts stay there."""
         return self._thread.submit(function, *arguments, **named).result()
 
     def ip(self, *arguments: str) -> None:
@@ -113,7 +113,7 @@ class Host(Computer):
         return done
 
     def out(self, *arguments: str, **named: Any) -> str:
-        """What the command prints there; it has to succeed."""
+        """The output of the command there; it has to succeed."""
         done = self.lcmtools(*arguments, **named)
         assert done.returncode == 0, (done.stdout, done.stderr)
         return done.stdout
@@ -214,7 +214,7 @@ def _check_permission() -> None:
 
 
 def _port(host: Host, interface: str = "eth0") -> str:
-    """What the switch calls its end of a cable: names of interfaces have 15 characters at most."""
+    """The name of the switch's end of a cable: names of interfaces have 15 characters at most."""
     number = host.address.rpartition(".")[2]
     return f"port{number}{re.sub('[^0-9]', '-', interface)[-2:]}"
 

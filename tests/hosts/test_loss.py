@@ -29,13 +29,13 @@ _WHERE = ("loss", "kernel-drops", "stuck-listeners", "queue-drops", "reassembly"
 
 
 def _losses(host: Any) -> dict[str, list[str]]:
-    """What wtf says of loss there: the rules with their items."""
+    """The findings of wtf on loss there: the rules with their items."""
     found = json.loads(host.lcmtools("wtf", "--json", "--wait", "0.7s").stdout)
     return {one["rule"]: one["items"] for one in found if one["rule"] in _WHERE}
 
 
 def _is_a_tenth(lost: int, of: int) -> bool:
-    """Whether one in ten messages was lost, which depends on where counting began."""
+    """Return whether one in ten messages was lost, which depends on where counting began."""
     return lost > 0 and of // 10 - 1 <= lost <= of // 10 + 1
 
 

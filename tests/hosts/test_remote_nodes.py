@@ -1,4 +1,4 @@
-"""What every command shows and does of nodes on another computer, with ttl=1."""
+"""Commands on nodes of another computer, with ttl=1."""
 
 import json
 import signal

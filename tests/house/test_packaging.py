@@ -1,4 +1,4 @@
-"""What a user gets from the built project: everything needed, from the sdist as from the checkout.
+"""The built project as a user gets it: everything needed, from the sdist as from the checkout.
 
 The sdist is built from the checkout and the wheel from the unpacked sdist, as a distributor would.
 """

@@ -108,7 +108,7 @@ def test_files_of_linux_are_read_in_the_modules_that_have_a_fallback() -> None:
 
 
 HEAVY = {"lcm", "yaml", "numpy", "pybullet", "textual", "rich"}
-"""What takes longest to import, or may not even be installed."""
+"""The slowest modules, and those that may not be installed."""
 
 LOOKS = [
     "list",
@@ -235,3 +235,10 @@ def test_a_command_file_only_parses_asks_and_prints(path: Path) -> None:
     assert not found & {"ClassDef", "While"}, "a class or a loop without end belongs elsewhere"
     assert "threading" not in text
     assert len(text.splitlines()) <= LONGEST
+
+
+def test_docstrings_begin_with_a_noun_or_a_verb() -> None:
+    folders = ("lcmtools", "sim", "tests", "bench", "lcm_types", "docs")
+    odd = re.compile(r'"""(What|Whether|How)\b.*')
+    files = [path for folder in folders for path in (ROOT / folder).rglob("*.py")]
+    assert [(str(p), m[0]) for p in files for m in odd.finditer(p.read_text("utf-8"))] == []

@@ -1,4 +1,4 @@
-"""What the tests with real buses share: a server for tcpq."""
+"""Fixtures of the tests with real buses: a server for tcpq."""
 
 import itertools
 import os
@@ -24,7 +24,7 @@ from lcmtools.types.std_msgs import UInt64
 
 
 class TcpqServer:
-    """What liblcm's tcpq provider talks to, as the TCPService of lcm.jar does it.
+    """The server of liblcm's tcpq provider, as the TCPService of lcm.jar does it.
 
     Both sides start with a greeting; then a client sends frames: publish (1), subscribe (2) and
     unsubscribe (3), each with a channel, or a pattern, and publish with a payload too.

@@ -29,7 +29,7 @@ def tap(bus_url: str, request: pytest.FixtureRequest) -> Iterator[Tap]:
 
 
 def _until(tap: Tap, channel: str) -> list[Packet]:
-    """What comes up to the first message on a channel, without LCM's self tests."""
+    """The packets up to the first on a channel, without LCM's self tests."""
     packets: list[Packet] = []
     deadline = time.monotonic() + 40
     while not any(packet.channel == channel for packet in packets):

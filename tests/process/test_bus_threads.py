@@ -79,7 +79,7 @@ def test_a_flood_does_not_keep_anybody_from_subscribing(wait_until: WaitUntil) -
 
 @pytest.mark.parametrize("turn", range(15))
 def test_a_bus_closes_while_others_use_it(bus_url: str, turn: int) -> None:
-    """Whoever comes too late gets a BusError, at once, and nothing else happens."""
+    """A caller that comes too late gets a BusError, at once, and nothing else happens."""
     bus = LcmBus(parse_url(bus_url))
 
     def handle(_payload: bytes, _time: int) -> None:

@@ -1,4 +1,4 @@
-"""What a node's callbacks raise is shown where the node and its topics are looked at."""
+"""Errors of a node's callbacks are shown where the node and its topics are looked at."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""What a shell gets when it asks: with nodes, plain LCM programs, floods, and no bus at all."""
+"""A shell's candidates: with nodes, plain LCM programs, floods, and no bus at all."""
 
 import os
 import socket
@@ -35,7 +35,7 @@ lcmtools.spin(node)
 
 @pytest.fixture(scope="module")
 def cache(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """What the module's completions learn of the commands."""
+    """The commands as the module's completions learn of them."""
     return str(tmp_path_factory.mktemp("cache"))
 
 

@@ -65,7 +65,7 @@ class Terminal:
             self._run("send-keys", *([] if key in ("Tab", "Enter", "C-u") else ["-l"]), key)
 
     def screen(self) -> str:
-        """What is on the screen, without empty lines."""
+        """The lines on the screen, without empty ones."""
         shown = self._run("capture-pane", "-p", "-J")
         return "\n".join(line.rstrip() for line in shown.splitlines() if line.strip())
 

@@ -135,7 +135,7 @@ def test_clear_clears_only_a_screen(lcmtools: Run, lcmtools_path: str) -> None:
 
 
 def _on_terminal(path: str, arguments: list[str], terminal: str) -> str:
-    """What a command writes to a terminal."""
+    """The output of a command at a terminal."""
     ours, its = pty.openpty()
     try:
         environment = {**os.environ, "TERM": terminal}

@@ -1,4 +1,4 @@
-"""How commands and nodes end: by signals, by a reader who has had enough, by a full disk."""
+"""The end of commands and nodes: by signals, by a reader who has had enough, by a full disk."""
 
 import os
 import signal
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.usefixtures("use_module_bus")
 
 
 class Ending:
-    """How a process ended."""
+    """The end of a process."""
 
     def __init__(self, process: subprocess.Popen[str], number: int, watch: Any) -> None:
         process.send_signal(number)
@@ -77,7 +77,7 @@ def talker(module_start: Callable[..., Any], lcmtools_path: str) -> Any:
 
 
 def is_on_the_bus(process: subprocess.Popen[str]) -> Callable[[], bool]:
-    """Whether a process has made a socket, and so is past its command line."""
+    """Return whether a process has made a socket, and so is past its command line."""
 
     def look() -> bool:
         with suppress(OSError):  # a file that was closed meanwhile

@@ -68,7 +68,7 @@ def on_bus(use_module_bus: None, programs: dict[str, Any]) -> dict[str, Any]:
 
 
 def names_of(document: dict[str, Any]) -> dict[str, str]:
-    """What is behind each id in JSON."""
+    """The vertex of each id in JSON."""
     vertices = [*document["nodes"], *document["topics"], *document["services"]]
     return {
         one["id"]: one.get("node") or one.get("topic") or one.get("service") or str(one["pid"])

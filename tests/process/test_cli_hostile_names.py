@@ -1,4 +1,4 @@
-"""What a stranger calls types, hosts and values neither steers the terminal nor begins a line."""
+"""Names of a stranger's types, hosts and values neither steer the terminal nor begin a line."""
 
 import json
 import subprocess

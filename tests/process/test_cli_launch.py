@@ -77,7 +77,7 @@ def nodes(*scripts: str) -> str:
 
 
 def is_running(pid: int) -> bool:
-    """Whether a process runs; one that only waits for its parent to look does not."""
+    """Return whether a process runs; one that only waits for its parent to look does not."""
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
     except FileNotFoundError:
@@ -250,7 +250,7 @@ def test_nothing_outlives_a_launcher_that_is_killed(
     assert len(pids) == 5
     program.send_signal(signal.SIGKILL)
     wait_until(lambda: not any(map(is_running, pids)), 2.5)
-    assert Path("end").read_text() == "asked\n", "whoever heeds SIGINT ends in order, asked once"
+    assert Path("end").read_text() == "asked\n", "a node that heeds SIGINT is asked once"
 
 
 def test_nothing_is_started_where_a_program_is_missing(launched: Launched, tmp_path: Path) -> None:

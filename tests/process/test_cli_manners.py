@@ -102,7 +102,7 @@ def has_json(path: tuple[str, ...]) -> bool:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a line that was typed."""
+    """The outcome of a line that was typed."""
 
     code: int
     out: str
@@ -227,7 +227,7 @@ def _in_shell(line: str, home: Path, folder: Path, number: int = signal.SIGINT) 
 
 
 def check(outcome: Outcome, path: tuple[str, ...]) -> None:
-    """What is true of every ending."""
+    """Check what every ending has in common."""
     text = outcome.out + outcome.error
     assert "Traceback" not in text
     assert "a fault of lcmtools" not in text
@@ -282,7 +282,7 @@ def test_full_disk_costs_one_line(path: tuple[str, ...], typed: Callable[..., Ou
 
 
 def check_full(outcome: Outcome, path: tuple[str, ...]) -> None:
-    """What is true where nothing can be written."""
+    """Check what is true where nothing can be written."""
     if not outcome.signal and "No space left" in outcome.error:
         assert outcome.code == (64 if path == ("lcmtools", "wtf") else 1)  # there 1 is a warning
         said = [line for line in outcome.error.splitlines() if "cannot write" in line]

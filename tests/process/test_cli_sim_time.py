@@ -1,4 +1,4 @@
-"""hz, bw and delay where a simulator keeps the time: it runs at its own pace, and starts anew."""
+"""hz, bw and delay where a simulator keeps the time: it runs at its own pace, and starts again."""
 
 import subprocess
 from collections.abc import Callable
@@ -36,7 +36,7 @@ while True:
 def simulate(
     start_python: Callable[..., Any], bus_url: str, monkeypatch: pytest.MonkeyPatch
 ) -> Callable[[int], None]:
-    """``simulate(steps)``: a simulator that starts anew after so many steps."""
+    """``simulate(steps)``: a simulator that starts again after so many steps."""
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
 
     def run(steps: int) -> None:

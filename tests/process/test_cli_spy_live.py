@@ -20,7 +20,7 @@ from lcmtools.types.geometry_msgs import Point
 from lcmtools.types.sensor_msgs import Image
 
 LEFT = b"\x1b[?1049l"
-"""What a program writes that gives the terminal back as it was."""
+"""The sequences that give the terminal back as it was."""
 ESCAPE, ENTER = b"\x1b", b"\r"
 
 
@@ -73,7 +73,7 @@ class Terminal:
 
     @property
     def is_given_back(self) -> bool:
-        """Whether the terminal is as it was."""
+        """Return whether the terminal is as it was."""
         return LEFT in self.written and termios.tcgetattr(self._end) == self.before
 
     def close_screen(self) -> None:

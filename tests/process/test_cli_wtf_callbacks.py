@@ -1,4 +1,4 @@
-"""How long callbacks take: what info and wtf say of nodes that do not keep up."""
+"""Times of callbacks: what info and wtf say of nodes that do not keep up."""
 
 import json
 import re
@@ -55,7 +55,7 @@ def _talker(start: Callable[..., Any], lcmtools_path: str) -> None:
 
 @pytest.fixture
 def findings(lcmtools: Run) -> Callable[[], dict[str, dict[str, Any]]]:
-    """What wtf finds that is more than a note, by the rule."""
+    """The findings of wtf that are more than notes, by the rule."""
 
     def look() -> dict[str, dict[str, Any]]:
         found = json.loads(lcmtools("wtf", "--json").stdout)

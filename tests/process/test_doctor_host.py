@@ -1,4 +1,4 @@
-"""What wtf reads of this computer: real sockets, routes and processes."""
+"""Evidence of this computer: real sockets, routes and processes."""
 
 import os
 import socket

@@ -1,4 +1,4 @@
-"""How a node's process ends: cleanly, soon, and with a goodbye, whatever it is doing."""
+"""The end of a node's process: clean, soon, and with a goodbye, whatever it is doing."""
 
 import os
 import signal
@@ -298,7 +298,7 @@ def test_a_stopped_node_is_known_to_run_but_not_to_answer(
 
 
 def _is_stopped(pid: int) -> bool:
-    """Whether every thread has stopped, which takes a moment after the signal."""
+    """Return whether every thread has stopped, which takes a moment after the signal."""
     states = [
         (task / "stat").read_text().rpartition(")")[2].split()[0]
         for task in Path(f"/proc/{pid}/task").iterdir()

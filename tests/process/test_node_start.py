@@ -1,4 +1,4 @@
-"""What a node says when it starts, and how a closed terminal ends it, and commands."""
+"""The start of a node, and the end of nodes and commands by a closed terminal."""
 
 import os
 import signal

@@ -33,7 +33,7 @@ def picture() -> Image:
 
 
 def publish_until_end(process: "subprocess.Popen[bytes]", url: str, message: object) -> None:
-    """A camera, until whoever looks has had enough."""
+    """A camera, until its reader has had enough."""
     bus = lcm.LCM(url)
     deadline = time.monotonic() + 40
     while process.poll() is None:
@@ -148,7 +148,7 @@ def test_terminal_shows_the_picture_and_is_given_back(  # noqa: PLR0915 - one st
             assert "\u2580".encode() in written
             written.clear()
             ioctl(end, termios.TIOCSWINSZ, struct.pack("HHHH", 30, 90, 0, 0))
-            wait_until(lambda: shows(b"\x1b[2J"))  # drawn anew in the new size
+            wait_until(lambda: shows(b"\x1b[2J"))  # drawn again in the new size
             if isinstance(ending, str):
                 os.write(screen, ending.encode())
             else:

@@ -73,8 +73,8 @@ def _complete(request: Request, tree: Tree, environment: Mapping[str, str]) -> l
 def shown(found: Sequence[Candidate], word: str) -> list[Candidate]:
     """Return the candidates that begin as the word does, each once.
 
-    A name with control characters, as a channel may have, is no candidate: the terminal would act
-    upon it, or the shell take it for a line of its own.
+    A name with control characters, as a channel may have, is no candidate: the terminal would obey
+    it, or the shell take it for a line of its own.
     """
     fitting = {
         one.value: one

@@ -112,7 +112,7 @@ def disagree(topic: Topic) -> bool:
     sent += [{fingerprint} for seen in topic.traffic for fingerprint in _sent_by(seen)]
     taken = [set(e.fingerprints) for _, e in topic.subscribers if e.fingerprints]
     return any(not one & other for one in sent for other in taken) or (
-        # without a subscriber that takes both, two publishers of different types are at odds
+        # without a subscriber that takes both, two publishers of different types conflict
         not taken and len({frozenset(one) for one in sent}) > 1
     )
 

@@ -120,7 +120,7 @@ def check(
         for result in _limited(_rows(bench, run), time_limit):
             explained = explanation.of(result)
             if result.cause == RAISED and explained.follows:
-                continue  # it has been told as the cause of another row
+                continue  # it has been reported as the cause of another row
             results.append(explained)
             show(explained)
             if explained.cause == DIED:

@@ -69,7 +69,7 @@ class ClassCheck:
             UsageError: The folder has no submissions, or a command line is wrong.
         """
         if self._commands:
-            choose(self._lab, self._commands)  # what is wrong with them is told once
+            choose(self._lab, self._commands)  # what is wrong with them is reported once
         submissions = submissions_in(folder)
         found = {path.name: self._jobs_of(path) for path in submissions}
         reports = {name: dict[str, Report]() for name in found}
@@ -135,7 +135,7 @@ def _reason(errors: Sequence[str]) -> str:
     try:
         error = json.loads(last)
         return "; ".join(filter(None, (error["error"], error["hint"])))
-    except ValueError:  # wrong usage is told in words
+    except ValueError:  # wrong usage is reported in words
         return last.partition("lcmtools lab check: ")[2] or last
 
 

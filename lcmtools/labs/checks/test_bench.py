@@ -141,7 +141,7 @@ class TestBench:
 
         Args:
             has_come: It is there.
-            patience: The time for it [s]; a cause that time does not mend is told earlier.
+            patience: The time for it [s]; a cause that time does not mend is reported earlier.
             row: Its row, with the hint of the failure.
         """
         program, start = self.program, time.monotonic()

@@ -49,7 +49,7 @@ class SimpleController(Node):
         self._measured: Velocity | None = None
         self._time = 0
         self._effort = self.create_publisher(JointState, "controlled_velocity")
-        # of both only the newest counts: an old one that waited would be acted upon too late
+        # of both only the newest counts: an old one that waited would act too late
         self.create_subscription(Odometry, "odometry", self._take_odometry, 1)
         self.create_subscription(Twist, "desired_velocity", self._take_desired_velocity, 1)
 

@@ -9,7 +9,7 @@ front's. So the picture of a plane costs one addition a pixel, and no division.
 A round side, in a frame whose first axis leads from the eye at (-e, 0, 0) to its axis, is hit where
 c w^2 - 2 e u w + (u^2 + v^2) = 0, with w the inverse depth, (u, v) the ray there, r the radius and
 c = e^2 - r^2 > 0: w = (e u +- sqrt(r^2 u^2 - c v^2)) / c. The root's argument is the product of two
-linear forms, hence exact in float32 where the difference of squares would not be. A sphere adds a
+linear forms, and so exact in float32 where the difference of squares would not be. A sphere adds a
 third coordinate to v^2.
 """
 

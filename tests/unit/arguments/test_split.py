@@ -1,4 +1,4 @@
-"""What a node's command line says, as ROS says it and by flags."""
+"""A node's command line, in ROS's words and by flags."""
 
 import pytest
 from hypothesis import given

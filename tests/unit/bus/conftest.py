@@ -1,4 +1,4 @@
-"""What the tests of filters share: the kernel's machine for them."""
+"""Fixtures of the tests of filters: the kernel's machine for them."""
 
 from collections.abc import Callable, Sequence
 

@@ -21,7 +21,7 @@ def accepts(lets_pass: Callable[[list[Instruction], bytes], bool]) -> Accepts:
 
 
 def expected(datagram: bytes) -> bool:
-    """What the project's own parser thinks, which an empty channel does not bother."""
+    """The judgement of the project's own parser, which takes an empty channel."""
     parsed = parse(datagram)
     if isinstance(parsed, MalformedDatagram):
         return False

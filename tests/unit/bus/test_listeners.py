@@ -1,4 +1,4 @@
-"""Whether a program that announces nothing can be listening, from a socket table that is given."""
+"""Programs that announce nothing and may be listening, from a socket table that is given."""
 
 from collections.abc import Collection
 
@@ -49,7 +49,7 @@ def watch(computer: Computer, url: str = LOCAL) -> PlainListeners:
 
 
 def after(computer: Computer, listeners: PlainListeners, seconds: float) -> bool:
-    """What is said after so long, when it was asked now and then."""
+    """The answer after so long, when it was asked now and then."""
     for _ in range(round(seconds * 10)):
         computer.time += 0.1
         answer = listeners.possible()

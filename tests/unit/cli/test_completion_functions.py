@@ -1,4 +1,4 @@
-"""What can stand at a place of the command line, for a bus that is known."""
+"""Candidates at a place of the command line, for a bus that is known."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""How each shell asks, and what it gets: whole words, whatever is in them."""
+"""Questions of each shell, and its answers: whole words, whatever is in them."""
 
 import shutil
 import subprocess

@@ -22,7 +22,7 @@ PARAMETERS: list[click.Parameter] = [
 
 
 def parsed(kind: type[click.Command], words: Sequence[str]) -> dict[str, object]:
-    """What is given in a command line."""
+    """The parameters of a command line."""
     context = kind("it", params=PARAMETERS).make_context("it", list(words))
     return {name: value for name, value in context.params.items() if value}
 

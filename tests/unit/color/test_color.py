@@ -16,7 +16,7 @@ class Terminal(io.StringIO):
     """A stream that says it is a terminal."""
 
     def isatty(self) -> bool:
-        """Whether it is one."""
+        """Return whether it is one."""
         return True
 
 

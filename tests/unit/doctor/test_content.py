@@ -1,4 +1,4 @@
-"""What is odd within messages, and what only looks odd."""
+"""Oddities within messages, and what only looks odd."""
 
 import math
 

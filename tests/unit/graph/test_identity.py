@@ -1,4 +1,4 @@
-"""What tells one node's announcements from another's without decoding them."""
+"""Identities tell one node's announcements from another's without decoding them."""
 
 from dataclasses import replace
 

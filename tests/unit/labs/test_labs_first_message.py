@@ -45,7 +45,7 @@ class Bench(test_bench.TestBench):
 
 @pytest.fixture
 def spun(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """What was done, in this order."""
+    """The actions in their order."""
     done: list[str] = []
     monkeypatch.setattr(
         lcmtools, "spin_once", lambda _: done.append("messages taken"), raising=False

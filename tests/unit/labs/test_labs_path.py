@@ -1,4 +1,4 @@
-"""How far a robot strays from a path, and why, on drives that are made up. Metres, seconds."""
+"""Distances from a path, and their causes, on drives that are made up. Metres, seconds."""
 
 import math
 from collections.abc import Iterable

@@ -1,4 +1,4 @@
-"""What the tests of launch files share: a text made into a plan."""
+"""Fixtures of the tests of launch files: a text made into a plan."""
 
 from collections.abc import Callable
 from pathlib import Path

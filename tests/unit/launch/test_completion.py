@@ -1,4 +1,4 @@
-"""What can stand after ``lcmtools launch``."""
+"""Candidates after ``lcmtools launch``."""
 
 from collections.abc import Sequence
 from pathlib import Path

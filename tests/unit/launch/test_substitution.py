@@ -1,4 +1,4 @@
-"""What stands in ``$( )``, and the expressions of ``$(eval ...)``."""
+"""Substitutions in ``$( )``, and the expressions of ``$(eval ...)``."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What echo prints, pub -f accepts: to the bit, for every type, with the values that go wrong."""
+"""Output of echo is input of pub -f: to the bit, for every type, with the values that go wrong."""
 
 import math
 from collections.abc import Iterator, Sequence

@@ -1,4 +1,4 @@
-"""What is said when what users type does not fit the message."""
+"""Errors for what users type that does not fit the message."""
 
 import contextlib
 

@@ -1,4 +1,4 @@
-"""How names become topics: rule by rule, as in https://wiki.ros.org/Names."""
+"""Resolution of names to topics: rule by rule, as in https://wiki.ros.org/Names."""
 
 import pytest
 from hypothesis import given

@@ -67,7 +67,7 @@ def serve() -> Iterator[Callable[[Node], None]]:
 
 @pytest.fixture
 def logged(capsys: pytest.CaptureFixture[str]) -> Callable[[str], bool]:
-    """Whether a text has been logged so far; a server logs after it has replied."""
+    """Return whether a text has been logged so far; a server logs after it has replied."""
     log: list[str] = []
 
     def is_logged(text: str) -> bool:

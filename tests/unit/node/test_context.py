@@ -1,4 +1,4 @@
-"""What nodes of one process share: their names, their end, their records."""
+"""The context that nodes of one process share: their names, their end, their records."""
 
 import os
 import threading

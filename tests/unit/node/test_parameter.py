@@ -13,7 +13,7 @@ Begin = Callable[..., Context]
 
 
 def _given(text: str, default: ParameterValue) -> ParameterValue:
-    """What a parameter is that the command line gives this text."""
+    """The value of a parameter that the command line gives this text."""
     return Parametric("/a", {"p": text}, set()).declare_parameter("p", default).value
 
 

@@ -64,7 +64,7 @@ def test_timers_follow_simulated_time(begin: Begin, bus: FakeBus) -> None:
     assert called == [101.2, 102.0, 103.2]
 
 
-def test_timers_go_on_when_the_simulation_starts_anew(begin: Begin, bus: FakeBus) -> None:
+def test_timers_go_on_when_the_simulation_starts_again(begin: Begin, bus: FakeBus) -> None:
     begin("_use_sim_time:=true")
     node, called = Node("a"), []
     _tell(bus, node, 100.0)

@@ -1,4 +1,4 @@
-"""How long calls take, by a clock that the tests move."""
+"""The duration of calls, by a clock that the tests move."""
 
 from collections.abc import Callable
 

@@ -33,7 +33,7 @@ class Plant:
     right: float = 0.0
 
     def velocity(self) -> Velocity:
-        """What a perfect odometer shows."""
+        """The reading of a perfect odometer."""
         return Velocity((self.left + self.right) / 2, (self.right - self.left) / self.track)
 
     def advance(self, efforts: tuple[float, float]) -> None:

@@ -1,4 +1,4 @@
-"""What the computers of a bus are called."""
+"""Names of the computers of a bus."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What is known of a bus, as a diagram."""
+"""The knowledge of a bus, as a diagram."""
 
 import socket
 

@@ -26,7 +26,7 @@ class Bus:
         self.is_log = is_log
 
     def receive(self, timeout: float) -> list[Packet]:
-        """What the test says."""
+        """The clock that the test sets."""
         time.sleep(min(timeout, 0.001))
         return self._behaviour()
 

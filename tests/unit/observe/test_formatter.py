@@ -1,4 +1,4 @@
-"""What echo shows of messages that differ in type, and by which clock."""
+"""Output of echo for messages that differ in type, and its clock."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""What of a sender's messages did not come, in words."""
+"""Losses of a sender, in words."""
 
 from lcmtools.observe.losses import Loss, losses, total
 from lcmtools.wire.packet import Sender

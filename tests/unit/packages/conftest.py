@@ -1,4 +1,4 @@
-"""What the tests of users' packages share: folders to make, and a cache of the test's own."""
+"""Fixtures of the tests of users' packages: folders to make, and a cache of the test's own."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path

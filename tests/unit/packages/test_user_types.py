@@ -179,7 +179,7 @@ def test_what_is_made_once_is_kept(
 ) -> None:
     folder = write({"T.lcm": "package p;\nstruct T { double x; }\n"})
     first = near(types_of(folder))
-    monkeypatch.setattr(cache, "_make", None)  # whoever calls it fails
+    monkeypatch.setattr(cache, "_make", None)  # a call fails
     assert near(types_of(folder)) == first
 
 

@@ -1,4 +1,4 @@
-"""Whether anything of a group of processes is left."""
+"""Remains of a group of processes."""
 
 import os
 import signal

@@ -33,7 +33,7 @@ def time(monkeypatch: pytest.MonkeyPatch) -> Time:
 
 
 def asked(time: Time, *, rate: float | None, times: int | None, answer: float = 0.0) -> list[Any]:
-    """What is asked when, from the first on; each answer takes so long [s]."""
+    """The requests and their times, from the first on; each answer takes so long [s]."""
     found = []
     for request in itertools.islice(calls.requests_in_time(["a", "b"], rate, times), 5):  # type: ignore[list-item] # any will do
         found.append((request, round(time.now - 100.0, 3)))

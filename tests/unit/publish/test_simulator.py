@@ -42,7 +42,7 @@ class Bus:
         self.called: list[str] = []
 
     def settle(self, *, foreign: bool) -> Graph:
-        """What is seen now."""
+        """The state that is seen now."""
         del foreign
         return self.graphs.pop(0) if len(self.graphs) > 1 else self.graphs[0]
 

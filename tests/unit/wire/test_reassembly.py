@@ -31,7 +31,7 @@ def _feed(
 
 
 def _held(reassembler: Reassembler) -> tuple[int, int]:
-    """How many messages are incomplete, and the bytes kept for them."""
+    """The number of incomplete messages, and the bytes kept for them."""
     return len(reassembler._incomplete), reassembler._bytes
 
 

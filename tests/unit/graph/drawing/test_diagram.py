@@ -1,4 +1,4 @@
-"""What members of a picture are called, and text that anything can show."""
+"""Names of a picture's members, and text that anything can show."""
 
 from collections.abc import Callable
 from xml.dom.minidom import parseString

@@ -1,4 +1,4 @@
-"""What is drawn, and what is left out and said to be."""
+"""Selection of what is drawn, and a word on what is left out."""
 
 from collections.abc import Callable
 from dataclasses import replace

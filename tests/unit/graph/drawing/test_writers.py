@@ -1,4 +1,4 @@
-"""What the forms of a picture have in common: they are valid whatever things are called."""
+"""Properties that all forms of a picture have: they are valid whatever things are called."""
 
 import re
 import shutil
