@@ -6,6 +6,7 @@ not know files, nor the layout of plain values as text: see ``text``.
 
 import math
 import re
+from array import array
 from collections.abc import Sequence
 from functools import partial
 from typing import NamedTuple, TypeAlias, cast
@@ -13,6 +14,7 @@ from typing import NamedTuple, TypeAlias, cast
 from lcmtools.clock import NANOSECONDS, join_stamp
 from lcmtools.messages.fields import TIME_FIELDS, Field, is_time, visible_fields
 from lcmtools.messages.layout import longest_array
+from lcmtools.messages.number_array import NumberArray
 from lcmtools.messages.path import Target
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.shape import as_bytes, as_sequence
@@ -153,12 +155,14 @@ def _plain_array(value: object, what: Field | Target, depth: int, view: View) ->
     if depth == 1 and what.type == "uint8":
         elements: Sequence[object] = as_bytes(value) or _zeros(what)
     else:
-        elements = as_sequence(value)
+        elements = value if isinstance(value, NumberArray) else as_sequence(value)
     if view.hides_arrays:
         return f"<array type: {what.type}, length: {len(elements)}>"
     shown = elements[: view.most_elements if view.longest is None else view.longest]
     is_simple = depth == 1 and not what.message_class and not (view and what.type == "string")
-    if is_simple and PLAIN_TYPES.issuperset(map(type, shown)):  # seldom there are numpy's numbers
+    if isinstance(shown, array):
+        plain: list[Plain] = shown.tolist()
+    elif is_simple and PLAIN_TYPES.issuperset(map(type, shown)):  # seldom there are numpy's numbers
         plain = cast("list[Plain]", list(shown))
     else:
         plain = [_plain(element, what, depth - 1, view) for element in shown]

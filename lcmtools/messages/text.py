@@ -24,6 +24,7 @@ from operator import attrgetter
 from typing import NamedTuple, cast
 
 from lcmtools.messages.fields import TIME_FIELDS, Field, is_time, visible_fields
+from lcmtools.messages.number_array import NumberArray
 from lcmtools.messages.plain import PLAIN_TYPES, More, Plain, plain_scalar, plain_value
 from lcmtools.messages.registry import Message
 from lcmtools.messages.scalars import STRAY_BYTES
@@ -179,7 +180,9 @@ def _add_fields(
 def _text_of(field: Field, indent: str) -> Callable[[object], str] | None:
     """A function that writes a field's value; None for a number."""
     if field.dimensions and not field.message_class and field.type != "string":
-        return lambda value: repr(plain_value(value, field))
+        return lambda value: repr(
+            value if isinstance(value, NumberArray) else plain_value(value, field)
+        )
     if field.dimensions:
         return lambda value: "\n".join(_block(field, value, "", indent))
     return cast("Callable[[object], str]", _quoted_at_end) if field.type == "string" else None
