@@ -20,6 +20,8 @@ CLOCK = "/clock"
 _LOOK_PERIOD = 0.5  # [s] between looks for topics that a pattern matches
 _MOST_NAMED = 8  # topics in a line
 _WAIT = 0.2  # [s] at most before a timeout is looked at again
+TOGETHER = 8
+"""Messages that are shown at once, where they arrived together."""
 PATIENCE = 2.0
 """[s] without a message before a person reads what is on the bus."""
 
@@ -226,10 +228,24 @@ def taken(
     timeout: float | None,
     notify: Callable[[str], None] = lambda _: None,
 ) -> Iterator[T]:
-    """Return the result of ``take`` for each packet; None is passed over.
+    """Return the result of ``take`` for each packet, as ``taken_together``."""
+    for results in taken_together(stream, take, timeout, notify, most=1):
+        yield from results
 
-    ``timeout`` is the longest time without a result [s], None for no limit. ``notify`` is called
-    with a sentence when it takes long.
+
+def taken_together(
+    stream: ArrivalStream,
+    take: Callable[[SelectedPacket], T | None],
+    timeout: float | None,
+    notify: Callable[[str], None] = lambda _: None,
+    *,
+    most: int,
+) -> Iterator[list[T]]:
+    """Return the results of ``take`` for packets that arrived together; None is passed over.
+
+    There are at most ``most`` in a list, in which no result waits for a later arrival. ``timeout``
+    is the longest time without a result [s], None for no limit. ``notify`` is called with a
+    sentence when it takes long.
 
     Raises:
         NothingReceived: There was no result for ``timeout`` seconds.
@@ -246,12 +262,10 @@ def taken(
                     f"nothing is on {stream.text} in the log", stream.contents()
                 ) from None
             return
-        for arrival in batch.arrivals:
-            has_arrived = True
-            result = take(arrival)
-            if result is not None:
-                last, has_notified = time.monotonic(), True
-                yield result
+        has_arrived = has_arrived or bool(batch.arrivals)
+        for results in _results(batch.arrivals, take, most):
+            last, has_notified = time.monotonic(), True
+            yield results
         waited = time.monotonic() - last
         if timeout is not None and waited >= timeout:
             what = "nothing that can be shown" if has_arrived else "nothing"
@@ -262,3 +276,23 @@ def taken(
             has_notified = True
             what = "no message that can be shown" if has_arrived else "no message"
             notify(f"{what} on {stream.text} yet; {stream.situation()}")
+
+
+def _results(
+    arrivals: Sequence[SelectedPacket], take: Callable[[SelectedPacket], T | None], most: int
+) -> Iterator[list[T]]:
+    """The results in lists of at most ``most``; what was taken before an error comes before it."""
+    results: list[T] = []
+    try:
+        for arrival in arrivals:
+            if (result := take(arrival)) is not None:
+                results.append(result)
+            if len(results) == most:
+                yield results
+                results = []
+    except LcmtoolsError:
+        if results:
+            yield results
+        raise
+    if results:
+        yield results

@@ -20,7 +20,7 @@ from lcmtools.cli.output import clearing, data, may_wait
 from lcmtools.cli.topic.display import display, display_options
 from lcmtools.errors import UsageError
 from lcmtools.messages.registry import packages
-from lcmtools.observe.arrivals import ArrivalStream, taken
+from lcmtools.observe.arrivals import TOGETHER, ArrivalStream, taken_together
 from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.formatter import MessageFormatter
 from lcmtools.observe.selection import select_topics
@@ -90,8 +90,10 @@ def command(
             options.check(types, path)
         decoder = Decoder(monitor.types_of, options.message_class, keep_stray=True)
         formatter = MessageFormatter(decoder, options, lambda: stream.is_one_of_many, notify)
-        for text in islice(taken(stream, formatter.text, timeout, notify), 1 if once else count):
-            data(f"{prefix}{text}")
+        count, most = (1 if once else count), (1 if once or count else TOGETHER)
+        found = taken_together(stream, formatter.text, timeout, notify, most=most)
+        for texts in islice(found, count):
+            data("\n".join(f"{prefix}{text}" for text in texts))
 
 
 def _topics_and_type(

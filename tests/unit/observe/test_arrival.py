@@ -1,8 +1,22 @@
 """The clock that hz, bw and delay go by."""
 
+from typing import cast
+
+import pytest
+
+from lcmtools.errors import ValueMismatch
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.messages.codec import encode
-from lcmtools.observe.arrivals import CLOCK, ArrivalClock, is_simulated
+from lcmtools.observe.arrivals import (
+    CLOCK,
+    ArrivalClock,
+    ArrivalStream,
+    Batch,
+    SelectedPacket,
+    is_simulated,
+    taken,
+    taken_together,
+)
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.wire.packet import Packet
 
@@ -46,3 +60,41 @@ def test_time_is_simulated_where_a_living_node_or_a_program_publishes_the_clock(
     assert is_simulated(Graph((), (Traffic(CLOCK, None, (), 1, 8, 0, 0),)))
     assert not is_simulated(Graph((dead,)))
     assert not is_simulated(Graph())
+
+
+class _Batches:
+    """A stream whose arrivals, at these times, come in these batches; then it ends."""
+
+    text = "/a"
+
+    def __init__(self, *batches: list[int]) -> None:
+        self._batches = list(batches)
+
+    def receive(self, _: float) -> Batch:
+        if not self._batches:
+            raise EOFError
+        times = self._batches.pop(0)
+        return Batch([SelectedPacket("/a", Packet("/a", b"", time), time) for time in times], 0)
+
+
+def _stream(*batches: list[int]) -> ArrivalStream:
+    return cast("ArrivalStream", _Batches(*batches))
+
+
+def _even(found: SelectedPacket) -> int | None:
+    if found.time > 90:
+        raise ValueMismatch("too late")
+    return found.time if found.time % 2 == 0 else None
+
+
+def test_results_of_packets_that_arrived_together_come_together() -> None:
+    stream = _stream([2, 4, 5, 6], [7], [8], [10, 12])
+    assert list(taken_together(stream, _even, None, most=2)) == [[2, 4], [6], [8], [10, 12]]
+    assert list(taken(_stream([2, 3], [4]), _even, None)) == [2, 4]
+
+
+def test_what_came_before_an_error_is_not_lost() -> None:
+    results = taken_together(_stream([2, 4, 99]), _even, None, most=8)
+    assert next(results) == [2, 4]
+    with pytest.raises(ValueMismatch):
+        next(results)
