@@ -144,3 +144,22 @@ def test_a_listener_that_is_stopped_and_continued_all_the_time(world: Any) -> No
     world.script(source, str(listener.pid), ready="runs")
     for _ in range(4):
         world.is_silent()
+
+
+def test_a_simulator_that_has_too_much_to_do(world: Any) -> None:
+    world.node("sim", "--world", "pioneer", "--rate", "6")
+    cameras = ("depth/image_raw", "depth/points", "rgb/image_raw")
+    viewers = [world.start(world.command, "hz", f"/camera/{name}") for name in cameras]
+
+    def found() -> list[Any]:
+        return world.look("--rule", "slow-simulator", wait="0.8s")  # type: ignore[no-any-return]
+
+    world.until(found)
+    (slow,) = found()
+    assert "of real time, not 6: the simulator has too much to do" in slow.text
+    assert [one["kind"] for one in slow.actions] == ["simulate-less"]
+    assert slow.actions[0]["text"].startswith("end programs that subscribe to cameras")
+    for viewer in viewers:
+        world.end(viewer)
+    world.until(lambda: not found())
+    assert found() == []
