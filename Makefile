@@ -1,6 +1,6 @@
 # make demo       a virtual environment, the installation, and the Husky lab as a script
 # make test       the same environment, and the tests that a change should pass at once
-# make test-slow  the faults suite, the labs, every block of the documents, several hosts
+# make test-slow  the faults suite, the labs, every block of the documents, several hosts, programs of others
 # make man        the man pages, into build/man; a built wheel has them
 # make bench      what is measured, beside its anchor and its goal, in one table
 # make check      types fresh, ruff, mypy, import rules, spelling
@@ -17,7 +17,7 @@ SLOW_JOBS ?= 3
 EDITABLE ?= -e
 BIN := $(VENV)/bin
 FAST := $(addprefix tests/,unit house cli physics process)
-SLOW := $(addprefix tests/,faults labs docs hosts)
+SLOW := $(addprefix tests/,faults labs docs hosts interop)
 SOURCES := lcmtools sim tests bench lcm_types hatch_build.py docs/man_pages.py
 
 .PHONY: demo test test-slow check types man format bench clean
