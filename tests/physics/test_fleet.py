@@ -12,6 +12,7 @@ from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools_sim import fleet
 from lcmtools_sim.geometry import Pose, yaw_of
+from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import RobotPlacement, Scene, SceneObject, box
 from lcmtools_sim.sensors.laser import LaserSettings
@@ -201,6 +202,34 @@ def test_many_robots_in_the_engine_push_and_fall_by_arrays_as_one_by_one(
         assert math.dist(robot.position, other.position) < 1e-3
         assert math.dist(robot.velocity, other.velocity) < 1e-3
         assert math.dist(robot.rotation, other.rotation) < 1e-3
+
+
+@pytest.mark.parametrize("gap", [1.0, 6.0])  # in the engine, and without it
+def test_a_subscriber_of_one_of_many_that_joins_late_gets_the_same_measurements(
+    gap: float, twist: Steer
+) -> None:
+    laser = SensorMount(
+        "laser", "scan", 10.0, Pose(0.3, 0, 0.3), settings=LaserSettings(noise=0.01)
+    )
+    model = replace(HUSKY, sensors=(*HUSKY.sensors, laser))
+    given = scene(*(Pose(0, gap * i) for i in range(15)))
+    given = replace(given, robots=tuple(replace(robot, model=model) for robot in given.robots))
+
+    def samples(wanted: Callable[[int, str], bool]) -> dict[tuple[int, str], bytes]:
+        found = {}
+        with Simulation(given) as simulation:
+            for robot in simulation.robots:
+                robot.command(twist(0.5, 0.3))
+            for step in range(240):
+                simulation.select(lambda topic, now=step: list(Subscribers)[2 * wanted(now, topic)])
+                found.update({(step, s.topic): s.payload for s in simulation.step()})
+        return found
+
+    late = samples(lambda step, topic: step > 150 and topic.startswith("/r2/"))
+    always = samples(lambda *_: True)
+
+    assert {topic for _, topic in late} >= {"/r2/scan", "/r2/odometry", "/r2/ground_truth"}
+    assert {key: always[key] for key in late} == late
 
 
 def leaves(value: object) -> list[object]:
