@@ -112,6 +112,16 @@ def message() -> Twist:
     return twist
 
 
+def ros_environment(cache: str) -> dict[str, str]:
+    """The environment variables of a ROS system of one's own, with a folder for its files."""
+    return {
+        "ROS_MASTER_URI": _MASTER,
+        "ROS_IP": "127.0.0.1",
+        "ROS_LOG_DIR": cache,
+        "ROS_HOME": cache,
+    }
+
+
 def ros_node(name: str, rate: float) -> list[str]:
     """The command of a ROS node."""
     return [_PYTHON, "-c", _ROS_NODE, name, f"{rate}"]
@@ -182,13 +192,7 @@ def measured(environment: Environment, rounds: int, seconds: float) -> list[list
 def compare(rounds: int, seconds: float) -> None:
     """Measure and print all tables."""
     with tempfile.TemporaryDirectory() as cache:
-        environment = {
-            **child_environment(cache, _PORT),
-            "ROS_MASTER_URI": _MASTER,
-            "ROS_IP": "127.0.0.1",
-            "ROS_LOG_DIR": cache,
-            "ROS_HOME": cache,
-        }
+        environment = {**child_environment(cache, _PORT), **ros_environment(cache)}
         with running([["/usr/bin/roscore"]], environment), _lcm_system():
             time.sleep(3.0)  # until the master answers
             with running([ros_node("speaker", 10.0), ros_node("hearer", 0.0)], environment):

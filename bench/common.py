@@ -140,13 +140,18 @@ def quantile(values: Sequence[float], share: float) -> float:
 
 def show(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
     """Print a table: the first column to the left, numbers to the right."""
-    cells = [list(columns), *([_text(cell) for cell in row] for row in rows)]
-    widths = [max(len(row[column]) for row in cells) for column in range(len(columns))]
+    lines = [list(columns), *map(cells, rows)]
+    widths = [max(len(row[column]) for row in lines) for column in range(len(columns))]
     print(title)
-    for row in cells:
+    for row in lines:
         first, *others = (cell.rjust(width) for cell, width in zip(row, widths, strict=True))
         print("  ".join([row[0].ljust(len(first)), *others]).rstrip())
     print(flush=True)
+
+
+def cells(row: Sequence[object]) -> list[str]:
+    """A table's row as text."""
+    return [_text(cell) for cell in row]
 
 
 def _text(cell: object) -> str:

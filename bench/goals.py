@@ -1,32 +1,37 @@
 """The goals that lcmtools holds itself to, in one table: what, ours, anchor, ratio, goal.
 
-All are measured in one run. Commands run on a bus of 20 nodes, beside ``python -c 'import click'``,
-the least that any of them takes: wall time and processor time (CPU); ``pub -1`` is timed until its
-message has arrived at a tap. Commands that go on, and a node that follows the graph of a bus with
-199 others, are given in percent of a core: beside a plain LCM program in Python that decodes the
-same Twists, or beside the same node alone. Messages from process to process and codecs are beside
+All are measured in one run. Commands run on a bus of 20 nodes, a talker and a listener, beside
+``python -c 'import click'``, the least that any of them takes: wall time and processor time (CPU).
+``wtf`` looks at a talker and a listener only; ``pub -1`` is timed until its message has arrived at
+a tap. Commands that go on, and a node that follows the graph of a bus with 199 others, are given in
+percent of a core: beside a plain LCM program in Python that decodes the same messages, or beside
+the same node alone; ``spy`` runs in a terminal. Messages between processes and codecs are beside
 plain ``lcm`` with lcm-gen's code. A ratio is ours by the anchor's; a goal is one of ours or, with
-an "x", of the ratio. ``echo``'s is a third of what rostopic took (10.1 %).
+an "x", of the ratio. ``echo``'s is a third of rostopic's, where that is installed, else of the
+10.1 % that it took elsewhere. ``--write`` keeps the table in RESULTS.md, with machine and versions.
 """
 
+import os
+import platform
 import sys
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from functools import partial
-from math import nan
-from multiprocessing.connection import Connection
+from importlib.metadata import version
+from math import isnan, nan
+from pathlib import Path
 from statistics import median
 
 import announce
 import completion
 import graph
-import lcm
 import transport
 from codec import measure, samples
-from commands import TOOL, Environment, child_environment, end, in_turn, middle, run, start, watch
-from common import bus, child, every, isolate, rounds_asked, show
+from commands import TOOL, Environment, child_environment, end, in_turn, run, start, talking
+from common import bus, cells, child, isolate, parser, show
+from going_on import PORT, echoed, rostopic, shares, spying
 
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
@@ -34,31 +39,18 @@ from lcmtools.messages.codec import decode, encode
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 
-_GRAPH_PORT, _PORT = 7793, 7788  # the first is graph's
-_BURST = 0.001  # [s] between the bursts of a fast stream
-_SECONDS = 3.0  # that a command which goes on is watched
+_GRAPH_PORT, _TALK_PORT = 7793, 7787  # the first is graph's
+_THIRD = 3.4  # [% of a core] of what rostopic's echo took where it was installed
+_WTF = "wtf"
 _LEAST = [sys.executable, "-c", "import click"]
-_PLAIN = """
-import lcm, sys
-from itertools import count
-from lcmtools.types.geometry_msgs import Twist
-bus, numbers = lcm.LCM(sys.argv[1]), count()
-def take(_, data):
-    Twist.decode(data)
-    if next(numbers) % 100 == 0:
-        print("taken", flush=True)
-bus.subscribe("/stream", take).set_queue_capacity(10_000)
-while True:
-    bus.handle()
-"""
 _ENDED = {
     "--help": (80, None),
     "list": (150, 100),
     "node list": (150, 100),
     "type /robot1/odometry": (150, 100),
-    "info /robot1/odometry": (250, None),
-    "node info /robot1/node_1": (250, None),
-    "wtf": (1000, 200),
+    "info /chatter": (250, None),
+    "node info /talker": (250, None),
+    _WTF: (1000, 200),
 }
 """Commands that end, with the goals of wall and processor time [ms]."""
 
@@ -71,6 +63,7 @@ _DECODED = {
 """Messages, and how many times as fast as by lcm-gen's code they are to be decoded."""
 
 Row = Sequence[object]
+_COLUMNS = ["what", "ours", "anchor", "ratio", "goal"]
 
 
 def row(what: str, ours: float, anchor: float, goal: object) -> Row:
@@ -78,21 +71,14 @@ def row(what: str, ours: float, anchor: float, goal: object) -> Row:
     return what, ours, anchor, ours / anchor, goal
 
 
-def stream(connection: Connection, rate: float) -> None:
-    """Child: a plain LCM program that sends Twists, in bursts where the rate [Hz] is high."""
-    instance, payload = lcm.LCM(bus(_PORT)), encode(Twist())
-    burst = max(1, round(rate * _BURST))
-    connection.send(None)
-    with suppress(KeyboardInterrupt):
-        for _ in every(burst / rate, 3600.0):
-            for _ in range(burst):
-                instance.publish("/stream", payload)
-
-
 def ended(environment: Environment, rounds: int) -> Iterator[Row]:
     """Commands that end, and completions."""
-    commands = {line: partial(run, [TOOL, *line.split()], environment) for line in _ENDED}
-    with graph.nodes():
+    healthy = {**environment, "LCM_DEFAULT_URL": bus(_TALK_PORT)}
+    commands = {
+        line: partial(run, [TOOL, *line.split()], healthy if line == _WTF else environment)
+        for line in _ENDED
+    }
+    with graph.nodes(), talking(environment), talking(healthy):
         found = in_turn({"least": partial(run, _LEAST, environment), **commands}, rounds)
         asked = [completion.ask("lcmtools info /robot1/o", environment) for _ in range(5 * rounds)]
     wall, cpu = (
@@ -125,40 +111,33 @@ def delivered(environment: Environment, rounds: int) -> float:
     return median(times)
 
 
-def going_on(environment: Environment, rounds: int) -> Iterator[Row]:
+def going_on(environment: Environment, cache: str, rounds: int) -> Iterator[Row]:
     """Commands that go on."""
-    plain = [sys.executable, "-c", _PLAIN, environment["LCM_DEFAULT_URL"]]
-    rate = "average rate"
-    wanted = (
-        (1000.0, {"hz": (rate, 1.0), "bw": ("average:", 1.0)}),
-        (10_000.0, {"hz": (rate, 6.0), "bw": ("average:", 6.0)}),
-        (500.0, {"echo": ("^---$", 3.4)}),
-    )
-    for hertz, commands in wanted:
-        sides = {
-            label: partial(watch, [TOOL, label, "/stream"], environment, mark, _SECONDS)
-            for label, (mark, _) in commands.items()
-        }
-        sides["plain"] = partial(watch, plain, environment, "taken", _SECONDS)
-        with child(stream, hertz) as sender:
-            sender.wait()
-            found = in_turn(sides, rounds)
-        share = {label: middle(flows, lambda flow: flow.share) for label, flows in found.items()}
-        for label, (_, goal) in commands.items():
-            yield row(f"{label} of {hertz:g} Hz, % of a core", share[label], share["plain"], goal)
-    with child(stream, 20_000.0) as sender:
-        sender.wait()
-        flow = watch([TOOL, "echo", "/stream"], environment, "^---$", _SECONDS)
-    yield row("echo flat out, us a Twist", flow.cost, nan, 20)
+    measuring = ("hz", "bw", "delay")
+    for hertz, labels, goal in ((1000.0, measuring, 1.0), (10_000.0, measuring, 6.0)):
+        found = shares(environment, hertz, labels, rounds)
+        for label in labels:
+            what = f"{label} of {hertz:g} Hz, % of a core"
+            yield row(what, found[label], found["plain"], goal)
+        yield row(f"spy of {hertz:g} Hz, % of a core", spying(environment, hertz), nan, goal)
+    hertz = 500.0
+    found, theirs = shares(environment, hertz, ("echo",), rounds), rostopic(cache, hertz, rounds)
+    what = f"echo of {hertz:g} Hz, % of a core"
+    yield row(what, found["echo"], found["plain"], _THIRD if isnan(theirs) else "-")
+    if not isnan(theirs):
+        yield row(f"{what}, beside rostopic's", found["echo"], theirs, "0.33x")
+    cost, lost = echoed(environment)
+    yield row("echo of 30000 Hz, us a Twist", cost, nan, 20)
+    yield row("echo of 30000 Hz, Twists lost", lost, nan, 0)
 
 
 def following() -> Row:
     """A node that follows 199 others."""
     with ExitStack() as stack:
-        crowded = bus(_PORT + 1)
+        crowded = bus(PORT + 1)
         stack.enter_context(child(announce.announce, crowded, 199)).wait()
         nodes = [
-            stack.enter_context(child(announce.node, "once", url)) for url in (bus(_PORT), crowded)
+            stack.enter_context(child(announce.node, "once", url)) for url in (bus(PORT), crowded)
         ]
         for one in nodes:
             one.wait()
@@ -194,21 +173,47 @@ def coding(rounds: int) -> Iterator[Row]:
         yield row(f"encode {label}, us", ways[2], ways[3], "0.33x")
 
 
+def machine() -> str:
+    """The computer and the versions that were measured."""
+    cpuinfo = Path("/proc/cpuinfo")
+    lines = cpuinfo.read_text().splitlines() if cpuinfo.exists() else []
+    model = next((line.partition(": ")[2] for line in lines if line.startswith("model name")), "")
+    return (
+        f"{os.cpu_count()} processors ({model or platform.machine()}), {platform.system()}"
+        f" {platform.release()}, Python {platform.python_version()}, lcm {version('lcm')},"
+        f" lcmtools {version('lcmtools')}"
+    )
+
+
+def write(title: str, rows: Sequence[Row]) -> None:
+    """Keep the table in RESULTS.md."""
+    path = Path(__file__).with_name("RESULTS.md")
+    table = [_COLUMNS, ["---", *["---:"] * (len(_COLUMNS) - 1)], *map(cells, rows)]
+    text = "\n".join(f"| {' | '.join(line)} |" for line in table)
+    path.write_text(
+        f"# Measured\n\n`make bench ARGS=--write`, {time.strftime('%Y-%m-%d')}: {machine()}.\n"
+        f"{title}; what is measured, and how, is in `goals.py`.\n\n{text}\n"
+    )
+
+
 def main() -> None:
     """Measure and print."""
-    rounds = rounds_asked(__doc__, 11)
-    few = min(rounds, 3)
+    options = parser(__doc__)
+    options.add_argument("--rounds", type=int, default=11, help="default: %(default)s")
+    options.add_argument("--write", action="store_true", help="keep the table in RESULTS.md")
+    arguments = options.parse_args()
+    rounds, few = arguments.rounds, min(arguments.rounds, 3)
     if not isolate():
         return  # such streams are for a network of one's own
     with tempfile.TemporaryDirectory() as cache:
         environment = {**child_environment(cache, _GRAPH_PORT), "XDG_CACHE_HOME": f"{cache}/user"}
-        rows = [*ended(environment, rounds), *going_on({**environment, **_on_stream()}, few)]
+        rows = [*ended(environment, rounds)]
+        rows += going_on({**environment, "LCM_DEFAULT_URL": bus(PORT)}, cache, few)
     rows += [following(), *travelling(few), *coding(few)]
-    show(f"Medians of {rounds} runs", ["what", "ours", "anchor", "ratio", "goal"], rows)
-
-
-def _on_stream() -> dict[str, str]:
-    return {"LCM_DEFAULT_URL": bus(_PORT)}
+    title = f"Medians of {rounds} runs, {few} of what goes on"
+    show(title, _COLUMNS, rows)
+    if arguments.write:
+        write(title, rows)
 
 
 if __name__ == "__main__":
