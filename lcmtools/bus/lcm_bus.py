@@ -25,6 +25,7 @@ _LENDABLE = ("udpm", "mpudpm", "memq")
 """Providers whose messages any thread may wait for: a log ends, a server's connection breaks."""
 _BATCH = 100  # messages handled before a request to subscribe is served
 _FEW = 10  # messages handled before callbacks run: no more than a queue of the usual depth takes
+_AT_ONCE = 0.00005  # [s] in which a wait for messages that have arrived before is over
 _LONGEST_BURST = 10  # times so many at once; who gets more of them has too slow callbacks
 _CHECK_PERIOD = 0.5  # [s] between checks for a connection that broke in sending
 _REQUEST_TIMEOUT = 15.0  # [s]; above liblcm's own ten seconds
@@ -202,9 +203,14 @@ class LcmBus:
         """Wait for messages, requests or a descriptor; return whether that can be read."""
         instance = self._instance()
         wake, messages = self._receiving.wakeup.fileno(), instance.fileno()
+        start = time.monotonic()
         readable = select.select([descriptor, wake, messages], [], [], timeout)[0]
         if messages in readable:
-            self._handle_burst(instance)
+            if time.monotonic() - start > _AT_ONCE:  # the callback need not wait for a second look
+                instance.handle()
+                self._burst = 0
+            else:
+                self._handle_burst(instance)
         if wake in readable:
             self._receiving.wakeup.clear()
             self._serve_requests()

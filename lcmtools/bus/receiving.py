@@ -35,6 +35,7 @@ class Receiving:
         self._is_lendable = is_lendable
         self._is_leader_here = False
         self._is_asleep = False  # the bus's own thread, until the leader leaves
+        self._turns = self._seen = 0  # of leaders; those that the bus's own thread has seen
         self._trusted_until = -math.inf  # a leader that is away, to come back [s]
 
     def __enter__(self) -> None:
@@ -70,6 +71,7 @@ class Receiving:
         self.thread = 0
         self._lock.release()
         self._trusted_until = time.monotonic() + _PATIENCE
+        self._turns += 1
         self._is_leader_here = False
         self._leading.release()
         if self._is_asleep:
@@ -87,6 +89,10 @@ class Receiving:
         Returns False if its own thread is to receive: nobody else does, or there is work for it,
         such as a request that came just as the other one left.
         """
+        if self._is_leader_here and self._turns != self._seen:  # it need not wake this one again
+            self._seen = self._turns
+            self._wakeup_of_own.wait(_PATIENCE)
+            return True
         self._is_asleep = True
         if self._is_leader_here:
             self._wakeup_of_own.wait(None)
