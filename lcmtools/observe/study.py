@@ -121,7 +121,7 @@ class Study:
 
 
 @dataclass(frozen=True, slots=True)
-class Curve:
+class Sparkline:
     """A number over time, the smallest and the largest.
 
     Attributes:
@@ -134,7 +134,7 @@ class Curve:
     high: float = 0.0
 
 
-def curve(samples: Iterable[Sample], now: int, count: int, bin_ns: int) -> Curve:
+def curve(samples: Iterable[Sample], now: int, count: int, bin_ns: int) -> Sparkline:
     """Return the curve of a number from samples in the order of time, up to ``now`` [ns].
 
     There are ``count`` bars at most, of ``bin_ns`` each: fixed intervals, against flicker. Samples
@@ -154,7 +154,7 @@ def curve(samples: Iterable[Sample], now: int, count: int, bin_ns: int) -> Curve
     known = [value for values in bins.values() for value in values]
     known += [] if before is None else [before]
     if not known:
-        return Curve()
+        return Sparkline()
     bars = []
     for place in range(count):
         if values := bins.get(place):
@@ -165,4 +165,4 @@ def curve(samples: Iterable[Sample], now: int, count: int, bin_ns: int) -> Curve
     low, high = min(bars), max(bars)
     scale = high / 2 - low / 2  # halves, as the difference may be infinite
     scaled = tuple((bar / 2 - low / 2) / scale if scale else 0.0 for bar in bars)
-    return Curve(scaled, min(known), max(known))
+    return Sparkline(scaled, min(known), max(known))

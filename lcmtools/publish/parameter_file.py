@@ -32,7 +32,7 @@ _Path: TypeAlias = tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Leaf:
+class FileParameter:
     """A value of a file, with the keys that lead to it, and the file and line for messages."""
 
     path: _Path
@@ -52,20 +52,20 @@ Changes: TypeAlias = Mapping[str, Mapping[str, Change]]
 """New values by node and parameter."""
 
 
-def read_leaves(text: str, source: str) -> list[Leaf]:
+def read_leaves(text: str, source: str) -> list[FileParameter]:
     """Return the values in the text of a file; InvalidFile for no YAML of names and values."""
-    found: list[Leaf] = []
+    found: list[FileParameter] = []
     for document in _documents(text, source):
         if not isinstance(document.value, dict):
             place = f"{source}:{document.line}"
             raise InvalidFile(f"{place}: expected names and values", "for example kp: 0.5")
         for path, node in _flat(document, ()):
             names = tuple(key for key in path if key != _ROS2_KEY)
-            found.append(Leaf(names, node.plain(), f"{source}:{node.key_line}"))
+            found.append(FileParameter(names, node.plain(), f"{source}:{node.key_line}"))
     return found
 
 
-def changes_of(leaves: Sequence[Leaf], known: Answers, node: str | None) -> Changes:
+def changes_of(leaves: Sequence[FileParameter], known: Answers, node: str | None) -> Changes:
     """Return the changes that a file's values mean; values that name no node are for ``node``.
 
     Raises:
@@ -107,7 +107,7 @@ def make_changes(client: ParameterClient, node: str, changes: Mapping[str, Chang
         raise LcmtoolsError(f"{next(refused, whole_file)}: {error.what}") from None
 
 
-def _targets(leaf: Leaf, known: Answers, node: str | None) -> list[tuple[str, _Path]]:
+def _targets(leaf: FileParameter, known: Answers, node: str | None) -> list[tuple[str, _Path]]:
     """The nodes that a value is for, each with the rest of the value's path."""
     parts = tuple(part for key in leaf.path for part in key.split("/") if part)
     if leaf.path[0] == _EVERY_NODE:

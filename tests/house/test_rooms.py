@@ -6,7 +6,7 @@ import re
 import subprocess
 import sys
 import sysconfig
-from collections import defaultdict
+from collections import Counter, defaultdict
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -242,3 +242,13 @@ def test_docstrings_begin_with_a_noun_or_a_verb() -> None:
     odd = re.compile(r'"""(What|Whether|How)\b.*')
     files = [path for folder in folders for path in (ROOT / folder).rglob("*.py")]
     assert [(str(p), m[0]) for p in files for m in odd.finditer(p.read_text("utf-8"))] == []
+
+
+def test_a_class_has_a_name_of_its_own() -> None:
+    apart = {"types", "skeletons", "nodes"}  # generated; written for a person to copy or to run
+    files = [
+        path for path in (ROOT / "lcmtools").rglob("*.py") if apart.isdisjoint(path.parent.parts)
+    ]
+    classes = re.compile(r"^class ([A-Za-z]\w*)", re.MULTILINE)
+    counts = Counter(name for path in files for name in classes.findall(path.read_text("utf-8")))
+    assert {name for name, count in counts.items() if count > 1} == {"Node"}  # and its record

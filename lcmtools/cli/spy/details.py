@@ -15,7 +15,7 @@ from lcmtools.cli.spy.columns import (
 from lcmtools.graph.drawing.labels import printable
 from lcmtools.observe.channels import ChannelRow
 from lcmtools.observe.field_lines import FieldLine
-from lcmtools.observe.study import ChannelState, Curve, Sample, curve
+from lcmtools.observe.study import ChannelState, Sample, Sparkline, curve
 
 BIN_NS = 500_000_000  # the time of one bar of a curve [ns]
 BARS = 40  # the greatest number of bars
@@ -90,7 +90,7 @@ def _field_line(
     return DetailLine(line.path, name, line.text, found.bars, _span_text(found), is_number=True)
 
 
-def _span_text(found: Curve) -> str:
+def _span_text(found: Sparkline) -> str:
     if not found.bars or found.low == found.high:
         return "constant" if found.bars else ""
     first, last = number_text(found.low), number_text(found.high)

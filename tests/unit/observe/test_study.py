@@ -5,7 +5,7 @@ import math
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
 from lcmtools.observe.field_lines import MOST_ELEMENTS, MOST_LINES, field_lines
-from lcmtools.observe.study import KEPT, Curve, Sample, Study, curve
+from lcmtools.observe.study import KEPT, Sample, Sparkline, Study, curve
 from lcmtools.types.geometry_msgs import Point, PoseStamped, Twist, Vector3
 from lcmtools.types.nav_msgs import Path
 from lcmtools.types.sensor_msgs import Image, JointState, LaserScan
@@ -206,20 +206,20 @@ def test_opened_elements_are_kept_from_then_on() -> None:
     assert "ranges[7]" not in [line.path for line in study.state().lines]
 
 
-def bars(*values: float, count: int = 8) -> Curve:
+def bars(*values: float, count: int = 8) -> Sparkline:
     samples = [(i * S, value) for i, value in enumerate(values)]
     return curve(samples, (len(values) - 1) * S, count, S)
 
 
 def test_a_bar_is_the_mean_of_its_stretch_of_time_scaled_to_the_range() -> None:
-    assert bars(0, 1, 2, 3, 4) == Curve((0.0, 0.25, 0.5, 0.75, 1.0), 0, 4)
+    assert bars(0, 1, 2, 3, 4) == Sparkline((0.0, 0.25, 0.5, 0.75, 1.0), 0, 4)
     samples: list[Sample] = [(0, 0.0), (S // 2, 4.0), (S, 4.0), (2 * S, 0.0)]
-    assert curve(samples, 2 * S, 3, S) == Curve((0.5, 1.0, 0.0), 0.0, 4.0)
+    assert curve(samples, 2 * S, 3, S) == Sparkline((0.5, 1.0, 0.0), 0.0, 4.0)
 
 
 def test_a_constant_is_flat_also_where_a_mean_is_rounded() -> None:
     tenths = [(i * S // 10, 0.1) for i in range(80)]
-    assert curve(tenths, 8 * S - 1, 8, S) == Curve((0.0,) * 8, 0.1, 0.1)
+    assert curve(tenths, 8 * S - 1, 8, S) == Sparkline((0.0,) * 8, 0.1, 0.1)
 
 
 def test_a_stretch_without_samples_has_the_bar_before() -> None:
@@ -234,9 +234,9 @@ def test_bars_do_not_change_while_time_goes_by_within_one() -> None:
 
 
 def test_a_curve_begins_with_the_first_finite_number() -> None:
-    assert bars(math.nan, math.inf, 1, 2, count=4) == Curve((0.0, 1.0), 1, 2)
-    assert bars(math.nan) == curve([], 0, 3, S) == Curve()
+    assert bars(math.nan, math.inf, 1, 2, count=4) == Sparkline((0.0, 1.0), 1, 2)
+    assert bars(math.nan) == curve([], 0, 3, S) == Sparkline()
 
 
 def test_the_largest_numbers_do_no_harm() -> None:
-    assert bars(-1.7e308, 1.7e308, count=2) == Curve((0.0, 1.0), -1.7e308, 1.7e308)
+    assert bars(-1.7e308, 1.7e308, count=2) == Sparkline((0.0, 1.0), -1.7e308, 1.7e308)
