@@ -12,8 +12,9 @@ import select
 import signal
 import sys
 import termios
+import time
 import tty
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from types import FrameType
 from typing import TextIO
 
@@ -195,6 +196,42 @@ def is_terminal(stream: TextIO) -> bool:
         return stream.isatty()
     except (OSError, ValueError):  # closed
         return False
+
+
+@contextlib.contextmanager
+def open_keys(
+    on_suspend: Callable[[], object],
+) -> Iterator[Callable[[float], Sequence[str]]]:
+    """Yield a function that waits so many seconds at most, and returns the keys that came.
+
+    They are those of the terminal at standard input. Where there is none, or the program runs in
+    its background, no key ever comes.
+    """
+    if not has_keys():
+        yield _no_keys
+        return
+    with Terminal(keys=True, on_suspend=on_suspend) as terminal:
+        keys = TerminalKeys(terminal)
+
+        def wait(seconds: float) -> Sequence[str]:
+            return _no_keys(seconds) if keys.is_over else keys.read(seconds)
+
+        yield wait
+
+
+def has_keys() -> bool:
+    """Return whether keys of a terminal at standard input come to this program."""
+    if not is_terminal(sys.stdin):
+        return False
+    try:
+        return os.tcgetpgrp(sys.stdin.fileno()) == os.getpgrp()
+    except OSError:  # it is not the terminal that controls this program, which has no background
+        return True
+
+
+def _no_keys(seconds: float) -> Sequence[str]:
+    time.sleep(seconds)
+    return ()
 
 
 def is_readable(seconds: float) -> bool:

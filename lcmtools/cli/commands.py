@@ -109,6 +109,7 @@ param = _group(
     "set simple_controller kp 0.5",
 )
 _BAG = _entries("""\
+play        cli.bag.play:command     Publish the messages of logs again, in time.
 info        cli.bag.info:info        Show what is in logs.
 filter      cli.bag.edit:filter_     Write the messages that meet a condition.
 cut         cli.bag.edit:cut         Write the part between two times.
@@ -122,11 +123,11 @@ reindex     cli.bag.info:reindex     Write the index of a log.
 """)
 bag = _group(
     "bag",
-    "Look into logs, and work on them.",
+    "Play logs, look into them, and work on them.",
     _BAG,
+    "play ride.lcmlog",
     "info ride.lcmlog",
     "cut ride.lcmlog end.lcmlog -s end-1m",
-    has_bus=False,
 )
 _SIM = _entries("""\
 pause     cli.sim.time:pause        Pause simulated time.
@@ -188,7 +189,7 @@ sim         cli.commands:sim                Control a simulator: pause, reset, s
 run         cli.run:command                 Run a node, or the simulator.
 lab         cli.commands:lab                Work on the labs: list, start, check and more.
 launch      cli.launch.command:command      Run the nodes of a launch file.
-bag         cli.commands:bag                Look into logs, and work on them.
+bag         cli.commands:bag                Play logs, look into them, and work on them.
 pkg         cli.commands:pkg                Create and find packages: create, list, build.
 config      cli.config:command              Show the settings and their sources.
 completion  cli.completion.command:command  Complete words with TAB.

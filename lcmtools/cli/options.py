@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import compress, pairwise
 
 import click
 from click.core import ParameterSource
@@ -59,8 +60,13 @@ def _remember_names(ctx: click.Context, parameter: click.Parameter, value: objec
 def take_names(ctx: click.Context, words: Sequence[str]) -> list[str]:
     """Take ``__ns:=`` and ``a:=b`` out of a looking command's words; return the others."""
     end = [*words, "--"].index("--")
-    _add_names(ctx, list(filter(is_assignment, words[:end])))
-    return [*(word for word in words[:end] if not is_assignment(word)), *words[end:]]
+    pairs = list(pairwise(["", *words[:end]]))  # behind --remap it is that option's value
+    taken = [is_assignment(word) and before != "--remap" for before, word in pairs]
+    _add_names(ctx, list(compress(words, taken)))
+    return [
+        *(word for (_, word), is_taken in zip(pairs, taken, strict=True) if not is_taken),
+        *words[end:],
+    ]
 
 
 def _add_names(ctx: click.Context, words: Sequence[str]) -> None:

@@ -17,7 +17,7 @@ from lcmtools.node import checks
 from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.context import Context
 from lcmtools.node.logger import Logger
-from lcmtools.node.publisher import Publisher
+from lcmtools.node.publisher import PayloadPublisher, Publisher
 from lcmtools.node.rate import Rate
 from lcmtools.node.service import (
     Client,
@@ -64,7 +64,7 @@ class Factory:
         self.__callbacks = callbacks
         self.__logger = logger
         self.__tool = tool
-        self.__publishers: list[Publisher[Message]] = []
+        self.__publishers: list[PayloadPublisher] = []
         self.__clients: list[Client[Message, Message]] = []
         self.__received: list[tuple[str, Handler]] = []  # channels, with what takes their messages
         self.__is_destroyed = False
@@ -103,9 +103,29 @@ class Factory:
         resolved = names.check_channel(topic) if literal else self.resolve_name(topic)
         context = self.__context
         publisher = Publisher(context.bus, message_type, resolved, depth, context.follower.graph)
-        publisher.on_failure = None if self.__tool else self.__log_lost_message
-        self.__publishers.append(publisher)  # type: ignore[arg-type] # kept to be announced only
-        context.announcer.announce_soon()
+        self.__add_publisher(publisher)
+        return publisher
+
+    @explained
+    def create_payload_publisher(
+        self, topic: str, type_name: str = "", fingerprint: int | None = None
+    ) -> PayloadPublisher:
+        """Return a publisher of messages that are encoded already, of a log for example.
+
+        Args:
+            topic: The LCM channel to the letter, not to be resolved.
+            type_name: The type of its messages, announced; "" where that is not known.
+            fingerprint: Of this type, announced; None where that is not known.
+
+        Raises:
+            InvalidName: LCM cannot carry this channel name.
+        """
+        self.__check_alive("create_payload_publisher")
+        checks.check_text("create_payload_publisher", "topic", topic)
+        bus, graph = self.__context.bus, self.__context.follower.graph
+        kind = type_name, fingerprint
+        publisher = PayloadPublisher(bus, kind, names.check_channel(topic), 10, graph)
+        self.__add_publisher(publisher)
         return publisher
 
     @explained
@@ -219,10 +239,10 @@ class Factory:
         return client
 
     @explained
-    def destroy_publisher(self, publisher: Publisher[MessageT]) -> None:
+    def destroy_publisher(self, publisher: PayloadPublisher) -> None:
         """Announce a publisher no more. Does nothing the second time."""
         if publisher in self.__publishers:
-            self.__publishers.remove(publisher)  # type: ignore[arg-type] # see create_publisher
+            self.__publishers.remove(publisher)
             publisher.is_destroyed = True
             self.__context.announcer.announce_soon()
 
@@ -265,6 +285,11 @@ class Factory:
             *(service.endpoint() for service in tuple(callbacks.services)),
             *(client.endpoint() for client in tuple(self.__clients)),
         )
+
+    def __add_publisher(self, publisher: PayloadPublisher) -> None:
+        publisher.on_failure = None if self.__tool else self.__log_lost_message
+        self.__publishers.append(publisher)
+        self.__context.announcer.announce_soon()
 
     def __receive(self, channel: str, handler: Handler) -> None:
         self.__context.bus.subscribe(channel, handler)

@@ -14,58 +14,35 @@ from lcmtools.node.checks import misfit
 MessageT = TypeVar("MessageT", bound=Message)
 
 
-class Publisher(Generic[MessageT]):
-    """Sends messages of one type on one topic. Made by ``Node.create_publisher``.
+class PayloadPublisher:
+    """Sends payloads, of messages that are encoded already, on one topic.
+
+    Made by ``Node.create_payload_publisher``; the class of the messages need not be known here.
 
     Attributes:
         topic: The resolved topic, which is the LCM channel.
-        message_type: The class of its messages.
         depth: The requested queue depth, announced; LCM sends at once.
     """
 
     def __init__(
         self,
         bus: Bus,
-        message_type: type[MessageT],
+        kind: tuple[str, int | None],
         topic: str,
         depth: int,
         graph: Callable[[], Graph],
     ) -> None:
         self.topic = topic
-        self.message_type = message_type
         self.depth = depth
         self.is_destroyed = False
         self._bus = bus
         self.on_failure: Callable[[BusError], None] | None = None
         """Called when a message cannot be sent; None to have ``publish`` raise instead."""
         self._graph = graph
-        self._type_name = type_name(message_type)
-        self._fingerprint = fingerprint(message_type)
+        self._type_name, self._fingerprint = kind
         self._messages = 0
         self._bytes = 0
         self._last_time = 0
-
-    @explained
-    def publish(self, message: MessageT) -> None:
-        """Encode and send one message. Length fields are set here.
-
-        A message that the network does not take is lost, as any on LCM may be, and the node's log
-        reports it.
-
-        Raises:
-            ValueMismatch: The message is of another type, or a field's value does not fit.
-            UsageError: The publisher was destroyed.
-        """
-        if not isinstance(message, self.message_type):
-            raise misfit(self.topic, self._type_name, self.message_type, message)
-        if self.is_destroyed:
-            raise UsageError(f"the publisher of {self.topic} was destroyed and sends nothing")
-        try:
-            payload = encode(message)
-        except ValueMismatch as error:
-            what = error.what.removeprefix(f"{self._type_name}: ")
-            raise ValueMismatch(f"{self.topic}: {self._type_name}: {what}", error.hint) from None
-        self.publish_payload(payload)
 
     def publish_payload(self, payload: bytes) -> None:
         """Send a message that is encoded already."""
@@ -101,10 +78,52 @@ class Publisher(Generic[MessageT]):
         return Endpoint(
             topic=self.topic,
             role=Role.PUBLISHER,
-            types=(self._type_name,),
-            fingerprints=(self._fingerprint,),
+            types=(self._type_name,) if self._type_name else (),
+            fingerprints=() if self._fingerprint is None else (self._fingerprint,),
             depth=self.depth,
             messages=self._messages,
             bytes=self._bytes,
             last_time=self._last_time,
         )
+
+
+class Publisher(PayloadPublisher, Generic[MessageT]):
+    """Sends messages of one type on one topic. Made by ``Node.create_publisher``.
+
+    Attributes:
+        message_type: The class of its messages.
+    """
+
+    def __init__(
+        self,
+        bus: Bus,
+        message_type: type[MessageT],
+        topic: str,
+        depth: int,
+        graph: Callable[[], Graph],
+    ) -> None:
+        kind = type_name(message_type), fingerprint(message_type)
+        super().__init__(bus, kind, topic, depth, graph)
+        self.message_type = message_type
+
+    @explained
+    def publish(self, message: MessageT) -> None:
+        """Encode and send one message. Length fields are set here.
+
+        A message that the network does not take is lost, as any on LCM may be, and the node's log
+        reports it.
+
+        Raises:
+            ValueMismatch: The message is of another type, or a field's value does not fit.
+            UsageError: The publisher was destroyed.
+        """
+        if not isinstance(message, self.message_type):
+            raise misfit(self.topic, self._type_name, self.message_type, message)
+        if self.is_destroyed:
+            raise UsageError(f"the publisher of {self.topic} was destroyed and sends nothing")
+        try:
+            payload = encode(message)
+        except ValueMismatch as error:
+            what = error.what.removeprefix(f"{self._type_name}: ")
+            raise ValueMismatch(f"{self.topic}: {self._type_name}: {what}", error.hint) from None
+        self.publish_payload(payload)

@@ -1,17 +1,13 @@
 """teleop, pioneer_manual_controller and steering: from terminals and pipes, to the last zero."""
 
-import os
-import pty
-import select
 import signal
 import subprocess
-import termios
 import threading
-import time
 from collections.abc import Callable, Iterator
 
 import lcm
 import pytest
+from fixtures.typist import Typist
 
 from lcmtools.types.geometry_msgs import Twist, TwistStamped
 
@@ -59,64 +55,6 @@ def listen(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[
     yield make
     for robot in robots:
         robot.close()
-
-
-class Typist:
-    """A program at a terminal, and its user."""
-
-    def __init__(self, *command: str) -> None:
-        self.screen, self._end = pty.openpty()
-        self.before = termios.tcgetattr(self._end)
-        self.written = b""
-        self.process = subprocess.Popen(
-            command,
-            stdin=self._end,
-            stdout=self._end,
-            stderr=self._end,
-            env={**os.environ, "TERM": "xterm"},
-            start_new_session=True,
-        )
-
-    def wait_for(self, text: str, timeout: float = 40.0) -> None:
-        """Read until a text is on the screen."""
-        deadline = time.monotonic() + timeout
-        while text.encode() not in self.written:
-            left = deadline - time.monotonic()
-            assert left > 0, self.written
-            if select.select([self.screen], [], [], left)[0]:
-                self.written += os.read(self.screen, 65536)
-
-    def type(self, keys: str) -> None:
-        """Press keys."""
-        os.write(self.screen, keys.encode())
-
-    def settings(self) -> list[object]:
-        """Those of the terminal."""
-        return list(termios.tcgetattr(self._end))
-
-    def end(self) -> int:
-        """Read until the program has ended."""
-        deadline = time.monotonic() + 40
-        while self.process.poll() is None:
-            assert time.monotonic() < deadline
-            if select.select([self.screen], [], [], 0.02)[0]:
-                self.written += os.read(self.screen, 65536)
-        return self.process.wait()
-
-    def close(self) -> None:
-        """End it in any case."""
-        if self.process.poll() is None:
-            self.process.kill()
-            self.process.wait()
-        for descriptor in (self.screen, self._end):
-            if descriptor >= 0:
-                os.close(descriptor)
-
-    def hang_up(self) -> None:
-        """Close the terminal, and tell the program as the kernel does."""
-        os.close(self.screen)
-        self.screen = -1
-        self.process.send_signal(signal.SIGHUP)
 
 
 @pytest.fixture

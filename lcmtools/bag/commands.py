@@ -1,0 +1,159 @@
+"""Commands to actuators among the topics that are played: who would obey them, and the last ones.
+
+Pure decisions on the graph and on messages. What is a command is told by its type (a velocity, an
+effort, a trajectory), by its topic's name (cmd_vel, WHEEL_COMMAND, goal), or by its subscriber: a
+simulator obeys what it subscribes to. Programs that are no nodes do not show what they listen to.
+"""
+
+import re
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from lcmtools.bag.playlist import Track
+from lcmtools.errors import LcmtoolsError
+from lcmtools.graph.model import Graph, Node, Role
+from lcmtools.messages.codec import decode, encode
+from lcmtools.messages.fields import visible_fields
+from lcmtools.messages.plain import cells, plain_json, to_plain
+from lcmtools.messages.registry import Message, message_class
+from lcmtools.observe.describe import node_text, program_text
+
+_VELOCITY_TYPES = frozenset(
+    f"geometry_msgs/{name}{suffix}"
+    for name in ("Twist", "Accel", "Wrench")
+    for suffix in ("", "Stamped")
+)
+_COMMAND_TYPES = _VELOCITY_TYPES | {
+    "trajectory_msgs/JointTrajectory",
+    "trajectory_msgs/MultiDOFJointTrajectory",
+}
+_JOINTS = "sensor_msgs/JointState"
+_WORDS = re.compile(
+    r"cmd|commands?|control|setpoints?|goal|target|efforts?|torque|throttle|steering|actuators?"
+    r"|motors?",
+    re.IGNORECASE,
+)
+_SPLIT = re.compile(r"[^A-Za-z]+|(?<=[a-z])(?=[A-Z])")
+_SIMULATORS = "sim_msgs/"  # services that only simulators offer
+_SHARED = "/rosout"  # each node's lines have its name
+_MOST_VALUES = 3  # of a command that are shown
+
+
+class Conflict(NamedTuple):
+    """A reason not to play a topic."""
+
+    topic: str
+    reason: str
+    remedy: str  # what to type for this topic
+
+
+def is_command(track: Track) -> bool:
+    """Return whether a topic's type or name says that its messages are commands."""
+    words = _SPLIT.split(track.topic.rpartition("/")[2])
+    return track.type in _COMMAND_TYPES or any(map(_WORDS.fullmatch, words))
+
+
+def obeying(graph: Graph, track: Track) -> list[Node]:
+    """Return the nodes that live and would take the topic's messages as commands."""
+    nodes = {node.id: node for node, _ in graph.topic(track.topic).subscribers}
+    commands = is_command(track)
+    return [
+        node
+        for node in nodes.values()
+        if not (node.stale or node.tool) and (commands or _is_simulator(node))
+    ]
+
+
+def conflicts(graph: Graph, tracks: Iterable[Track], own: str = "") -> list[Conflict]:
+    """Return the reasons not to play topics on a bus: who publishes on them, and who obeys them.
+
+    The player's own node, of the name ``own``, does not count.
+    """
+    found = []
+    for track in tracks:
+        where = graph.topic(track.topic)
+        live = [node for node, _ in where.publishers if not node.stale and node.name != own]
+        publishers = [*map(node_text, live), *map(program_text, where.foreign)]
+        is_shared = track.topic == _SHARED
+        reasons = [f"{track.topic} is published by {who}" for who in publishers if not is_shared]
+        reasons += [f"{track.topic} commands {node_text(node)}" for node in obeying(graph, track)]
+        remedy = f"-x {track.channel} leaves it out, {track.channel}:=/other moves it"
+        found += [Conflict(track.topic, reason, remedy) for reason in dict.fromkeys(reasons)]
+    return found
+
+
+def _is_simulator(node: Node) -> bool:
+    services = node.having(Role.SERVICE)
+    return any(name.startswith(_SIMULATORS) for end in services for name in end.types)
+
+
+class StandingCommand(NamedTuple):
+    """A command that is obeyed until another one comes."""
+
+    topic: str
+    values: str  # those that are not zero, "linear.x 0.5"; "" for none
+    stop: bytes | None = None  # the same with zeros, where that means to stop
+    typed: str = ""  # the command line that sends it
+
+
+class LastCommands:
+    """The last command of each topic that was played.
+
+    Args:
+        tracks: The topics that are played.
+    """
+
+    def __init__(self, tracks: Iterable[Track]) -> None:
+        self._tracks = {track.topic: track for track in tracks}
+        self._last: dict[str, bytes] = {}
+
+    def add(self, topic: str, payload: bytes) -> None:
+        """Take note of a message that was published."""
+        self._last[topic] = payload
+
+    def take(self, graph: Graph, *, heard: bool) -> list[StandingCommand]:
+        """Return the commands that stand and would be obeyed, and then forget them.
+
+        Args:
+            graph: The bus.
+            heard: Programs that are no nodes may listen too.
+        """
+        tracks = [self._tracks[topic] for topic in self._last]
+        obeyed = [one for one in tracks if obeying(graph, one) or (heard and is_command(one))]
+        found = [_standing(track, self._last.pop(track.topic)) for track in obeyed]
+        return [one for one in found if one.values]
+
+
+def _standing(track: Track, payload: bytes) -> StandingCommand:
+    try:
+        message = decode(message_class(track.type, track.fingerprint), payload)
+    except LcmtoolsError:
+        return StandingCommand(track.topic, "of a type that is not known here")
+    flat = {name.strip("."): value for name, value in cells(to_plain(message), "").items()}
+    moving = [
+        f"{name} {value:g}"
+        for name, value in flat.items()
+        if isinstance(value, (int, float)) and value and not name.startswith("header.")
+    ]
+    more = ", ..." if len(moving) > _MOST_VALUES else ""
+    values = ", ".join(moving[:_MOST_VALUES]) + more
+    is_joints = track.type == _JOINTS and not any(name.startswith("position") for name in flat)
+    if not (is_joints or track.type in _VELOCITY_TYPES):
+        return StandingCommand(track.topic, values)
+    _set_to_zero(message)
+    stop = {k: v for k, v in to_plain(message).items() if v and k != "header"} if is_joints else {}
+    typed = f"lcmtools pub -1 {track.topic} {track.type} '{plain_json(stop)}'"
+    return StandingCommand(track.topic, values, encode(message), typed)
+
+
+def _set_to_zero(message: Message) -> None:
+    """Set all numbers of a message to zero but those of its header."""
+    for field in visible_fields(type(message)):
+        value = getattr(message, field.name)
+        if field.dimensions == () and field.message_class:
+            if field.type != "std_msgs/Header":
+                _set_to_zero(value)
+        elif not field.dimensions and isinstance(value, (int, float)):
+            setattr(message, field.name, type(value)(0))
+        elif field.depth == 1 and field.type.startswith(("float", "int")):
+            setattr(message, field.name, [0] * len(value))

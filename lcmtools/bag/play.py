@@ -1,0 +1,289 @@
+"""Playing logs on a bus, as ``lcmtools bag play`` does.
+
+Belongs here: what is checked before the first message, the loop that sends, and what is said and
+done about commands at a pause and at the end. The meaning of keys is in ``keys``.
+"""
+
+import os
+import queue
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+from lcmtools.bag.commands import Conflict, LastCommands, conflicts
+from lcmtools.bag.keys import press
+from lcmtools.bag.player import Player, Position
+from lcmtools.bag.playlist import CLOCK, Choice, Played, Playlist, Track
+from lcmtools.bag.times import LogTime, time_window
+from lcmtools.bus.url import BusUrl
+from lcmtools.clock import NANOSECONDS, split_stamp
+from lcmtools.errors import LcmtoolsError
+from lcmtools.graph.model import Graph
+from lcmtools.node.node import Node
+from lcmtools.node.publisher import PayloadPublisher
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.publish.own_node import own_node
+from lcmtools.publish.subscriber_wait import wait_until
+from lcmtools.terminal import open_keys
+from lcmtools.types.rosgraph_msgs import Clock
+
+Notify = Callable[[str], None]
+OnPosition = Callable[[Position], None]
+
+_CLOCK_PERIOD = NANOSECONDS // 100
+_SHOW_PERIOD = NANOSECONDS // 10
+_WATCH_PERIOD = 2.0  # [s] between two looks for new publishers
+_WATCH_TIME = 0.3  # [s] of a look, for programs that are no nodes
+_ASLEEP = NANOSECONDS  # [ns] without a turn: the computer slept, or Ctrl-Z
+_ANSWERED = 0.3  # [s] after which nodes that are there have announced themselves
+_STOPS = 3  # times that a stop is sent: any one may be lost
+_STOP_GAP = 0.01  # [s]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Manner:
+    """How logs are played."""
+
+    rate: float = 1.0  # seconds of the log in a second; 0 for as fast as possible
+    start: LogTime | None = None
+    end: LogTime | None = None
+    duration: float | None = None  # of the log [s], at most
+    loops: bool = False
+    is_paused: bool = False  # at the start
+    clock: bool = False  # publish /clock
+    waits: bool = False  # for a subscriber of each topic
+    force: bool = False  # whoever publishes or obeys
+
+
+class Result(NamedTuple):
+    """What was played."""
+
+    messages: int
+    seconds: float
+
+
+def play(
+    paths: Sequence[str | Path],
+    url: BusUrl,
+    choice: Choice,
+    manner: Manner,
+    *,
+    notify: Notify = lambda _: None,
+    on_position: OnPosition = lambda _: None,
+) -> Result:
+    """Play logs on a bus, merged by their times.
+
+    Args:
+        paths: The logs.
+        url: The bus.
+        choice: The topics, and their names there.
+        manner: Rate, times and more.
+        notify: Gets what a person should read.
+        on_position: Called ten times a second.
+
+    Raises:
+        BusError: A log cannot be read, or the bus cannot be reached.
+        UsageError: There is no such topic, or nothing of the log in these times.
+        LcmtoolsError: Topics are in use on the bus, and nothing was played.
+    """
+    with Playlist(paths, choice) as playlist:
+        window = time_window(playlist.span, manner.start, manner.end, duration=manner.duration)
+        now = time.monotonic_ns()
+        player = Player(
+            playlist.messages,
+            window,
+            rate=manner.rate,
+            loops=manner.loops,
+            is_paused=manner.is_paused,
+            now=now,
+        )
+        if player.is_over:
+            raise LcmtoolsError(
+                "the log has no message in these times", "leave out --start or --end"
+            )
+        known, graph = _check(url, playlist.tracks, notify, force=manner.force)
+        with (
+            own_node("play", url) as node,
+            _Watch(url, playlist.tracks, node.name, known) as watch,
+        ):
+            session = _Session(node, playlist.tracks, manner, notify, watch)
+            session.find(graph)
+            if manner.waits:
+                session.wait_for_subscribers()
+            return session.run(player, on_position)
+
+
+def _check(
+    url: BusUrl, tracks: Sequence[Track], notify: Notify, *, force: bool
+) -> tuple[frozenset[Conflict], Graph]:
+    """Refuse topics that are in use on the bus; return the reasons that do not count, and all."""
+    with BusMonitor(url, "play", os.environ) as monitor:
+        graph = monitor.settle()
+    found = conflicts(graph, tracks)
+    for one in found:
+        notify(one.reason if force else f"{one.reason}; {one.remedy}")
+    if found and not force:
+        count = len({one.topic for one in found})
+        topics = "a topic is" if count == 1 else f"{count} topics are"
+        raise LcmtoolsError(
+            f"nothing is played: {topics} in use on this bus",
+            "--ns /replay moves all, --domain 9 is another bus, --force plays all the same",
+        )
+    return frozenset(found), graph
+
+
+class _Session:
+    """The sending of a log by a node."""
+
+    def __init__(
+        self,
+        node: Node,
+        tracks: Sequence[Track],
+        manner: Manner,
+        notify: Notify,
+        watch: "_Watch",
+    ) -> None:
+        self._node, self._notify, self._watch = node, notify, watch
+        self._forced = manner.force
+        self._commands = LastCommands(tracks)
+        self._publishers: Mapping[str, PayloadPublisher] = {
+            track.topic: node.create_payload_publisher(track.topic, track.type, track.fingerprint)
+            for track in tracks
+        }
+        # a log's own clock is the time of its messages' stamps
+        ticks = manner.clock and CLOCK not in self._publishers
+        self._clock = node.create_publisher(Clock, CLOCK) if ticks else None
+        self._count = 0
+
+    def find(self, graph: Graph) -> None:
+        """Find the nodes of a graph, and follow them from now on."""
+        there = {node.id for node in graph.nodes if not node.stale}
+        wait_until(lambda: there <= {node.id for node in self._node.graph().nodes}, _ANSWERED)
+
+    def wait_for_subscribers(self) -> None:
+        """Wait until each topic has a node that subscribes to it."""
+
+        def missing() -> list[str]:
+            return [topic for topic, one in self._publishers.items() if not one.subscriber_count()]
+
+        def tell() -> None:
+            self._notify(f"waiting for subscribers of {', '.join(missing())}")
+
+        wait_until(lambda: not missing(), None, tell)
+
+    def run(self, player: Player, on_position: OnPosition) -> Result:
+        """Play to the end, and leave no command standing without a word."""
+        began = time.monotonic_ns()
+        (player.pause if player.is_paused else player.resume)(began)
+        try:
+            with open_keys(lambda: self._settle("suspended")) as wait:
+                self._send(player, on_position, wait)
+        finally:
+            on_position(player.position(time.monotonic_ns()))
+            self._settle("over" if player.is_over else "ended")
+        return Result(self._count, (time.monotonic_ns() - began) / NANOSECONDS)
+
+    def _send(
+        self, player: Player, on_position: OnPosition, wait: Callable[[float], Sequence[str]]
+    ) -> None:
+        period = _CLOCK_PERIOD if self._clock else _SHOW_PERIOD
+        due = shown = 0
+        seen = time.monotonic_ns()
+        while not player.is_over:
+            now = time.monotonic_ns()
+            if now - seen > _ASLEEP:
+                player.postpone(now - seen)
+            seen = now
+            if message := None if now >= due else player.take(now):
+                self._publish(message)
+                continue
+            left = min(player.wait(now), max(0, due - now) / NANOSECONDS)
+            if not all(self._press(player, key) for key in wait(left)):
+                return
+            if now >= due:
+                due = now + period
+                self._tick(player.time(now))
+            if now - shown >= _SHOW_PERIOD:
+                shown = now
+                on_position(player.position(now))
+                for conflict in self._watch.take():
+                    self._notify(f"{conflict.reason}, while it is played")
+
+    def _press(self, player: Player, key: str) -> bool:
+        """Do what a key means; return False for the end."""
+        was_paused = player.is_paused
+        goes_on, message = press(player, key, time.monotonic_ns())
+        if message:
+            self._publish(message)
+        if message or (player.is_paused and not was_paused):
+            self._settle("paused")
+        return goes_on
+
+    def _publish(self, message: Played) -> None:
+        self._publishers[message.topic].publish_payload(message.payload)
+        self._commands.add(message.topic, message.payload)
+        self._count += 1
+
+    def _tick(self, log_time: int) -> None:
+        if self._clock:
+            clock = Clock()
+            clock.clock.sec, clock.clock.nsec = split_stamp(log_time)
+            self._clock.publish(clock)
+
+    def _settle(self, situation: str) -> None:
+        """Stop what commands have set in motion, or report it."""
+        graph = self._node.graph()
+        heard = self._node.has_plain_listeners(at_once=True)
+        for one in self._commands.take(graph, heard=heard):
+            said = f"{situation}: the last command on {one.topic} was {one.values}"
+            if one.stop is not None and self._forced:
+                for _ in range(_STOPS):
+                    self._publishers[one.topic].publish_payload(one.stop)
+                    time.sleep(_STOP_GAP)
+                self._notify(f"{said}; zero was sent after it")
+            else:
+                hint = f"; to stop: {one.typed}" if one.typed else ""
+                self._notify(f"{said}, and holds until another one comes{hint}")
+
+
+class _Watch(AbstractContextManager["_Watch"]):
+    """Looks for programs that begin to use topics while they are played, on a thread."""
+
+    def __init__(
+        self, url: BusUrl, tracks: Sequence[Track], own: str, known: frozenset[Conflict]
+    ) -> None:
+        self._url, self._tracks, self._own = url, tracks, own
+        self._known = set(known)
+        self._found: queue.SimpleQueue[Conflict] = queue.SimpleQueue()
+        self._is_over = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="watch", daemon=True)
+
+    def __enter__(self) -> "_Watch":
+        """Begin to look."""
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Look no more."""
+        self._is_over.set()
+        self._thread.join(timeout=1.0)
+
+    def take(self) -> list[Conflict]:
+        """Return what was found since the last call, each once."""
+        return [self._found.get() for _ in range(self._found.qsize())]
+
+    def _run(self) -> None:
+        while not self._is_over.wait(_WATCH_PERIOD):
+            with suppress(LcmtoolsError):  # a network that is gone may come back
+                with BusMonitor(self._url, "play", os.environ) as monitor:
+                    graph = monitor.settle(wait=_WATCH_TIME)
+                if not any(node.name == self._own for node in graph.nodes):
+                    continue  # its own messages would count as another program's
+                for one in conflicts(graph, self._tracks, self._own):
+                    if one not in self._known:
+                        self._known.add(one)
+                        self._found.put(one)

@@ -1,0 +1,162 @@
+"""The player of a log: which message is due when, at a rate, paused, or somewhere else in the log.
+
+Pure: the time comes in as an argument, in nanoseconds of a monotonic clock.
+"""
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+from lcmtools.bag.playlist import Played
+from lcmtools.clock import NANOSECONDS
+
+MOST_BEHIND = NANOSECONDS // 10
+"""A delay up to this [ns] is made up for; after a longer one the rest is postponed, so that a
+computer that slept sends no burst."""
+_SLOWEST, _FASTEST = 1 / 64, 64.0
+
+Source = Callable[[int, int], Iterator[Played]]
+"""Returns the messages between two times of the log, both included [ns since 1970]."""
+
+
+class Position(NamedTuple):
+    """Where a player is."""
+
+    seconds: float  # since the start of what is played
+    length: float  # of what is played [s]
+    rate: float  # 0 for as fast as possible
+    is_paused: bool
+
+
+class Player:
+    """The schedule of a log's messages.
+
+    Every message is due by its time in the log and by when playing began, paused or changed its
+    rate, so that delays do not add up.
+
+    Args:
+        messages: The messages between two times.
+        window: The first and the last time that are played [ns since 1970].
+        rate: Seconds of the log in a second; 0 for as fast as possible.
+        loops: Start again at the end.
+        is_paused: Begin with a pause.
+        now: The time of the clock.
+
+    Attributes:
+        rate: As above.
+        is_paused: Nothing is due.
+        is_over: There is no more message.
+    """
+
+    def __init__(
+        self,
+        messages: Source,
+        window: tuple[int, int],
+        *,
+        rate: float = 1.0,
+        loops: bool = False,
+        is_paused: bool = False,
+        now: int = 0,
+    ) -> None:
+        self._source, self._window, self._loops = messages, window, loops
+        self.rate, self.is_paused = rate, is_paused
+        self.is_over = False
+        self._log_time, self._begin = window[0], now
+        self._next: Played | None = None
+        self._move(window[0], now)
+
+    def take(self, now: int) -> Played | None:
+        """Return the next message if it is due; else None."""
+        message = self._next
+        if message is None or self.is_paused:
+            return None
+        late = now - self._due(message)
+        if late < 0:
+            return None
+        if not self.rate:
+            self._log_time = message.time
+        elif late > MOST_BEHIND:
+            self._begin += late
+        self._advance(message, now)
+        return message
+
+    def step(self, now: int) -> Played | None:
+        """Pause, and return the next message whenever it is due."""
+        self.pause(now)
+        message = self._next
+        if message is not None:
+            self._log_time = message.time
+            self._advance(message, now)
+        return message
+
+    def wait(self, now: int) -> float:
+        """Return the time until the next message is due [s]; infinite in a pause."""
+        if self._next is None or self.is_paused:
+            return float("inf")
+        return max(0.0, (self._due(self._next) - now) / NANOSECONDS)
+
+    def time(self, now: int) -> int:
+        """Return the time in the log [ns since 1970]."""
+        if self.is_paused or not self.rate:
+            return self._log_time
+        played = self._log_time + round((now - self._begin) * self.rate)
+        return min(played, self._window[1])
+
+    def position(self, now: int) -> Position:
+        """Return where the player is."""
+        start, end = self._window
+        seconds, length = (self.time(now) - start) / NANOSECONDS, (end - start) / NANOSECONDS
+        return Position(seconds, length, self.rate, self.is_paused)
+
+    def pause(self, now: int) -> None:
+        """Pause; does nothing in a pause."""
+        self._hold(now)
+        self.is_paused = True
+
+    def resume(self, now: int) -> None:
+        """Go on from where the pause began."""
+        self._begin, self.is_paused = now, False
+
+    def postpone(self, delay: int) -> None:
+        """Go on as if so much time [ns] had not passed."""
+        self._begin += delay
+
+    def set_rate(self, rate: float, now: int) -> None:
+        """Change the rate, within 1/64 and 64; 0 is as fast as possible."""
+        self._hold(now)
+        self.rate = min(max(rate, _SLOWEST), _FASTEST) if rate else 0.0
+
+    def seek(self, time: int, now: int) -> None:
+        """Go on from a time in the log [ns since 1970]; behind the last message it is over."""
+        start, end = self._window
+        self._move(min(max(time, start), end), now)
+        if self.is_over and self._loops:
+            self._move(start, now)
+
+    def seek_by(self, seconds: float, now: int) -> None:
+        """Go forward, or back, in the log."""
+        self.seek(self.time(now) + round(seconds * NANOSECONDS), now)
+
+    def seek_part(self, part: float, now: int) -> None:
+        """Go on from a part of what is played, 0 to 1."""
+        start, end = self._window
+        self.seek(start + round((end - start) * part), now)
+
+    def _due(self, message: Played) -> int:
+        if not self.rate:
+            return self._begin
+        return self._begin + round((message.time - self._log_time) / self.rate)
+
+    def _hold(self, now: int) -> None:
+        self._log_time, self._begin = self.time(now), now
+
+    def _move(self, time: int, now: int) -> None:
+        self._log_time, self._begin = time, now
+        self._messages = self._source(time, self._window[1])
+        self._next = next(self._messages, None)
+        self.is_over = self._next is None
+
+    def _advance(self, message: Played, now: int) -> None:
+        self._next = next(self._messages, None)
+        self.is_over = self._next is None
+        if self.is_over and self._loops:
+            self._move(self._window[0], now if self.is_paused else self._due(message))

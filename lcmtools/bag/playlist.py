@@ -1,0 +1,217 @@
+"""The playlist: the messages of logs in the order of their times, each with the topic it goes to.
+
+Belongs here: which channels are played, and under which names. Must not know buses and clocks.
+"""
+
+import heapq
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+from lcmtools.arguments import NodeArguments
+from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.graph.builder import GraphBuilder
+from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, SHUTDOWN_CHANNEL
+from lcmtools.messages.registry import candidates
+from lcmtools.names import (
+    Pattern,
+    Resolver,
+    check_channel,
+    did_you_mean,
+    has_wildcard,
+    is_hidden,
+    resolve_namespace,
+    spellings,
+)
+from lcmtools.observe.log_file import LogFile
+from lcmtools.packages import provide_recorded_types
+from lcmtools.wire.log_index import Block
+
+CLOCK = "/clock"
+_NEVER = (NODE_CHANNEL, PROBE_CHANNEL, SHUTDOWN_CHANNEL)  # they would make ghosts of the nodes
+_OWN = NODE_CHANNEL.rpartition("/")[0] + "/"
+_NO_NAMES = NodeArguments()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Choice:
+    """The channels that are played, and their names."""
+
+    topics: Sequence[str] = ()  # names and patterns; none for all
+    exclude: Sequence[str] = ()
+    names: NodeArguments = field(default_factory=NodeArguments)  # namespace and remaps
+    keeps_clock: bool = False  # /clock keeps its name in a namespace
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """A channel of the logs, and the topic that it is played on."""
+
+    channel: str
+    topic: str
+    messages: int  # in the logs
+    type: str = ""  # "" where it is not known
+    fingerprint: int | None = None  # of its first message
+
+
+class Played(NamedTuple):
+    """A message of a log."""
+
+    time: int  # of its recording [ns since 1970]
+    topic: str
+    payload: bytes
+
+
+class Playlist(AbstractContextManager["Playlist"]):
+    """The messages of one or more logs, merged by their times.
+
+    Hidden channels, as those of services, are played only where they are named. Nodes' recorded
+    announcements never are.
+
+    Attributes:
+        span: The times of the first and the last message of the logs [ns since 1970].
+        tracks: What is played, sorted by channel.
+
+    Raises:
+        BusError: A file cannot be read, or is no log.
+        LcmtoolsError: A log is empty, or has no topic that is named.
+        InvalidName: A topic's new name breaks the rules.
+    """
+
+    def __init__(self, paths: Sequence[str | Path], choice: Choice) -> None:
+        self._logs: list[tuple[LogFile, Sequence[Block]]] = []
+        try:
+            for path in paths:
+                log = LogFile(path)
+                self._logs.append((log, list(log.blocks())))
+                provide_recorded_types(log.index.types.values())
+            self.span = _span(self._logs)
+            self.tracks = self._tracks(choice)
+        except BaseException:
+            self.close()
+            raise
+
+    def __exit__(self, *_: object) -> None:
+        """Close the files."""
+        self.close()
+
+    def close(self) -> None:
+        """Close the files."""
+        for log, _ in self._logs:
+            log.close()
+
+    def messages(self, start: int, end: int) -> Iterator[Played]:
+        """Yield the messages from one time to another, both included [ns since 1970]."""
+        topics = {track.channel: track.topic for track in self.tracks}
+        parts = [_messages(log, blocks, (start, end), topics) for log, blocks in self._logs]
+        return parts[0] if len(parts) == 1 else heapq.merge(*parts, key=lambda one: one.time)
+
+    @cached_property
+    def _counts(self) -> Mapping[str, tuple[int, int | None]]:
+        """The number of messages and the fingerprint of each channel."""
+        found: dict[str, tuple[int, int | None]] = {}
+        for _, blocks in self._logs:
+            for block in blocks:
+                for channel, count in block.channels.items():
+                    messages, number = found.get(channel, (0, count.fingerprint))
+                    found[channel] = messages + count.messages, number
+        return found
+
+    def _tracks(self, choice: Choice) -> tuple[Track, ...]:
+        counts = self._counts
+        names = [name for name in sorted(counts) if not name.startswith(_OWN)]
+        left_out = {name for word in choice.exclude for name in _meant(word, names, lenient=True)}
+        wanted = [name for word in choice.topics for name in _meant(word, names)]
+        usual = [name for name in names if not is_hidden(name)]
+        chosen = set(wanted if choice.topics else usual) - left_out
+        if not chosen:
+            paths = ", ".join(str(log.path) for log, _ in self._logs)
+            raise LcmtoolsError(f"nothing of {paths} is left to play", "name other topics")
+        moved = _moved(sorted(chosen), choice)
+        builder = self._announced()
+        return tuple(
+            _track(channel, moved[channel], counts[channel], builder.types_of(channel))
+            for channel in sorted(chosen)
+        )
+
+    def _announced(self) -> GraphBuilder:
+        """The nodes that the indexes know, else those of the first block that has some."""
+        builder = GraphBuilder()
+        for log, blocks in self._logs:
+            for packet in log.announcements():
+                builder.add(packet)
+            having = (block for block in blocks if NODE_CHANNEL in block.channels)
+            for block in [*having][:1]:
+                for event in log.events(block.start, block.end):
+                    if event.channel == NODE_CHANNEL:
+                        builder.add(event.packet(log.data))
+        return builder
+
+
+def _span(logs: Sequence[tuple[LogFile, Sequence[Block]]]) -> tuple[int, int]:
+    for log, blocks in logs:
+        if not blocks:
+            hint = "is it a log of LCM?" if log.size else "it is empty"
+            raise LcmtoolsError(f"{log.path} has no messages", hint)
+    every = [block for _, blocks in logs for block in blocks]
+    return min(one.first_time for one in every), max(one.last_time for one in every)
+
+
+def _messages(
+    log: LogFile, blocks: Sequence[Block], window: tuple[int, int], topics: Mapping[str, str]
+) -> Iterator[Played]:
+    start, end = window
+    for block in blocks:
+        if block.last_time < start or block.first_time > end:
+            continue
+        if topics.keys().isdisjoint(block.channels):
+            continue
+        for event in log.events(block.start, block.end):
+            topic = topics.get(event.channel)
+            if topic is not None and start <= event.time <= end:
+                yield Played(event.time, topic, log.data[event.payload_start : event.end])
+
+
+def _meant(word: str, names: Sequence[str], *, lenient: bool = False) -> list[str]:
+    """The channels that a name or a pattern means.
+
+    With ``lenient``, a pattern may match none: a name that is misspelt would be played.
+    """
+    if has_wildcard(word):
+        pattern = Pattern(word, hidden=is_hidden(word))
+        found = [name for name in names if pattern.matches(name)]
+    else:
+        found = [name for name in names if name in spellings(word)]
+    if found or (lenient and has_wildcard(word)):
+        return found
+    hint = did_you_mean(word, names) or "lcmtools bag info FILE lists the topics"
+    raise UsageError(f"the log has no topic '{word}'", hint)
+
+
+def _moved(channels: Sequence[str], choice: Choice) -> Mapping[str, str]:
+    """The topic of each channel: moved by a remap, else into the namespace."""
+    said = choice.names
+    namespace = resolve_namespace(said.namespace or "/")
+    moved = {}
+    for channel in channels:
+        is_kept = namespace == "/" or (choice.keeps_clock and channel == CLOCK)
+        below = f"{namespace}/{channel.lstrip('/')}"
+        moved[channel] = channel if is_kept else below
+    for source, target in said.remaps:
+        for channel in _meant(source, channels):
+            moved[channel] = Resolver(namespace).resolve(target)
+    for topic in moved.values():
+        check_channel(topic)
+    return moved
+
+
+def _track(
+    channel: str, topic: str, count: tuple[int, int | None], announced: Sequence[str]
+) -> Track:
+    messages, number = count
+    known = candidates(number) if number is not None else []
+    kind = next((name for name in announced if name in known), next(iter(known), ""))
+    return Track(channel, topic, messages, kind or next(iter(announced), ""), number)

@@ -1,0 +1,104 @@
+"""``lcmtools bag play``."""
+
+from functools import partial
+
+import click
+
+from lcmtools.bag.play import Manner, play
+from lcmtools.bag.playlist import Choice
+from lcmtools.bag.times import LogTime, parse_time
+from lcmtools.cli.bag.progress_line import ProgressLine
+from lcmtools.cli.bus import chosen_url
+from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
+from lcmtools.cli.options import bus_choice, bus_options, names_options
+from lcmtools.errors import UsageError
+from lcmtools.terminal import has_keys
+
+
+def _rate(value: str | float) -> float:
+    try:
+        number = float(value)
+    except ValueError:
+        raise click.BadParameter(f"'{value}' is not a number") from None
+    if not 0 <= number < float("inf"):
+        raise click.BadParameter("the rate must be positive, or 0 for as fast as possible")
+    return number
+
+
+def _time(value: "str | LogTime") -> LogTime:
+    try:
+        return value if isinstance(value, LogTime) else parse_time(value)
+    except UsageError as error:
+        raise click.BadParameter(str(error)) from None
+
+
+_topics = partial(option, multiple=True, metavar="TOPIC", completer="logs:topics")
+
+
+@subcommand("play", names_options, bus_options)
+@examples(
+    "bag play ride.lcmlog",
+    "bag play ride.lcmlog --ns /replay --rate 2 --start 1m",
+    "bag play ride.lcmlog -t '/husky0/**' -x /husky0/cmd_vel --clock",
+    "bag play front.lcmlog rear.lcmlog --start end-30s --loop",
+)
+@argument("files", nargs=-1, required=True, metavar="FILE...", completer="files")
+@option("-r", "--rate", type=_rate, default=1.0, help="Speed: 2 is twice as fast, 0 at once.")
+@option("-s", "--start", type=_time, help="Begin there: 10s, end-1m, 12:30:05.")
+@option("-u", "--end", type=_time, help="End there.")
+@option("--duration", type=duration, help="Play so much of the log at most.")
+@flag("-l", "--loop", help="Begin again at the end.")
+@_topics("-t", "--topics", help="Play this topic or pattern only.")
+@_topics("-x", "--exclude", help="Leave out a topic or pattern.")
+@flag("--clock", help="Publish the log's time on /clock, for nodes on simulated time.")
+@flag("-w", "--wait-subscribers", help="Wait until each topic has a subscriber.")
+@flag("-p", "--pause", help="Begin with a pause.")
+@flag("--force", help="Play though other programs publish, or a robot obeys.")
+@flag("-q", "--quiet", help="Show no progress.")
+def command(
+    files: tuple[str, ...],
+    *,
+    rate: float,
+    start: LogTime | None,
+    end: LogTime | None,
+    duration: float | None,
+    loop: bool,
+    topics: tuple[str, ...],
+    exclude: tuple[str, ...],
+    clock: bool,
+    wait_subscribers: bool,
+    pause: bool,
+    force: bool,
+    quiet: bool,
+) -> None:
+    """Publish the messages of logs again, in the time of their recording.
+
+    Several logs are merged by time. Payloads are sent as they are. --ns /replay puts all topics
+    below /replay, A:=B plays topic A on B. A time is 10s (after the start of the log), end-1m,
+    12:30:05 or '2026-11-22 12:30:05'. Recorded announcements of nodes are never played, and other
+    hidden topics only where they are named.
+
+    Nothing is played if another program publishes on one of the topics, or a robot would obey one:
+    a node that subscribes to commands, or a simulator. --force plays all the same, and then sends
+    zero after a velocity or an effort at a pause and at the end.
+
+    Keys: SPACE pauses and resumes, . or s plays one message, left and right seek 5 s, [ and ] a
+    minute, up and down double and halve the rate, 0 to 9 go to a tenth of the log, q ends.
+    """
+    if pause and not has_keys():
+        raise UsageError("--pause begins with a pause that only a key ends", "use a terminal")
+    choice = Choice(topics=topics, exclude=exclude, names=bus_choice().names, keeps_clock=clock)
+    manner = Manner(
+        rate=rate,
+        start=start,
+        end=end,
+        duration=duration,
+        loops=loop,
+        is_paused=pause,
+        clock=clock,
+        waits=wait_subscribers,
+        force=force,
+    )
+    with ProgressLine("lcmtools bag play", is_quiet=quiet) as line:
+        result = play(files, chosen_url(), choice, manner, notify=line.talk, on_position=line.show)
+        line.talk_unless_quiet(f"{result.messages} messages in {result.seconds:.1f} s")

@@ -1,0 +1,348 @@
+"""bag play: what reaches the bus, what is refused, and what is said of commands that stand."""
+
+import signal
+import subprocess
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import lcm
+import pytest
+from fixtures.typist import Typist
+
+from lcmtools import Node
+from lcmtools.messages.codec import encode
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.wire.log import encode_event, packets
+from lcmtools.wire.packet import Packet
+
+S = 1_000_000_000
+START = 1_795_000_000 * S
+Cli = Callable[..., Any]
+ODOMETRY = encode(Odometry())
+PLAIN = b"\0\1\2 no LCM message \xff"
+
+
+def twist(forward: float) -> bytes:
+    message = Twist()
+    message.linear.x = forward
+    return encode(message)
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Callable[..., str]:
+    """``log(("/a", 0.1, payload), ...)``: the path of a log with messages at seconds."""
+
+    def write(*messages: tuple[str, float, bytes]) -> str:
+        path = tmp_path / "ride.lcmlog"
+        found = [Packet(channel, data, START + round(time * S)) for channel, time, data in messages]
+        path.write_bytes(b"".join(encode_event(n, one) for n, one in enumerate(found)))
+        return str(path)
+
+    return write
+
+
+@pytest.fixture
+def ride(log: Callable[..., str]) -> str:
+    """A log of a drive."""
+    return log(
+        *(
+            (topic, time / 10, payload)
+            for time in range(5)
+            for topic, payload in (("/cmd_vel", twist(0.5)), ("/odom", ODOMETRY))
+        )
+    )
+
+
+class Listener:
+    """Receives all messages on a bus, as a plain LCM program does."""
+
+    def __init__(self, url: str) -> None:
+        self.received: list[tuple[str, bytes]] = []
+        self._bus = lcm.LCM(url)
+        self._bus.subscribe("[^#].*", self._receive)
+        self._goes_on = True
+        self._thread = threading.Thread(target=self._listen)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Receive no more."""
+        self._goes_on = False
+        self._thread.join()
+
+    def _listen(self) -> None:
+        while self._goes_on:
+            self._bus.handle_timeout(50)
+
+    def _receive(self, channel: str, payload: bytes) -> None:
+        if not channel.startswith(("/_lcmtools", "LCM_SELF_TEST")):
+            self.received.append((channel, payload))
+
+
+@pytest.fixture
+def listener(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[Listener]:
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+    one = Listener(bus_url)
+    yield one
+    one.close()
+
+
+class Robot(Node):
+    """Obeys velocities."""
+
+    def __init__(self) -> None:
+        super().__init__("robot")
+        self.speeds: list[float] = []
+        self.create_subscription(Twist, "/cmd_vel", lambda m: self.speeds.append(m.linear.x), 100)
+
+
+class Driver(Node):
+    """Publishes velocities."""
+
+    def __init__(self) -> None:
+        super().__init__("driver")
+        self.create_publisher(Twist, "/cmd_vel")
+
+
+def test_messages_come_as_they_were_recorded(
+    cli: Cli, log: Callable[..., str], listener: Listener, wait_until: Callable[..., None]
+) -> None:
+    messages = [("PLAIN", 0.0, PLAIN), ("/a", 0.05, ODOMETRY), ("/a", 0.06, b""), ("/b", 0.2, b"x")]
+    ghost = ("/_lcmtools/node", 0.01, b"an announcement of a node that is gone")
+    done = cli("bag", "play", log(*messages, ghost))
+    assert (done.code, done.out) == (0, "")
+    assert done.err.startswith("lcmtools bag play: 4 messages in 0.2 s")
+    wait_until(lambda: len(listener.received) >= 4)
+    assert listener.received == [(channel, data) for channel, _, data in messages]
+
+
+def test_what_is_in_use_is_not_played(
+    cli: Cli, ride: str, listener: Listener, start_node: Callable[..., Any]
+) -> None:
+    start_node(Robot)
+    start_node(Driver)
+    done = cli("bag", "play", ride)
+    assert done.code == 1
+    published, commands, end = done.err.splitlines()
+    assert published.startswith("lcmtools bag play: /cmd_vel is published by /driver (")
+    assert commands.startswith("lcmtools bag play: /cmd_vel commands /robot (")
+    assert commands.endswith("; -x /cmd_vel leaves it out, /cmd_vel:=/other moves it")
+    assert end.startswith("lcmtools bag play: nothing is played: a topic is in use on this bus; ")
+    assert listener.received == []
+
+
+@pytest.mark.parametrize(
+    ("words", "topics"),
+    [
+        (["-x", "cmd_vel"], {"/odom"}),
+        (["__ns:=/replay"], {"/replay/cmd_vel", "/replay/odom"}),
+        (["/cmd_vel:=/old/cmd_vel"], {"/old/cmd_vel", "/odom"}),
+        (["-t", "/odom", "--remap", "odom:=x"], {"/x"}),
+    ],
+)
+def test_what_is_moved_or_left_out_is_played(  # noqa: PLR0913, PLR0917 - fixtures
+    cli: Cli,
+    ride: str,
+    listener: Listener,
+    start_node: Callable[..., Any],
+    wait_until: Callable[..., None],
+    words: list[str],
+    topics: set[str],
+) -> None:
+    robot = start_node(Robot)
+    done = cli("bag", "play", ride, "--rate", "0", *words)
+    assert done.code == 0, done
+    wait_until(lambda: len(listener.received) >= 5 * len(topics))
+    assert {channel for channel, _ in listener.received} == topics
+    assert robot.node.speeds == []
+
+
+def test_a_forced_command_is_followed_by_zero(
+    cli: Cli,
+    ride: str,
+    bus_url: str,
+    start_node: Callable[..., Any],
+    wait_until: Callable[..., None],
+) -> None:
+    robot = start_node(Robot)
+    done = cli("bag", "play", ride, "--force", "--rate", "10", env={"LCM_DEFAULT_URL": bus_url})
+    assert done.code == 0, done
+    said = done.err.splitlines()
+    assert said[0].startswith("lcmtools bag play: /cmd_vel commands /robot (")
+    assert said[1] == (
+        "lcmtools bag play: over: the last command on /cmd_vel was linear.x 0.5;"
+        " zero was sent after it"
+    )
+    wait_until(lambda: robot.node.speeds[-1:] == [0.0])
+    assert robot.node.speeds[:5] == [0.5] * 5
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_leaves_no_command_without_a_word(
+    cli: Cli,
+    ride: str,
+    bus_url: str,
+    start_node: Callable[..., Any],
+    number: signal.Signals,
+) -> None:
+    robot = start_node(Robot)
+    words = ["bag", "play", ride, "--force", "--loop"]
+    done = cli(
+        *words,
+        until=lambda _: len(robot.node.speeds) > 6,
+        ends_by=number,
+        env={"LCM_DEFAULT_URL": bus_url},
+    )
+    assert done.code == 128 + number
+    assert "ended: the last command on /cmd_vel was linear.x 0.5; zero was sent" in done.err
+
+
+def test_who_plays_announces_the_topics_and_is_told_of_others(
+    cli: Cli, ride: str, bus_url: str, start_node: Callable[..., Any], monkeypatch: Any
+) -> None:
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+    robot = start_node(Watcher)
+
+    def is_warned(text: str) -> bool:
+        topic = robot.node.graph().topic("/odom")
+        if topic.publishers and not robot.node.seen:
+            robot.node.seen = topic.publishers[0][1].type
+            start_node(Driver)
+        return "/cmd_vel is published by /driver" in text
+
+    done = cli("bag", "play", ride, "--loop", until=is_warned)
+    assert robot.node.seen == "nav_msgs/Odometry"
+    assert done.err.count("is published by /driver") == 1
+    assert ", while it is played" in done.err
+
+
+class Watcher(Node):
+    """Looks at the graph."""
+
+    def __init__(self) -> None:
+        super().__init__("watcher")
+        self.seen = ""
+
+
+class Sleeper(Node):
+    """Is on simulated time."""
+
+    def __init__(self) -> None:
+        super().__init__("sleeper")
+        self.times: list[int] = []
+        said = lambda _: self.times.append(self.get_clock().now())  # noqa: E731
+        self.create_subscription(Odometry, "/odom", said, 100)
+
+
+def test_nodes_on_simulated_time_have_the_time_of_the_log(
+    cli: Cli, ride: str, bus_url: str, start_node: Callable[..., Any]
+) -> None:
+    node = start_node(Sleeper, "_use_sim_time:=true").node
+    done = cli("bag", "play", ride, "--clock", env={"LCM_DEFAULT_URL": bus_url})
+    assert done.code == 0, done
+    assert len(node.times) == 5
+    assert all(START <= time < START + S for time in node.times[1:])
+
+
+def test_playing_waits_for_a_subscriber_of_each_topic(
+    cli: Cli, ride: str, bus_url: str, start_node: Callable[..., Any]
+) -> None:
+    done = cli(
+        *("bag", "play", ride, "-w", "-x", "/cmd_vel"),
+        env={"LCM_DEFAULT_URL": bus_url},
+        until=lambda text: "waiting for subscribers of /odom" in text,
+    )
+    assert done.code == 130
+    start_node(Sleeper)
+    done = cli("bag", "play", ride, "-w", "-x", "/cmd_vel", env={"LCM_DEFAULT_URL": bus_url})
+    assert done.code == 0, done
+
+
+def test_lcms_own_programs_record_what_is_played_and_play_it(  # noqa: PLR0913, PLR0917 - fixtures
+    cli: Cli,
+    ride: str,
+    tmp_path: Path,
+    bus_url: str,
+    listener: Listener,
+    lcm_program: Callable[[str], str],
+    start: Callable[..., Any],
+    wait_until: Callable[..., None],
+) -> None:
+    path = tmp_path / "again.lcmlog"
+    logger = start(lcm_program("lcm-logger"), "-q", "-l", bus_url, str(path))
+    wait_until(path.exists)
+    done = cli(
+        "bag", "play", ride, "-x", "/cmd_vel", "--loop", until=lambda _: path.stat().st_size > 500
+    )
+    assert done.code == 130
+    logger.send_signal(signal.SIGINT)
+    logger.wait()
+    recorded = [one for one in packets(path.read_bytes()) if one.channel == "/odom"]
+    assert {one.payload for one in recorded} == {ODOMETRY}
+    listener.received.clear()
+    subprocess.run([lcm_program("lcm-logplayer"), "-l", bus_url, ride], check=True, timeout=40)
+    wait_until(lambda: len(listener.received) >= 10)
+    assert set(listener.received) == {("/cmd_vel", twist(0.5)), ("/odom", ODOMETRY)}
+
+
+@pytest.fixture
+def typist(lcmtools_path: str, bus_url: str, monkeypatch: Any) -> Iterator[Callable[..., Typist]]:
+    monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
+    typists: list[Typist] = []
+
+    def sit_down(*words: str) -> Typist:
+        typists.append(Typist(lcmtools_path, *words))
+        return typists[-1]
+
+    yield sit_down
+    for one in typists:
+        one.close()
+
+
+def test_keys_at_a_terminal(
+    log: Callable[..., str],
+    start_node: Callable[..., Any],
+    typist: Callable[..., Typist],
+    wait_until: Callable[..., None],
+) -> None:
+    robot = start_node(Robot).node
+    path = log(*(("/cmd_vel", float(time), twist(time)) for time in range(1, 1000)))
+    one = typist("bag", "play", path, "--force", "--pause")
+    before = one.settings()
+    one.wait_for("0.0 / 998.0 s  paused")
+    one.type(".")
+    one.wait_for("paused: the last command on /cmd_vel was linear.x 1; zero was sent after it")
+    wait_until(lambda: robot.speeds[:2] == [1.0, 0.0])
+    one.type("5")
+    one.wait_for("499.0 / 998.0 s  paused")
+    one.type(" \x1b[A")
+    one.wait_for("/ 998.0 s  x2")
+    wait_until(lambda: robot.speeds[-1] >= 500.0)
+    one.type("q")
+    assert one.end() == 0
+    one.wait_for("ended: the last command on /cmd_vel was linear.x 5")
+    assert one.settings() == before
+
+
+def test_a_pause_needs_a_terminal(cli: Cli, ride: str) -> None:
+    done = cli("bag", "play", ride, "--pause")
+    assert (done.code, done.err) == (
+        2,
+        "lcmtools bag play: --pause begins with a pause that only a key ends; use a terminal\n",
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--start", "1m"], "the start, 1m, is behind the end of the log; the log is 0.4 s long"),
+        (["-s", "0.31", "-u", "0.32"], "the log has no message in these times"),
+        (["-t", "/od"], "the log has no topic '/od'; did you mean /odom?"),
+    ],
+)
+def test_nothing_of_the_log_is_meant(cli: Cli, ride: str, words: list[str], said: str) -> None:
+    done = cli("bag", "play", ride, *words)
+    assert done.code in (1, 2)
+    assert said in done.err

@@ -1,0 +1,162 @@
+"""Commands among the topics that are played: who would obey, and what stands at the end."""
+
+from dataclasses import replace
+
+import pytest
+
+from lcmtools.bag.commands import LastCommands, conflicts, is_command
+from lcmtools.bag.playlist import Track
+from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
+from lcmtools.messages.codec import decode, encode
+from lcmtools.messages.registry import Message, fingerprint, type_name
+from lcmtools.types.geometry_msgs import Pose, Twist, TwistStamped
+from lcmtools.types.sensor_msgs import JointState
+from lcmtools.wire.packet import Sender
+
+HOST = Node("/robot", "1", "elsewhere", 12)
+SENDER = Sender("10.0.0.9", 4000)
+
+
+def track(topic: str, kind: type[Message] | None = Twist) -> Track:
+    if kind is None:
+        return Track(topic, topic, 1)
+    return Track(topic, topic, 1, type_name(kind), fingerprint(kind))
+
+
+def with_ends(node: Node, *ends: Endpoint) -> Node:
+    return replace(node, endpoints=ends)
+
+
+def subscriber(topic: str, node: Node = HOST) -> Node:
+    return with_ends(node, Endpoint(topic, Role.SUBSCRIBER))
+
+
+def publisher(topic: str, node: Node = HOST) -> Node:
+    return with_ends(node, Endpoint(topic, Role.PUBLISHER))
+
+
+SIMULATOR = with_ends(
+    HOST, Endpoint("/a", Role.SUBSCRIBER), Endpoint("/s", Role.SERVICE, ("sim_msgs/Step",))
+)
+
+
+@pytest.mark.parametrize(
+    ("topic", "kind", "expected"),
+    [
+        ("/a", Twist, True),
+        ("/a", TwistStamped, True),
+        ("/a", JointState, False),
+        ("/husky0/wheel_cmd", JointState, True),
+        ("WHEEL_COMMAND", None, True),
+        ("motorEffort", None, True),
+        ("/goal", Pose, True),
+        ("/joint_states", JointState, False),
+        ("/goals_scored", None, False),
+        ("/cmd/status", None, False),
+    ],
+)
+def test_a_command_is_told_by_its_type_or_name(
+    topic: str,
+    kind: type[Message] | None,
+    expected: bool,  # noqa: FBT001 - from the table
+) -> None:
+    assert is_command(track(topic, kind)) is expected
+
+
+@pytest.mark.parametrize(
+    ("node", "reason"),
+    [
+        (publisher("/a"), "/a is published by /robot (elsewhere, pid 12)"),
+        (subscriber("/a"), "/a commands /robot (elsewhere, pid 12)"),
+        (SIMULATOR, "/a commands /robot (elsewhere, pid 12)"),
+        (subscriber("/b"), None),
+        (replace(publisher("/a"), stale=Staleness.SILENT), None),
+        (replace(subscriber("/a"), stale=Staleness.SILENT), None),
+        (replace(subscriber("/a"), tool=True), None),
+    ],
+)
+def test_reasons_not_to_play(node: Node, reason: str | None) -> None:
+    found = conflicts(Graph((node,)), [track("/a"), track("/c", JointState)])
+    assert [one.reason for one in found] == ([reason] if reason else [])
+    assert {one.remedy for one in found} <= {"-x /a leaves it out, /a:=/other moves it"}
+
+
+def test_a_simulator_obeys_whatever_it_subscribes_to() -> None:
+    assert len(conflicts(Graph((SIMULATOR,)), [track("/a", JointState)])) == 1
+    assert conflicts(Graph((subscriber("/a"),)), [track("/a", JointState)]) == []
+
+
+def test_a_program_that_is_no_node_publishes_too() -> None:
+    seen = Traffic("/a", SENDER, (), 1, 8, 0, 0)
+    found = conflicts(Graph((), (seen,)), [track("/a")])
+    assert [one.reason for one in found] == ["/a is published by a program on 10.0.0.9, port 4000"]
+
+
+def test_the_players_own_messages_do_not_count() -> None:
+    own = replace(publisher("/a"), name="/player", sender=SENDER)
+    seen = Traffic("/a", SENDER, (), 1, 8, 0, 0)
+    assert conflicts(Graph((own,), (seen,)), [track("/a")], own="/player") == []
+    assert len(conflicts(Graph((own,), (seen,)), [track("/a")])) == 1
+
+
+def test_all_nodes_may_share_rosout() -> None:
+    assert conflicts(Graph((publisher("/rosout"),)), [track("/rosout", None)]) == []
+
+
+def twist(forward: float) -> bytes:
+    message = Twist()
+    message.linear.x = forward
+    return encode(message)
+
+
+def test_the_last_command_stands_until_it_is_zero() -> None:
+    commands = LastCommands([track("/a"), track("/b")])
+    graph = Graph((subscriber("/a"),))
+    commands.add("/a", twist(1.0))
+    commands.add("/a", twist(0.5))
+    commands.add("/b", twist(0.5))
+    (one,) = commands.take(graph, heard=False)
+    assert one[:2] == ("/a", "linear.x 0.5")
+    assert one.stop == twist(0.0)
+    assert one.typed == "lcmtools pub -1 /a geometry_msgs/Twist '{}'"
+    assert commands.take(graph, heard=False) == []
+    commands.add("/a", twist(0.0))
+    assert commands.take(graph, heard=False) == []
+
+
+def test_programs_that_are_no_nodes_may_obey_what_is_a_command() -> None:
+    commands = LastCommands([track("/b"), track("/c", JointState)])
+    state = JointState()
+    state.effort, state.name = [1.0], ["wheel"]
+    commands.add("/b", twist(0.5))
+    commands.add("/c", encode(state))
+    assert [one.topic for one in commands.take(Graph(), heard=True)] == ["/b"]
+
+
+def test_efforts_are_stopped_by_zeros_for_the_same_joints() -> None:
+    commands = LastCommands([track("/wheel_cmd", JointState)])
+    state = JointState()
+    state.header.seq, state.effort, state.name = 7, [1.0, -1.0], ["left", "right"]
+    commands.add("/wheel_cmd", encode(state))
+    (one,) = commands.take(Graph((subscriber("/wheel_cmd"),)), heard=False)
+    assert one.values == "effort0 1, effort1 -1"
+    assert one.stop is not None
+    stop = decode(JointState, one.stop)
+    assert (stop.header.seq, stop.effort, stop.name) == (7, (0.0, 0.0), ["left", "right"])
+    assert one.typed.endswith("""'{"name":["left","right"],"effort":[0.0,0.0]}'""")
+
+
+def test_zero_is_no_stop_for_a_position() -> None:
+    commands = LastCommands([track("/arm_cmd", JointState), track("/x_cmd", None)])
+    state = JointState()
+    state.position = [1.5]
+    commands.add("/arm_cmd", encode(state))
+    commands.add("/x_cmd", b"anything")
+    graph = Graph(
+        (with_ends(HOST, *subscriber("/arm_cmd").endpoints, *subscriber("/x_cmd").endpoints),)
+    )
+    found = commands.take(graph, heard=False)
+    assert [tuple(one) for one in found] == [
+        ("/arm_cmd", "position0 1.5", None, ""),
+        ("/x_cmd", "of a type that is not known here", None, ""),
+    ]

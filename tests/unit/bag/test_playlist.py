@@ -1,0 +1,151 @@
+"""Which messages of logs are played, and on which topics."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pytest
+
+from lcmtools.arguments import split_arguments
+from lcmtools.bag.playlist import Choice, Playlist
+from lcmtools.errors import BusError, InvalidName, LcmtoolsError, UsageError
+from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
+from lcmtools.messages.codec import encode
+from lcmtools.messages.registry import fingerprint
+from lcmtools.types.geometry_msgs import Point, Twist
+from lcmtools.wire.log import encode_event
+from lcmtools.wire.packet import Packet
+
+S = 1_000_000_000
+START = 1_795_000_000 * S
+Log = Callable[..., Path]
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Log:
+    """``log("a", ("/a", 1.5), ...)``: a file as lcm-logger writes it, of Twists at seconds."""
+
+    def write(name: str, *messages: "tuple[str, float] | tuple[str, float, bytes]") -> Path:
+        path = tmp_path / name
+        events = [
+            encode_event(
+                number,
+                Packet(
+                    channel, payload[0] if payload else encode(Twist()), START + round(time * S)
+                ),
+            )
+            for number, (channel, time, *payload) in enumerate(messages)
+        ]
+        path.write_bytes(b"".join(events))
+        return path
+
+    return write
+
+
+def choice(words: Sequence[str] = (), **options: Sequence[str]) -> Choice:
+    return Choice(names=split_arguments(words)[0], **options)  # type: ignore[arg-type]
+
+
+def topics(path: Path, what: Choice) -> list[str]:
+    with Playlist([path], what) as playlist:
+        return [track.topic for track in playlist.tracks]
+
+
+def test_logs_are_merged_by_time(log: Log) -> None:
+    paths = [log("a", ("/a", 0), ("/a", 2), ("/a", 4)), log("b", ("/b", 1), ("/b", 4), ("/b", 5))]
+    with Playlist(paths, Choice()) as playlist:
+        assert playlist.span == (START, START + 5 * S)
+        found = [((m.time - START) / S, m.topic) for m in playlist.messages(*playlist.span)]
+        some = list(playlist.messages(START + S, START + 2 * S))
+    assert found == [(0, "/a"), (1, "/b"), (2, "/a"), (4, "/a"), (4, "/b"), (5, "/b")]
+    assert [one.topic for one in some] == ["/b", "/a"]
+
+
+def test_payloads_are_as_they_are_in_the_log(log: Log) -> None:
+    path = log("a", ("PLAIN", 0, b"\0\xff no LCM message"), ("/a", 1, b""))
+    with Playlist([path], Choice()) as playlist:
+        found = [(m.topic, m.payload) for m in playlist.messages(*playlist.span)]
+        assert [track.type for track in playlist.tracks] == ["", ""]
+    assert found == [("PLAIN", b"\0\xff no LCM message"), ("/a", b"")]
+
+
+ALL = ("/a/x", "/a/y", "/b", "PLAIN", "/s/_request", NODE_CHANNEL)
+
+
+@pytest.mark.parametrize(
+    ("what", "expected"),
+    [
+        (choice(), ["/a/x", "/a/y", "/b", "PLAIN"]),
+        (choice(topics=["/a/*", "b"]), ["/a/x", "/a/y", "/b"]),
+        (choice(topics=["**"], exclude=["/a/x", "PLAIN"]), ["/a/y", "/b"]),
+        (choice(exclude=["/a/*", "/nothing*"]), ["/b", "PLAIN"]),
+        (choice(topics=["/s/_request"]), ["/s/_request"]),
+        (choice(topics=["/**", "/s/_*"]), ["/a/x", "/a/y", "/b", "/s/_request"]),
+        (
+            choice(["__ns:=/replay"]),
+            ["/replay/a/x", "/replay/a/y", "/replay/b", "/replay/PLAIN"],
+        ),
+        (choice(["/a/x:=/z", "PLAIN:=plain"]), ["/z", "/a/y", "/b", "/plain"]),
+        (choice(["b:=c", "--ns", "n"], topics=["b", "/a/x"]), ["/n/a/x", "/n/c"]),
+    ],
+)
+def test_topics_are_chosen_and_moved(log: Log, what: Choice, expected: list[str]) -> None:
+    path = log("a", *((name, 0) for name in ALL))
+    assert topics(path, what) == expected
+
+
+def test_the_clock_stays_in_place_where_nodes_are_to_follow_it(log: Log) -> None:
+    path = log("a", ("/clock", 0), ("/a", 1))
+    said = split_arguments(["__ns:=/n"])[0]
+    assert topics(path, Choice(names=said)) == ["/n/a", "/n/clock"]
+    assert topics(path, Choice(names=said, keeps_clock=True)) == ["/n/a", "/clock"]
+
+
+def test_a_type_is_as_it_was_announced_else_the_likeliest(log: Log) -> None:
+    end = Endpoint("/p", Role.PUBLISHER, ("geometry_msgs/Point",), (fingerprint(Point),))
+    announced = encode_announcement(Announcement(Node("/n", "1", "h", 1, endpoints=(end,))))
+    point = encode(Point())
+    path = log("a", ("/q", 0, point), (NODE_CHANNEL, 1, announced), ("/p", 2, point))
+    with Playlist([path], Choice()) as playlist:
+        types = {track.topic: track.type for track in playlist.tracks}
+    assert types == {"/p": "geometry_msgs/Point", "/q": "geometry_msgs/Vector3"}
+
+
+def test_damaged_bytes_are_passed_over(log: Log, tmp_path: Path) -> None:
+    events = log("a", ("/a", 0), ("/a", 1)).read_bytes()
+    path = tmp_path / "damaged"
+    path.write_bytes(events[:80] + b"\0" * 50 + events + events[:60])
+    with Playlist([path], Choice()) as playlist:
+        assert len(list(playlist.messages(*playlist.span))) == 2
+
+
+@pytest.mark.parametrize(
+    ("what", "kind", "text"),
+    [
+        (choice(topics=["/a/z"]), UsageError, "the log has no topic '/a/z'; did you mean /a/"),
+        (choice(topics=["/q*"]), UsageError, "the log has no topic '/q*'; lcmtools bag info"),
+        (choice(exclude=["/a/z"]), UsageError, "no topic '/a/z'; did you mean /a/"),
+        (choice(["/a/z:=/c"]), UsageError, "the log has no topic '/a/z'; did you mean /a/"),
+        (choice(topics=[NODE_CHANNEL]), UsageError, f"no topic '{NODE_CHANNEL}'"),
+        (choice(exclude=["**"]), LcmtoolsError, "is left to play; name other topics"),
+        (choice([f"__ns:=/{'n' * 60}"]), InvalidName, "LCM channels have at most 63"),
+        (choice(["/b:=1"]), InvalidName, "'1' is not a legal name"),
+    ],
+)
+def test_what_cannot_be_played(
+    log: Log, what: Choice, kind: type[LcmtoolsError], text: str
+) -> None:
+    path = log("a", *((name, 0) for name in ALL if name != "PLAIN"))
+    with pytest.raises(kind) as caught:
+        Playlist([path], what)
+    assert text in str(caught.value)
+
+
+def test_files_that_are_no_logs(log: Log, tmp_path: Path) -> None:
+    (tmp_path / "text").write_text("no log\n")
+    with pytest.raises(LcmtoolsError, match=r"text has no messages; is it a log of LCM\?"):
+        Playlist([log("a", ("/a", 0)), tmp_path / "text"], Choice())
+    with pytest.raises(LcmtoolsError, match=r"empty has no messages; it is empty"):
+        Playlist([log("empty")], Choice())
+    with pytest.raises(BusError, match="cannot read the log"):
+        Playlist([tmp_path / "none"], Choice())
