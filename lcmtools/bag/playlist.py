@@ -12,16 +12,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lcmtools.arguments import NodeArguments
-from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.bag.edits import TopicChoice
+from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.builder import GraphBuilder
-from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, SHUTDOWN_CHANNEL
+from lcmtools.graph.protocol import NODE_CHANNEL
 from lcmtools.messages.registry import candidates
 from lcmtools.names import (
-    Pattern,
     Resolver,
     check_channel,
-    did_you_mean,
-    has_wildcard,
     is_hidden,
     resolve_namespace,
     spellings,
@@ -31,17 +29,14 @@ from lcmtools.packages import provide_recorded_types
 from lcmtools.wire.log_index import Block
 
 CLOCK = "/clock"
-_NEVER = (NODE_CHANNEL, PROBE_CHANNEL, SHUTDOWN_CHANNEL)  # they would make ghosts of the nodes
-_OWN = NODE_CHANNEL.rpartition("/")[0] + "/"
-_NO_NAMES = NodeArguments()
+_NEVER = NODE_CHANNEL.rpartition("/")[0] + "/"  # announcements would make ghosts of the nodes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Choice:
     """The channels that are played, and their names."""
 
-    topics: Sequence[str] = ()  # names and patterns; none for all
-    exclude: Sequence[str] = ()
+    topics: TopicChoice = field(default_factory=TopicChoice)
     names: NodeArguments = field(default_factory=NodeArguments)  # namespace and remaps
     keeps_clock: bool = False  # /clock keeps its name in a namespace
 
@@ -122,19 +117,23 @@ class Playlist(AbstractContextManager["Playlist"]):
 
     def _tracks(self, choice: Choice) -> tuple[Track, ...]:
         counts = self._counts
-        names = [name for name in sorted(counts) if not name.startswith(_OWN)]
-        left_out = {name for word in choice.exclude for name in _meant(word, names, lenient=True)}
-        wanted = [name for word in choice.topics for name in _meant(word, names)]
-        usual = [name for name in names if not is_hidden(name)]
-        chosen = set(wanted if choice.topics else usual) - left_out
+        names = [name for name in sorted(counts) if not name.startswith(_NEVER)]
+        choice.topics.check(names)
+        hidden = TopicChoice([word for word in choice.topics.wanted if is_hidden(word)])
+        chosen = [
+            name
+            for name in names
+            if choice.topics.has(name)
+            and (not is_hidden(name) or (hidden.wanted and hidden.has(name)))
+        ]
         if not chosen:
             paths = ", ".join(str(log.path) for log, _ in self._logs)
             raise LcmtoolsError(f"nothing of {paths} is left to play", "name other topics")
-        moved = _moved(sorted(chosen), choice)
+        moved = _moved(chosen, choice)
         builder = self._announced()
         return tuple(
             _track(channel, moved[channel], counts[channel], builder.types_of(channel))
-            for channel in sorted(chosen)
+            for channel in chosen
         )
 
     def _announced(self) -> GraphBuilder:
@@ -175,22 +174,6 @@ def _messages(
                 yield Played(event.time, topic, log.data[event.payload_start : event.end])
 
 
-def _meant(word: str, names: Sequence[str], *, lenient: bool = False) -> list[str]:
-    """The channels that a name or a pattern means.
-
-    With ``lenient``, a pattern may match none: a name that is misspelt would be played.
-    """
-    if has_wildcard(word):
-        pattern = Pattern(word, hidden=is_hidden(word))
-        found = [name for name in names if pattern.matches(name)]
-    else:
-        found = [name for name in names if name in spellings(word)]
-    if found or (lenient and has_wildcard(word)):
-        return found
-    hint = did_you_mean(word, names) or "lcmtools bag info FILE lists the topics"
-    raise UsageError(f"the log has no topic '{word}'", hint)
-
-
 def _moved(channels: Sequence[str], choice: Choice) -> Mapping[str, str]:
     """The topic of each channel: moved by a remap, else into the namespace."""
     said = choice.names
@@ -201,8 +184,10 @@ def _moved(channels: Sequence[str], choice: Choice) -> Mapping[str, str]:
         below = f"{namespace}/{channel.lstrip('/')}"
         moved[channel] = channel if is_kept else below
     for source, target in said.remaps:
-        for channel in _meant(source, channels):
-            moved[channel] = Resolver(namespace).resolve(target)
+        found = [channel for channel in channels if channel in spellings(source)]
+        if not found:
+            TopicChoice([source]).check(channels)
+        moved.update(dict.fromkeys(found, Resolver(namespace).resolve(target)))
     for topic in moved.values():
         check_channel(topic)
     return moved

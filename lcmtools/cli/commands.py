@@ -111,6 +111,7 @@ param = _group(
 _BAG = _entries("""\
 play        cli.bag.play:command     Publish the messages of logs again, in time.
 info        cli.bag.info:info        Show what is in logs.
+plot        cli.plot:of_log          Draw fields of a log over time.
 filter      cli.bag.edit:filter_     Write the messages that meet a condition.
 cut         cli.bag.edit:cut         Write the part between two times.
 merge       cli.bag.join:merge       Join logs into one.
@@ -123,10 +124,11 @@ reindex     cli.bag.info:reindex     Write the index of a log.
 """)
 bag = _group(
     "bag",
-    "Play logs, look into them, and work on them.",
+    "Record what is on the bus; look into logs, play them, and hand them on.",
     _BAG,
     "play ride.lcmlog",
     "info ride.lcmlog",
+    "plot ride.lcmlog /husky0/odometry/twist.twist.linear.x",
     "cut ride.lcmlog end.lcmlog -s end-1m",
 )
 _SIM = _entries("""\
@@ -161,17 +163,6 @@ lab = _group(
     "start husky",
     'check husky --controller "python my_controller.py"',
 )
-_BAG = _entries("""\
-plot      cli.plot:of_log              Draw fields of a log over time.
-""")
-bag = _group(
-    "bag",
-    "Record what is on the bus; look into logs, play them, and hand them on.",
-    _BAG,
-    "plot ride.lcmlog /husky0/odometry/twist.twist.linear.x",
-    "plot ride.lcmlog /imu/angular_velocity -o turning.png",
-    has_bus=False,
-)
 COMMANDS = {
     **_TOPIC,
     **_entries("""\
@@ -189,7 +180,6 @@ sim         cli.commands:sim                Control a simulator: pause, reset, s
 run         cli.run:command                 Run a node, or the simulator.
 lab         cli.commands:lab                Work on the labs: list, start, check and more.
 launch      cli.launch.command:command      Run the nodes of a launch file.
-bag         cli.commands:bag                Play logs, look into them, and work on them.
 pkg         cli.commands:pkg                Create and find packages: create, list, build.
 config      cli.config:command              Show the settings and their sources.
 completion  cli.completion.command:command  Complete words with TAB.

@@ -339,7 +339,7 @@ def test_a_pause_needs_a_terminal(cli: Cli, ride: str) -> None:
     [
         (["--start", "1m"], "the start, 1m, is behind the end of the log; the log is 0.4 s long"),
         (["-s", "0.31", "-u", "0.32"], "the log has no message in these times"),
-        (["-t", "/od"], "the log has no topic '/od'; did you mean /odom?"),
+        (["-t", "/od"], "no topic /od is in the log; did you mean /odom?"),
     ],
 )
 def test_nothing_of_the_log_is_meant(cli: Cli, ride: str, words: list[str], said: str) -> None:

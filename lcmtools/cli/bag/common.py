@@ -26,6 +26,7 @@ topics_option = option(
     "wanted",
     metavar="TOPIC",
     multiple=True,
+    completer="logs:topics",
     help="Only this topic, namespace or pattern; may be repeated.",
 )
 exclude_option = option(
@@ -34,6 +35,7 @@ exclude_option = option(
     "excluded",
     metavar="TOPIC",
     multiple=True,
+    completer="logs:topics",
     help="Not this topic, namespace or pattern; may be repeated.",
 )
 

@@ -1,12 +1,12 @@
 """``lcmtools bag play``."""
 
-from functools import partial
-
 import click
 
+from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.play import Manner, play
 from lcmtools.bag.playlist import Choice
-from lcmtools.bag.times import LogTime, parse_time
+from lcmtools.bag.times import LogTime
+from lcmtools.cli.bag.common import exclude_option, topics_option, window_options
 from lcmtools.cli.bag.progress_line import ProgressLine
 from lcmtools.cli.bus import chosen_url
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
@@ -25,16 +25,6 @@ def _rate(value: str | float) -> float:
     return number
 
 
-def _time(value: "str | LogTime") -> LogTime:
-    try:
-        return value if isinstance(value, LogTime) else parse_time(value)
-    except UsageError as error:
-        raise click.BadParameter(str(error)) from None
-
-
-_topics = partial(option, multiple=True, metavar="TOPIC", completer="logs:topics")
-
-
 @subcommand("play", names_options, bus_options)
 @examples(
     "bag play ride.lcmlog",
@@ -44,12 +34,11 @@ _topics = partial(option, multiple=True, metavar="TOPIC", completer="logs:topics
 )
 @argument("files", nargs=-1, required=True, metavar="FILE...", completer="files")
 @option("-r", "--rate", type=_rate, default=1.0, help="Speed: 2 is twice as fast, 0 at once.")
-@option("-s", "--start", type=_time, help="Begin there: 10s, end-1m, 12:30:05.")
-@option("-u", "--end", type=_time, help="End there.")
+@window_options
 @option("--duration", type=duration, help="Play so much of the log at most.")
 @flag("-l", "--loop", help="Begin again at the end.")
-@_topics("-t", "--topics", help="Play this topic or pattern only.")
-@_topics("-x", "--exclude", help="Leave out a topic or pattern.")
+@topics_option
+@exclude_option
 @flag("--clock", help="Publish the log's time on /clock, for nodes on simulated time.")
 @flag("-w", "--wait-subscribers", help="Wait until each topic has a subscriber.")
 @flag("-p", "--pause", help="Begin with a pause.")
@@ -63,8 +52,8 @@ def command(
     end: LogTime | None,
     duration: float | None,
     loop: bool,
-    topics: tuple[str, ...],
-    exclude: tuple[str, ...],
+    wanted: tuple[str, ...],
+    excluded: tuple[str, ...],
     clock: bool,
     wait_subscribers: bool,
     pause: bool,
@@ -87,7 +76,9 @@ def command(
     """
     if pause and not has_keys():
         raise UsageError("--pause begins with a pause that only a key ends", "use a terminal")
-    choice = Choice(topics=topics, exclude=exclude, names=bus_choice().names, keeps_clock=clock)
+    choice = Choice(
+        topics=TopicChoice(wanted, excluded), names=bus_choice().names, keeps_clock=clock
+    )
     manner = Manner(
         rate=rate,
         start=start,

@@ -16,7 +16,7 @@ def topics(situation: Situation) -> Iterator[Candidate]:
     from lcmtools.observe.log_file import LogFile
 
     found: set[str] = set()
-    for path in situation.all("files", "file"):
+    for path in situation.all("files", "source"):
         with contextlib.suppress(LcmtoolsError), LogFile(path) as log:
             found.update(*(block.channels for block in log.index.blocks))
             events = islice(log.events(log.index.end), _MOST_EVENTS)

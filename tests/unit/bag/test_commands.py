@@ -143,7 +143,7 @@ def test_efforts_are_stopped_by_zeros_for_the_same_joints() -> None:
     assert one.stop is not None
     stop = decode(JointState, one.stop)
     assert (stop.header.seq, stop.effort, stop.name) == (7, (0.0, 0.0), ["left", "right"])
-    assert one.typed.endswith("""'{"name":["left","right"],"effort":[0.0,0.0]}'""")
+    assert one.typed.endswith("""'{"name":["left","right"],"effort":[0,0]}'""")
 
 
 def test_zero_is_no_stop_for_a_position() -> None:
