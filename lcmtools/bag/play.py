@@ -46,7 +46,7 @@ _STOP_GAP = 0.01  # [s]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Manner:
-    """How logs are played."""
+    """The manner of playing logs."""
 
     rate: float = 1.0  # seconds of the log in a second; 0 for as fast as possible
     start: LogTime | None = None
@@ -60,7 +60,7 @@ class Manner:
 
 
 class Result(NamedTuple):
-    """What was played."""
+    """The result of playing logs."""
 
     messages: int
     seconds: float

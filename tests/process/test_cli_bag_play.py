@@ -338,7 +338,7 @@ def test_a_pause_needs_a_terminal(cli: Cli, ride: str) -> None:
     ("words", "said"),
     [
         (["--start", "1m"], "the start, 1m, is behind the end of the log; the log is 0.4 s long"),
-        (["-s", "0.31", "-u", "0.32"], "the log has no message in these times"),
+        (["-s", "0.31", "-e", "0.32"], "the log has no message in these times"),
         (["-t", "/od"], "no topic /od is in the log; did you mean /odom?"),
     ],
 )
