@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 COLORS = ("auto", "always", "never")
 
 _DURATION = re.compile(r"(\d+\.?\d*|\.\d+)(ms|s|m|h)?", re.ASCII)
+_BYTES = re.compile(r"(\d+\.?\d*|\.\d+)\s*(?:([kKMGT])(i)?)?B?", re.ASCII)
 _SECONDS: Mapping[str, float] = {"ms": 0.001, "s": 1.0, "m": 60.0, "h": 3600.0}
 _MOST_BYTES = 100_000  # of a settings file
 
@@ -32,6 +33,16 @@ def parse_duration(text: str) -> float:
     if not form:
         raise UsageError(f"'{text}' is not a duration", "write 500ms, 2s or 1m")
     return float(form[1]) * _SECONDS[form[2] or "s"]
+
+
+def parse_bytes(text: str) -> int:
+    """Return a size in bytes: ``500MB``, ``1.5 GiB`` or ``1000``; UsageError for others."""
+    form = _BYTES.fullmatch(text)
+    if not form or not float(form[1]):
+        raise UsageError(f"'{text}' is not a size", "write 500MB or 1GB")
+    base = 1024 if form[3] else 1000
+    factor: int = base ** " kmgt".index((form[2] or " ").lower())
+    return round(float(form[1]) * factor)
 
 
 def _check_color(text: str) -> None:

@@ -4,24 +4,37 @@ Whole events reach the file: what a full disk or a write that failed leaves of a
 """
 
 import os
+from bisect import bisect_right
 from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path
+from typing import NamedTuple
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.observe.log_file import index_path
 from lcmtools.wire import log_index
-from lcmtools.wire.log import encode_event
+from lcmtools.wire.log import encode_head
 from lcmtools.wire.log_index import Block, RecordedNode, RecordedSender, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 
 _MOST_AT_ONCE = os.sysconf("SC_IOV_MAX")  # parts that a system call writes
+_LARGE = 4096  # bytes of a payload that is not copied into its event
+
+
+class Batch(NamedTuple):
+    """Events and lines that are to be written; one thread can take it while another one writes."""
+
+    start: int  # of the first event, in bytes of the log
+    parts: list[bytes]  # of the events, together all of them
+    ends: list[int]  # of the events, in bytes of the log
+    lines: list[str]  # of the index
 
 
 class LogWriter(AbstractContextManager["LogWriter"]):
     """A log that is being written, and its index.
 
-    ``add`` only takes messages; ``flush`` writes them.
+    ``add`` only takes messages; ``flush`` writes them, or ``write``, on another thread, a batch of
+    them that ``take`` has returned.
 
     Args:
         path: The log.
@@ -46,10 +59,12 @@ class LogWriter(AbstractContextManager["LogWriter"]):
             os.close(self._log)
             self.path.unlink(missing_ok=True)
             raise
-        self._waiting: list[bytes] = []
-        self._written = 0
+        self._parts: list[bytes] = []
+        self._ends: list[int] = []
         self._lines = [log_index.index_line()]
         self._block = Block(0)
+        self._taken = 0
+        self._is_cut_off = False  # by a write that failed; the index ends before
         self._senders: dict[tuple[Sender | None, str], int] = {}
         self._types: set[str] = set()
 
@@ -59,10 +74,12 @@ class LogWriter(AbstractContextManager["LogWriter"]):
 
     def add(self, packet: Packet, sender: int = -1) -> None:
         """Take a message; ``sender`` is a number that ``sender_number`` gave."""
-        event = encode_event(self.messages, packet)
-        self._waiting.append(event)
+        head = encode_head(self.messages, packet)
+        payload = packet.payload
+        self._parts += (head + payload,) if len(payload) < _LARGE else (head, payload)
         self.messages += 1
-        self.size += len(event)
+        self.size += len(head) + len(payload)
+        self._ends.append(self.size)
         self._block.add(packet, sender)
 
     def sender_number(self, sender: Sender | None, name: str) -> int:
@@ -72,6 +89,10 @@ class LogWriter(AbstractContextManager["LogWriter"]):
             number = self._senders[key] = len(self._senders)
             self._lines.append(log_index.sender_line(number, RecordedSender(sender, name)))
         return self._senders[key]
+
+    def rename_sender(self, number: int, sender: Sender | None, name: str) -> None:
+        """Give a sender of this log, by its number, another name."""
+        self._lines.append(log_index.sender_line(number, RecordedSender(sender, name)))
 
     def add_types(self, types: Iterable[RecordedType]) -> None:
         """Keep message types in the index, each once."""
@@ -88,31 +109,52 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         """Keep the messages lost until now, and those sent, by the sender's number."""
         self._lines.append(log_index.losses_line(losses))
 
-    def flush(self) -> None:
-        """Write what was added; the log first, so that the index never says more than it has.
+    @property
+    def waiting_bytes(self) -> int:
+        """Bytes of the events that were added since the last batch was taken."""
+        return self.size - self._taken
+
+    def take(self) -> Batch:
+        """Return what was added since, to be written by ``write`` in the same order."""
+        if self._block.is_full(self.size):
+            self._end_block()
+        batch = Batch(self._taken, self._parts, self._ends, self._lines)
+        self._parts, self._ends, self._lines = [], [], []
+        self._taken = self.size
+        return batch
+
+    def write(self, batch: Batch) -> None:
+        """Write a batch; the log first, so that the index never says more than it has.
 
         Raises:
             LcmtoolsError: The disk is full, for example; the log ends with its last whole event.
         """
-        self._write_events()
-        if self._block.is_full(self.size):
-            self._end_block()
-        self._write_lines()
+        self._write_events(batch)
+        self._write_lines(batch.lines)
+
+    def flush(self) -> None:
+        """Write what was added.
+
+        Raises:
+            LcmtoolsError: As of ``write``.
+        """
+        self.write(self.take())
 
     def close(self) -> None:
         """Write what is left, and close the files; does nothing the second time.
 
         Raises:
-            LcmtoolsError: As of ``flush``.
+            LcmtoolsError: As of ``write``.
         """
         if self._log < 0:
             return
         try:
-            self._write_events()
-            if self._block.channels:
+            if self._is_cut_off:
+                self.take()
+            elif self._block.channels:
                 self._end_block()
             self._lines.append(log_index.end_line(self.size))
-            self._write_lines()
+            self.flush()
         finally:
             os.close(self._log)
             os.close(self._index)
@@ -123,39 +165,39 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         self._lines.append(log_index.block_line(self._block))
         self._block = Block(self.size)
 
-    def _write_events(self) -> None:
-        waiting, self._waiting = self._waiting, []
+    def _write_events(self, batch: Batch) -> None:
+        written = 0
         try:
-            for start in range(0, len(waiting), _MOST_AT_ONCE):
-                self._write_some(waiting[start : start + _MOST_AT_ONCE])
+            for start in range(0, len(batch.parts), _MOST_AT_ONCE):
+                some = batch.parts[start : start + _MOST_AT_ONCE]
+                left = sum(map(len, some))
+                while left:
+                    done = os.writev(self._log, some)
+                    written, left = written + done, left - done
+                    some = _behind(some, done) if left else some
         except OSError as error:
-            os.ftruncate(self._log, self._written)
-            self.size = self._written
+            whole = bisect_right(batch.ends, batch.start + written)
+            self.size = self._taken = batch.ends[whole - 1] if whole else batch.start
+            self._is_cut_off = True
+            os.ftruncate(self._log, self.size)
             raise _failure(self.path, error) from error
 
-    def _write_some(self, some: list[bytes]) -> None:
-        """Write some events; those that are written whole count even if the others fail."""
-        left = list(some)
-        while left:
-            written = os.writev(self._log, left)
-            while left and written >= len(left[0]):
-                written -= len(left[0])
-                self._written += len(left.pop(0))
-            if written:
-                part = left[0]
-                while written < len(part):
-                    written += os.write(self._log, part[written:])
-                self._written += len(part)
-                left.pop(0)
-
-    def _write_lines(self) -> None:
-        lines, self._lines = self._lines, []
+    def _write_lines(self, lines: list[str]) -> None:
         data = "".join(lines).encode()
         try:
             while data:
                 data = data[os.write(self._index, data) :]
         except OSError as error:
             raise _failure(index_path(self.path), error) from error
+
+
+def _behind(parts: list[bytes], done: int) -> list[bytes]:
+    """Return what is left of some parts when so many bytes are done."""
+    for place, part in enumerate(parts):
+        if done < len(part):
+            return [part[done:], *parts[place + 1 :]]
+        done -= len(part)
+    return []
 
 
 def _create(path: Path, *, force: bool) -> int:

@@ -37,11 +37,11 @@ _WANTED_BUFFER_BYTES = 8 << 20
 # asm-generic/socket.h and linux/in.h; Python's socket module does not name these
 _SO_ATTACH_FILTER, _SO_MEMINFO, _IP_RECVTTL = 26, 55, 12
 _MEMORY_LIMIT, _MEMORY_DROPS = 1, 8  # places among its numbers (linux/sock_diag.h)
-_IS_LINUX = sys.platform == "linux"
+IS_LINUX = sys.platform == "linux"
 # the option for receive times, their kind of ancillary data, its seconds and fraction, and the
 # fraction's unit [ns]: SO_TIMESTAMPNS on Linux, SO_TIMESTAMP on macOS and BSD (sys/socket.h)
 _STAMP_OPTION, _STAMP_KIND, _STAMP, _STAMP_UNIT = (
-    (35, 35, struct.Struct("@qq"), 1) if _IS_LINUX else (0x0400, 0x02, struct.Struct("@qi"), 1000)
+    (35, 35, struct.Struct("@qq"), 1) if IS_LINUX else (0x0400, 0x02, struct.Struct("@qi"), 1000)
 )
 
 _PIDFD_GETFD, _MCAST_MSFILTER = 438, 48  # asm-generic/unistd.h, linux/in.h
@@ -60,7 +60,7 @@ _TIMEOUT = 0.2  # [s]
 def share_port(receiver: socket.socket) -> None:
     """Let other sockets receive from the same group and port, as liblcm does."""
     receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    if not _IS_LINUX:  # macOS and BSD want both
+    if not IS_LINUX:  # macOS and BSD want both
         receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
 
 
@@ -71,7 +71,7 @@ def request_arrival(receiver: socket.socket) -> bool:
     """
     with contextlib.suppress(OSError):
         receiver.setsockopt(socket.SOL_SOCKET, _STAMP_OPTION, 1)
-        if _IS_LINUX:
+        if IS_LINUX:
             receiver.setsockopt(socket.IPPROTO_IP, _IP_RECVTTL, 1)
         return True
     return False
@@ -100,7 +100,7 @@ def mark(receiver: socket.socket, value: int) -> None:
 
 def attach(receiver: socket.socket, program: FilterProgram) -> bool:
     """Attach a filter to a socket; return False where the system has no filters."""
-    if not _IS_LINUX:
+    if not IS_LINUX:
         return False
     rows = (struct.pack("=HBBI", i.code, i.if_true, i.if_false, i.k) for i in program)
     code = array("B", b"".join(rows))  # struct sock_filter

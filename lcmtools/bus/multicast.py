@@ -12,7 +12,15 @@ import struct
 import time
 from collections.abc import Iterator
 
-from lcmtools.bus.kernel import ANNOUNCED, mark, receive_buffer_bytes, share_port
+from lcmtools.bus.kernel import (
+    ANNOUNCED,
+    SELECTIVE,
+    attach,
+    mark,
+    receive_buffer_bytes,
+    share_port,
+)
+from lcmtools.bus.socket_filter import FilterProgram
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire.datagram import short_message
@@ -33,8 +41,12 @@ def sending_socket(url: BusUrl) -> socket.socket:
     return sender
 
 
-def receiving_socket(url: BusUrl) -> socket.socket:
+def receiving_socket(url: BusUrl, program: FilterProgram | None = None) -> socket.socket:
     """Return a socket that receives from the group beside others, as liblcm's receivers do.
+
+    Args:
+        url: The bus.
+        program: A filter that it has from the beginning, where the system has filters.
 
     Raises:
         BusError: The group cannot be joined.
@@ -44,7 +56,7 @@ def receiving_socket(url: BusUrl) -> socket.socket:
         stack.enter_context(receiver)  # closed on an error
         share_port(receiver)
         receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer_bytes())
-        mark(receiver, ANNOUNCED)
+        mark(receiver, SELECTIVE if program and attach(receiver, program) else ANNOUNCED)
         # bound to the group itself, so that other groups on the same port stay out
         receiver.bind((url.host, url.port))
         membership = struct.pack("=4sl", socket.inet_aton(url.host), socket.INADDR_ANY)

@@ -19,6 +19,7 @@ from lcmtools.wire.datagram import (
 # Operations (linux/bpf_common.h): A is the accumulator, X the index register.
 _LOAD_WORD, _LOAD_HALF, _LOAD_BYTE, _LOAD_LENGTH = 0x20, 0x28, 0x30, 0x80
 _LOAD_X, _TO_X, _ADD_X, _SUB, _SUB_X = 0x01, 0x07, 0x0C, 0x14, 0x1C
+_AND = 0x54
 _JUMP, _JUMP_EQUAL, _JUMP_GREATER, _JUMP_GREATER_EQUAL = 0x05, 0x15, 0x25, 0x35
 _JUMP_GREATER_EQUAL_X = 0x3D
 _RETURN = 0x06
@@ -77,6 +78,41 @@ def heads_only(but_up_to: int = 0) -> FilterProgram:
         _DROP,
         _ACCEPT,
     ]
+
+
+def no_fragments() -> FilterProgram:
+    """Drop all fragments; malformed datagrams pass."""
+    return [
+        Instruction(_LOAD_LENGTH),
+        Instruction(_JUMP_GREATER_EQUAL, _PAYLOAD, 0, 3),
+        Instruction(_LOAD_WORD, _UDP_HEADER),
+        Instruction(_JUMP_EQUAL, _FRAGMENT, 0, 1),
+        _DROP,
+        _ACCEPT,
+    ]
+
+
+def fragments_only(share: int, shares: int) -> FilterProgram:
+    """Accept the fragments of one share: every so manieth of each message.
+
+    Args:
+        share: The number of the share, from 0.
+        shares: Their number, a power of two.
+    """
+    return [
+        Instruction(_LOAD_WORD, _UDP_HEADER),
+        Instruction(_JUMP_EQUAL, _FRAGMENT, 0, 3),
+        Instruction(_LOAD_HALF, _NUMBER),
+        Instruction(_AND, shares - 1),
+        Instruction(_JUMP_EQUAL, share, 1, 0),
+        _DROP,
+        _ACCEPT,
+    ]
+
+
+def nothing() -> FilterProgram:
+    """Drop everything."""
+    return [_DROP]
 
 
 def one_channel(channel: str) -> FilterProgram:

@@ -9,18 +9,20 @@ next to nothing to watch.
 """
 
 import contextlib
-import select
+import socket
 import time
+from bisect import bisect_right
 from collections.abc import Iterator, Mapping
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
-from lcmtools.bus.kernel import ANCILLARY_BYTES, arrival, attach, dropped, request_arrival
+from lcmtools.bus.kernel import ANCILLARY_BYTES, arrival, attach, dropped
 from lcmtools.bus.multicast import (
     SELF_TEST_CHANNEL,
     check_multicast,
-    receiving_socket,
     sending_socket,
 )
+from lcmtools.bus.receivers import Receivers
 from lcmtools.bus.socket_filter import heads_only
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, os_errors_as
@@ -40,6 +42,11 @@ _STREAM, _STREAM_GAP, _NAP = 8, 0.005, 0.01
 _OF_A_NAP = 128
 """Messages that may come meanwhile: half of what a usual buffer holds of small ones."""
 
+_AT_FIRST = 1_000_000
+"""Bytes of a large message for which there is room before the first one comes."""
+_TIME = attrgetter("time")
+_NEVER = 1 << 63  # [ns since 1970]
+
 
 class Tap(contextlib.AbstractContextManager["Tap"]):
     """An observer of one multicast group.
@@ -50,6 +57,8 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         in_kernel: Let the kernel drop other fragments, where it can; the results are the same
             without.
         always_whole: Channels that begin so come whole nevertheless.
+        spread: Receive with several sockets where large messages would not fit into the buffer of
+            one (see ``Receivers``); for who wants all of them.
 
     Attributes:
         longest_nap: The time [s] that messages of a stream may wait, to be read together.
@@ -68,18 +77,22 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         whole: bool = False,
         in_kernel: bool = True,
         always_whole: tuple[str, ...] = (),
+        spread: bool = False,
     ) -> None:
         check_multicast(url)
         self._address = (url.host, url.port)
-        self._receiver = receiving_socket(url)
-        self._receiver.settimeout(0.0)
+        self._receivers = Receivers(url)
+        self._is_spread = spread
+        if spread:
+            self._receivers.make_room(_AT_FIRST)
         self._sender = sending_socket(url)
         self._seqno = 0
         self.longest_nap = 0.0 if whole else _NAP
         self._nap = _NAP
         self._wants_whole = whole or bool(always_whole)
         self._passing = 0  # bytes of the messages of which the filter lets all fragments pass
-        self._filtered = not whole and in_kernel and attach(self._receiver, heads_only())
+        first = self._receivers.sockets[0]
+        self._filtered = not whole and in_kernel and attach(first, heads_only())
         self._reader = Reader(whole=whole, always_whole=(PROTOCOL_PREFIX, *always_whole))
         self.malformed: Mapping[Sender, str] = self._reader.malformed
         self.sequences: Mapping[Sender, Sequence] = self._reader.sequences
@@ -87,7 +100,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         self._buffer = memoryview(bytearray(_MAX_DATAGRAM))
         self._batch: DatagramBatch | None = None
         self._turns = 0
-        self._has_times = request_arrival(self._receiver)
+        self._held: list[Packet] = []
 
     def __exit__(self, *_: object) -> None:
         """Leave the group."""
@@ -95,7 +108,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
 
     def close(self) -> None:
         """Leave the group."""
-        self._receiver.close()
+        self._receivers.close()
         self._sender.close()
 
     @property
@@ -120,7 +133,8 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
 
         None where it is unknown, or counts those that the filter drops.
         """
-        return None if self._filtered else dropped(self._receiver)
+        sockets = self._receivers.sockets
+        return None if self._filtered or len(sockets) > 1 else dropped(sockets[0])
 
     def send(self, channel: str, payload: bytes) -> None:
         """Publish one message, as an LCM instance of its own.
@@ -142,38 +156,69 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         if is_streaming:  # waking up for each message costs more than reading it
             time.sleep(min(self._nap, timeout))
         start = time.monotonic()
-        has_any = bool(select.select([self._receiver], [], [], timeout)[0])
+        has_any = self._receivers.are_ready(0.0 if self._held else timeout)
         is_soon = time.monotonic() - start < _STREAM_GAP
         self._turns = self._turns + has_any if is_soon else 0
-        if not has_any:
-            return []
-        packets: list[Packet] = []
-        read = self._reader.read
-        for data, sender, received, ttl in self._datagrams():
+        packets = self._read() if has_any else []
+        packets, self._held = (packets, self._held) if has_any else (self._held, [])
+        if is_streaming and has_any:
+            self._nap = min(self.longest_nap, self._nap * _OF_A_NAP / max(1, len(packets)))
+        self._attend_large()
+        return packets
+
+    def _read(self) -> list[Packet]:
+        """Return what has arrived, from several sockets in the order of its arrival.
+
+        What arrives while they are read stays for the next turn: before it, something may have
+        come to a socket that was read already.
+        """
+        sockets, packets = self._receivers.sockets, self._held
+        if len(sockets) == 1:
+            self._drain(sockets[0], packets)
+            self._held = []
+            return packets
+        late: list[Packet] = []
+        until = min(time.time_ns(), *(self._drain(one, late) for one in sockets))
+        late.sort(key=_TIME)
+        place = bisect_right(late, until, key=_TIME)
+        self._held = late[place:]
+        return packets + late[:place]
+
+    def _drain(self, receiver: socket.socket, packets: list[Packet]) -> int:
+        """Read a socket; return the time up to which it has nothing more [ns since 1970]."""
+        read, count, received = self._reader.read, 0, 0
+        for data, sender, received, ttl in self._datagrams(receiver):
+            count += 1
             packet = read(data, sender, received, ttl)
             if packet is not None:
                 packets.append(packet)
                 if packet.channel == SELF_TEST_CHANNEL:  # it stays here even if others do not
                     self._reader.ttls.pop(sender, None)
-        if is_streaming:
-            self._nap = min(self.longest_nap, self._nap * _OF_A_NAP / max(1, len(packets)))
-        needed = self._reader.largest_whole
-        if self._filtered and needed > self._passing:  # for the next messages of their kind
-            self._passing = needed
-            self._filtered = attach(self._receiver, heads_only(but_up_to=needed))
-        return packets
+        return received if count >= _BATCH else _NEVER
 
-    def _datagrams(self) -> Iterator[tuple[bytes, Sender, int, int | None]]:
+    def _attend_large(self) -> None:
+        """Let the next large messages, as large as those that came, pass and have room."""
+        needed = self._reader.largest_whole
+        if self._filtered and needed > self._passing:
+            self._passing = needed
+            self._filtered = attach(self._receivers.sockets[0], heads_only(but_up_to=needed))
+        if self._is_spread:
+            self._receivers.make_room(needed)
+
+    def _datagrams(
+        self, receiver: socket.socket
+    ) -> Iterator[tuple[bytes, Sender, int, int | None]]:
         """Take what has arrived: data, sender, time, time to live."""
-        if self._batch is None and self._turns >= _STREAM and self._has_times:
+        is_first = receiver is self._receivers.sockets[0]  # large ones fit no cache together
+        if is_first and not self._batch and self._turns >= _STREAM and self._receivers.has_times:
             from lcmtools.bus import datagram_batch  # most commands end before they need it
 
             if datagram_batch.IS_POSSIBLE:
-                self._batch = datagram_batch.DatagramBatch(self._receiver)
-        if self._batch:
+                self._batch = datagram_batch.DatagramBatch(receiver)
+        if is_first and self._batch:
             yield from self._batch.take(_BATCH)
             return
-        receive, buffer = self._receiver.recvmsg_into, self._buffer
+        receive, buffer = receiver.recvmsg_into, self._buffer
         with contextlib.suppress(BlockingIOError):
             for _ in range(_BATCH):
                 size, ancillary, _, address = receive([buffer], ANCILLARY_BYTES)
@@ -182,9 +227,10 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
     def _is_streaming(self) -> bool:
         """Return whether turns follow each other at once, so that a nap pays.
 
-        Never with large messages, which would fill the kernel's buffer meanwhile, where they are
-        wanted whole, nor where a message's receive time is that of its reading.
+        Never with large messages that are wanted whole and would fill the kernel's buffer, nor
+        where a message's receive time is that of its reading.
         """
-        has_large = self._wants_whole and self._reader.largest_whole > 0
-        is_useful = self.longest_nap and self._has_times and not has_large
+        receivers = self._receivers
+        is_tight = self._wants_whole and self._reader.largest_whole > 0 and not receivers.has_room
+        is_useful = self.longest_nap and receivers.has_times and not is_tight
         return self._turns >= _STREAM and bool(is_useful)

@@ -109,6 +109,7 @@ param = _group(
     "set simple_controller kp 0.5",
 )
 _BAG = _entries("""\
+record      cli.bag.record:command   Record messages into a log.
 play        cli.bag.play:command     Publish the messages of logs again, in time.
 info        cli.bag.info:info        Show what is in logs.
 plot        cli.plot:of_log          Draw fields of a log over time.
@@ -126,6 +127,7 @@ bag = _group(
     "bag",
     "Record what is on the bus; look into logs, play them, and hand them on.",
     _BAG,
+    "record -o ride.lcmlog",
     "play ride.lcmlog",
     "info ride.lcmlog",
     "plot ride.lcmlog /husky0/odometry/twist.twist.linear.x",

@@ -9,7 +9,7 @@ import click
 
 from lcmtools.cli.completion import Source
 from lcmtools.errors import UsageError
-from lcmtools.settings import parse_duration
+from lcmtools.settings import parse_bytes, parse_duration
 
 CommandT = TypeVar("CommandT", bound=Callable[..., object])
 
@@ -89,6 +89,14 @@ def duration(value: str | float) -> float:
     """Parse a time span into seconds: ``2``, ``500ms``, ``1m`` or ``1h``; for ``type=``."""
     try:
         return parse_duration(str(value))
+    except UsageError as error:
+        raise click.BadParameter(str(error)) from None
+
+
+def size(value: str | int) -> int:
+    """Parse a size into bytes: ``500MB``, ``1GB``; for ``type=``."""
+    try:
+        return parse_bytes(str(value))
     except UsageError as error:
         raise click.BadParameter(str(error)) from None
 

@@ -53,6 +53,7 @@ class Endpoint:
     calls: int = 0  # of the callback; 0 where there is none
     busy: int = 0  # time spent in the callback, in a running call too [ns]
     longest: int = 0  # time of the longest call, of a running one so far [ns]
+    latched: bool = False  # the last message is sent again to each new subscriber
     rate: float = 0.0  # of its messages over the last one or two seconds [Hz]; 0 where not known
 
     @property

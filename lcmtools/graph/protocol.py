@@ -31,7 +31,7 @@ MOST_OF_COMMAND = 1000
 
 M = TypeVar("M", bound=Message)
 _COUNTERS = ("messages", "bytes", "drops", "last_time", "calls", "busy", "longest", "rate")
-_OF_ENDPOINT = ("group", "depth", *_COUNTERS)
+_OF_ENDPOINT = ("group", "depth", "latched", *_COUNTERS)
 _OF_NODE = ("name", "id", "host", "pid", "start_time", "busy", "sent")
 
 _OF_ERROR = ("callback", "exception", "message", "place", "count", "last_time")

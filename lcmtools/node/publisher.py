@@ -22,6 +22,7 @@ class PayloadPublisher:
     Attributes:
         topic: The resolved topic, which is the LCM channel.
         depth: The requested queue depth, announced; LCM sends at once.
+        is_latched: Announced, for who sends the last message again to each new subscriber.
     """
 
     def __init__(
@@ -34,7 +35,7 @@ class PayloadPublisher:
     ) -> None:
         self.topic = topic
         self.depth = depth
-        self.is_destroyed = False
+        self.is_destroyed = self.is_latched = False
         self._bus = bus
         self.on_failure: Callable[[BusError], None] | None = None
         """Called when a message cannot be sent; None to have ``publish`` raise instead."""
@@ -81,6 +82,7 @@ class PayloadPublisher:
             types=(self._type_name,) if self._type_name else (),
             fingerprints=() if self._fingerprint is None else (self._fingerprint,),
             depth=self.depth,
+            latched=self.is_latched,
             messages=self._messages,
             bytes=self._bytes,
             last_time=self._last_time,

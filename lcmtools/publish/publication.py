@@ -90,10 +90,11 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
         if simulated:
             wait.wait_for_clock(timeout)
         wait.wait(subscribers, timeout)
+        publisher.is_latched = latch or schedule.stay > 0
         scheduled = ScheduledPublisher(
             node,
             publisher,
-            latch=latch or schedule.stay > 0,
+            latch=publisher.is_latched,
             endures=schedule.is_endless or incoming.is_stream or schedule.stay > 0,
             notify=notify,
             on_sent=on_sent,

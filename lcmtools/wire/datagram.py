@@ -48,7 +48,7 @@ class Fragment:
     number: int  # 0, 1, 2, ... below count
     count: int  # fragments of the message
     channel: str | None  # in fragment 0 only
-    part: bytes
+    part: bytes | memoryview  # of the datagram, which is not copied again
 
 
 class MalformedDatagram(NamedTuple):
@@ -135,4 +135,4 @@ def _parse_fragment(datagram: bytes) -> Fragment | MalformedDatagram:
         start = end + 1
     if offset + len(datagram) - start > size:
         return MalformedDatagram(f"fragment: reaches beyond the message's {size} bytes")
-    return Fragment(seqno, size, offset, number, count, channel, datagram[start:])
+    return Fragment(seqno, size, offset, number, count, channel, memoryview(datagram)[start:])

@@ -87,8 +87,12 @@ def packets(log: "bytes | mmap.mmap") -> Iterator[Packet]:
     return (event.packet(log) for event in events(log))
 
 
+def encode_head(number: int, packet: Packet) -> bytes:
+    """Return an event up to its payload; ``number`` is its place in the log, from 0."""
+    channel = packet.channel.encode("utf-8", "surrogateescape")
+    return _HEAD.pack(SYNC, number, packet.time // 1000, len(channel), packet.size) + channel
+
+
 def encode_event(number: int, packet: Packet) -> bytes:
     """Return a message as an event; ``number`` is its place in the log, from 0."""
-    channel = packet.channel.encode("utf-8", "surrogateescape")
-    sizes = len(channel), len(packet.payload)
-    return _HEAD.pack(SYNC, number, packet.time // 1000, *sizes) + channel + packet.payload
+    return encode_head(number, packet) + packet.payload

@@ -30,7 +30,8 @@ SUFFIX = ".index"
 
 
 _BLOCK_BYTES = 8 << 20  # a block ends behind so many bytes ...
-_BLOCK_TIME = 10_000_000_000  # ... or so many nanoseconds of the log
+_BLOCK_TIME = 10_000_000_000  # ... or so many nanoseconds of the log ...
+_BLOCK_SHARE = 256  # ... and, if it begins late, behind this part of all before it
 
 
 @dataclass(slots=True)
@@ -91,8 +92,11 @@ class Block:
 
     def is_full(self, end: int) -> bool:
         """Return whether a block of these events, up to this byte, is long enough."""
+        size = end - self.start
         is_long = self.last_time - self.first_time >= _BLOCK_TIME
-        return bool(self.channels) and (is_long or end - self.start >= _BLOCK_BYTES)
+        is_long = is_long and size >= self.start // _BLOCK_SHARE
+        most = max(_BLOCK_BYTES, self.start // _BLOCK_SHARE)
+        return bool(self.channels) and (is_long or size >= most)
 
 
 @dataclass(frozen=True, slots=True)

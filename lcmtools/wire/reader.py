@@ -80,7 +80,7 @@ class Reader:
         if not (self._whole or self._is_joined(fragment, sender)):
             if channel is None:
                 return None
-            head = fragment.part[:HEAD_BYTES]
+            head = bytes(fragment.part[:HEAD_BYTES])
             return Packet(channel, head, time, sender, seqno, fragment.message_size)
         self.largest_whole = max(self.largest_whole, fragment.message_size)
         if channel is not None or sender in self.sequences:  # else it had begun before

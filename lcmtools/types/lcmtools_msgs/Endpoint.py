@@ -10,11 +10,11 @@ import struct
 class Endpoint(object):
     """ One publisher, subscription, service or client of a node, as its node announces it. """
 
-    __slots__ = ["types_length", "fingerprints_length", "topic", "role", "types", "fingerprints", "group", "depth", "messages", "bytes", "drops", "last_time", "calls", "busy", "longest", "rate"]
+    __slots__ = ["types_length", "fingerprints_length", "topic", "role", "types", "fingerprints", "group", "depth", "latched", "messages", "bytes", "drops", "last_time", "calls", "busy", "longest", "rate"]
 
-    __typenames__ = ["int32_t", "int32_t", "string", "int8_t", "string", "int64_t", "string", "int32_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "double"]
+    __typenames__ = ["int32_t", "int32_t", "string", "int8_t", "string", "int64_t", "string", "int32_t", "boolean", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "int64_t", "double"]
 
-    __dimensions__ = [None, None, None, None, ["types_length"], ["fingerprints_length"], None, None, None, None, None, None, None, None, None, None]
+    __dimensions__ = [None, None, None, None, ["types_length"], ["fingerprints_length"], None, None, None, None, None, None, None, None, None, None, None]
 
     PUBLISHER = 0
     """ a role: publishes messages on the topic """
@@ -75,6 +75,12 @@ class Endpoint(object):
         """
         [messages] length of the queue, the newest are kept
         LCM Type: int32_t
+        """
+
+        self.latched = False
+        """
+        true for a publisher that sends its last message again to each new subscriber
+        LCM Type: boolean
         """
 
         self.messages = 0
@@ -150,7 +156,7 @@ class Endpoint(object):
         buf.write(struct.pack('>I', len(__group_encoded)+1))
         buf.write(__group_encoded)
         buf.write(b"\0")
-        buf.write(struct.pack(">iqqqqqqqd", self.depth, self.messages, self.bytes, self.drops, self.last_time, self.calls, self.busy, self.longest, self.rate))
+        buf.write(struct.pack(">ibqqqqqqqd", self.depth, self.latched, self.messages, self.bytes, self.drops, self.last_time, self.calls, self.busy, self.longest, self.rate))
 
     @staticmethod
     def decode(data: bytes):
@@ -176,13 +182,15 @@ class Endpoint(object):
         self.fingerprints = struct.unpack('>%dq' % self.fingerprints_length, buf.read(self.fingerprints_length * 8))
         __group_len = struct.unpack('>I', buf.read(4))[0]
         self.group = buf.read(__group_len)[:-1].decode('utf-8', 'replace')
-        self.depth, self.messages, self.bytes, self.drops, self.last_time, self.calls, self.busy, self.longest, self.rate = struct.unpack(">iqqqqqqqd", buf.read(68))
+        self.depth = struct.unpack(">i", buf.read(4))[0]
+        self.latched = bool(struct.unpack('b', buf.read(1))[0])
+        self.messages, self.bytes, self.drops, self.last_time, self.calls, self.busy, self.longest, self.rate = struct.unpack(">qqqqqqqd", buf.read(64))
         return self
 
     @staticmethod
     def _get_hash_recursive(parents):
         if Endpoint in parents: return 0
-        tmphash = (0x2bca9b9171f2c4ba) & 0xffffffffffffffff
+        tmphash = (0xbd8d31b8c0db8a16) & 0xffffffffffffffff
         tmphash  = (((tmphash<<1)&0xffffffffffffffff) + (tmphash>>63)) & 0xffffffffffffffff
         return tmphash
     _packed_fingerprint = None

@@ -20,6 +20,7 @@ class Endpoint:
     fingerprints: Sequence[int]
     group: str
     depth: int
+    latched: bool
     messages: int
     bytes: int
     drops: int

@@ -1,0 +1,85 @@
+"""The topics that are recorded, by their names and by nodes."""
+
+from collections.abc import Sequence
+
+from lcmtools.graph.model import Graph, Role
+from lcmtools.graph.protocol import TALK_CHANNELS
+from lcmtools.names import Pattern, Resolver, has_wildcard, is_hidden
+
+_OF_TOPICS = (Role.PUBLISHER, Role.SUBSCRIBER)
+
+
+class TopicChoice:
+    """A choice of topics.
+
+    Args:
+        topics: Topics and patterns; none for all topics, unless nodes are named.
+        exclude: Topics and patterns that are left out.
+        nodes: Nodes whose topics are wanted, those that they publish and subscribe to.
+        hidden: Hidden topics are among all topics, and match patterns.
+        names: The namespace and the remaps that topics are read by.
+    """
+
+    def __init__(
+        self,
+        topics: Sequence[str],
+        names: Resolver,
+        *,
+        exclude: Sequence[str] = (),
+        nodes: Sequence[str] = (),
+        hidden: bool = False,
+    ) -> None:
+        self._hidden = hidden
+        self._names = names
+        self._is_all = not topics and not nodes
+        self._wanted = self._read(topics, hidden=hidden)
+        self._unwanted = self._read(exclude, hidden=True)
+        self._nodes = [Pattern(node, names.namespace, hidden=True) for node in nodes]
+        self._of_nodes: set[str] = set()
+        self._cache: dict[str, bool] = {}
+        self.named = () if nodes or any(map(has_wildcard, topics)) else tuple(topics)
+        """The topics, where each is named by itself; empty where there may be any number."""
+
+    def learn(self, graph: Graph) -> list[str]:
+        """Take note of the topics of nodes; return all wanted topics that are known."""
+        chosen = [
+            node
+            for node in graph.nodes
+            if any(pattern.means_node(node.name) for pattern in self._nodes)
+        ]
+        ends = (end for node in chosen for end in node.endpoints)
+        self._of_nodes = {end.topic for end in ends if end.role in _OF_TOPICS}
+        self._cache.clear()
+        named = {spelling for name in self.named for spelling in self._names.spellings(name)}
+        return sorted(filter(self.includes, named.union(graph.topic_names())))
+
+    def includes(self, channel: str) -> bool:
+        """Return whether a channel is wanted."""
+        known = self._cache.get(channel)
+        if known is None:
+            known = self._cache[channel] = self._is_wanted(channel)
+        return known
+
+    def spelled(self, name: str, channel: str) -> bool:
+        """Return whether a channel is the topic of a name."""
+        return channel in self._names.spellings(name)
+
+    def _is_wanted(self, channel: str) -> bool:
+        if channel in TALK_CHANNELS or self._matches(channel, self._unwanted):
+            return False
+        if self._is_all:
+            return self._hidden or not is_hidden(channel)
+        return channel in self._of_nodes or self._matches(channel, self._wanted)
+
+    def _read(self, words: Sequence[str], *, hidden: bool) -> list[Pattern | str]:
+        namespace = self._names.namespace
+        return [
+            Pattern(word, namespace, hidden=hidden) if has_wildcard(word) else word
+            for word in words
+        ]
+
+    def _matches(self, channel: str, words: Sequence[Pattern | str]) -> bool:
+        return any(
+            self.spelled(word, channel) if isinstance(word, str) else word.matches(channel)
+            for word in words
+        )

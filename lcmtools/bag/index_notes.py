@@ -1,0 +1,185 @@
+"""The notes that a recorder keeps for the indexes of its files, and adds to each of them.
+
+Names of processes and files of types are looked up by a worker, so that reading goes on.
+"""
+
+import time
+from collections.abc import Iterable, Mapping
+from concurrent.futures import Executor, Future
+from contextlib import suppress
+
+from lcmtools.bag.recorded_types import recorded_types
+from lcmtools.bag.writer import LogWriter
+from lcmtools.errors import LcmtoolsError
+from lcmtools.graph.model import Graph, Node, Role
+from lcmtools.graph.protocol import decode_announcement, head_of
+from lcmtools.observe.decoding import Decoder
+from lcmtools.observe.losses import Loss, Losses
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.senders import SenderNames
+from lcmtools.wire.log_index import RecordedNode, RecordedType
+from lcmtools.wire.packet import Packet, Sender
+
+_AGAIN = 5.0  # [s] until a sender is looked up again that has no name
+_FINGERPRINT_BYTES = 8
+
+
+class IndexNotes:
+    """The notes of one recording.
+
+    Args:
+        monitor: The bus.
+        worker: Looks up what takes a while; it has one thread.
+
+    Attributes:
+        losses: The losses since the beginning by the sender's name, of those that have lost any.
+    """
+
+    def __init__(self, monitor: BusMonitor, worker: Executor) -> None:
+        self._monitor, self._worker = monitor, worker
+        self.losses: Mapping[str, Loss] = {}
+        self._names = SenderNames()
+        self._announced: dict[str, tuple[str, ...]] = {}
+        self._decoder = Decoder(self._announced.__getitem__)
+        self._numbers: dict[Sender | None, int] = {}  # in the file that is written
+        self._named: dict[Sender, str] = {}  # as the file has it
+        self._nodes: dict[str, Packet] = {}  # the last announcement of each node by its id
+        self._revisions: dict[bytes, bytes] = {}
+        self._types: dict[str, RecordedType] = {}
+        self._seen: set[tuple[str, bytes]] = set()  # channels and fingerprints
+        self._unknown: list[Packet] = []
+        self._latched: frozenset[str] = frozenset()
+        self._held: dict[str, Packet] = {}  # the last message of each latched topic
+        self._lookup: Future[list[RecordedType]] | None = None
+        self._next_lookup = 0.0
+        self._noted = -1  # lost messages, in the file's index
+        self._begin: Losses = {}
+        self._file_begin: Losses = {}
+
+    def begin(self, writer: LogWriter, *, is_split: bool = False) -> None:
+        """Begin a file with what holds: types, nodes, and after a split latched messages."""
+        self._numbers, self._noted = {}, -1
+        writer.add_types(self._types.values())
+        for packet in self._nodes.values():
+            self._add_node(packet, writer)
+        if is_split:
+            self._file_begin = dict(self._monitor.losses())
+            held = [packet for packet in self._held.values() if packet.channel in self._latched]
+            now = time.time_ns()
+            self.add([packet._replace(time=now) for packet in held], writer)
+
+    def add(self, packets: Iterable[Packet], writer: LogWriter) -> None:
+        """Add messages to a file, with their senders."""
+        numbers, seen, latched, add = self._numbers, self._seen, self._latched, writer.add
+        for packet in packets:
+            number = numbers.get(packet.sender)
+            if number is None:
+                number = self._number(packet.sender, writer)
+            key = packet.channel, packet.payload[:_FINGERPRINT_BYTES]
+            if key not in seen:
+                seen.add(key)
+                self._unknown.append(packet._replace(payload=key[1]))
+                self._next_lookup = 0.0
+            if latched and packet.channel in latched:
+                self._held[packet.channel] = packet
+            add(packet, number)
+
+    def take_node(self, packet: Packet, writer: LogWriter | None) -> bool:
+        """Keep an announcement; return whether it says more than the node's last one."""
+        identity, revision = head_of(packet.payload)
+        if self._revisions.get(identity) == revision:
+            return False
+        self._revisions[identity] = revision
+        announcement = decode_announcement(packet.payload)
+        if announcement is None:
+            return False
+        ends = announcement.node.endpoints
+        if announcement.node.tool and not any(end.role is Role.PUBLISHER for end in ends):
+            return True  # it only looks, as this recorder does
+        if announcement.leaving:
+            self._nodes.pop(announcement.node.id, None)
+        else:
+            self._nodes[announcement.node.id] = packet
+        if writer is not None:
+            self._add_node(packet, writer)
+        return True
+
+    def learn(self, graph: Graph) -> None:
+        """Learn from a graph that has changed which topics are latched."""
+        self._latched = frozenset(
+            end.topic
+            for node in graph.nodes
+            for end in node.endpoints
+            if end.latched and end.role is Role.PUBLISHER and not node.stale
+        )
+        self._next_lookup = 0.0
+
+    def look(self, writer: LogWriter, *, in_full: bool = False) -> None:
+        """Add the names, types and losses that are known meanwhile; all of them ``in_full``."""
+        if self._lookup is None and (in_full or time.monotonic() >= self._next_lookup):
+            self._begin_lookup()
+        if self._lookup is not None and (in_full or self._lookup.done()):
+            self._end_lookup(self._lookup, writer)
+            if in_full and self._unknown:
+                self.look(writer, in_full=True)
+                return
+        self._note_losses(writer, in_full=in_full)
+
+    def _note_losses(self, writer: LogWriter, *, in_full: bool) -> None:
+        numbers = self._numbers
+        found = self._monitor.losses(self._file_begin).items()
+        lost = {numbers[one]: (loss.lost, loss.sent) for one, loss in found if one in numbers}
+        lost_messages = sum(loss for loss, _ in lost.values())
+        if in_full or lost_messages != self._noted:
+            self._noted = lost_messages
+            writer.set_losses(lost)
+        total: dict[str, Loss] = {}
+        for sender, loss in self._monitor.losses(self._begin).items():
+            if loss.lost and sender in self._named:
+                name = self._named[sender]
+                total[name] = total.get(name, Loss()) + loss
+        self.losses = total
+
+    def _number(self, sender: Sender | None, writer: LogWriter) -> int:
+        if sender is None:
+            return -1
+        name = self._named[sender] = self._names.name(sender)
+        number = self._numbers[sender] = writer.sender_number(sender, name)
+        self._next_lookup = 0.0
+        return number
+
+    def _add_node(self, packet: Packet, writer: LogWriter) -> None:
+        number = self._numbers.get(packet.sender)
+        if number is None:
+            number = self._number(packet.sender, writer)
+        writer.add_node(RecordedNode(packet.time, number, packet.payload))
+
+    def _begin_lookup(self) -> None:
+        self._next_lookup = time.monotonic() + _AGAIN
+        packets, self._unknown = self._unknown, []
+        for packet in packets:
+            self._announced[packet.channel] = self._monitor.types_of(packet.channel)
+        nodes = self._monitor.graph().nodes
+        self._lookup = self._worker.submit(self._look_up, list(self._numbers), nodes, packets)
+
+    def _end_lookup(self, lookup: "Future[list[RecordedType]]", writer: LogWriter) -> None:
+        self._lookup = None
+        self._types.update((one.name, one) for one in lookup.result())
+        writer.add_types(self._types.values())
+        for sender, number in self._numbers.items():
+            name = self._names.name(sender)
+            if sender is not None and name != self._named[sender]:
+                self._named[sender] = name  # later files have it from their beginning
+                writer.rename_sender(number, sender, name)
+
+    def _look_up(
+        self, senders: list[Sender | None], nodes: tuple[Node, ...], packets: list[Packet]
+    ) -> list[RecordedType]:
+        """Return the types of packets, and learn the names of senders; on the worker's thread."""
+        self._names.learn(senders, nodes)
+        found: dict[str, RecordedType] = {}
+        for packet in packets:
+            with suppress(LcmtoolsError):  # the type is not known, which takes nothing from it
+                kind = self._decoder.message_class(packet)
+                found.update((one.name, one) for one in recorded_types(kind))
+        return list(found.values())

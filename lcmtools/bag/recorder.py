@@ -1,0 +1,322 @@
+"""Recording: messages from a bus into logs, with what their index has to know.
+
+One thread reads the bus, so that nothing waits for a disk; another one writes.
+"""
+
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import AbstractContextManager, suppress
+from dataclasses import dataclass
+
+from lcmtools.bag.choice import TopicChoice
+from lcmtools.bag.index_notes import IndexNotes
+from lcmtools.bag.ring import Ring, Snapshot
+from lcmtools.bag.series import LogSeries
+from lcmtools.bag.writer import LogWriter
+from lcmtools.bus.tap import Tap
+from lcmtools.bus.url import BusUrl
+from lcmtools.clock import NANOSECONDS
+from lcmtools.errors import BusError, LcmtoolsError
+from lcmtools.graph.protocol import NODE_CHANNEL
+from lcmtools.observe.losses import Loss
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.wire.packet import Packet
+
+_WRITE_PERIOD = 0.1  # [s]
+_WRITE_BYTES = 4 << 20  # are written at once
+_MOST_WAITING = 256 << 20  # bytes, before reading waits for the disk
+_LOOK_PERIOD = 0.25  # [s] between looks at nodes, names and losses
+_LONGEST_NAP = 0.004  # [s] that messages wait for each other; buffers hold more of them
+_DRAIN = 0.5  # [s] at most in the end, for messages that have arrived
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """The bounds of a recording and of its files; None for no bound."""
+
+    duration: float | None = None  # of the whole [s]
+    messages: int | None = None  # of each topic
+    bytes: int | None = None  # of all files together
+    split_time: float | None = None  # of a file [s]
+    split_bytes: int | None = None  # of a file
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """A recording at one moment."""
+
+    messages: int
+    bytes: int  # of all files
+    files: int
+    losses: Mapping[str, Loss]  # by the sender's name; of senders that lost any
+    trouble: str = ""  # with the bus; "" for none
+    is_paused: bool = False
+    is_writing: bool = True  # False while messages are only kept for a snapshot
+    kept_messages: int = 0  # for a snapshot
+    kept_bytes: int = 0
+
+
+_NO_LIMITS = Limits()
+
+
+def open_bus(
+    url: BusUrl,
+    environment: Mapping[str, str],
+    on_outage: Callable[[str], None] = lambda _: None,
+    on_shutdown: Callable[[], None] | None = None,
+) -> BusMonitor:
+    """Return the monitor of a bus as a recorder needs it: with all messages, whole.
+
+    Raises:
+        BusError: The bus cannot be reached, with what to type.
+    """
+    tap = Tap(url, whole=True, spread=True) if url.is_multicast else None
+    if tap is not None:
+        tap.longest_nap = _LONGEST_NAP
+    return BusMonitor(
+        url, "record", environment, tap, whole=True, on_outage=on_outage, on_shutdown=on_shutdown
+    )
+
+
+class Recorder(AbstractContextManager["Recorder"]):
+    """A recording, which begins and ends with its context.
+
+    Args:
+        monitor: The bus, with whole messages; its owner closes it.
+        choice: The topics.
+        series: The files.
+        limits: Its bounds.
+        snapshot: Keep messages in memory until ``save`` is called; None to write all.
+        paused: Begin paused.
+
+    Attributes:
+        is_paused: Messages are left out; may be changed at any time.
+
+    Raises:
+        LcmtoolsError: A file exists, or cannot be written; also at the end of the context.
+    """
+
+    def __init__(
+        self,
+        monitor: BusMonitor,
+        choice: TopicChoice,
+        series: LogSeries,
+        limits: Limits = _NO_LIMITS,
+        snapshot: Snapshot | None = None,
+        *,
+        paused: bool = False,
+    ) -> None:
+        self._monitor, self._choice, self._series = monitor, choice, series
+        self._limits, self._snapshot = limits, snapshot
+        self.is_paused = paused
+        self._ring = Ring(snapshot) if snapshot else None
+        self._is_requested = False
+        self._saves_until = 0  # [ns since 1970]
+        self._worker = ThreadPoolExecutor(1, "writer")
+        self._notes = IndexNotes(monitor, self._worker)
+        self._writer: LogWriter | None = None
+        self._written: Future[None] | None = None
+        self._counts: dict[str, int] = {}
+        self._messages = self._closed_bytes = 0
+        self._is_new_graph = True
+        self._began = self._file_began = self._next_look = self._next_write = 0.0
+        self._stops, self._ended = threading.Event(), threading.Event()
+        self._error: Exception | None = None
+        self._reader = threading.Thread(target=self._run, name="recorder", daemon=True)
+
+    def __enter__(self) -> "Recorder":
+        """Begin."""
+        self._began = time.monotonic()
+        self._look(self._began)
+        if self._ring is None:
+            self._open()
+        with suppress(BusError):  # nodes announce themselves soon without
+            self._monitor.probe()
+        self._reader.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End; all that has arrived is written."""
+        self.stop()
+
+    def stop(self) -> None:
+        """End the recording, and wait until all is written.
+
+        Raises:
+            LcmtoolsError: It could not be written.
+        """
+        self._stops.set()
+        self._reader.join()
+        self._worker.shutdown()
+        error, self._error = self._error, None
+        if error is not None:
+            raise error
+
+    @property
+    def is_of_snapshots(self) -> bool:
+        """True if messages are kept in memory until they are wanted."""
+        return self._ring is not None
+
+    def wait(self, timeout: float) -> bool:
+        """Wait up to ``timeout`` [s] for the recording to end by itself; return whether it has."""
+        return self._ended.wait(timeout)
+
+    def save(self) -> None:
+        """Write a snapshot; one that is being written goes on for longer."""
+        self._is_requested = True
+
+    def progress(self) -> Progress:
+        """Return where the recording is."""
+        writer, ring = self._writer, self._ring
+        return Progress(
+            self._messages,
+            self._closed_bytes + (writer.size if writer else 0),
+            self._series.count,
+            self._notes.losses,
+            self._monitor.trouble,
+            self.is_paused,
+            writer is not None,
+            len(ring.packets) if ring else 0,
+            ring.bytes if ring else 0,
+        )
+
+    def _run(self) -> None:
+        try:
+            self._read()
+        except EOFError:  # the bus was a log, and is at its end
+            pass
+        except Exception as error:  # noqa: BLE001 - raised again on the owner's thread
+            self._error = error
+        try:
+            self._finish()
+        except Exception as error:  # noqa: BLE001 - the first one is raised
+            self._error = self._error or error
+        self._ended.set()
+
+    def _read(self) -> None:
+        while not self._stops.is_set() and not self._is_complete():
+            self._take(self._monitor.receive(_WRITE_PERIOD))
+            self._attend(time.monotonic())
+        deadline = time.monotonic() + _DRAIN
+        while (packets := self._monitor.receive(0.0)) and time.monotonic() < deadline:
+            self._take(packets)
+
+    def _is_complete(self) -> bool:
+        limits = self._limits
+        if limits.duration is not None and time.monotonic() - self._began >= limits.duration:
+            return True
+        if limits.bytes is not None and self.progress().bytes >= limits.bytes:
+            return True
+        named = self._choice.named if limits.messages is not None else ()
+        full = [channel for channel, count in self._counts.items() if count == limits.messages]
+        spelled = self._choice.spelled
+        return bool(named) and all(any(spelled(name, one) for one in full) for name in named)
+
+    def _take(self, packets: Sequence[Packet]) -> None:
+        includes = self._choice.includes
+        wanted = [packet for packet in packets if includes(packet.channel)]
+        if len(wanted) < len(packets):
+            for packet in packets:
+                if packet.channel == NODE_CHANNEL and self._notes.take_node(packet, self._writer):
+                    self._is_new_graph = True
+        if self.is_paused:
+            return
+        if self._limits.messages is not None:
+            wanted = [packet for packet in wanted if self._is_within(packet.channel)]
+        if self._ring is not None and self._snapshot is not None:
+            self._keep(wanted, self._ring, self._snapshot)
+        elif wanted:
+            self._add(wanted)
+
+    def _is_within(self, channel: str) -> bool:
+        """Count a message; return whether it is within the bound of its topic."""
+        count = self._counts.get(channel, 0)
+        if count == self._limits.messages:
+            return False
+        self._counts[channel] = count + 1
+        return True
+
+    def _add(self, packets: Sequence[Packet]) -> None:
+        if self._writer is not None:
+            self._notes.add(packets, self._writer)
+            self._messages += len(packets)
+
+    def _keep(self, packets: Sequence[Packet], ring: Ring, snapshot: Snapshot) -> None:
+        """Keep messages, and write them too while a snapshot is written."""
+        now = time.time_ns()
+        ring.add(packets, now)
+        is_wanted = snapshot.is_wanted
+        wanted = [packet for packet in packets if is_wanted(packet)] if is_wanted else []
+        if wanted or self._is_requested:
+            self._is_requested = False
+            self._saves_until = now + round(snapshot.after * NANOSECONDS)
+            if self._writer is None:
+                self._open()
+                packets = list(ring.packets)
+        self._add(packets)
+        if self._writer is not None and now >= self._saves_until:
+            self._close(self._writer)
+
+    def _attend(self, now: float) -> None:
+        """Do what is due."""
+        if now >= self._next_look:
+            self._look(now)
+        if self._ring is not None:  # time passes without messages too
+            self._take([])
+        writer = self._writer
+        if writer is None:
+            return
+        if now >= self._next_write or writer.waiting_bytes > _WRITE_BYTES:
+            self._next_write = now + _WRITE_PERIOD
+            self._write(writer)
+        if self._is_full(writer, now):
+            self._close(writer)
+            self._open(is_split=True)
+
+    def _look(self, now: float) -> None:
+        self._next_look = now + _LOOK_PERIOD
+        if self._is_new_graph:
+            self._is_new_graph = False
+            graph = self._monitor.graph()
+            self._notes.learn(graph)
+            self._monitor.listen_to(self._choice.learn(graph))
+        if self._writer is not None:
+            self._notes.look(self._writer)
+
+    def _is_full(self, writer: LogWriter, now: float) -> bool:
+        most, longest = self._limits.split_bytes, self._limits.split_time
+        is_large = most is not None and writer.size >= most
+        return is_large or (longest is not None and now - self._file_began >= longest)
+
+    def _write(self, writer: LogWriter) -> None:
+        """Hand over what waits; unless too much waits, not while the disk is busy."""
+        if self._written is not None:
+            if not self._written.done() and writer.waiting_bytes < _MOST_WAITING:
+                return
+            self._written.result()
+        self._written = self._worker.submit(writer.write, writer.take())
+
+    def _open(self, *, is_split: bool = False) -> None:
+        self._writer = self._series.next()
+        self._file_began = time.monotonic()
+        self._notes.begin(self._writer, is_split=is_split)
+
+    def _close(self, writer: LogWriter) -> None:
+        if self._written is not None:
+            self._written.result()
+        self._notes.look(writer, in_full=True)
+        self._writer = None
+        self._closed_bytes += writer.size
+        self._written = self._worker.submit(writer.close)
+
+    def _finish(self) -> None:
+        writer = self._writer
+        if writer is not None and self._error is not None:
+            with suppress(LcmtoolsError):  # the disk is still full
+                writer.close()
+        elif writer is not None:
+            self._close(writer)
+        if self._written is not None and self._error is None:
+            self._written.result()

@@ -1,0 +1,45 @@
+"""The messages of the last seconds, kept in memory for a snapshot."""
+
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from lcmtools.clock import NANOSECONDS
+from lcmtools.wire.packet import Packet
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """A recording that is kept in memory until it is wanted."""
+
+    before: float  # [s] of messages that are kept
+    after: float = 0.0  # [s] that are recorded after a request
+    most_bytes: int | None = None  # of payloads that are kept; None for all
+    is_wanted: Callable[[Packet], bool] | None = None  # because of a message
+
+
+class Ring:
+    """The last messages.
+
+    Attributes:
+        packets: The messages, the oldest first.
+        bytes: Bytes of their payloads.
+    """
+
+    def __init__(self, snapshot: Snapshot) -> None:
+        self._before = round(snapshot.before * NANOSECONDS)
+        self._most = snapshot.most_bytes
+        self.packets: deque[Packet] = deque()
+        self.bytes = 0
+
+    def add(self, packets: Sequence[Packet], now: int) -> None:
+        """Keep some messages more; forget those that are too old at a time [ns], or too many."""
+        kept = self.packets
+        kept.extend(packets)
+        self.bytes += sum(packet.size for packet in packets)
+        while kept and (kept[0].time < now - self._before or self._is_too_large):
+            self.bytes -= kept.popleft().size
+
+    @property
+    def _is_too_large(self) -> bool:
+        return self._most is not None and self.bytes > self._most

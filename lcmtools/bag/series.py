@@ -1,0 +1,66 @@
+"""The files of a recording: one log, or several one after another."""
+
+from collections import deque
+from contextlib import suppress
+from datetime import datetime
+from pathlib import Path
+
+from lcmtools.bag.writer import LogWriter
+from lcmtools.errors import LcmtoolsError
+from lcmtools.observe.log_file import index_path
+
+USUAL_NAME = "%Y-%m-%d-%H-%M-%S.lcmlog"
+
+
+class LogSeries:
+    """The files of a recording, made one after another.
+
+    Args:
+        pattern: The path, with the date as strftime(3) has it ("%H-%M"); a folder for the usual
+            name in it.
+        numbered: ``ride.lcmlog`` is ``ride_0.lcmlog``, ``ride_1.lcmlog`` and so on.
+        most: The number of files that are kept; None for all.
+        force: Take the place of files that exist.
+    """
+
+    def __init__(
+        self, pattern: str, *, numbered: bool = False, most: int | None = None, force: bool = False
+    ) -> None:
+        self._pattern = str(Path(pattern) / USUAL_NAME) if Path(pattern).is_dir() else pattern
+        self._numbered, self._most, self._force = numbered, most, force
+        self._base: Path | None = None
+        self.paths: deque[Path] = deque()
+        """The files that are kept, the oldest first."""
+        self.count = 0
+        """The number of files that were made."""
+
+    def next(self) -> LogWriter:
+        """Return the next log; the oldest one goes where there are too many.
+
+        Raises:
+            LcmtoolsError: It exists, or cannot be made.
+        """
+        writer = self._opened()
+        self.count += 1
+        self.paths.append(writer.path)
+        while self._most is not None and len(self.paths) > self._most:
+            oldest = self.paths.popleft()
+            for path in (oldest, index_path(oldest)):
+                with suppress(OSError):  # somebody else has removed it
+                    path.unlink()
+        return writer
+
+    def _opened(self) -> LogWriter:
+        if self._base is None or not self._numbered:
+            self._base = Path(_dated(self._pattern))
+        path = self._base
+        if self._numbered or (self.count and path in self.paths):
+            path = path.with_name(f"{path.stem}_{self.count}{path.suffix}")
+        return LogWriter(path, force=self._force)
+
+
+def _dated(pattern: str) -> str:
+    try:
+        return datetime.now().astimezone().strftime(pattern)
+    except ValueError as error:
+        raise LcmtoolsError(f"'{pattern}' is no name with a date: {error}") from error

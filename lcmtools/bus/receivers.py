@@ -1,0 +1,88 @@
+"""The sockets that an observer receives a multicast group's datagrams with.
+
+Linux grants a socket 208 KiB and counts twice that, which six fragments of a large message fill;
+liblcm sends all of a message at once. An observer that must lose nothing takes several sockets,
+each with a buffer of its own: one for short messages, the others for a share of the fragments
+each, by filters in the kernel. Each datagram costs its sender a little for each socket, so there
+are no more than messages need.
+"""
+
+import select
+import socket
+
+from lcmtools.bus.kernel import IS_LINUX, SELECTIVE, attach, mark, request_arrival
+from lcmtools.bus.multicast import receiving_socket
+from lcmtools.bus.socket_filter import fragments_only, no_fragments, nothing
+from lcmtools.bus.url import BusUrl
+from lcmtools.wire.datagram import FRAGMENT_MAX
+
+_FRAGMENT_ROOM = 70_000  # bytes of a buffer that a whole fragment takes, with the kernel's own
+_MOST_SHARES = 8
+_WANTED, _NEEDED = 8, 2  # messages of the largest kind for which there is, or must be, room
+
+
+class Receivers:
+    """The sockets of one observer; one at first.
+
+    Attributes:
+        sockets: All of them, those with short messages first.
+        has_times: The system gives each datagram's receive time.
+        has_room: Two messages as large as the largest so far fit into the buffers together.
+    """
+
+    def __init__(self, url: BusUrl) -> None:
+        self._url = url
+        self.sockets = [receiving_socket(url)]
+        self.has_times = self._prepare(self.sockets[0])
+        granted = self.sockets[0].getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
+        self._room = max(1, granted // _FRAGMENT_ROOM)  # fragments in a socket's buffer
+        self._shares = self._message_bytes = 0
+        self.has_room = False
+        self._poll = select.poll()
+        self._poll.register(self.sockets[0], select.POLLIN)
+
+    def close(self) -> None:
+        """Leave the group."""
+        for receiver in self.sockets:
+            receiver.close()
+
+    def are_ready(self, timeout: float) -> bool:
+        """Wait up to ``timeout`` [s] for a datagram; return whether there is any."""
+        return bool(self._poll.poll(timeout * 1000))
+
+    def make_room(self, message_bytes: int) -> None:
+        """Have room for messages of such a size; more sockets than needed are never closed.
+
+        Raises:
+            BusError: A socket cannot be made.
+        """
+        if message_bytes <= self._message_bytes:
+            return
+        self._message_bytes = message_bytes
+        fragments, shares = -(-message_bytes // FRAGMENT_MAX), 1
+        while shares * self._room < _WANTED * fragments and shares < _MOST_SHARES:
+            shares *= 2
+        if shares > self._shares:
+            self._divide(shares)
+        self.has_room = self._shares * self._room >= _NEEDED * fragments
+
+    def _divide(self, shares: int) -> None:
+        """Divide the fragments into so many shares; no datagram is lost or comes twice."""
+        if not IS_LINUX:
+            return
+        while len(self.sockets) <= shares:  # they receive nothing yet
+            receiver = receiving_socket(self._url, nothing())
+            self._prepare(receiver)
+            self.sockets.append(receiver)
+            self._poll.register(receiver, select.POLLIN)
+        # in this order a fragment may come twice, which makes no message twice
+        for share, receiver in reversed([*enumerate(self.sockets[1:])]):
+            attach(receiver, fragments_only(share, shares))
+        attach(self.sockets[0], no_fragments())
+        mark(self.sockets[0], SELECTIVE)
+        self._shares = shares
+
+    @staticmethod
+    def _prepare(receiver: socket.socket) -> bool:
+        receiver.settimeout(0.0)
+        return request_arrival(receiver)

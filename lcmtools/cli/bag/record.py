@@ -1,0 +1,87 @@
+"""``lcmtools bag record``."""
+
+import os
+import signal
+from contextlib import ExitStack
+from dataclasses import replace
+
+from lcmtools.bag.choice import TopicChoice
+from lcmtools.bag.recorder import Recorder, open_bus
+from lcmtools.bag.ring import Snapshot
+from lcmtools.bag.series import LogSeries
+from lcmtools.bag.services import recorder_node
+from lcmtools.bag.trigger import Trigger
+from lcmtools.cli.bag.record_options import (
+    check_options,
+    choice_options,
+    end_options,
+    file_options,
+    snapshot_options,
+    split_limits,
+)
+from lcmtools.cli.bag.recording import attend, reported
+from lcmtools.cli.bus import chosen_url, looking_names, notify
+from lcmtools.cli.declare import argument, examples, subcommand
+from lcmtools.cli.options import looking_options
+
+
+@subcommand("record", choice_options, file_options, end_options, snapshot_options, looking_options)
+@examples(
+    "bag record",
+    "bag record /husky0/odometry '/husky0/cmd_*' -o drive.lcmlog",
+    "bag record -a --exclude '**/image' --split 1GB --max-files 10",
+    "bag record --snapshot 30s --after 10s --when '/estop m.data'",
+)
+@argument("topics", metavar="[TOPIC]...", nargs=-1, completer="bus:topics")
+def command(
+    topics: tuple[str, ...],
+    *,
+    hidden: bool,
+    exclude: tuple[str, ...],
+    nodes: tuple[str, ...],
+    output: str,
+    force: bool,
+    split: str | None,
+    max_files: int | None,
+    seconds: float | None,
+    limit: int | None,
+    max_size: int | None,
+    paused: bool,
+    services: str | None,
+    snapshot: float | None,
+    after: float | None,
+    when: str | None,
+) -> None:
+    """Record messages into an LCM log, until Ctrl-C.
+
+    Without topics, all are recorded but hidden ones; TOPIC may be a pattern in quotes. Messages of
+    plain LCM programs are recorded as those of nodes are. lcm-logplayer and all other programs for
+    such logs read the log; an index beside it has types, senders, nodes and losses.
+
+    In a terminal the space bar pauses and goes on, s saves a snapshot, and q ends. With --services
+    other programs do so by NAME/start, NAME/stop and NAME/save, of the type std_srvs/Trigger. With
+    --split the files are name_0, name_1 and so on; each begins with the latched messages. What
+    --snapshot keeps may be bounded by --max-size; each snapshot is a file.
+    """
+    check_options(snapshot=snapshot, after=after, when=when, split=split)
+    limits = replace(
+        split_limits(split),
+        duration=seconds,
+        messages=limit,
+        bytes=None if snapshot else max_size,
+    )
+    names, url = looking_names(), chosen_url()
+    choice = TopicChoice(topics, names, exclude=exclude, nodes=nodes, hidden=hidden)
+    series = LogSeries(output, numbered=split is not None, most=max_files, force=force)
+    with ExitStack() as stack:
+        monitor = stack.enter_context(
+            open_bus(url, os.environ, notify, lambda: signal.raise_signal(signal.SIGTERM))
+        )
+        trigger = Trigger(when, names, monitor.types_of) if when else None
+        kept = Snapshot(snapshot, after or 0.0, max_size, trigger) if snapshot else None
+        recorder = Recorder(monitor, choice, series, limits, kept, paused=paused)
+        stack.enter_context(reported(recorder, series))
+        node = None
+        if services:
+            node = stack.enter_context(recorder_node(names.resolve(services), url, recorder))
+        attend(recorder, series, node)

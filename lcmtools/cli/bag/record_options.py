@@ -1,0 +1,93 @@
+"""The options of bag record."""
+
+import click
+
+from lcmtools.bag.recorder import Limits
+from lcmtools.bag.series import USUAL_NAME
+from lcmtools.cli.declare import duration, flag, option, size, together, whole_number
+from lcmtools.errors import UsageError
+from lcmtools.settings import parse_bytes, parse_duration
+
+choice_options = together(
+    flag("-a", "--all", "hidden", help="Record hidden topics too."),
+    option(
+        "-x",
+        "--exclude",
+        metavar="TOPIC",
+        multiple=True,
+        help="Leave out a topic, or what a pattern matches.",
+        completer="bus:topics",
+    ),
+    option(
+        "--node",
+        "nodes",
+        metavar="NAME",
+        multiple=True,
+        help="Record the topics of a node.",
+        completer="bus:nodes",
+    ),
+)
+"""The topics."""
+
+file_options = together(
+    option(
+        "-o",
+        "--output",
+        metavar="FILE",
+        default=USUAL_NAME,
+        help="The log; %H is the hour, and so on.",
+        completer="files",
+    ),
+    flag("-f", "--force", help="Take the place of files that exist."),
+    option("--split", metavar="SIZE|TIME", help="Begin another file then."),
+    option("--max-files", metavar="N", type=whole_number(1), help="Keep the last N files."),
+)
+"""The files."""
+
+end_options = together(
+    option("--duration", "seconds", metavar="TIME", type=duration, help="End after this time."),
+    option(
+        "-n",
+        "-l",
+        "--limit",
+        metavar="N",
+        type=whole_number(1),
+        help="Record N messages of each topic.",
+    ),
+    option("--max-size", metavar="SIZE", type=size, help="End at this size."),
+    flag("--paused", help="Begin paused."),
+    option("--services", metavar="NAME", help="Be a node with services: start, stop, save."),
+)
+"""The beginning and the end."""
+
+snapshot_options = together(
+    option("--snapshot", metavar="TIME", type=duration, help="Keep the last messages in memory."),
+    option("--after", metavar="TIME", type=duration, help="Record so long after a snapshot."),
+    option("--when", metavar="'TOPIC EXPR'", help="Save a snapshot when this is true."),
+)
+"""Snapshots."""
+
+
+def check_options(
+    *, snapshot: float | None, after: float | None, when: str | None, split: str | None
+) -> None:
+    """Refuse options that exclude each other."""
+    if snapshot is None and (after is not None or when is not None):
+        raise UsageError("--after and --when are for snapshots", "add --snapshot 30s")
+    if snapshot is not None and split is not None:
+        raise UsageError("each snapshot is a file of its own", "leave out --split")
+
+
+def split_limits(text: str | None) -> Limits:
+    """Return the bounds of a file, as --split has them."""
+    if text is None:
+        return Limits()
+    try:
+        return Limits(split_time=parse_duration(text))
+    except UsageError:
+        pass
+    try:
+        return Limits(split_bytes=parse_bytes(text))
+    except UsageError:
+        what = f"'{text}' is neither a size nor a time; write 1GB or 10m"
+        raise click.BadParameter(what, param_hint="'--split'") from None

@@ -1,0 +1,159 @@
+"""A recording as a person attends it: keys, services, one line of progress, the last word."""
+
+import shutil
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+
+from lcmtools.bag.recorder import Progress, Recorder
+from lcmtools.bag.series import LogSeries
+from lcmtools.cli.bus import notify
+from lcmtools.errors import LcmtoolsError
+from lcmtools.node.node import Node
+from lcmtools.node.spinning import spin_once
+from lcmtools.observe.losses import Loss
+from lcmtools.terminal import Terminal, TerminalKeys, is_terminal
+
+_TURN = 0.1  # [s] between looks at keys and requests
+_SHOWN_EVERY = 0.5  # [s]
+_CLEAR_LINE = "\r\033[K"
+_PAUSE, _SAVE, _END = " ", "s", "q"
+_UNITS = ("B", "kB", "MB", "GB", "TB")
+
+
+def attend(recorder: Recorder, series: LogSeries, node: Node | None) -> None:
+    """Show a recording in a line, take keys and requests, until it ends by itself."""
+    with ExitStack() as stack:
+        shows = is_terminal(sys.stderr)
+        keys = None
+        if shows and is_terminal(sys.stdin):
+            keys = TerminalKeys(stack.enter_context(Terminal(keys=True)))
+        line = _Line(recorder, series)
+        stack.callback(line.clear)
+        while not recorder.wait(0.0 if keys or node else _TURN):
+            if node is not None:
+                spin_once(node, 0.0 if keys else _TURN)
+            for key in keys.read(_TURN) if keys else ():
+                if key == _END:
+                    return
+                _press(key, recorder)
+            line.tell_trouble()
+            if shows:
+                line.show()
+
+
+@contextmanager
+def reported(recorder: Recorder, series: LogSeries) -> Iterator[None]:
+    """Record, and report in the end what was recorded; in one line, also where it failed."""
+    is_begun = False
+    try:
+        with recorder:
+            is_begun = True
+            yield
+    except LcmtoolsError as error:
+        if is_begun and not error.hint:
+            raise LcmtoolsError(error.what, last_word(recorder.progress(), series)) from error
+        raise
+    finally:
+        if is_begun and not isinstance(sys.exc_info()[1], LcmtoolsError):
+            notify(last_word(recorder.progress(), series))
+
+
+def last_word(progress: Progress, series: LogSeries) -> str:
+    """Return what was recorded, in one sentence, with all that is known to be lost."""
+    paths = series.paths
+    where = (
+        f"{paths[0]} to {paths[-1].name}" if len(paths) > 1 else paths[0] if paths else "no file"
+    )
+    what = f"{_counted(progress.messages)} ({bytes_text(progress.bytes)}) in {where}"
+    return f"{what}; {losses_text(progress.losses)}"
+
+
+def losses_text(losses: Mapping[str, Loss]) -> str:
+    """Return the losses of all senders for people."""
+    if not losses:
+        return "no losses"
+    by_size = sorted(losses.items(), key=lambda item: -item[1].lost)
+    return "lost " + ", ".join(f"{loss} of {name}" for name, loss in by_size)
+
+
+def bytes_text(size: float) -> str:
+    """Return a number of bytes for people: "1.25 GB"."""
+    unit = 0
+    while size >= 1000 and unit < len(_UNITS) - 1:  # noqa: PLR2004
+        size, unit = size / 1000, unit + 1
+    return f"{size:.3g} {_UNITS[unit]}"
+
+
+class _Line:
+    """The line of a terminal that shows a recording, written again and again."""
+
+    def __init__(self, recorder: Recorder, series: LogSeries) -> None:
+        self._recorder, self._series = recorder, series
+        self._last = recorder.progress()
+        self._time = time.monotonic()
+        self._trouble = ""
+        self._is_shown = False
+
+    def tell_trouble(self) -> None:
+        """Report trouble with the bus when it begins and when it ends."""
+        trouble = self._recorder.progress().trouble
+        if trouble != self._trouble:
+            self.clear()
+            notify(trouble or "the bus is back")
+            self._trouble = trouble
+
+    def show(self) -> None:
+        """Write the line, if it is time."""
+        now, progress = time.monotonic(), self._recorder.progress()
+        seconds = now - self._time
+        if seconds < _SHOWN_EVERY:
+            return
+        text = self._text(progress, seconds)
+        columns = shutil.get_terminal_size().columns
+        _write(_CLEAR_LINE + text[: columns - 1])
+        self._last, self._time, self._is_shown = progress, now, True
+
+    def clear(self) -> None:
+        """Remove the line."""
+        if self._is_shown:
+            _write(_CLEAR_LINE)
+            self._is_shown = False
+
+    def _text(self, progress: Progress, seconds: float) -> str:
+        rate = (progress.messages - self._last.messages) / seconds
+        flow = (progress.bytes - self._last.bytes) / seconds
+        parts = [
+            f"{_counted(progress.messages)}, {rate:.0f}/s",
+            f"{bytes_text(progress.bytes)}, {bytes_text(flow)}/s",
+        ]
+        if not progress.is_writing:
+            kept = f"{_counted(progress.kept_messages)}, {bytes_text(progress.kept_bytes)}"
+            parts = [f"keeping {kept} (s saves)", *([parts[0]] if progress.messages else [])]
+        if progress.is_paused:
+            parts.insert(0, "paused (space goes on)")
+        folder = self._series.paths[-1].parent if self._series.paths else Path()
+        with suppress(OSError):
+            parts.append(f"{bytes_text(shutil.disk_usage(folder).free)} free")
+        lost = sum(loss.lost for loss in progress.losses.values())
+        parts.append(f"{lost} lost" if lost else "none lost")
+        return "; ".join(parts)
+
+
+def _press(key: str, recorder: Recorder) -> None:
+    if key == _PAUSE:
+        recorder.is_paused = not recorder.is_paused
+    elif key == _SAVE and recorder.is_of_snapshots:
+        recorder.save()
+
+
+def _counted(messages: int) -> str:
+    return "1 message" if messages == 1 else f"{messages} messages"
+
+
+def _write(text: str) -> None:
+    with suppress(OSError):
+        sys.stderr.write(text)
+        sys.stderr.flush()
