@@ -122,6 +122,7 @@ shift       cli.bag.change:shift      Change the times of recording.
 downsample  cli.bag.edit:downsample  Leave out messages that come too often.
 fix         cli.bag.join:fix         Save what can be read of a damaged log.
 reindex     cli.bag.info:reindex     Write the index of a log.
+plot        cli.plot:of_log          Draw fields of a log over time.
 """)
 bag = _group(
     "bag",
@@ -132,6 +133,7 @@ bag = _group(
     "info ride.lcmlog",
     "plot ride.lcmlog /husky0/odometry/twist.twist.linear.x",
     "cut ride.lcmlog end.lcmlog -s end-1m",
+    "plot ride.lcmlog /imu/angular_velocity -o turning.png",
 )
 _SIM = _entries("""\
 pause     cli.sim.time:pause        Pause simulated time.
