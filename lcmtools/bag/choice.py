@@ -9,7 +9,7 @@ from lcmtools.names import Pattern, Resolver, has_wildcard, is_hidden
 _OF_TOPICS = (Role.PUBLISHER, Role.SUBSCRIBER)
 
 
-class TopicChoice:
+class RecordedTopics:
     """A choice of topics.
 
     Args:

@@ -10,9 +10,9 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass
 
-from lcmtools.bag.choice import TopicChoice
+from lcmtools.bag.choice import RecordedTopics
 from lcmtools.bag.index_notes import IndexNotes
-from lcmtools.bag.ring import Ring, Snapshot
+from lcmtools.bag.ring import Ring, SnapshotPlan
 from lcmtools.bag.series import LogSeries
 from lcmtools.bag.writer import LogWriter
 from lcmtools.bus.tap import Tap
@@ -80,7 +80,7 @@ def open_bus(
     )
 
 
-class Recorder(AbstractContextManager["Recorder"]):
+class BagRecorder(AbstractContextManager["BagRecorder"]):
     """A recording, which begins and ends with its context.
 
     Args:
@@ -101,10 +101,10 @@ class Recorder(AbstractContextManager["Recorder"]):
     def __init__(
         self,
         monitor: BusMonitor,
-        choice: TopicChoice,
+        choice: RecordedTopics,
         series: LogSeries,
         limits: Limits = _NO_LIMITS,
-        snapshot: Snapshot | None = None,
+        snapshot: SnapshotPlan | None = None,
         *,
         paused: bool = False,
     ) -> None:
@@ -126,7 +126,7 @@ class Recorder(AbstractContextManager["Recorder"]):
         self._error: Exception | None = None
         self._reader = threading.Thread(target=self._run, name="recorder", daemon=True)
 
-    def __enter__(self) -> "Recorder":
+    def __enter__(self) -> "BagRecorder":
         """Begin."""
         self._began = time.monotonic()
         self._look(self._began)
@@ -243,7 +243,7 @@ class Recorder(AbstractContextManager["Recorder"]):
             self._notes.add(packets, self._writer)
             self._messages += len(packets)
 
-    def _keep(self, packets: Sequence[Packet], ring: Ring, snapshot: Snapshot) -> None:
+    def _keep(self, packets: Sequence[Packet], ring: Ring, snapshot: SnapshotPlan) -> None:
         """Keep messages, and write them too while a snapshot is written."""
         now = time.time_ns()
         ring.add(packets, now)

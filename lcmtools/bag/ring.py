@@ -9,7 +9,7 @@ from lcmtools.wire.packet import Packet
 
 
 @dataclass(frozen=True, slots=True)
-class Snapshot:
+class SnapshotPlan:
     """A recording that is kept in memory until it is wanted."""
 
     before: float  # [s] of messages that are kept
@@ -26,7 +26,7 @@ class Ring:
         bytes: Bytes of their payloads.
     """
 
-    def __init__(self, snapshot: Snapshot) -> None:
+    def __init__(self, snapshot: SnapshotPlan) -> None:
         self._before = round(snapshot.before * NANOSECONDS)
         self._most = snapshot.most_bytes
         self.packets: deque[Packet] = deque()

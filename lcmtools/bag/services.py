@@ -4,7 +4,7 @@ import contextlib
 from collections.abc import Callable, Iterator
 
 from lcmtools.arguments import NodeArguments
-from lcmtools.bag.recorder import Recorder
+from lcmtools.bag.recorder import BagRecorder
 from lcmtools.bus.url import BusUrl
 from lcmtools.names import base_name_of, namespace_of
 from lcmtools.node.node import Node
@@ -13,7 +13,7 @@ from lcmtools.types.std_srvs import Trigger
 
 
 @contextlib.contextmanager
-def recorder_node(name: str, url: BusUrl, recorder: Recorder) -> Iterator[Node]:
+def recorder_node(name: str, url: BusUrl, recorder: BagRecorder) -> Iterator[Node]:
     """A node, by its full name, with the services of a recorder; who has it spins it.
 
     The services are std_srvs/Trigger: ``~/start`` and ``~/stop`` end and begin a pause, and
@@ -35,7 +35,7 @@ def recorder_node(name: str, url: BusUrl, recorder: Recorder) -> Iterator[Node]:
         context.close()
 
 
-def _pause(recorder: Recorder, *, paused: bool) -> None:
+def _pause(recorder: BagRecorder, *, paused: bool) -> None:
     recorder.is_paused = paused
 
 

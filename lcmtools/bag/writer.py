@@ -21,7 +21,7 @@ _MOST_AT_ONCE = os.sysconf("SC_IOV_MAX")  # parts that a system call writes
 _LARGE = 4096  # bytes of a payload that is not copied into its event
 
 
-class Batch(NamedTuple):
+class WriteBatch(NamedTuple):
     """Events and lines that are to be written; one thread can take it while another one writes."""
 
     start: int  # of the first event, in bytes of the log
@@ -114,16 +114,16 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         """Bytes of the events that were added since the last batch was taken."""
         return self.size - self._taken
 
-    def take(self) -> Batch:
+    def take(self) -> WriteBatch:
         """Return what was added since, to be written by ``write`` in the same order."""
         if self._block.is_full(self.size):
             self._end_block()
-        batch = Batch(self._taken, self._parts, self._ends, self._lines)
+        batch = WriteBatch(self._taken, self._parts, self._ends, self._lines)
         self._parts, self._ends, self._lines = [], [], []
         self._taken = self.size
         return batch
 
-    def write(self, batch: Batch) -> None:
+    def write(self, batch: WriteBatch) -> None:
         """Write a batch; the log first, so that the index never says more than it has.
 
         Raises:
@@ -165,7 +165,7 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         self._lines.append(log_index.block_line(self._block))
         self._block = Block(self.size)
 
-    def _write_events(self, batch: Batch) -> None:
+    def _write_events(self, batch: WriteBatch) -> None:
         written = 0
         try:
             for start in range(0, len(batch.parts), _MOST_AT_ONCE):

@@ -12,9 +12,9 @@ import lcm
 import pytest
 
 from lcmtools import Node
-from lcmtools.bag.choice import TopicChoice
-from lcmtools.bag.recorder import Limits, Recorder, open_bus
-from lcmtools.bag.ring import Snapshot
+from lcmtools.bag.choice import RecordedTopics
+from lcmtools.bag.recorder import BagRecorder, Limits, open_bus
+from lcmtools.bag.ring import SnapshotPlan
 from lcmtools.bag.series import LogSeries
 from lcmtools.bus import multicast
 from lcmtools.bus.url import parse_url
@@ -39,15 +39,15 @@ def _recording(
     path: Path,
     topics: Sequence[str] = (),
     limits: Limits = Limits(),  # noqa: B008 - frozen
-    snapshot: Snapshot | None = None,
+    snapshot: SnapshotPlan | None = None,
     names: Resolver = GLOBAL,
-) -> Iterator[Recorder]:
+) -> Iterator[BagRecorder]:
     split = limits.split_bytes is not None
     with (
         open_bus(parse_url(url), os.environ) as monitor,
-        Recorder(
+        BagRecorder(
             monitor,
-            TopicChoice(topics, names),
+            RecordedTopics(topics, names),
             LogSeries(str(path), numbered=split),
             limits,
             snapshot,
@@ -154,7 +154,7 @@ def test_a_snapshot_has_what_came_before_and_after_it_was_wanted(
     bus_url: str, tmp_path: Path, path: Path, wait_until: WaitUntil
 ) -> None:
     plain = lcm.LCM(bus_url)
-    snapshot = Snapshot(60.0, after=0.2, is_wanted=lambda packet: packet.channel == "STOP")
+    snapshot = SnapshotPlan(60.0, after=0.2, is_wanted=lambda packet: packet.channel == "STOP")
     with _recording(bus_url, path, snapshot=snapshot) as recorder:
         before = _publish(plain, "EXAMPLE", 5)
         wait_until(lambda: recorder.progress().kept_messages == 5)
@@ -204,8 +204,8 @@ _KILLED = """
 import os, random, signal, sys, time
 import lcm
 from pathlib import Path
-from lcmtools.bag.choice import TopicChoice
-from lcmtools.bag.recorder import Limits, Recorder, open_bus
+from lcmtools.bag.choice import RecordedTopics
+from lcmtools.bag.recorder import Limits, BagRecorder, open_bus
 from lcmtools.bag.series import LogSeries
 from lcmtools.bus.url import parse_url
 from lcmtools.observe.find import GLOBAL
@@ -216,7 +216,7 @@ url = os.environ["LCM_DEFAULT_URL"]
 def record(path):
     with open_bus(parse_url(url), os.environ) as monitor:
         limits = Limits(split_bytes=None)
-        with Recorder(monitor, TopicChoice((), GLOBAL), LogSeries(path), limits) as recorder:
+        with BagRecorder(monitor, RecordedTopics((), GLOBAL), LogSeries(path), limits) as recorder:
             recorder.wait(1000.0)
 
 for turn in range(5):

@@ -5,9 +5,9 @@ import signal
 from contextlib import ExitStack
 from dataclasses import replace
 
-from lcmtools.bag.choice import TopicChoice
-from lcmtools.bag.recorder import Recorder, open_bus
-from lcmtools.bag.ring import Snapshot
+from lcmtools.bag.choice import RecordedTopics
+from lcmtools.bag.recorder import BagRecorder, open_bus
+from lcmtools.bag.ring import SnapshotPlan
 from lcmtools.bag.series import LogSeries
 from lcmtools.bag.services import recorder_node
 from lcmtools.bag.trigger import Trigger
@@ -71,15 +71,15 @@ def command(
         bytes=None if snapshot else max_size,
     )
     names, url = looking_names(), chosen_url()
-    choice = TopicChoice(topics, names, exclude=exclude, nodes=nodes, hidden=hidden)
+    choice = RecordedTopics(topics, names, exclude=exclude, nodes=nodes, hidden=hidden)
     series = LogSeries(output, numbered=split is not None, most=max_files, force=force)
     with ExitStack() as stack:
         monitor = stack.enter_context(
             open_bus(url, os.environ, notify, lambda: signal.raise_signal(signal.SIGTERM))
         )
         trigger = Trigger(when, names, monitor.types_of) if when else None
-        kept = Snapshot(snapshot, after or 0.0, max_size, trigger) if snapshot else None
-        recorder = Recorder(monitor, choice, series, limits, kept, paused=paused)
+        kept = SnapshotPlan(snapshot, after or 0.0, max_size, trigger) if snapshot else None
+        recorder = BagRecorder(monitor, choice, series, limits, kept, paused=paused)
         stack.enter_context(reported(recorder, series))
         node = None
         if services:

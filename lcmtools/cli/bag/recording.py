@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
-from lcmtools.bag.recorder import Progress, Recorder
+from lcmtools.bag.recorder import BagRecorder, Progress
 from lcmtools.bag.series import LogSeries
 from lcmtools.cli.bus import notify
 from lcmtools.errors import LcmtoolsError
@@ -23,7 +23,7 @@ _PAUSE, _SAVE, _END = " ", "s", "q"
 _UNITS = ("B", "kB", "MB", "GB", "TB")
 
 
-def attend(recorder: Recorder, series: LogSeries, node: Node | None) -> None:
+def attend(recorder: BagRecorder, series: LogSeries, node: Node | None) -> None:
     """Show a recording in a line, take keys and requests, until it ends by itself."""
     with ExitStack() as stack:
         shows = is_terminal(sys.stderr)
@@ -45,7 +45,7 @@ def attend(recorder: Recorder, series: LogSeries, node: Node | None) -> None:
 
 
 @contextmanager
-def reported(recorder: Recorder, series: LogSeries) -> Iterator[None]:
+def reported(recorder: BagRecorder, series: LogSeries) -> Iterator[None]:
     """Record, and report in the end what was recorded; in one line, also where it failed."""
     is_begun = False
     try:
@@ -90,7 +90,7 @@ def bytes_text(size: float) -> str:
 class _Line:
     """The line of a terminal that shows a recording, written again and again."""
 
-    def __init__(self, recorder: Recorder, series: LogSeries) -> None:
+    def __init__(self, recorder: BagRecorder, series: LogSeries) -> None:
         self._recorder, self._series = recorder, series
         self._last = recorder.progress()
         self._time = time.monotonic()
@@ -142,7 +142,7 @@ class _Line:
         return "; ".join(parts)
 
 
-def _press(key: str, recorder: Recorder) -> None:
+def _press(key: str, recorder: BagRecorder) -> None:
     if key == _PAUSE:
         recorder.is_paused = not recorder.is_paused
     elif key == _SAVE and recorder.is_of_snapshots:

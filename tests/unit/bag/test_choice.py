@@ -2,7 +2,7 @@
 
 import pytest
 
-from lcmtools.bag.choice import TopicChoice
+from lcmtools.bag.choice import RecordedTopics
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.names import Resolver
 
@@ -44,14 +44,14 @@ _GRAPH = Graph(
 def test_topics_are_chosen_by_name_pattern_and_node(
     topics: tuple[str, ...], options: dict[str, object], wanted: list[str]
 ) -> None:
-    choice = TopicChoice(topics, _NAMES, **options)  # type: ignore[arg-type]
+    choice = RecordedTopics(topics, _NAMES, **options)  # type: ignore[arg-type]
     choice.learn(_GRAPH)
     assert [channel for channel in _CHANNELS if choice.includes(channel)] == wanted
 
 
 def test_the_protocol_of_announcements_is_never_among_the_messages() -> None:
-    assert not TopicChoice((), _NAMES, hidden=True).includes("/_lcmtools/node")
+    assert not RecordedTopics((), _NAMES, hidden=True).includes("/_lcmtools/node")
 
 
 def test_topics_that_are_named_are_known_before_they_are_published() -> None:
-    assert "/husky0/scan" in TopicChoice(("scan",), _NAMES).learn(Graph())
+    assert "/husky0/scan" in RecordedTopics(("scan",), _NAMES).learn(Graph())
