@@ -51,7 +51,7 @@ def play(command: list[str], times: list[int]) -> tuple[list[float], float]:
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     with (
         Tap(parse_url(_URL)) as tap,
-        subprocess.Popen(command, stderr=subprocess.DEVNULL) as player,
+        subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as player,
     ):
         ended = 0.0
         while not ended or time.monotonic() < ended + _TAIL:
