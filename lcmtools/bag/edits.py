@@ -9,6 +9,7 @@ from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from lcmtools.bus.multicast import SELF_TEST_CHANNEL
 from lcmtools.clock import NANOSECONDS
 from lcmtools.errors import DecodeError, LcmtoolsError, UsageError
 from lcmtools.graph.protocol import (
@@ -17,7 +18,7 @@ from lcmtools.graph.protocol import (
     encode_announcement,
 )
 from lcmtools.messages.filter import Filter
-from lcmtools.names import Pattern, did_you_mean
+from lcmtools.names import Pattern, did_you_mean, is_hidden
 from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.log_file import LogFile
 from lcmtools.settings import parse_duration
@@ -57,6 +58,13 @@ def chosen(packets: Iterable[Packet], topics: TopicChoice) -> Iterator[Packet]:
         if has is None:
             has = known[packet.channel] = topics.has(packet.channel)
         if has:
+            yield packet
+
+
+def visible(packets: Iterable[Packet]) -> Iterator[Packet]:
+    """Yield the messages of topics that are not hidden, and not those of liblcm's own test."""
+    for packet in packets:
+        if not (is_hidden(packet.channel) or packet.channel == SELF_TEST_CHANNEL):
             yield packet
 
 

@@ -7,7 +7,7 @@ are translated from the bag's own definitions and compiled, as .msg files of a p
 import struct
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -118,7 +118,8 @@ class RosImport:
         source = user_types().compiled_types(types)
         if source.problems:
             raise source.problems[0].error()
-        self.types.update((one.name, one) for one in types)
+        for one in types:
+            self.types[one.name] = replace(one, fingerprint=source.fingerprints[one.name])
         return Registry([source]).message_class(_lcm_name(name))
 
     def _leave_out(self, reason: str) -> None:

@@ -12,19 +12,20 @@ from lcmtools.bag.summary import Progress
 from lcmtools.bag.writer import LogWriter
 from lcmtools.observe.log_file import LogFile, index_path
 from lcmtools.observe.losses import Loss
-from lcmtools.wire.log_index import RecordedNode
+from lcmtools.wire.log_index import RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 
 _AT_ONCE = 4 << 20  # bytes that wait to be written
 
 
-def write_log(
+def write_log(  # noqa: PLR0913 - each is an option of its own
     target: str | Path,
     packets: Iterable[Packet],
     sources: Sequence[LogFile],
     *,
     force: bool = False,
     change_node: Callable[[RecordedNode], RecordedNode] = lambda node: node,
+    types: Iterable[RecordedType] = (),
     progress: Progress = lambda _: None,
 ) -> int:
     """Write messages into a log, and return their number.
@@ -35,6 +36,7 @@ def write_log(
         sources: The logs that they are from.
         force: Take the place of a file that exists; it may be one of the sources.
         change_node: Changes the announcements of nodes, as the messages have been changed.
+        types: Types that the sources do not have; asked for when all messages are written.
         progress: Called with the number of bytes that have been written.
 
     Raises:
@@ -47,6 +49,7 @@ def write_log(
             for source in sources:
                 copier.carry(source, change_node)
             copier.copy(packets, progress)
+            writer.add_types(types)
         # with the old log the new index says nothing
         index_path(made).rename(index_path(target))
     return writer.messages

@@ -122,7 +122,8 @@ shift       cli.bag.change:shift      Change the times of recording.
 downsample  cli.bag.edit:downsample  Leave out messages that come too often.
 fix         cli.bag.join:fix         Save what can be read of a damaged log.
 reindex     cli.bag.info:reindex     Write the index of a log.
-plot        cli.plot:of_log          Draw fields of a log over time.
+export      cli.bag.exchange:export_  Write a log as CSV, JSON, NumPy, Parquet, MCAP, ROS bag.
+import      cli.bag.exchange:import_  Read a ROS bag or an MCAP file into a log.
 """)
 bag = _group(
     "bag",

@@ -67,6 +67,9 @@ _NO_DATA = {
         "param set",
         "sim snapshot",
         "lab start",
+        "plot",
+        "bag play",
+        "bag plot",
     )
 }
 """Commands that do something, and so have nothing to give as JSON."""
