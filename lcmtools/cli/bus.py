@@ -29,24 +29,31 @@ def chosen_url() -> "BusUrl":
     return url
 
 
-def open_monitor(
-    tool: str, *, whole: bool = False, plays: bool = False, log: str | None = None
-) -> "BusMonitor":
+def chosen_log() -> str | None:
+    """Return the log that the command line names in place of the bus.
+
+    Raises:
+        UsageError: It names a bus, too.
+    """
+    choice = bus_choice()
+    if choice.log is not None and (choice.url or choice.domain):
+        hint = "leave out --lcm-url and --domain"
+        raise UsageError("-b reads a log in place of the bus", hint)
+    return choice.log
+
+
+def open_monitor(tool: str, *, whole: bool = False, plays: bool = False) -> "BusMonitor":
     """Open the bus or the log that the command line selects, for the command ``tool``.
 
     Large messages come as a whole, or only their heads; a log is played at its own speed, or read
-    at once. ``log`` is a file in place of the bus, read at once. A request to shut down ends the
-    command as SIGTERM does.
+    at once, as one of ``--bag`` is always. A request to shut down ends the command as SIGTERM does.
     """
     from lcmtools.observe.monitor import BusMonitor
 
-    if log is not None:
+    if (log := chosen_log()) is not None:
         from lcmtools.bus.url import BusUrl
         from lcmtools.observe.sources import LogObserver
 
-        if bus_choice().url or bus_choice().domain:
-            hint = "leave out --lcm-url and --domain"
-            raise UsageError("-b reads a log in place of the bus", hint)
         return BusMonitor(BusUrl("file", log), tool, os.environ, LogObserver(log))
     return BusMonitor(
         chosen_url(),

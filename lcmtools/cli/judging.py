@@ -5,12 +5,12 @@ Wrong usage needs an exit code of its own, for 1 and 2 are warnings and errors o
 
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import click
 
-from lcmtools.cli.bus import chosen_url
+from lcmtools.cli.bus import chosen_log, chosen_url, notify
 from lcmtools.cli.declare import option
 from lcmtools.cli.options import bus_choice
 from lcmtools.doctor.collect import collect, unusable
@@ -66,10 +66,32 @@ def rule_option(*names: str, text: str, multiple: bool) -> Callable[..., Callabl
     return option(*names, metavar="ID", multiple=multiple, type=_rule, help=text, completer=ids)
 
 
+def judged_rules(named: Sequence[Rule]) -> Sequence[Rule]:
+    """Return the rules that are named, else all; of a log those that judge messages."""
+    try:
+        log = chosen_log()
+    except UsageError as error:
+        raise WrongUsage(error.what, error.hint) from error
+    if log is None:
+        return named or RULES
+    from lcmtools.doctor.recorded import OF_LOGS
+
+    for rule in named:
+        if rule.id not in OF_LOGS:
+            raise WrongUsage(f"a log does not show what {rule.id} judges", "leave out --bag")
+    return named or [rule for rule in RULES if rule.id in OF_LOGS]
+
+
 def look_once(
     listen: float, *, as_json: bool, at_least: float = 0.0, memory: Memory | None = None
 ) -> Evidence:
     """Return the evidence; in JSON a bus that the environment names wrongly is a finding too."""
+    if (log := chosen_log()) is not None:
+        from lcmtools.doctor.recorded import collect_log
+
+        evidence = collect_log(log)
+        notify("of a log only messages are judged: not connections, computers or processes")
+        return evidence
     try:
         evidence = collect(chosen_url(), os.environ, listen, memory)
     except UsageError as error:

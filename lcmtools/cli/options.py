@@ -22,6 +22,7 @@ class BusChoice:
 
     url: str | None = None
     domain: str | None = None
+    log: str | None = None  # that is read in place of the bus
     names: NodeArguments = field(default_factory=NodeArguments)
 
 
@@ -99,11 +100,35 @@ names_options = together(
 )
 """``--ns`` and ``--remap``, which ``BusChoice.names`` then has."""
 
-looking_options = together(names_options, bus_options)
-"""The options of commands that look at a bus; ``looking_names`` and ``in_names`` read them.
+
+def _remember_log(ctx: click.Context, parameter: click.Parameter, value: str | None) -> None:
+    if value is not None and parameter.hidden:  # type: ignore[attr-defined] # it is an option
+        raise UsageError("nobody in a log can answer", "leave out -b, for the nodes on the bus")
+    ctx.ensure_object(BusChoice).log = value
+
+
+def _bag_option(*, hidden: bool) -> Callable[[CommandT], CommandT]:
+    return option(
+        "-b",
+        "--bag",
+        metavar="FILE",
+        callback=_remember_log,
+        expose_value=False,
+        hidden=hidden,
+        help="Read an LCM log instead of the bus.",
+        completer="files",
+    )
+
+
+bag_option = _bag_option(hidden=False)
+"""``--bag`` of commands that can do without anybody's answer; ``open_monitor`` reads it."""
+looking_options = together(names_options, bus_options, bag_option)
+"""The options of commands that look at a bus or a log; ``looking_names``, ``in_names`` read them.
 
 ``LazyGroup`` takes ``__ns:=`` and ``a:=b`` out of the words of the commands that have these.
 """
+asking_options = together(names_options, bus_options, _bag_option(hidden=True))
+"""The options of commands that ask nodes, which a log cannot answer."""
 
 
 def is_looking(command: click.Command) -> bool:

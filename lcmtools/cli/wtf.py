@@ -10,8 +10,14 @@ from pathlib import Path
 import click
 
 from lcmtools.cli.declare import duration, examples, flag, option, subcommand
-from lcmtools.cli.judging import JudgingCommand, WrongUsage, look_once, rule_option
-from lcmtools.cli.options import bus_options, json_option
+from lcmtools.cli.judging import (
+    JudgingCommand,
+    WrongUsage,
+    judged_rules,
+    look_once,
+    rule_option,
+)
+from lcmtools.cli.options import bag_option, bus_choice, bus_options, json_option
 from lcmtools.cli.output import data, lines, show, talk
 from lcmtools.color import stream_wants_color
 from lcmtools.doctor import report, saved
@@ -23,7 +29,7 @@ from lcmtools.doctor.rules import RULES, examine
 _FILE = click.Path(dir_okay=False, path_type=Path)
 
 
-@subcommand("wtf", json_option, bus_options, cls=JudgingCommand)
+@subcommand("wtf", json_option, bus_options, bag_option, cls=JudgingCommand)
 @examples(
     "wtf",
     "wtf --ignore unconnected-publications --json",
@@ -31,6 +37,7 @@ _FILE = click.Path(dir_okay=False, path_type=Path)
     "wtf --watch",
     "wtf --save evidence.json",
     "wtf --from evidence.json",
+    "wtf --bag ride.lcmlog",
 )
 @option("--wait", type=duration, default=1.0, help="Observe the traffic for this long (else 1s).")
 @rule_option("--rule", "only", text="Only this rule; repeatable.", multiple=True)
@@ -65,12 +72,12 @@ def command(
         rows = report.rules_text(shown, in_full=explain is not None)
         show([report.rule_record(rule) for rule in shown], rows, as_json=as_json)
         return 0
-    rules = [rule for rule in dict.fromkeys(only or RULES) if rule not in ignore]
+    rules = [rule for rule in dict.fromkeys(judged_rules(only)) if rule not in ignore]
     if not rules:
         raise WrongUsage("no rule is left", "lcmtools wtf --list shows them")
     if watch:
-        if save_to or load_from:
-            raise WrongUsage("--watch keeps running; leave out --save and --from")
+        if save_to or load_from or bus_choice().log:
+            raise WrongUsage("--watch keeps running; leave out --save, --from and --bag")
         look = partial(look_once, wait, as_json=as_json, at_least=wait, memory=Memory())
         _watch(look, rules, as_json=as_json)
     evidence = saved.load(load_from) if load_from else look_once(wait, as_json=as_json)

@@ -150,7 +150,7 @@ def _gathered(monitor: BusMonitor, evidence: Evidence, begin: _Begin, listen: fl
         ),
         oddities=listening.oddities(names.name),
         logs=listening.logs(),
-        clock=_clock(listening, after, names, busy),
+        clock=clock_of(listening, after, names, busy),
         processes=programs.with_topics(
             (replace(one, state="") if one.pid in running else one for one in processes), after
         ),
@@ -289,7 +289,7 @@ def _is_tool(process: Process, nodes: Sequence[Node]) -> bool:
     return any(Path(word).name == "lcmtools" for word in process.command.split()[:3])
 
 
-def _clock(
+def clock_of(
     listening: Listening, graph: Graph, names: programs.ProgramNames, busy: Mapping[int, float]
 ) -> SimulatedClock | None:
     """The pace of simulated time, with the share of time that its local publisher computed."""

@@ -51,9 +51,14 @@ class _Stream:
 
 
 class Listening:
-    """The evidence in messages, as they come; ``types_of`` are the announced types of a topic."""
+    """The evidence in messages, as they come.
 
-    def __init__(self, types_of: Callable[[str], Sequence[str]]) -> None:
+    ``types_of`` are the announced types of a topic; ``share`` is the part of the time that may go
+    into looking into messages.
+    """
+
+    def __init__(self, types_of: Callable[[str], Sequence[str]], share: float = _SHARE) -> None:
+        self._share = share
         self._decoder = Decoder(types_of)
         self._streams: dict[_Key, _Stream] = {}
         self._odd: dict[tuple[str, _Key, str], Oddity] = {}
@@ -86,7 +91,10 @@ class Listening:
                 stream.format = foreign_format(packet.payload, is_whole=is_whole)
             return
         now = time.monotonic()
-        if packet.channel in (_CLOCK, _LOG) or self._spent <= _SHARE * (now - self._start) + 0.05:
+        if (
+            packet.channel in (_CLOCK, _LOG)
+            or self._spent <= self._share * (now - self._start) + 0.05
+        ):
             self._look_into(packet, key)
             self._spent += time.monotonic() - now
 

@@ -123,8 +123,7 @@ class GraphBuilder:
     def _announced(self, announcement: Announcement, packet: Packet) -> None:
         node = announcement.node
         if self._is_log:
-            stale = Staleness.LEFT if announcement.leaving else Staleness.NOT
-            node = replace(node, is_recorded=True, stale=stale)
+            node = replace(node, is_recorded=True)
         elif announcement.leaving:
             self.forget(node.id)
             self._left.add(node.id)

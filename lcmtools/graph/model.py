@@ -31,7 +31,6 @@ class Staleness(str, Enum):
     UNANSWERED = "does not answer"
     HANGS = "runs but does not answer"
     ENDED = "ended without saying goodbye"
-    LEFT = "ended before the end of the log"
 
     __str__ = str.__str__
 

@@ -286,7 +286,7 @@ def counted(
     topics = [find_topic(graph, name, names) for name in words]
     publishers = [node for topic in topics for node, _ in topic.publishers if not node.stale]
     if monitor.is_log or not (publishers or any(topic.traffic for topic in topics)):
-        return graph, Counters(graph, graph)
+        return graph, Counters(graph, graph, monitor.losses())
     ends = [end for topic in topics for _, end in (*topic.publishers, *topic.subscribers)]
     is_known = all(end.rate for end in ends) and not any(topic.foreign for topic in topics)
     is_seen = all(topic.traffic for topic in topics) or not with_messages

@@ -155,7 +155,9 @@ class Program(NamedTuple):
 
 def programs(graph: Graph, url: BusUrl) -> list[Program]:
     """Return the programs of a bus that are no nodes, those of this computer first."""
-    table, listening = SocketTable.read(), listening_sockets(url)
+    is_log = url.provider == "file"  # of programs that need not run now, or not here
+    table = SocketTable({}, {}) if is_log else SocketTable.read()
+    listening = [] if is_log else listening_sockets(url)
     known = {node.pid for node in graph.nodes if is_here(node)} | {os.getpid()}
     found: dict[_Key, list[Traffic]] = {}
     for seen in graph.foreign():

@@ -36,7 +36,7 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
     nodes_found = [] if quiet and not as_json else [one for one in found if isinstance(one, Node)]
     able = [node for node in nodes_found if _can_be_asked(node)]
     known = ParameterClient(monitor.url, _TIMEOUT).get_all(able)[0]
-    now = time.time_ns()
+    now = graph.time if monitor.is_log else time.time_ns()
     if as_json:
         document([_record(one, graph, known, now) for one in found])
         return
@@ -67,7 +67,7 @@ def _find(monitor: BusMonitor, graph: Graph, word: str) -> list[Node] | list[Pro
 
 
 def _can_be_asked(node: Node) -> bool:
-    return has_parameters(node) and not node.stale
+    return has_parameters(node) and not (node.stale or node.is_recorded)
 
 
 def _parameters(node: Node, known: Answers) -> list[str]:

@@ -6,14 +6,14 @@ import click
 
 from lcmtools.cli.bus import in_names, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
-from lcmtools.cli.options import json_option, looking_options
+from lcmtools.cli.options import asking_options, json_option
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Node
 from lcmtools.observe.nodes import NodeEnd, end_nodes, node_to_end, nodes_to_end
 
 
-@subcommand("kill", json_option, looking_options)
+@subcommand("kill", json_option, asking_options)
 @examples("node kill simple_controller", "node kill --all --yes")
 @argument("nodes", nargs=-1, completer="bus:nodes")
 @flag("-a", "--all", "kill_all", help="All nodes, after confirmation.")

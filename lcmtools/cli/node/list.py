@@ -58,7 +58,7 @@ def list_nodes(
         lines(map(listed_node, nodes))
     if not nodes and not count:
         talk(f"no nodes{f' in {namespace}' if namespace else ''} on {url}")
-    names = Counter(node.name for node in nodes if not node.stale)
+    names = Counter(node.name for node in nodes if not (node.stale or node.is_recorded))
     if twice := sorted(name for name, number in names.items() if number > 1):
         talk(f"several nodes have the same name: {', '.join(twice)}; lcmtools wtf shows more")
 

@@ -6,7 +6,7 @@ import click
 
 from lcmtools.cli.bus import in_names, open_monitor
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand, whole_number
-from lcmtools.cli.options import json_option, looking_options, timeout_option
+from lcmtools.cli.options import asking_options, json_option, timeout_option
 from lcmtools.cli.output import data, document, lines, talk
 from lcmtools.errors import NothingReceived, UsageError
 from lcmtools.graph.model import Node, Staleness
@@ -16,7 +16,7 @@ from lcmtools.observe.node_report import ping_reply, ping_summary
 from lcmtools.observe.nodes import ping, pings
 
 
-@subcommand("ping", timeout_option(3.0), json_option, looking_options)
+@subcommand("ping", timeout_option(3.0), json_option, asking_options)
 @examples("node ping simple_controller", "node ping --all")
 @argument("node", required=False, completer="bus:nodes")
 @flag("-a", "--all", "ping_all", help="Ping every node once.")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from lcmtools.cli.bus import in_names
 from lcmtools.cli.declare import argument, examples, option, subcommand
-from lcmtools.cli.options import json_option, looking_options
+from lcmtools.cli.options import asking_options, json_option
 from lcmtools.cli.output import document, lines, talk
 from lcmtools.cli.param.common import complain_of, living_nodes, look, named, timeout_option
 from lcmtools.errors import InvalidFile, LcmtoolsError, UsageError, os_errors_as
@@ -17,7 +17,7 @@ from lcmtools.publish.parameter_file import changes_of, make_changes, read_leave
 from lcmtools.publish.parameters import nodes_with_parameters, require_parameters
 
 
-@subcommand("dump", timeout_option, json_option, looking_options)
+@subcommand("dump", timeout_option, json_option, asking_options)
 @examples("param dump simple_controller", "param dump gains.yaml /husky0", "param dump -o all.yaml")
 @argument("words", metavar="[FILE] [NODE]", nargs=-1, completer="bus:nodes_and_files")
 @option("-o", "--output", metavar="FILE", help="Write to this file.", completer="files")
@@ -57,7 +57,7 @@ def _file_and_nodes(
         return words[0], living_nodes(graph, show_all=True)
 
 
-@subcommand("load", timeout_option, looking_options)
+@subcommand("load", timeout_option, asking_options)
 @examples("param load gains.yaml", "param load gains.yaml /husky0/simple_controller")
 @argument("words", metavar="FILE [NODE]", nargs=-1, required=True, completer="bus:nodes_after_file")
 def load(words: tuple[str, ...], *, timeout: float) -> None:

@@ -1,7 +1,7 @@
 """``lcmtools param list``, ``get`` and ``describe``."""
 
 from lcmtools.cli.declare import argument, examples, flag, subcommand
-from lcmtools.cli.options import all_option, json_option, looking_options
+from lcmtools.cli.options import all_option, asking_options, json_option
 from lcmtools.cli.output import show, talk
 from lcmtools.cli.param.common import complain_of, living_nodes, look, named, timeout_option
 from lcmtools.messages.plain import finite
@@ -9,7 +9,7 @@ from lcmtools.publish import parameter_report as report
 from lcmtools.publish.parameters import pick, value_of
 
 
-@subcommand("list", timeout_option, all_option, json_option, looking_options)
+@subcommand("list", timeout_option, all_option, json_option, asking_options)
 @examples("param list", "param list simple_controller -v")
 @argument("node", default="", completer="bus:nodes")
 @flag("-t", "--show-types", help="Show each parameter's type.")
@@ -35,7 +35,7 @@ def list_parameters(
     return complain_of(errors)
 
 
-@subcommand("get", timeout_option, json_option, looking_options)
+@subcommand("get", timeout_option, json_option, asking_options)
 @examples(
     "param get simple_controller kp", "param get /husky0/simple_controller/kp", "param get /husky0"
 )
@@ -68,7 +68,7 @@ def get(
     return 0
 
 
-@subcommand("describe", timeout_option, json_option, looking_options)
+@subcommand("describe", timeout_option, json_option, asking_options)
 @examples("param describe simple_controller kp", "param describe /husky0/simple_controller")
 @argument("node", completer="bus:parameters")
 @argument("name", default="", completer="bus:parameters")

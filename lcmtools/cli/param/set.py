@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from lcmtools.cli.declare import argument, examples, subcommand
-from lcmtools.cli.options import looking_options
+from lcmtools.cli.options import asking_options
 from lcmtools.cli.output import talk
 from lcmtools.cli.param.common import look, named, timeout_option
 from lcmtools.cli.words import CommandWithWords
@@ -15,7 +15,7 @@ from lcmtools.publish.parameters import ParameterClient, ParameterTarget
 _EXAMPLE = "for example: lcmtools param set /husky0/simple_controller kp 0.5"
 
 
-@subcommand("set", timeout_option, looking_options, cls=CommandWithWords)
+@subcommand("set", timeout_option, asking_options, cls=CommandWithWords)
 @examples(
     "param set simple_controller kp 0.5",
     "param set /husky0/simple_controller/kp 0.5",

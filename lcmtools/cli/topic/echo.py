@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from lcmtools.cli.bus import looking_names, notify, open_monitor
+from lcmtools.cli.bus import chosen_log, looking_names, notify, open_monitor
 from lcmtools.cli.declare import (
     argument,
     duration,
@@ -46,9 +46,6 @@ _ALL_TOPICS = "**"
 @option("--timeout", type=duration, help="Exit with code 4 when none comes in time.")
 @display_options
 @flag("-c", "--clear", help="Clear a terminal before each message.")
-@option(
-    "-b", "--bag", metavar="FILE", help="Read an LCM log instead of the bus.", completer="files"
-)
 @flag("-a", "--all", "all_topics", help="All topics of the log (with -b).")
 def command(
     words: tuple[str, ...],
@@ -57,7 +54,6 @@ def command(
     once: bool,
     timeout: float | None,
     clear: bool,
-    bag: str | None,
     all_topics: bool,
     **shown: Any,  # noqa: ANN401 - of ``display``
 ) -> None:
@@ -74,14 +70,14 @@ def command(
     --csv are nanoseconds; %time is the header's stamp, else the time of arrival. Text that is not
     UTF-8 is !!binary in YAML and has \\udcXX for a byte in --json; pub accepts both without loss.
     """
-    if shown["offset"] and bag is not None:
+    if shown["offset"] and chosen_log() is not None:
         raise UsageError("--offset is relative to now, and a log has no now", "leave out --offset")
-    topics, type_ = _topics_and_type(words, bag, all_topics=all_topics)
+    topics, type_ = _topics_and_type(words, all_topics=all_topics)
     options = display(type_, **shown)
     prefix = clearing() if clear and options.form in ("text", "flow") else ""
     names = looking_names()
     meant = [select_topics(topic, names) for topic in topics]
-    with open_monitor("echo", whole=True, plays=True, log=bag) as monitor:
+    with open_monitor("echo", whole=True, plays=True) as monitor:
         monitor.discover()
         if monitor.tap:
             monitor.tap.longest_nap = _NAP if may_wait() else 0.0
@@ -96,10 +92,8 @@ def command(
             data("\n".join(f"{prefix}{text}" for text in texts))
 
 
-def _topics_and_type(
-    words: tuple[str, ...], bag: str | None, *, all_topics: bool
-) -> tuple[tuple[str, ...], str]:
-    if all_topics and bag is None:
+def _topics_and_type(words: tuple[str, ...], *, all_topics: bool) -> tuple[tuple[str, ...], str]:
+    if all_topics and chosen_log() is None:
         raise UsageError("--all is for logs", "name one with -b, or echo '**'")
     if all_topics and words:
         raise UsageError("--all shows all topics", "leave out --all, or the topic")

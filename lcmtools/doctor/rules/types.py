@@ -21,6 +21,7 @@ from lcmtools.doctor.near_types import nearest_type
 from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
 from lcmtools.messages.registry import candidates, type_names
 from lcmtools.names import is_hidden
+from lcmtools.observe.senders import UNKNOWN
 from lcmtools.wire.packet import Sender
 
 _BITS = (1 << 64) - 1
@@ -173,7 +174,7 @@ def _older(users: Sequence[_User]) -> Iterator[Statement]:
 
 
 def _sender(seen: Traffic, names: Mapping[Sender | None, str]) -> Subject:
-    name = names.get(seen.sender, str(seen.sender))
+    name = names.get(seen.sender, str(seen.sender or UNKNOWN))
     return Subject("sender", name, address=str(seen.sender or ""))
 
 

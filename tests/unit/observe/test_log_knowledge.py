@@ -83,7 +83,7 @@ def test_a_log_knows_its_nodes_whenever_they_were_there(path: Path) -> None:
         graph = monitor.settle()
         losses = monitor.losses()
     assert [(node.name, node.stale) for node in graph.nodes] == [
-        ("/gone", Staleness.LEFT),
+        ("/gone", Staleness.NOT),
         ("/talker", Staleness.NOT),
     ]
     assert not any(map(is_here, graph.nodes))

@@ -3,7 +3,7 @@
 import os
 import sys
 
-from lcmtools.cli.bus import open_monitor
+from lcmtools.cli.bus import chosen_log, open_monitor
 from lcmtools.cli.spy.columns import TableView
 from lcmtools.color import stream_wants_color
 from lcmtools.errors import MissingExtra, UsageError
@@ -12,6 +12,8 @@ from lcmtools.observe.channels import ChannelSelection
 
 def watch(selection: ChannelSelection, view: TableView) -> int:
     """Show the channels until the person leaves; return the exit code."""
+    if chosen_log() is not None:
+        raise UsageError("the live view is of a bus", "--once shows the channels of a log")
     if not all(stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):
         raise UsageError("spy needs a terminal", "--once prints the table")
     try:

@@ -1,0 +1,58 @@
+"""The evidence in a log: what its messages and its index say.
+
+A log tells nothing of the computer that reads it, nor of programs that run now: the rules that
+judge those are not among ``OF_LOGS``.
+"""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+from lcmtools.bus.url import BusUrl
+from lcmtools.doctor.collect import clock_of
+from lcmtools.doctor.evidence import Evidence, SenderFacts
+from lcmtools.doctor.listening import Listening
+from lcmtools.doctor.programs import ProgramNames
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.observe.senders import SocketTable
+from lcmtools.observe.sources import LogObserver
+
+OF_LOGS = frozenset(
+    {
+        *("loss", "competing-publishers", "slow-simulator", "type-mismatch", "unknown-type"),
+        *("names", "callback-errors", "logged", "not-finite", "quaternions", "covariances"),
+        *("stamps", "undecodable"),
+    }
+)
+"""The rules that judge messages alone."""
+
+
+def collect_log(path: str | Path) -> Evidence:
+    """Return the evidence in a log, of which every message is looked at.
+
+    Raises:
+        BusError: It cannot be read.
+    """
+    url = BusUrl("file", str(path))
+    with BusMonitor(url, "wtf", {}, LogObserver(str(path))) as monitor:
+        listening = Listening(monitor.types_of, share=math.inf)
+        first = 0
+        for packet in monitor.packets():
+            first = first or packet.time
+            listening.take(packet)
+        graph = monitor.graph()
+        names = ProgramNames(monitor, listening, graph, SocketTable({}, {}))
+        return Evidence(
+            str(url),
+            graph=graph,
+            before=graph,
+            listened=(graph.time - first) / 1e9,
+            senders=tuple(
+                SenderFacts(one, names.name(one), messages=loss.sent - loss.lost, lost=loss.lost)
+                for one, loss in monitor.losses().items()
+            ),
+            streams=tuple(replace(one, name=names.name(one.sender)) for one in listening.streams()),
+            oddities=listening.oddities(names.name),
+            logs=listening.logs(),
+            clock=clock_of(listening, graph, names, {}),
+        )

@@ -1,0 +1,123 @@
+"""Commands that look at a bus, on a log with an index."""
+
+import json
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from lcmtools.bag.writer import LogWriter
+from lcmtools.cli.main import main
+from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.protocol import Announcement, encode_announcement
+from lcmtools.messages.codec import encode
+from lcmtools.types.std_msgs import Float64
+from lcmtools.wire.log_index import RecordedNode
+from lcmtools.wire.packet import Packet, Sender
+
+_SECOND = 1_000_000_000
+_START = 1_795_384_180 * _SECOND
+Bag = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def look(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Bag:
+    """Runs a command on a log of a node, /driver, and a program, which sends what is no number."""
+    path = tmp_path / "ride.lcmlog"
+    with LogWriter(path) as log:
+        driver = log.sender_number(Sender("127.0.0.1", 4001), "/driver")
+        program = log.sender_number(Sender("127.0.0.1", 4002), "probe.py (pid 7)")
+        ends = (Endpoint("/speed", Role.PUBLISHER, ("std_msgs/Float64",)),)
+        node = Node("/driver", "id", "ada", 1, command="driver --fast", endpoints=ends)
+        log.add_node(RecordedNode(_START, driver, encode_announcement(Announcement(node))))
+        message = Float64()
+        for tenth in range(100):
+            time = _START + tenth * _SECOND // 10
+            message.data = float(tenth)
+            log.add(Packet("/speed", encode(message), time), driver)
+            message.data = float("nan")
+            log.add(Packet("PROBE", encode(message), time), program)
+        log.set_losses({driver: (5, 105)})
+
+    def run(*words: str) -> tuple[int, str, str]:
+        code = main([*words, "--bag", str(path)])
+        return (code, *capsys.readouterr())
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("words", "out"),
+    [
+        ("list", "/speed\nPROBE\n"),
+        ("list --hz /speed", "/speed  10.00 Hz\n"),
+        ("type /speed", "std_msgs/Float64\n"),
+        ("find Float64", "/speed\nPROBE\n"),
+        ("node list", "/driver\n"),
+        ("echo /speed/data -n 2", "0.0\n---\n1.0\n---\n"),
+        ("echo /speed --filter 'm.data == 7'", "data: 7.0\n---\n"),
+    ],
+)
+def test_a_log_answers_as_a_bus_does(words: str, out: str, look: Bag) -> None:
+    assert look(*shlex.split(words)) == (0, out, "")
+
+
+def test_info_has_the_recorded_senders(look: Bag) -> None:
+    _, out, _ = look("info", "/speed", "PROBE", "-v")
+    assert " * /driver (ada, pid 1)\n" in out
+    assert "     did not arrive here: 5 of 105 (4.8 %), all its topics together\n" in out
+    assert " * probe.py (pid 7) (when it was recorded)\n     seen messages: 100" in out
+
+
+def test_spy_and_graph_have_the_recorded_senders(look: Bag) -> None:
+    _, out, _ = look("spy", "--json")
+    rows = {row["channel"]: row for row in json.loads(out)}
+    assert (rows["/speed"]["senders"], rows["PROBE"]["senders"]) == (
+        ["/driver"],
+        ["probe.py (pid 7)"],
+    )
+    assert rows["/speed"]["senders_lost"] == 5
+    _, out, _ = look("graph", "--leaf-topics")
+    assert "/driver" in out
+    assert "probe.py (pid 7)" in out
+
+
+def test_node_info_asks_nobody(look: Bag) -> None:
+    code, out, error = look("node", "info", "/driver")
+    assert (code, error) == (0, "")
+    assert "Command: driver --fast\n" in out
+    assert "Parameters" not in out
+
+
+@pytest.mark.parametrize("words", ["node ping /driver", "param list", "node kill /driver"])
+def test_what_only_a_node_could_answer_is_refused(words: str, look: Bag) -> None:
+    code, out, error = look(*words.split())
+    assert (code, out) == (2, "")
+    assert error.endswith("nobody in a log can answer; leave out -b, for the nodes on the bus\n")
+
+
+def test_wtf_judges_the_messages_of_a_log_alone(look: Bag) -> None:
+    code, out, error = look("wtf", "--json")
+    assert code == 1
+    found = {one["rule"]: one for one in json.loads(out)}
+    assert set(found) == {"loss", "not-finite"}
+    assert "'PROBE' from probe.py (pid 7)" in json.dumps(found["not-finite"])
+    assert "5 of 105" in json.dumps(found["loss"])
+    assert "of a log only messages are judged" in error
+    code, _, error = look("wtf", "--rule", "link")
+    assert (code, error) == (
+        64,
+        "lcmtools wtf: a log does not show what link judges; leave out --bag\n",
+    )
+
+
+def test_a_log_is_read_in_place_of_a_bus(look: Bag) -> None:
+    code, _, error = look("list", "--domain", "3")
+    assert code == 2
+    assert error == (
+        "lcmtools list: -b reads a log in place of the bus; leave out --lcm-url and --domain\n"
+    )
+    assert look("spy")[2] == (
+        "lcmtools spy: the live view is of a bus; --once shows the channels of a log\n"
+    )
