@@ -42,15 +42,18 @@ def chosen_log() -> str | None:
     return choice.log
 
 
-def open_monitor(tool: str, *, whole: bool = False, plays: bool = False) -> "BusMonitor":
+def open_monitor(
+    tool: str, *, whole: bool = False, plays: bool = False, log: str | None = None
+) -> "BusMonitor":
     """Open the bus or the log that the command line selects, for the command ``tool``.
 
     Large messages come as a whole, or only their heads; a log is played at its own speed, or read
-    at once, as one of ``--bag`` is always. A request to shut down ends the command as SIGTERM does.
+    at once, as ``log`` and that of ``--bag`` are. A request to shut down ends the command as
+    SIGTERM does.
     """
     from lcmtools.observe.monitor import BusMonitor
 
-    if (log := chosen_log()) is not None:
+    if (log := log or chosen_log()) is not None:
         from lcmtools.bus.url import BusUrl
         from lcmtools.observe.sources import LogObserver
 

@@ -117,8 +117,8 @@ filter      cli.bag.edit:filter_     Write the messages that meet a condition.
 cut         cli.bag.edit:cut         Write the part between two times.
 merge       cli.bag.join:merge       Join logs into one.
 sort        cli.bag.join:sort        Bring messages into the order of their times.
-rename      cli.bag.change:rename     Give topics other names.
-shift       cli.bag.change:shift      Change the times of recording.
+rename      cli.bag.change:rename    Give topics other names.
+shift       cli.bag.change:shift     Change the times of recording.
 downsample  cli.bag.edit:downsample  Leave out messages that come too often.
 fix         cli.bag.join:fix         Save what can be read of a damaged log.
 reindex     cli.bag.info:reindex     Write the index of a log.
