@@ -2,4 +2,26 @@
 
 The logs are LCM's own, with an index beside them (``wire/log_index``); reading them as a stream of
 arrivals is ``observe``'s. Nothing here prints or knows a command line.
+Public are ``open``, and the ``Log`` that it gives:
+
+    with lcmtools.bag.open("ride.lcmlog") as log:
+        for arrival in log.messages("/husky0/odometry"):
+            print(arrival.time, arrival.sender, arrival.message.pose.pose.position.x)
 """
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from lcmtools.bag.log import Log as Log
+    from lcmtools.bag.log import open_log as open  # noqa: A004 - as gzip has it
+
+__all__ = ["Log", "open"]
+
+
+def __getattr__(name: str) -> object:
+    """Import a public name when it is first used (PEP 562)."""
+    if name not in __all__:
+        raise AttributeError(f"module 'lcmtools.bag' has no attribute '{name}'")
+    from lcmtools.bag import log
+
+    return log.open_log if name == "open" else log.Log

@@ -43,7 +43,7 @@ class Arrival:
     packet: Packet
 
 
-def messages(
+def messages(  # noqa: PLR0913 - each is an option of its own
     *topics: str,
     url: str | None = None,
     log: str | Path | None = None,
@@ -51,6 +51,7 @@ def messages(
     timeout: float | None = None,
     wall_time: bool = False,
     on_error: Callable[[DecodeError], None] | None = None,
+    between: tuple[int, int] | None = None,
 ) -> Generator[Arrival, None, None]:
     """Return the messages of topics as they arrive on a bus, or all those in a log.
 
@@ -68,6 +69,7 @@ def messages(
         timeout: The longest time without a message [s]; None for without end.
         wall_time: Use the computer's time even if a simulator publishes /clock.
         on_error: Called for a message that cannot be decoded, which is left out; None to raise.
+        between: Of a log, only messages recorded from one time to another [ns since 1970].
 
     Raises:
         UsageError: A topic, the URL or the expression is wrong.
@@ -85,7 +87,7 @@ def messages(
     names = Resolver(resolve_namespace(usual_namespace(os.environ)))
     selections = [select_topics(topic, names, with_path=False) for topic in topics]
     with ExitStack() as stack:
-        monitor = stack.enter_context(_monitor(url, log))
+        monitor = stack.enter_context(_monitor(url, log, between))
         monitor.discover()
         stream = ArrivalStream(
             monitor, selections, names, wall_time=wall_time or not monitor.is_live, strict_time=True
@@ -96,10 +98,12 @@ def messages(
     return cast("Generator[Arrival, None, None]", found)
 
 
-def _monitor(url: str | None, log: str | Path | None) -> BusMonitor:
+def _monitor(
+    url: str | None, log: str | Path | None, between: tuple[int, int] | None
+) -> BusMonitor:
     if log is not None:
         path = str(log)
-        return BusMonitor(BusUrl("file", path), "messages", os.environ, LogObserver(path))
+        return BusMonitor(BusUrl("file", path), "messages", os.environ, LogObserver(path, between))
     chosen, _ = choose_url(url, None, os.environ, read_user_file(os.environ))
     return BusMonitor(chosen, "messages", os.environ, whole=True, plays=False)
 

@@ -55,6 +55,8 @@ class Observer(Protocol):
 class LogObserver:
     """The messages of a log file, as fast as they are read, with the times of the recording.
 
+    ``between`` are the times from which and to which messages count [ns since 1970].
+
     Attributes:
         file: The log, whose index may know nodes, types and losses.
     """
@@ -62,9 +64,13 @@ class LogObserver:
     port = 0
     is_live, is_log = False, True
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, between: tuple[int, int] | None = None) -> None:
         self.file = LogFile(path)
         self._packets = self.file.packets()
+        if between:
+            first, last = between
+            found = self.file.packets(self.file.offset_at(first))
+            self._packets = (packet for packet in found if first <= packet.time <= last)
 
     def receive(self, timeout: float) -> list[Packet]:  # noqa: ARG002 - a log never waits
         """Return the next messages; raises BusError where the file cannot be read."""

@@ -1,0 +1,115 @@
+"""A log for Python: what is in it, and its messages.
+
+with lcmtools.bag.open("ride.lcmlog") as log:
+print(log.duration, list(log.topics))
+for arrival in log.messages("/husky0/odometry", start="10s", end="end-1m"):
+print(arrival.time, arrival.sender, arrival.message.pose.pose.position.x)
+"""
+
+from collections.abc import Callable, Generator, Iterator
+from contextlib import AbstractContextManager
+from functools import cached_property
+from pathlib import Path
+
+from lcmtools.bag.summary import LogSummary, TopicSummary, summarize
+from lcmtools.bag.times import parse_time, time_window
+from lcmtools.errors import DecodeError
+from lcmtools.observe.log_file import LogFile
+from lcmtools.observe.received import Arrival, messages
+
+_ALL_TOPICS = "**"
+
+
+class Log(AbstractContextManager["Log"]):
+    """A log that is open for reading; iterating over it gives all messages but hidden ones.
+
+    Attributes:
+        path: The file.
+
+    Raises:
+        BusError: The file cannot be read, or is no log.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        self._file = LogFile(path)
+
+    def __exit__(self, *_: object) -> None:
+        """Close the file."""
+        self.close()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def __iter__(self) -> Iterator[Arrival]:
+        """Return the messages of all topics; raises as ``messages``."""
+        return self.messages()
+
+    @cached_property
+    def summary(self) -> LogSummary:
+        """All that ``bag info`` shows; a log without an index is read for it."""
+        return summarize(self._file)
+
+    @property
+    def topics(self) -> dict[str, TopicSummary]:
+        """The topics by name: their types, counts, rates, sizes and times."""
+        return {topic.name: topic for topic in self.summary.topics}
+
+    @property
+    def start(self) -> int:
+        """The time of the first message [ns since 1970]; 0 of an empty log."""
+        return self.summary.start
+
+    @property
+    def end(self) -> int:
+        """The time of the last message [ns since 1970]; 0 of an empty log."""
+        return self.summary.end
+
+    @property
+    def duration(self) -> float:
+        """The time from the first to the last message [s]."""
+        return self.summary.duration
+
+    def messages(
+        self,
+        *topics: str,
+        start: str | None = None,
+        end: str | None = None,
+        where: str | None = None,
+        on_error: Callable[[DecodeError], None] | None = None,
+    ) -> Generator[Arrival, None, None]:
+        """Return the messages of topics, as ``lcmtools.observe.messages`` does on a bus.
+
+        Args:
+            *topics: Names or patterns; none for all.
+            start: Where to begin: "10s", "end-1m", "12:30:05", "2026-11-22 12:30:05".
+            end: Where to end.
+            where: Only messages for which this expression is true.
+            on_error: Called for a message that cannot be decoded; None to raise.
+
+        Raises:
+            UsageError: A time, a topic or the expression is wrong.
+            DecodeError: A message cannot be decoded, and ``on_error`` is None.
+            LcmtoolsError: The log has no message of the topics.
+        """
+        between = None
+        if start is not None or end is not None:
+            first, last = (None if text is None else parse_time(text) for text in (start, end))
+            between = time_window((self.start, self.end), first, last)
+        return messages(
+            *(topics or (_ALL_TOPICS,)),
+            log=self.path,
+            where=where,
+            on_error=on_error,
+            between=between,
+        )
+
+
+def open_log(path: str | Path) -> Log:
+    """Open a log: one of lcmtools, of lcm-logger, or of any other LCM program.
+
+    Raises:
+        BusError: The file cannot be read, or is no log.
+    """
+    return Log(path)
