@@ -90,7 +90,7 @@ def play(
         UsageError: There is no such topic, or nothing of the log in these times.
         LcmtoolsError: Topics are in use on the bus, and nothing was played.
     """
-    with Playlist(paths, choice) as playlist:
+    with Playlist(paths, choice, notify) as playlist:
         window = time_window(playlist.span, manner.start, manner.end, duration=manner.duration)
         now = time.monotonic_ns()
         player = Player(

@@ -4,7 +4,7 @@ Belongs here: which channels are played, and under which names. Must not know bu
 """
 
 import heapq
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -29,6 +29,7 @@ from lcmtools.packages import provide_recorded_types
 from lcmtools.wire.log_index import Block
 
 CLOCK = "/clock"
+_SLOW_BYTES = 200_000_000  # of a log without an index, which are read first
 _NEVER = NODE_CHANNEL.rpartition("/")[0] + "/"  # announcements would make ghosts of the nodes
 
 
@@ -76,12 +77,22 @@ class Playlist(AbstractContextManager["Playlist"]):
         InvalidName: A topic's new name breaks the rules.
     """
 
-    def __init__(self, paths: Sequence[str | Path], choice: Choice) -> None:
+    def __init__(
+        self,
+        paths: Sequence[str | Path],
+        choice: Choice,
+        notify: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        self._nodes = GraphBuilder()
         self._logs: list[tuple[LogFile, Sequence[Block]]] = []
         try:
             for path in paths:
                 log = LogFile(path)
-                self._logs.append((log, list(log.blocks())))
+                if log.size - log.index.end > _SLOW_BYTES:
+                    notify(f"reading {path}; with an index, of lcmtools bag reindex, it is at once")
+                for packet in log.announcements():
+                    self._nodes.add(packet)
+                self._logs.append((log, list(log.blocks(self._nodes.add))))
                 provide_recorded_types(log.index.types.values())
             self.span = _span(self._logs)
             self.tracks = self._tracks(choice)
@@ -130,24 +141,11 @@ class Playlist(AbstractContextManager["Playlist"]):
             paths = ", ".join(str(log.path) for log, _ in self._logs)
             raise LcmtoolsError(f"nothing of {paths} is left to play", "name other topics")
         moved = _moved(chosen, choice)
-        builder = self._announced()
+        types_of = self._nodes.types_of
         return tuple(
-            _track(channel, moved[channel], counts[channel], builder.types_of(channel))
+            _track(channel, moved[channel], counts[channel], types_of(channel))
             for channel in chosen
         )
-
-    def _announced(self) -> GraphBuilder:
-        """The nodes that the indexes know, else those of the first block that has some."""
-        builder = GraphBuilder()
-        for log, blocks in self._logs:
-            for packet in log.announcements():
-                builder.add(packet)
-            having = (block for block in blocks if NODE_CHANNEL in block.channels)
-            for block in [*having][:1]:
-                for event in log.events(block.start, block.end):
-                    if event.channel == NODE_CHANNEL:
-                        builder.add(event.packet(log.data))
-        return builder
 
 
 def _span(logs: Sequence[tuple[LogFile, Sequence[Block]]]) -> tuple[int, int]:

@@ -152,3 +152,14 @@ def test_files_that_are_no_logs(log: Log, tmp_path: Path) -> None:
         Playlist([log("empty")], Choice())
     with pytest.raises(BusError, match="cannot read the log"):
         Playlist([tmp_path / "none"], Choice())
+
+
+def test_a_long_log_without_an_index_is_read_with_a_word(
+    log: Log, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, said = log("a", ("/a", 0)), list[str]()
+    Playlist([path], Choice(), said.append).close()
+    assert said == []
+    monkeypatch.setattr("lcmtools.bag.playlist._SLOW_BYTES", 10)
+    Playlist([path], Choice(), said.append).close()
+    assert said == [f"reading {path}; with an index, of lcmtools bag reindex, it is at once"]
