@@ -50,12 +50,11 @@ class _Numbers:
     sizes: tuple[int, ...]
 
     def read(self, rows: "Array") -> "Array":
-        size = prod(self.sizes) * struct.calcsize(self.code)
-        found = _bytes(rows, self.start, size)
-        # numpy has the codes of ``struct``
-        numbers: Array = found != 0 if self.code == "?" else found.view(f">{self.code}")
-        native: Array = numbers.astype(numbers.dtype.newbyteorder("="), copy=False)
-        return native.reshape(len(rows), *self.sizes)
+        # numpy has the codes of ``struct``; other bytes than 0 and 1 are booleans too
+        code = "B" if self.code == "?" else f">{self.code}"
+        found = _at(rows, self.start, code, self.sizes)
+        numbers: Array = found != 0 if self.code == "?" else found
+        return numbers.astype(numbers.dtype.newbyteorder("="))
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,10 +67,11 @@ class _Text:
     def read(self, rows: "Array") -> "Array":
         import numpy as np
 
-        found = _bytes(rows, self.start, self.size)
-        if not self.size or (found == found[0]).all():  # as frame_id nearly always
-            return np.full(len(rows), bytes(found[0]).decode("utf-8", "replace"))
-        decoded: Array = np.char.decode(found.view(f"S{self.size}")[:, 0], "utf-8", "replace")
+        first = rows[0, self.start : self.start + self.size].tobytes()
+        found = _at(rows, self.start, f"S{self.size}") if self.size else None
+        if found is None or (found == found[0]).all():  # as frame_id nearly always
+            return np.full(len(rows), first.decode("utf-8", "replace"))
+        decoded: Array = np.char.decode(found, "utf-8", "replace")
         return decoded
 
 
@@ -267,7 +267,11 @@ def _paths(cls: type[Message], path: str) -> Iterator[str]:
             yield from _paths(part.message_class, f"{path}{part.name}.")
 
 
-def _bytes(rows: "Array", start: int, size: int) -> "Array":
+def _at(rows: "Array", start: int, code: str, sizes: tuple[int, ...] = ()) -> "Array":
+    """The values at one place of every row, where they lie."""
     import numpy as np
 
-    return np.ascontiguousarray(rows[:, start : start + size])
+    form = np.dtype(code)
+    inner = [form.itemsize * prod(sizes[place + 1 :]) for place in range(len(sizes))]
+    strides = (rows.strides[0], *inner)
+    return np.ndarray((len(rows), *sizes), form, rows, start, strides)
