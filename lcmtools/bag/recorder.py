@@ -25,6 +25,7 @@ from lcmtools.observe.monitor import BusMonitor
 from lcmtools.wire.packet import Packet
 
 _WRITE_PERIOD = 0.1  # [s]
+_FRAME_PERIOD = 1.0  # [s] of a compressed log: the more is in a frame, the smaller it gets
 _WRITE_BYTES = 4 << 20  # are written at once
 _MOST_WAITING = 256 << 20  # bytes, before reading waits for the disk
 _LOOK_PERIOD = 0.25  # [s] between looks at nodes, names and losses
@@ -269,7 +270,7 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
         if writer is None:
             return
         if now >= self._next_write or writer.waiting_bytes > _WRITE_BYTES:
-            self._next_write = now + _WRITE_PERIOD
+            self._next_write = now + (_FRAME_PERIOD if self._series.compression else _WRITE_PERIOD)
             self._write(writer)
         if self._is_full(writer, now):
             self._close(writer)

@@ -8,6 +8,7 @@ from pathlib import Path
 from lcmtools.bag.writer import LogWriter
 from lcmtools.errors import LcmtoolsError
 from lcmtools.observe.log_file import index_path
+from lcmtools.wire.log_compression import SUFFIXES, Compression
 
 USUAL_NAME = "%Y-%m-%d-%H-%M-%S.lcmlog"
 
@@ -21,11 +22,19 @@ class LogSeries:
         numbered: ``ride.lcmlog`` is ``ride_0.lcmlog``, ``ride_1.lcmlog`` and so on.
         most: The number of files that are kept; None for all.
         force: Take the place of files that exist.
+        compression: Compress the files, whose names then end in ".zst" or ".lz4"; None not to.
     """
 
     def __init__(
-        self, pattern: str, *, numbered: bool = False, most: int | None = None, force: bool = False
+        self,
+        pattern: str,
+        *,
+        numbered: bool = False,
+        most: int | None = None,
+        force: bool = False,
+        compression: Compression | None = None,
     ) -> None:
+        self.compression = compression
         self._pattern = str(Path(pattern) / USUAL_NAME) if Path(pattern).is_dir() else pattern
         self._numbered, self._most, self._force = numbered, most, force
         self._base: Path | None = None
@@ -53,10 +62,15 @@ class LogSeries:
     def _opened(self) -> LogWriter:
         if self._base is None or not self._numbered:
             self._base = Path(_dated(self._pattern))
+            if self.compression and self._base.suffix == SUFFIXES[self.compression]:
+                self._base = self._base.with_suffix("")  # it comes behind the number
         path = self._base
         if self._numbered or (self.count and path in self.paths):
             path = path.with_name(f"{path.stem}_{self.count}{path.suffix}")
-        return LogWriter(path, force=self._force)
+        ending = SUFFIXES[self.compression] if self.compression else ""
+        if not path.name.endswith(ending):
+            path = path.with_name(path.name + ending)
+        return LogWriter(path, force=self._force, compression=self.compression)
 
 
 def _dated(pattern: str) -> str:

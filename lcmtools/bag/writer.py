@@ -5,7 +5,7 @@ Whole events reach the file: what a full disk or a write that failed leaves of a
 
 import os
 from bisect import bisect_right
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import NamedTuple
@@ -14,6 +14,7 @@ from lcmtools.errors import LcmtoolsError
 from lcmtools.observe.log_file import index_path
 from lcmtools.wire import log_index
 from lcmtools.wire.log import encode_head
+from lcmtools.wire.log_compression import Compression, compressor
 from lcmtools.wire.log_index import Block, RecordedNode, RecordedSender, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 
@@ -39,18 +40,22 @@ class LogWriter(AbstractContextManager["LogWriter"]):
     Args:
         path: The log.
         force: Take the place of a file that exists.
+        compression: Write compressed frames, one for each batch; None for a plain log.
 
     Attributes:
         path: The log.
         messages: The number of messages that were added.
-        size: Bytes of the log, with what is not yet written.
+        size: Bytes of the log, with what is not yet written, before they are compressed.
 
     Raises:
         LcmtoolsError: The file exists, or cannot be written.
     """
 
-    def __init__(self, path: str | Path, *, force: bool = False) -> None:
+    def __init__(
+        self, path: str | Path, *, force: bool = False, compression: Compression | None = None
+    ) -> None:
         self.path = Path(path)
+        self._compress = compressor(compression) if compression else None
         self.messages = self.size = 0
         self._log = _create(self.path, force=force)
         try:
@@ -166,6 +171,9 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         self._block = Block(self.size)
 
     def _write_events(self, batch: WriteBatch) -> None:
+        if self._compress:
+            self._write_frame(batch, self._compress)
+            return
         written = 0
         try:
             for start in range(0, len(batch.parts), _MOST_AT_ONCE):
@@ -180,6 +188,18 @@ class LogWriter(AbstractContextManager["LogWriter"]):
             self.size = self._taken = batch.ends[whole - 1] if whole else batch.start
             self._is_cut_off = True
             os.ftruncate(self._log, self.size)
+            raise _failure(self.path, error) from error
+
+    def _write_frame(self, batch: WriteBatch, compress: Callable[[bytes], bytes]) -> None:
+        frame = memoryview(compress(b"".join(batch.parts)) if batch.parts else b"")
+        start = os.lseek(self._log, 0, os.SEEK_CUR)
+        try:
+            while frame:
+                frame = frame[os.write(self._log, frame) :]
+        except OSError as error:
+            self.size = self._taken = batch.start
+            self._is_cut_off = True
+            os.ftruncate(self._log, start)
             raise _failure(self.path, error) from error
 
     def _write_lines(self, lines: list[str]) -> None:

@@ -7,11 +7,14 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
 from pathlib import Path
+from tempfile import TemporaryFile
+from typing import BinaryIO
 
 from lcmtools.errors import BusError, os_errors_as
 from lcmtools.graph.protocol import NODE_CHANNEL
 from lcmtools.observe.losses import Loss
 from lcmtools.wire.log import SYNC, Event, events
+from lcmtools.wire.log_compression import Compression, compression_of, decompressed
 from lcmtools.wire.log_index import SUFFIX, Block, LogIndex, parse_index
 from lcmtools.wire.packet import Packet, Sender
 
@@ -28,6 +31,7 @@ _FOREIGN = {
     b"\x1f\x8b": "a file compressed by gzip",
     b'{"index":': "the index of a log, and not the log",
 }
+_CHUNK = 1 << 20  # bytes of a compressed log that are read at once
 _BAGS = ("MCAP", "ROS")
 
 
@@ -36,7 +40,7 @@ class LogFile(AbstractContextManager["LogFile"]):
 
     Attributes:
         path: The file.
-        data: Its bytes.
+        data: Its bytes; of a compressed log those of the log itself.
         index: What the index beside it says; an empty one where there is none that fits.
         senders: The senders by their numbers in the index, with their names.
 
@@ -159,6 +163,8 @@ def _mapped(path: Path) -> "bytes | mmap.mmap":
         if path.stat().st_size == 0:  # it cannot be mapped
             return b""
         head = file.read(max(map(len, _FOREIGN)))
+        if kind := compression_of(head):
+            return _decompressed(file, kind)
         if not head.startswith(SYNC):
             _refuse_foreign(path, head)
         return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
@@ -170,6 +176,18 @@ def _refuse_foreign(path: Path, head: bytes) -> None:
             is_bag = any(word in name for word in _BAGS)
             hint = f"lcmtools bag import {path} makes a log of it" if is_bag else ""
             raise BusError(f"{path} is no LCM log but {name}", hint)
+
+
+def _decompressed(file: BinaryIO, kind: Compression) -> "bytes | mmap.mmap":
+    """Return the bytes of a compressed log, in a file that has no name."""
+    file.seek(0)
+    with TemporaryFile() as plain:
+        for part in decompressed(kind, iter(lambda: file.read(_CHUNK), b"")):
+            plain.write(part)
+        plain.flush()
+        if plain.tell() == 0:
+            return b""
+        return mmap.mmap(plain.fileno(), 0, access=mmap.ACCESS_READ)
 
 
 def index_path(log: Path) -> Path:

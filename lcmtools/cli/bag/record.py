@@ -23,6 +23,7 @@ from lcmtools.cli.bag.recording import attend, reported
 from lcmtools.cli.bus import chosen_url, looking_names, notify
 from lcmtools.cli.declare import argument, examples, subcommand
 from lcmtools.cli.options import looking_options
+from lcmtools.wire.log_compression import Compression
 
 
 @subcommand("record", choice_options, file_options, end_options, snapshot_options, looking_options)
@@ -41,6 +42,7 @@ def command(
     nodes: tuple[str, ...],
     output: str,
     force: bool,
+    compression: Compression | None,
     split: str | None,
     max_files: int | None,
     seconds: float | None,
@@ -72,7 +74,13 @@ def command(
     )
     names, url = looking_names(), chosen_url()
     choice = RecordedTopics(topics, names, exclude=exclude, nodes=nodes, hidden=hidden)
-    series = LogSeries(output, numbered=split is not None, most=max_files, force=force)
+    series = LogSeries(
+        output,
+        numbered=split is not None,
+        most=max_files,
+        force=force,
+        compression=compression,
+    )
     with ExitStack() as stack:
         monitor = stack.enter_context(
             open_bus(url, os.environ, notify, lambda: signal.raise_signal(signal.SIGTERM))

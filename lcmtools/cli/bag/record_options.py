@@ -7,6 +7,7 @@ from lcmtools.bag.series import USUAL_NAME
 from lcmtools.cli.declare import duration, flag, option, size, together, whole_number
 from lcmtools.errors import UsageError
 from lcmtools.settings import parse_bytes, parse_duration
+from lcmtools.wire.log_compression import SUFFIXES
 
 choice_options = together(
     flag("-a", "--all", "hidden", help="Record hidden topics too."),
@@ -39,6 +40,12 @@ file_options = together(
         completer="files",
     ),
     flag("-f", "--force", help="Take the place of files that exist."),
+    option(
+        "--compress",
+        "compression",
+        type=click.Choice(list(SUFFIXES)),
+        help="Compress the log (extra 'bag').",
+    ),
     option("--split", metavar="SIZE|TIME", help="Begin another file then."),
     option("--max-files", metavar="N", type=whole_number(1), help="Keep the last N files."),
 )

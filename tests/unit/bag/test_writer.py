@@ -1,15 +1,18 @@
 """Logs as they are written, and their index."""
 
+import os
 import resource
 import signal
 from collections.abc import Iterator
 from pathlib import Path
 
+import lcm
 import pytest
 
 from lcmtools.bag.writer import LogWriter
 from lcmtools.errors import LcmtoolsError
 from lcmtools.observe.log_file import LogFile, index_path
+from lcmtools.wire.log_compression import Compression
 from lcmtools.wire.log_index import RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 
@@ -126,3 +129,51 @@ def test_the_offset_of_a_time_is_not_behind_its_messages(path: Path) -> None:
             wanted = [m for m in times if m >= minute]
             assert {m * _MINUTE for m in wanted} <= set(left)
         assert log.offset_at(9 * _MINUTE) > log.offset_at(3 * _MINUTE)
+
+
+@pytest.mark.parametrize("compression", ["zstd", "lz4"])
+def test_a_compressed_log_is_read_as_a_plain_one_even_cut_off(
+    path: Path, compression: Compression
+) -> None:
+    with LogWriter(path, compression=compression) as writer:
+        for number in range(10):
+            writer.add(_packet(number, size=10_000), writer.sender_number(_ONE, "/driver"))
+            writer.flush()
+    assert path.stat().st_size < 10_000
+    with LogFile(path) as log:
+        found = list(log.packets())
+        assert log.index.size == log.size
+    assert [packet.payload for packet in found] == [
+        _packet(n, size=10_000).payload for n in range(10)
+    ]
+    assert {packet.sender for packet in found} == {_ONE._replace(name="/driver")}
+    path.write_bytes(path.read_bytes()[:-20])
+    with LogFile(path) as log:
+        assert len(list(log.packets())) == 9
+
+
+def test_a_full_disk_leaves_whole_frames(path: Path, small_files: int) -> None:
+    writer = LogWriter(path, compression="lz4")
+    for number in range(3):
+        writer.add(Packet("/a", os.urandom(3000), number))
+        writer.flush()
+    writer.add(Packet("/a", os.urandom(3000), 4))
+    with pytest.raises(LcmtoolsError, match=r"cannot write .*ride.lcmlog: File too large"):
+        writer.flush()
+    writer.close()
+    assert path.stat().st_size <= small_files
+    with LogFile(path) as log:
+        assert len(list(log.packets())) == 3
+
+
+def test_decompressing_makes_a_log_that_others_read(path: Path) -> None:
+    import zstandard
+
+    with LogWriter(path, compression="zstd") as writer:
+        writer.add(_packet(7))
+    plain = path.with_suffix(".plain")
+    with path.open("rb") as packed, plain.open("wb") as unpacked:
+        zstandard.ZstdDecompressor().copy_stream(packed, unpacked)
+    log = lcm.EventLog(str(plain), "r")
+    assert [event.data for event in log] == [_packet(7).payload]
+    log.close()
