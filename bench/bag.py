@@ -1,4 +1,4 @@
-"""What recording costs and loses, beside lcm-logger.
+"""Costs and losses of recording, beside lcm-logger.
 
 10 kHz of small messages go beside 100 MB/s of images of 1 MB, all sent by the plain package as fast
 as liblcm does, in a network namespace of its own. The ways to record take turns: bag record with
@@ -71,7 +71,7 @@ def recording(command: tuple[str, ...], path: Path) -> Iterator[int]:
 
 
 def measure(command: tuple[str, ...], seconds: float, folder: Path) -> tuple[float, float, float]:
-    """The share of a core, and the shares of the small messages and the images in the log."""
+    """Return the share of a core, and the shares of the small messages and the images in the log."""
     path = folder / "bench.lcmlog"
     with (
         child(send, "SMALL", _SMALL_BYTES, _SMALL_RATE, _TOGETHER) as small,

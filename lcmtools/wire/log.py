@@ -89,8 +89,9 @@ def packets(log: "bytes | mmap.mmap") -> Iterator[Packet]:
 
 def encode_head(number: int, packet: Packet) -> bytes:
     """Return an event up to its payload; ``number`` is its place in the log, from 0."""
-    channel = packet.channel.encode("utf-8", "surrogateescape")
-    return _HEAD.pack(SYNC, number, packet.time // 1000, len(channel), packet.size) + channel
+    name, payload, time, *_ = packet
+    channel = name.encode("utf-8", "surrogateescape")
+    return _HEAD.pack(SYNC, number, time // 1000, len(channel), len(payload)) + channel
 
 
 def encode_event(number: int, packet: Packet) -> bytes:
