@@ -71,7 +71,7 @@ def recording(command: tuple[str, ...], path: Path) -> Iterator[int]:
 
 
 def measure(command: tuple[str, ...], seconds: float, folder: Path) -> tuple[float, float, float]:
-    """Return the share of a core, and the shares of the small messages and the images in the log."""
+    """Return the share of a core, and those of the small messages and images in the log."""
     path = folder / "bench.lcmlog"
     with (
         child(send, "SMALL", _SMALL_BYTES, _SMALL_RATE, _TOGETHER) as small,

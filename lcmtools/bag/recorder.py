@@ -176,7 +176,7 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
             self._closed_bytes + (writer.size if writer else 0),
             self._series.count,
             self._notes.losses,
-            self._monitor.trouble,
+            self._monitor.trouble or self._monitor.send_trouble,
             self.is_paused,
             writer is not None,
             len(ring.packets) if ring else 0,

@@ -65,6 +65,7 @@ class BusMonitor:
 
     Attributes:
         trouble: The trouble with the connection; "" for none.
+        send_trouble: The reason why the last announcement was not sent; "" for none.
         is_log: The source is a log, also one that is played: no node answers.
         is_live: Messages come in real time; else a log is read at once by its own times.
 
@@ -85,7 +86,7 @@ class BusMonitor:
         on_shutdown: Callable[[], None] | None = None,
     ) -> None:
         self.url = url
-        self.trouble = ""
+        self.trouble = self.send_trouble = ""
         self._on_outage = on_outage
         self._on_shutdown = on_shutdown
         self._observer = observer or open_observer(
@@ -296,8 +297,11 @@ class BusMonitor:
     def _announce(self, *, leaving: bool = False, answers: int = 0) -> None:
         announcement = Announcement(self._node, leaving, answers)
         # a network that is gone may come back: the next announcement is a period later
-        with contextlib.suppress(BusError):
+        try:
             self._observer.send(NODE_CHANNEL, encode_announcement(announcement))
+            self.send_trouble = ""
+        except BusError as error:
+            self.send_trouble = str(error)
         self._next_announcement = time.monotonic() + PERIOD
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from lcmtools.bag.recorder import BagRecorder, Progress
 from lcmtools.bag.series import LogSeries
+from lcmtools.bag.summary_report import bytes_text
 from lcmtools.cli.bus import notify
 from lcmtools.errors import LcmtoolsError
 from lcmtools.node.node import Node
@@ -20,7 +21,6 @@ _TURN = 0.1  # [s] between looks at keys and requests
 _SHOWN_EVERY = 0.5  # [s]
 _CLEAR_LINE = "\r\033[K"
 _PAUSE, _SAVE, _END = " ", "s", "q"
-_UNITS = ("B", "kB", "MB", "GB", "TB")
 
 
 def attend(recorder: BagRecorder, series: LogSeries, node: Node | None) -> None:
@@ -53,8 +53,10 @@ def reported(recorder: BagRecorder, series: LogSeries) -> Iterator[None]:
             is_begun = True
             yield
     except LcmtoolsError as error:
-        if is_begun and not error.hint:
-            raise LcmtoolsError(error.what, last_word(recorder.progress(), series)) from error
+        if is_begun and not error.hint and series.paths:
+            kept = bytes_text(series.paths[-1].stat().st_size)
+            hint = f"{series.paths[-1]} has {kept} of whole messages"
+            raise LcmtoolsError(error.what, hint) from error
         raise
     finally:
         if is_begun and not isinstance(sys.exc_info()[1], LcmtoolsError):
@@ -77,14 +79,6 @@ def losses_text(losses: Mapping[str, Loss]) -> str:
         return "no losses"
     by_size = sorted(losses.items(), key=lambda item: -item[1].lost)
     return "lost " + ", ".join(f"{loss} of {name}" for name, loss in by_size)
-
-
-def bytes_text(size: float) -> str:
-    """Return a number of bytes for people: "1.25 GB"."""
-    unit = 0
-    while size >= 1000 and unit < len(_UNITS) - 1:  # noqa: PLR2004
-        size, unit = size / 1000, unit + 1
-    return f"{size:.3g} {_UNITS[unit]}"
 
 
 class _Line:

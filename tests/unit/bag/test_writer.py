@@ -58,7 +58,7 @@ def test_a_log_that_was_not_closed_is_read_to_its_last_message(path: Path) -> No
     writer = LogWriter(path)
     number = writer.sender_number(_ONE, "/driver")
     for second in range(0, 40, 4):
-        writer.add(_packet(second * 1000), number)
+        writer.add(_packet(second * 100), number)
         writer.flush()
     with LogFile(path) as log:
         found = list(log.packets())
