@@ -21,8 +21,10 @@ if TYPE_CHECKING:
 
     Array: TypeAlias = np.ndarray[Any, np.dtype[Any]]
 
+TIME = "%time"
+"""The column of the times of arrival [ns since 1970]."""
+
 _FINGERPRINT_BYTES = 8
-_LENGTH_BYTES = 4  # of a string
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,6 +197,16 @@ def table(cls: type[Message], payloads: Sequence[bytes]) -> Table:
         malformed += places[~is_of_class].tolist()
         malformed += _read(cls, *_some(is_of_class, places, rows), tables)
     return Table(_joined(cls, tables), tuple(sorted(malformed)))
+
+
+def with_times(times: Sequence[int], made: Table) -> "Mapping[str, Array]":
+    """Return the columns of messages that arrived at these times [ns], the times first."""
+    import numpy as np
+
+    arrived = np.array(times, np.int64)
+    if made.malformed:
+        arrived = np.delete(arrived, made.malformed)
+    return {TIME: arrived, **made.columns}
 
 
 def _read(

@@ -6,16 +6,24 @@ for arrival in log.messages("/husky0/odometry", start="10s", end="end-1m"):
 print(arrival.time, arrival.sender, arrival.message.pose.pose.position.x)
 """
 
-from collections.abc import Callable, Generator, Iterator
+import sys
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import AbstractContextManager
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from lcmtools.bag.summary import LogSummary, TopicSummary, summarize
+from lcmtools.bag.columns import table, with_times
+from lcmtools.bag.summary import LogSummary, TopicSummary, known_nodes, summarize
 from lcmtools.bag.times import parse_time, time_window
-from lcmtools.errors import DecodeError
+from lcmtools.errors import DecodeError, LcmtoolsError
+from lcmtools.names import did_you_mean
+from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.log_file import LogFile
-from lcmtools.observe.received import Arrival, messages
+from lcmtools.observe.received import Arrival, messages, usual_names
+
+if TYPE_CHECKING:
+    from lcmtools.bag.columns import Array
 
 _ALL_TOPICS = "**"
 
@@ -93,17 +101,44 @@ class Log(AbstractContextManager["Log"]):
             DecodeError: A message cannot be decoded, and ``on_error`` is None.
             LcmtoolsError: The log has no message of the topics.
         """
-        between = None
-        if start is not None or end is not None:
-            first, last = (None if text is None else parse_time(text) for text in (start, end))
-            between = time_window((self.start, self.end), first, last)
         return messages(
             *(topics or (_ALL_TOPICS,)),
             log=self.path,
             where=where,
             on_error=on_error,
-            between=between,
+            between=self._between(start, end),
         )
+
+    def to_numpy(
+        self, topic: str, *, start: str | None = None, end: str | None = None
+    ) -> "Mapping[str, Array]":
+        """Return the messages of a topic as arrays, a row for each message.
+
+        They are by the path of the field: ``"pose.pose.position.x"``, of an array with an axis
+        more, see ``columns.Table``; and ``"%time"``, the times of arrival [ns since 1970]. Messages
+        of another type than the first, and damaged ones, are left out. The names and times are as
+        of ``messages``.
+
+        Raises:
+            UsageError: A time is wrong.
+            LcmtoolsError: The log has no message of the topic, or none of a type that is known.
+        """
+        first, last = self._between(start, end) or (0, sys.maxsize)
+        decoder = Decoder(known_nodes(self._file).types_of)
+        spelled = set(usual_names().spellings(topic))
+        packets = (one for one in self._file.packets() if one.channel in spelled)
+        found = [one for one in packets if first <= one.time <= last]
+        if not found:
+            near = did_you_mean(topic, self.topics)
+            raise LcmtoolsError(f"no message of {topic} is in {self.path} in these times", near)
+        made = table(decoder.message_class(found[0]), [packet.payload for packet in found])
+        return with_times([packet.time for packet in found], made)
+
+    def _between(self, start: str | None, end: str | None) -> tuple[int, int] | None:
+        if start is None and end is None:
+            return None
+        first, last = (None if text is None else parse_time(text) for text in (start, end))
+        return time_window((self.start, self.end), first, last)
 
 
 def open_log(path: str | Path) -> Log:

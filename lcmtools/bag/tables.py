@@ -6,7 +6,7 @@ from contextlib import AbstractContextManager, ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
-from lcmtools.bag.columns import Table, table
+from lcmtools.bag.columns import TIME, table, with_times
 from lcmtools.errors import MissingExtra, UsageError
 from lcmtools.messages.fields import stamp
 from lcmtools.messages.plain import Plain, cells, plain_json, to_plain
@@ -17,9 +17,6 @@ from lcmtools.wire.packet import Packet
 
 if TYPE_CHECKING:
     from lcmtools.bag.columns import Array
-
-TIME = "%time"
-"""The column of the times of arrival [ns since 1970]."""
 
 Tell = Callable[[str, str], None]
 """Takes the reason for what is left out, and a sentence."""
@@ -148,16 +145,6 @@ class ColumnsOfTopics(AbstractContextManager["ColumnsOfTopics"], ABC):
     @abstractmethod
     def write(self, tables: "Mapping[str, Mapping[str, Array]]") -> None:
         """Write the columns of each topic."""
-
-
-def with_times(times: "list[int]", made: Table) -> "Mapping[str, Array]":
-    """Return the columns of messages that arrived at these times [ns], the times first."""
-    import numpy as np
-
-    arrived = np.array(times, np.int64)
-    if made.malformed:
-        arrived = np.delete(arrived, made.malformed)
-    return {TIME: arrived, **made.columns}
 
 
 class NumpyFile(ColumnsOfTopics):

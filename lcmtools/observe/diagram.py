@@ -75,9 +75,10 @@ def _program_member(id_: str, program: Program) -> Member:
     process = program.process
     is_local = process is not None or not program.address or bool(program.user)
     command = process.command if process else ""
+    recorded = (seen.sender.name for seen in program.traffic if seen.sender)
     return Member(
         id_,
-        command,
+        command or next(recorded, ""),
         host=socket.gethostname() if is_local else program.address,
         is_here=is_local,
         pid=process.pid if process else None,

@@ -84,7 +84,7 @@ def messages(  # noqa: PLR0913 - each is an option of its own
     if url is not None and log is not None:
         raise UsageError("a log is read in place of a bus", "leave out url or log")
     condition = None if where is None else Filter(where)
-    names = Resolver(resolve_namespace(usual_namespace(os.environ)))
+    names = usual_names()
     selections = [select_topics(topic, names, with_path=False) for topic in topics]
     with ExitStack() as stack:
         monitor = stack.enter_context(_monitor(url, log, between))
@@ -96,6 +96,11 @@ def messages(  # noqa: PLR0913 - each is an option of its own
         found = _left_in_the_end(stack.pop_all(), taken(stream, arrivals, timeout))
     next(found)  # from here on its end is the bus's
     return cast("Generator[Arrival, None, None]", found)
+
+
+def usual_names() -> Resolver:
+    """Return the namespace that relative names are read by: LCMTOOLS_NAMESPACE."""
+    return Resolver(resolve_namespace(usual_namespace(os.environ)))
 
 
 def _monitor(

@@ -8,6 +8,8 @@ import pytest
 from lcmtools.cli.completion.tree import Argument, Option, Tree
 
 NOT_KNOWN = {
+    "bag filter expression",
+    "bag rename names",
     "msg find-field name",
     "pkg add-node name",
     "pkg create name",

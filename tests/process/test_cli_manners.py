@@ -69,6 +69,7 @@ _NO_DATA = {
         "lab start",
         "plot",
         "bag play",
+        "bag record",
         "bag plot",
     )
 }

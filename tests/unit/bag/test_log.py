@@ -6,7 +6,7 @@ import pytest
 
 import lcmtools.bag
 from lcmtools.bag.writer import LogWriter
-from lcmtools.errors import BusError, DecodeError, UsageError
+from lcmtools.errors import BusError, DecodeError, LcmtoolsError, UsageError
 from lcmtools.messages.codec import encode
 from lcmtools.types.std_msgs import Float64
 from lcmtools.wire.packet import Packet, Sender
@@ -62,3 +62,16 @@ def test_what_cannot_be_decoded_is_an_error_or_reported(path: Path) -> None:
 def test_a_file_that_is_no_log_is_not_opened(tmp_path: Path) -> None:
     with pytest.raises(BusError, match="No such file"):
         lcmtools.bag.open(tmp_path / "none.lcmlog")
+
+
+def test_a_topic_is_arrays(path: Path) -> None:
+    with lcmtools.bag.open(path) as log:
+        found = log.to_numpy("/speed", start="10s", end="end-80s")
+        assert list(found) == ["%time", "data"]
+        assert found["data"].tolist() == list(range(10, 20))
+        assert found["%time"].tolist() == [_START + n * _SECOND for n in range(10, 20)]
+        assert len(log.to_numpy("speed")["data"]) == 100
+        with pytest.raises(LcmtoolsError, match=r"no message of /sped .*did you mean /speed"):
+            log.to_numpy("/sped")
+        with pytest.raises(DecodeError, match="too short for an LCM message"):
+            log.to_numpy("RAW")
