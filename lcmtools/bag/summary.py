@@ -50,12 +50,10 @@ class TopicSummary:
 
     def add(self, count: ChannelCount, senders: Mapping[int, str]) -> None:
         """Count the messages of one block, which is behind all earlier ones."""
-        if not self.messages:
-            self.first_time, self.last_time = count.first_time, count.last_time
-        gap = max(count.longest_gap, count.first_time - self.last_time)
-        self.longest_gap = max(self.longest_gap, gap)
-        self.first_time = min(self.first_time, count.first_time)
-        self.last_time = max(self.last_time, count.last_time)
+        first, last = count.first_time, count.last_time
+        self.longest_gap = max(self.longest_gap, count.longest_gap, first - self.last_time)
+        self.first_time = min(self.first_time, first)
+        self.last_time = max(self.last_time, last)
         self.messages += count.messages
         self.bytes += count.bytes
         if count.fingerprint is not None and len(self.fingerprints) < MOST_FINGERPRINTS:
@@ -100,15 +98,17 @@ def summarize(log: LogFile, progress: Progress = lambda _: None) -> LogSummary:
     builder = known_nodes(log)
     names = {number: one.name for number, one in log.index.senders.items()}
     topics: dict[str, TopicSummary] = {}
-    blocks, of_events = [], 0
+    blocks = []
     for block in log.blocks(builder.add):
         progress(block.end)
         blocks.append(block)
-        of_events += _event_bytes(block)
         for name, count in block.channels.items():
-            if name not in topics:
-                topics[name] = TopicSummary(name)
-            topics[name].add(count, names)
+            topic = topics.get(name)
+            if topic is None:
+                topic = topics[name] = TopicSummary(
+                    name, (), 0, 0, count.first_time, count.first_time
+                )
+            topic.add(count, names)
     for topic in topics.values():
         seen = (name for number in topic.fingerprints for name in candidates(number)[:1])
         topic.types = builder.types_of(topic.name) or tuple(dict.fromkeys(seen))
@@ -120,7 +120,7 @@ def summarize(log: LogFile, progress: Progress = lambda _: None) -> LogSummary:
         str(log.path),
         log.size,
         log.index.end,
-        log.size - of_events,
+        log.size - sum(map(_event_bytes, topics.values())),
         start,
         end,
         tuple(topics[name] for name in sorted(topics)),
@@ -146,12 +146,10 @@ def log_span(log: LogFile) -> tuple[int, int]:
     return first, max((block.last_time for block in blocks), default=0)
 
 
-def _event_bytes(block: Block) -> int:
-    """Bytes of the events of a block."""
-    return sum(
-        one.bytes + one.messages * (HEAD_BYTES + len(name.encode("utf-8", "surrogateescape")))
-        for name, one in block.channels.items()
-    )
+def _event_bytes(topic: TopicSummary) -> int:
+    """Bytes of the events of a topic."""
+    name_bytes = len(topic.name.encode("utf-8", "surrogateescape"))
+    return topic.bytes + topic.messages * (HEAD_BYTES + name_bytes)
 
 
 def _spreads(log: LogFile, blocks: list[Block]) -> Iterator[tuple[int, int, int]]:
@@ -160,8 +158,8 @@ def _spreads(log: LogFile, blocks: list[Block]) -> Iterator[tuple[int, int, int]
         yield from ((event.time, event.time, 1) for event in log.events())
         return
     for block in blocks:
-        counts = block.channels.values()
-        yield from ((one.first_time, one.last_time, one.messages) for one in counts)
+        messages = sum(one.messages for one in block.channels.values())
+        yield block.first_time, block.last_time, messages
 
 
 def _histogram(spreads: Iterator[tuple[int, int, int]], start: int, end: int) -> list[int]:

@@ -120,6 +120,9 @@ sort        cli.bag.join:sort        Bring messages into the order of their time
 rename      cli.bag.change:rename    Give topics other names.
 shift       cli.bag.change:shift     Change the times of recording.
 downsample  cli.bag.edit:downsample  Leave out messages that come too often.
+check       cli.bag.judge:check      Check a log against a contract.
+diff        cli.bag.judge:diff       Compare two logs.
+du          cli.bag.judge:du         Show which topics take the most space.
 fix         cli.bag.join:fix         Save what can be read of a damaged log.
 reindex     cli.bag.info:reindex     Write the index of a log.
 export      cli.bag.exchange:export_  Write a log as CSV, JSON, NumPy, Parquet, MCAP, ROS bag.

@@ -209,7 +209,7 @@ def _program(
     return Program(
         process,
         "" if uid is None else user_name(uid),
-        next((sender.address for sender in senders), address),
+        next((sender.name or sender.address for sender in senders), address),
         tuple(sorted({sender.port for sender in senders})),
         tuple(traffic),
         listens,

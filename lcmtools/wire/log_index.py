@@ -237,8 +237,10 @@ def _block(value: Sequence[Any]) -> Block:
         )
         for name, (messages, size, senders, begin, stop, gap, number) in counts.items()
     }
-    if any(sum(run[1] for run in one.senders) != one.messages for one in channels.values()):
-        raise ValueError("each message has a sender")
+    for one in channels.values():
+        runs = one.senders
+        if (runs[0][1] if len(runs) == 1 else sum(run[1] for run in runs)) != one.messages:
+            raise ValueError("each message has a sender")
     return Block(int(start), int(end), int(first), int(last), channels)
 
 

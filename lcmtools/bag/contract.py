@@ -1,0 +1,163 @@
+"""A contract that a log can be held against: topics, types, rates, gaps, losses.
+
+topics:
+/husky0/odometry:
+type: nav_msgs/Odometry
+min_rate: 45        # [Hz]
+max_rate: 55
+max_gap: 0.5        # [s] without a message
+min_messages: 100
+/camera/**:           # at least one topic that matches, and each that does
+min_rate: 5
+others: false           # no other topics
+max_lost: 0             # messages, of all senders together
+min_duration: 10        # [s]
+"""
+
+import math
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from lcmtools.bag.summary import LogSummary, TopicSummary
+from lcmtools.errors import InvalidFile, os_errors_as
+from lcmtools.formats.strict_yaml import Node, read_file
+from lcmtools.names import Pattern, did_you_mean, is_hidden
+
+_LIMITS: Mapping[str, tuple[str, Callable[[TopicSummary], float]]] = {
+    "rate": ("{:.2f} Hz", lambda topic: topic.rate or 0.0),
+    "gap": ("{:.3g} s", lambda topic: topic.longest_gap / 1e9),
+    "messages": ("{:.0f} messages", lambda topic: topic.messages),
+}
+"""The values of a topic that have limits, with their words."""
+_OF_TOPIC = {"type", *(f"{side}_{name}" for side in ("min", "max") for name in _LIMITS)}
+_OF_LOG = {"topics", "others", "max_lost", "min_duration", "max_duration"}
+
+
+@dataclass(frozen=True, slots=True)
+class TopicTerms:
+    """The terms of the topics that a name or a pattern means."""
+
+    pattern: str
+    line: int
+    type: str = ""
+    limits: Mapping[str, float] = field(default_factory=dict)  # by "min_rate" and so on
+
+
+@dataclass(frozen=True, slots=True)
+class Contract:
+    """The terms that a log must keep."""
+
+    source: str
+    topics: tuple[TopicTerms, ...] = ()
+    others: bool = True  # topics that are not named may be there
+    limits: Mapping[str, float] = field(default_factory=dict)  # "max_lost" and so on
+
+
+@dataclass(frozen=True, slots=True)
+class Breach:
+    """A term that a log does not keep."""
+
+    topic: str  # "" for the log
+    text: str
+    line: int  # of the contract; 0 for none
+
+    def record(self) -> dict[str, object]:
+        """Return it for JSON."""
+        return {"topic": self.topic or None, "text": self.text, "line": self.line or None}
+
+
+def read_contract(path: str | Path) -> Contract:
+    """Return the contract in a file.
+
+    Raises:
+        InvalidFile: It is no contract; with the line.
+        LcmtoolsError: It cannot be read.
+    """
+    with os_errors_as(f"cannot read {path}"):
+        text = Path(path).read_text("utf-8", "replace")
+    source = str(path)
+    keys = _mapping(read_file(text, source), source, _OF_LOG)
+    topics = keys.pop("topics", None)
+    others = keys.pop("others", None)
+    if others is not None and others.value not in ("true", "false"):
+        raise InvalidFile(f"{source}:{others.line}: others is true or false")
+    found = {} if topics is None else _mapping(topics, source, None)
+    return Contract(
+        source,
+        tuple(_terms(name, node, source) for name, node in found.items()),
+        others is None or others.value == "true",
+        {key: _number(key, node, source) for key, node in keys.items()},
+    )
+
+
+def breaches(contract: Contract, summary: LogSummary) -> Iterator[Breach]:
+    """Yield the terms that a log does not keep."""
+    lost = sum(loss.lost for loss in summary.losses.values())
+    if lost > contract.limits.get("max_lost", math.inf):
+        yield Breach("", f"{lost} messages were lost, {contract.limits['max_lost']:g} may be", 0)
+    values = {"duration": summary.duration}
+    for text in _outside(contract.limits, values, {"duration": "{:.3g} s"}):
+        yield Breach("", f"the log is {text}", 0)
+    named: set[str] = set()
+    for terms in contract.topics:
+        pattern = Pattern(terms.pattern, hidden=True)
+        found = [topic for topic in summary.topics if pattern.matches(topic.name)]
+        named |= {topic.name for topic in found}
+        if not found and terms.limits.get("max_messages") != 0:
+            yield Breach(terms.pattern, "no message is there", terms.line)
+        for topic in found:
+            yield from _of_topic(terms, topic)
+    for topic in summary.topics if not contract.others else ():
+        if topic.name not in named and not is_hidden(topic.name):
+            yield Breach(topic.name, "the contract has no such topic", 0)
+
+
+def _of_topic(terms: TopicTerms, topic: TopicSummary) -> Iterator[Breach]:
+    if terms.type and terms.type not in topic.types:
+        types = ", ".join(topic.types) or "unknown"
+        yield Breach(topic.name, f"the type is {types}, not {terms.type}", terms.line)
+    values = {name: value(topic) for name, (_, value) in _LIMITS.items()}
+    words = {name: words for name, (words, _) in _LIMITS.items()}
+    for text in _outside(terms.limits, values, words):
+        yield Breach(topic.name, text, terms.line)
+
+
+def _outside(
+    limits: Mapping[str, float], values: Mapping[str, float], words: Mapping[str, str]
+) -> Iterator[str]:
+    for name, value in values.items():
+        least = limits.get(f"min_{name}", -math.inf)
+        most = limits.get(f"max_{name}", math.inf)
+        if not least <= value <= most:
+            side, limit = ("at least", least) if value < least else ("at most", most)
+            what = "without a message for " if name == "gap" else ""
+            yield f"{what}{words[name].format(value)}, {side} {words[name].format(limit)} is due"
+
+
+def _terms(name: str, node: Node, source: str) -> TopicTerms:
+    keys = {} if node.is_nothing else _mapping(node, source, _OF_TOPIC)
+    kind = keys.pop("type", None)
+    limits = {key: _number(key, one, source) for key, one in keys.items()}
+    return TopicTerms(name, node.key_line, str(kind.value) if kind else "", limits)
+
+
+def _mapping(node: Node | None, source: str, known: Collection[str] | None) -> dict[str, Node]:
+    if node is None or not isinstance(node.value, dict):
+        line = f":{node.line}" if node else ""
+        raise InvalidFile(f"{source}{line}: not a mapping", "write  topics:  and names below it")
+    for key, value in node.value.items():
+        if known is not None and key not in known:
+            hint = did_you_mean(key, known) or f"known are {', '.join(sorted(known))}"
+            raise InvalidFile(f"{source}:{value.key_line}: unknown key '{key}'", hint)
+    return dict(node.value)
+
+
+def _number(key: str, node: Node, source: str) -> float:
+    try:
+        found = float(str(node.value))
+    except ValueError:
+        found = math.nan
+    if not math.isfinite(found):
+        raise InvalidFile(f"{source}:{node.line}: {key} is not a number")
+    return found

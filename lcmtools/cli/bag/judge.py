@@ -1,0 +1,74 @@
+"""``lcmtools bag check``, ``diff`` and ``du``."""
+
+from lcmtools.bag.compare import differences
+from lcmtools.bag.contract import breaches, read_contract
+from lcmtools.bag.summary import LogSummary, summarize
+from lcmtools.bag.summary_report import bytes_text
+from lcmtools.cli.declare import argument, examples, flag, option, subcommand
+from lcmtools.cli.options import json_option
+from lcmtools.cli.output import columns, document, lines, progress, show
+from lcmtools.observe.log_file import LogFile
+
+
+def _summary(file: str) -> LogSummary:
+    with LogFile(file) as log, progress(f"reading {file}", log.size) as report:
+        return summarize(log, report)
+
+
+@subcommand("check", json_option)
+@examples(
+    "bag check ride.lcmlog --against contract.yaml",
+    "bag check ride.lcmlog --against contract.yaml --json",
+)
+@argument("file", metavar="FILE", completer="files")
+@option("--against", metavar="CONTRACT", required=True, completer="files", help="A file of YAML.")
+def check(file: str, *, against: str, as_json: bool) -> int:
+    """Check that a log has the topics, types, rates and gaps that a contract says.
+
+    Exit code 1 where it has not. The contract's keys are topics, others, max_lost, min_duration and
+    max_duration; those of a topic type, min_rate, max_rate [Hz], max_gap [s], min_messages.
+    """
+    contract = read_contract(against)
+    found = list(breaches(contract, _summary(file)))
+    place = [f" ({against}:{one.line})" if one.line else "" for one in found]
+    rows = [
+        f"FAIL {one.topic + ': ' if one.topic else ''}{one.text}{where}"
+        for one, where in zip(found, place, strict=True)
+    ]
+    show([one.record() for one in found], rows or [f"{file} keeps {against}"], as_json=as_json)
+    return 1 if found else 0
+
+
+@subcommand("diff", json_option)
+@examples("bag diff a.lcmlog b.lcmlog", "bag diff a.lcmlog b.lcmlog --ignore-times")
+@argument("first", metavar="FIRST", completer="files")
+@argument("second", metavar="SECOND", completer="files")
+@flag("--ignore-times", help="Compare the messages alone, not their times of recording.")
+def diff(first: str, second: str, *, ignore_times: bool, as_json: bool) -> int:
+    """Compare two logs topic by topic; exit code 1 where they differ.
+
+    Messages are equal that have the same time and the same bytes.
+    """
+    with LogFile(first) as one, LogFile(second) as other:
+        found = [d for d in differences(one, other, times=not ignore_times) if not d.is_equal]
+    names = ("topic", "first", "second", "only_first", "only_second")
+    records = [{name: getattr(one, name) for name in names} for one in found]
+    show(records, map(str, found), as_json=as_json)
+    return 1 if found else 0
+
+
+@subcommand("du", json_option)
+@examples("bag du ride.lcmlog", "bag du ride.lcmlog --json")
+@argument("file", metavar="FILE", completer="files")
+def du(file: str, *, as_json: bool) -> None:
+    """Show the topics that take the most space in a log, largest first."""
+    summary = _summary(file)
+    topics = sorted(summary.topics, key=lambda topic: (-topic.bytes, topic.name))
+    if as_json:
+        document([{"topic": one.name, "bytes": one.bytes} for one in topics])
+        return
+    rows = [
+        (bytes_text(one.bytes), f"{100 * one.bytes / max(1, summary.bytes):.1f} %", one.name)
+        for one in topics
+    ]
+    lines(columns(rows) if rows else [])

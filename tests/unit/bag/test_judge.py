@@ -1,0 +1,122 @@
+"""Logs held against a contract, compared, and measured."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from lcmtools.bag.writer import LogWriter
+from lcmtools.cli.main import main
+from lcmtools.messages.codec import encode
+from lcmtools.types.std_msgs import Float64
+from lcmtools.wire.packet import Packet, Sender
+
+_SECOND = 1_000_000_000
+Captured = pytest.CaptureFixture[str]
+
+
+def _write(path: str, numbers: list[int], late: int = 0) -> None:
+    with LogWriter(path) as log:
+        sender = log.sender_number(Sender("127.0.0.1", 1), "/driver")
+        message = Float64()
+        for number in numbers:
+            message.data = float(number)
+            log.add(Packet("/speed", encode(message), number * _SECOND // 10 + late), sender)
+            if number % 10 == 0:
+                log.add(Packet("/raw", b"12345678" * 10, number * _SECOND // 10 + late), sender)
+        log.set_losses({sender: (2, 1000)})
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    _write("a.lcmlog", [*range(50), *range(60, 100)])
+
+
+def _check(contract: str, capsys: Captured) -> tuple[int, list[str]]:
+    Path("c.yaml").write_text(contract)
+    code = main(["bag", "check", "a.lcmlog", "--against", "c.yaml"])
+    out, error = capsys.readouterr()
+    return code, (out + error).splitlines()
+
+
+def test_a_log_that_keeps_its_contract(capsys: Captured) -> None:
+    contract = (
+        "topics:\n  /speed:\n    type: std_msgs/Float64\n    min_rate: 8\n    max_rate: 10\n"
+        "    max_gap: 1.2\n  /r*:\n  /none:\n    max_messages: 0\n"
+        "others: false\nmax_lost: 2\nmin_duration: 9\n"
+    )
+    assert _check(contract, capsys) == (0, ["a.lcmlog keeps c.yaml"])
+
+
+@pytest.mark.parametrize(
+    ("contract", "text"),
+    [
+        ("topics:\n  /speed:\n    min_rate: 20\n", "/speed: 8.99 Hz, at least 20.00 Hz is due"),
+        ("topics:\n  /speed:\n    max_rate: 5\n", "/speed: 8.99 Hz, at most 5.00 Hz is due"),
+        (
+            "topics:\n  /speed:\n    max_gap: 1\n",
+            "/speed: without a message for 1.1 s, at most 1 s is due",
+        ),
+        (
+            "topics:\n  /speed:\n    type: std_msgs/Int8\n",
+            "/speed: the type is std_msgs/Float64, not std_msgs/Int8",
+        ),
+        ("topics:\n  /none:\n", "/none: no message is there"),
+    ],
+)
+def test_a_broken_term_is_named_with_its_line(contract: str, text: str, capsys: Captured) -> None:
+    assert _check(contract, capsys) == (1, [f"FAIL {text} (c.yaml:2)"])
+
+
+def test_terms_of_the_whole_log(capsys: Captured) -> None:
+    contract = "topics:\n  /speed:\nothers: false\nmax_lost: 1\nmin_duration: 60\n"
+    assert _check(contract, capsys) == (
+        1,
+        [
+            "FAIL 2 messages were lost, 1 may be",
+            "FAIL the log is 9.9 s, at least 60 s is due",
+            "FAIL /raw: the contract has no such topic",
+        ],
+    )
+
+
+@pytest.mark.parametrize(
+    ("contract", "error"),
+    [
+        (
+            "topics:\n  /a:\n    min_rat: 3\n",
+            "c.yaml:3: unknown key 'min_rat'; did you mean min_rate?",
+        ),
+        ("topics:\n  /a:\n    min_rate: fast\n", "c.yaml:3: min_rate is not a number"),
+        ("topics: 3\n", "c.yaml:1: not a mapping; write  topics:  and names below it"),
+        ("others: maybe\n", "c.yaml:1: others is true or false"),
+    ],
+)
+def test_a_wrong_contract_is_refused(contract: str, error: str, capsys: Captured) -> None:
+    code, rows = _check(contract, capsys)
+    assert code == 2
+    assert " ".join(rows) == f"lcmtools bag check: {' '.join(error.split())}"
+
+
+def test_diff_compares_topic_by_topic(capsys: Captured) -> None:
+    _write("b.lcmlog", [*range(50), *range(61, 101)])
+    assert main(["bag", "diff", "a.lcmlog", "a.lcmlog"]) == 0
+    assert capsys.readouterr().out == ""
+    assert main(["bag", "diff", "a.lcmlog", "b.lcmlog"]) == 1
+    assert capsys.readouterr().out.splitlines() == [
+        "/raw: 1 only in the first, 1 only in the second, 8 in both",
+        "/speed: 1 only in the first, 1 only in the second, 89 in both",
+    ]
+    _write("late.lcmlog", [*range(50), *range(60, 100)], late=_SECOND)
+    assert main(["bag", "diff", "a.lcmlog", "late.lcmlog"]) == 1
+    capsys.readouterr()
+    assert main(["bag", "diff", "a.lcmlog", "late.lcmlog", "--ignore-times"]) == 0
+
+
+def test_du_lists_the_largest_topic_first(capsys: Captured) -> None:
+    assert main(["bag", "du", "a.lcmlog"]) == 0
+    rows = [row.split() for row in capsys.readouterr().out.splitlines()]
+    assert [row[-1] for row in rows] == ["/speed", "/raw"]
+    assert main(["bag", "du", "a.lcmlog", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)[1] == {"topic": "/raw", "bytes": 720}
