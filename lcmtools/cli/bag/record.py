@@ -22,11 +22,19 @@ from lcmtools.cli.bag.record_options import (
 from lcmtools.cli.bag.recording import attend, reported
 from lcmtools.cli.bus import chosen_url, looking_names, notify
 from lcmtools.cli.declare import argument, examples, subcommand
-from lcmtools.cli.options import looking_options
+from lcmtools.cli.options import bus_options, names_options
 from lcmtools.wire.log_compression import Compression
 
 
-@subcommand("record", choice_options, file_options, end_options, snapshot_options, looking_options)
+@subcommand(
+    "record",
+    choice_options,
+    file_options,
+    end_options,
+    snapshot_options,
+    names_options,
+    bus_options,
+)
 @examples(
     "bag record",
     "bag record /husky0/odometry '/husky0/cmd_*' -o drive.lcmlog",
