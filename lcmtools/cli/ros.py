@@ -12,7 +12,7 @@ from lcmtools.errors import UsageError
 from lcmtools.names import did_you_mean
 
 _NO_BUILD = "lcmtools run NODE starts a node as it is; lcmtools pkg build checks its messages"
-_RECORD = "lcm-logger FILE records, lcm-logplayer FILE plays, lcmtools echo -b FILE --all prints"
+_LOG = "lcmtools bag info FILE shows what is in a log, bag plot draws it, bag play publishes it"
 _LOOK = "lcmtools run sim --gui shows the world, run image_view a camera's images, spy all topics"
 _PANELS = (
     "lcmtools spy shows and plots topics, graph draws nodes, run steering TOPIC drives, run"
@@ -59,14 +59,15 @@ def _run(words: Sequence[str]) -> list[str]:
 
 
 def _image_view(words: Sequence[str]) -> list[str]:
-    return ["run", "image_view", *(w if ":=" in w else f"image:={w}" for w in words)]
+    """As rqt_image_view TOPIC: the topic stands first, and what follows is the node's own."""
+    is_topic = bool(words) and not words[0].startswith("-") and ":=" not in words[0]
+    return ["run", "image_view", *([f"image:={words[0]}"] if is_topic else []), *words[is_topic:]]
 
 
 Instead = str | tuple[str, ...] | Callable[[Sequence[str]], list[str]]
 """A hint where there is no such command; or the words in its place, or a function of the rest."""
 
 _INSTEAD: Mapping[str, Instead] = {
-    "bag": _RECORD,
     "catkin": _catkin,
     "catkin_create_pkg": _create_package,
     "catkin_init_workspace": _NO_BUILD,
@@ -80,7 +81,7 @@ _INSTEAD: Mapping[str, Instead] = {
     "param delete": "a node has its parameters for as long as it runs; param set gives one another"
     " value",
     "ros2": lambda words: list(words) or ["help"],
-    "rosbag": _RECORD,
+    "rosbag": ("bag",),
     "roscd": 'cd "$(lcmtools pkg find NAME)"',
     "rosclean": "each launch keeps its logs in ~/.local/state/lcmtools/log",
     "roscore": "LCM has no master: start the nodes, for example lcmtools run sim",
@@ -99,7 +100,7 @@ _INSTEAD: Mapping[str, Instead] = {
     "rosversion": "lcmtools --version",
     "roswtf": ("wtf",),
     "rqt": _PANELS,
-    "rqt_bag": _RECORD,
+    "rqt_bag": _LOG,
     "rqt_console": ("echo", "/rosout"),
     "rqt_graph": ("graph",),
     "rqt_gui": _PANELS,

@@ -164,11 +164,31 @@ def test_of_java_programs_that_share_a_port_the_candidates_are_named(world: Any)
     world.finds("type-mismatch", f"(pid {ears.pid})", f"(pid {sender.pid})", " or ")
 
 
-def test_payloads_that_are_no_lcm_messages(world: Any) -> None:
-    world.hears("JSON")
-    sender = world.sends("bus.publish('JSON', b'{\"speed\": %d}' % number)")
-    found = world.finds("unknown-type", sender.pid, "no LCM messages", "JSON")
+@pytest.mark.parametrize(
+    ("payload", "form"),
+    [
+        ("b'{\"speed\": %d}' % number", "JSON"),
+        ("b'speed=%d' % number", "text"),
+        ("bytes([8, number % 100, 18, 5]) + b'hello'", "protobuf"),
+    ],
+)
+def test_payloads_that_are_no_lcm_messages(world: Any, payload: str, form: str) -> None:
+    world.hears("IT")
+    sender = world.sends(f"bus.publish('IT', {payload})")
+    found = world.finds("unknown-type", sender.pid, "no LCM messages", f"): {form}")
     assert found.severity == "note"
+
+
+def test_a_log_of_yesterday_is_played_again(world: Any) -> None:
+    sender = _sends(world, f"now.sec -= 86400; now.nsec = int(time.time() % 1 * 1e9); {GOOD}")
+    found = world.finds("stamps", f"(pid {sender.pid})", "a log that is played", wait="0.5s")
+    assert found.severity == "note"
+
+
+def test_a_channel_that_is_not_utf_8(world: Any) -> None:
+    datagram = r"b'LC02' + struct.pack('>I', number) + b'caf\xe9\0' + bytes(16)"
+    sender = world.script(RAW, datagram, ready="sends")
+    world.finds("names", sender.pid, r"'caf\xe9'", "it is not UTF-8")
 
 
 def test_a_type_of_which_nothing_is_known_here(world: Any) -> None:

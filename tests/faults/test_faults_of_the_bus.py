@@ -112,6 +112,13 @@ def test_messages_that_leave_the_network(world: Any) -> None:
     world.is_silent()
 
 
+def test_a_camera_that_stays_on_this_computer_on_purpose(world: Any) -> None:
+    world.hears("IMAGE", LCM_DEFAULT_URL=f"{BUS}1")
+    here = {"LCM_DEFAULT_URL": f"{BUS}0"}
+    world.sends("bus.publish('IMAGE', String().encode() + bytes(50_000))", 0.1, **here)
+    assert world.look("--rule", "ttl", LCM_DEFAULT_URL=f"{BUS}1") == []
+
+
 def test_another_user_on_the_same_bus(world: Any) -> None:
     setpriv = shutil.which("setpriv")
     if os.getuid() != 0 or not setpriv:

@@ -44,7 +44,7 @@ def publishers(
     for topic, kind, values in [
         ("/scan", "sensor_msgs/LaserScan", _SCAN),
         ("/tf", "tf2_msgs/TFMessage", _TRANSFORMS),
-        ("/chatter", "std_msgs/String", "data: 'a \"word\", or two'"),
+        ("/chatter", "std_msgs/String", 'data: "a \\"word\\",\\nor two"'),
     ]:
         started = module_start(lcmtools_path, "pub", "-r", "30", topic, kind, values)
         started.wait_for("no node subscribes")
@@ -64,8 +64,8 @@ def output(result: subprocess.CompletedProcess[str]) -> str:
         ("scan/ranges[-1]", "4.0"),
         ("/scan.header.frame_id", '"laser, front"'),
         ("/scan/header/stamp", "sec: 3\nnsec:         5"),
-        ("/chatter/data", '"a \\"word\\", or two"'),
-        ("/chatter/", 'data: "a \\"word\\", or two"'),
+        ("/chatter/data", '"a \\"word\\",\\nor two"'),
+        ("/chatter/", 'data: "a \\"word\\",\\nor two"'),
         ("/tf/transforms[1].header/frame_id", '"map"'),
         ("/tf/transforms[:].header.frame_id", "- odom\n- map"),
     ],
@@ -167,11 +167,11 @@ def test_csv_has_rostopics_columns_and_the_headers_stamp(lcmtools: Run) -> None:
 
 
 def test_csv_quotes_text_and_takes_the_arrival_where_there_is_no_header(lcmtools: Run) -> None:
-    head, row = output(lcmtools("echo", "/chatter/data", "-1", "--csv")).splitlines()
+    head, row = output(lcmtools("echo", "/chatter/data", "-1", "--csv")).split("\n", 1)
     assert head == "%time,field"
     time, text = row.split(",", 1)
     assert len(time) == 19
-    assert text == '"a ""word"", or two"'
+    assert text == '"a ""word"",\nor two"\n'
 
 
 def test_flow_style_is_one_line_a_message(lcmtools: Run) -> None:
