@@ -9,14 +9,18 @@ are no more than messages need.
 
 import select
 import socket
+from collections.abc import Sequence
 
 from lcmtools.bus.kernel import IS_LINUX, SELECTIVE, attach, mark, request_arrival
 from lcmtools.bus.multicast import receiving_socket
 from lcmtools.bus.socket_filter import fragments_only, no_fragments, nothing
 from lcmtools.bus.url import BusUrl
-from lcmtools.wire.datagram import FRAGMENT_MAX
+from lcmtools.wire.datagram import FRAGMENT_MAX, SHORT_MESSAGE_MAX
+from lcmtools.wire.packet import Packet
 
 _FRAGMENT_ROOM = 70_000  # bytes of a buffer that a whole fragment takes, with the kernel's own
+_SHORT_ROOM, _MOST_GROWTH = 900, 1.5
+"""The same of a short message, beside so many times its size: it takes up to a power of two."""
 _MOST_SHARES = 8
 _WANTED, _NEEDED = 8, 2  # messages of the largest kind for which there is, or must be, room
 
@@ -34,8 +38,8 @@ class Receivers:
         self._url = url
         self.sockets = [receiving_socket(url)]
         self.has_times = self._prepare(self.sockets[0])
-        granted = self.sockets[0].getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
-        self._room = max(1, granted // _FRAGMENT_ROOM)  # fragments in a socket's buffer
+        self._granted = self.sockets[0].getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
+        self._room = max(1, self._granted // _FRAGMENT_ROOM)  # fragments in a socket's buffer
         self._shares = self._message_bytes = 0
         self.has_room = False
         self._poll = select.poll()
@@ -49,6 +53,12 @@ class Receivers:
     def are_ready(self, timeout: float) -> bool:
         """Wait up to ``timeout`` [s] for a datagram; return whether there is any."""
         return bool(self._poll.poll(timeout * 1000))
+
+    def filled_by(self, packets: Sequence[Packet]) -> float:
+        """Return the part of a socket's buffer that the short messages among these take, about."""
+        sizes = [len(packet.payload) for packet in packets]
+        short = sum(size for size in sizes if size <= SHORT_MESSAGE_MAX)
+        return (_SHORT_ROOM * len(sizes) + _MOST_GROWTH * short) / self._granted
 
     def make_room(self, message_bytes: int) -> None:
         """Have room for messages of such a size; more sockets than needed are never closed.

@@ -36,11 +36,13 @@ if TYPE_CHECKING:
     from lcmtools.bus.datagram_batch import DatagramBatch
 
 _MAX_DATAGRAM = 65536
-_BATCH = 256  # datagrams taken in one turn
+_BATCH = 512  # datagrams taken in one turn
 _STREAM, _STREAM_GAP, _NAP = 8, 0.005, 0.01
 """After so many turns that waited for less than so many seconds, a turn begins with a nap [s]."""
-_OF_A_NAP = 128
-"""Messages that may come meanwhile: half of what a usual buffer holds of small ones."""
+_OF_A_NAP = _BATCH // 2  # messages that may come meanwhile
+_FILLED, _LITTLE = 0.5, 0.01  # the part of the kernel's buffer that they may take; a small part
+LONG_NAP = 0.04
+"""A nap of who counts messages [s]: the kernel notes their times."""
 
 _AT_FIRST = 1_000_000
 """Bytes of a large message for which there is room before the first one comes."""
@@ -162,7 +164,8 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         packets = self._read() if has_any else []
         packets, self._held = (packets, self._held) if has_any else (self._held, [])
         if is_streaming and has_any:
-            self._nap = min(self.longest_nap, self._nap * _OF_A_NAP / max(1, len(packets)))
+            much = max(len(packets) / _OF_A_NAP, self._receivers.filled_by(packets) / _FILLED)
+            self._nap = min(self.longest_nap, self._nap / max(much, _LITTLE))
         self._attend_large()
         return packets
 

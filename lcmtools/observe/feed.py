@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
-from lcmtools.bus.tap import Tap
+from lcmtools.bus.tap import LONG_NAP, Tap
 from lcmtools.errors import BusError, LcmtoolsError
 from lcmtools.observe.activity import Activity
 from lcmtools.observe.channels import ChannelRow, ChannelRows, ChannelSelection, plain_listeners
@@ -61,6 +61,8 @@ class Feed:
     def __init__(self, monitor: BusMonitor, selection: ChannelSelection) -> None:
         self.latest = Snapshot()
         self._monitor = monitor
+        if monitor.tap:
+            monitor.tap.longest_nap = LONG_NAP
         self._takers: tuple[Callable[[Packet], None], ...] = ()
         self._activity = Activity(_WINDOW)
         self._rows = ChannelRows(selection, SenderNames())

@@ -10,6 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from lcmtools.bus.tap import LONG_NAP
 from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived, UnknownType
 from lcmtools.graph.model import Graph
 from lcmtools.messages.fields import stamp
@@ -27,7 +28,6 @@ from lcmtools.observe.selection import OneTopic
 from lcmtools.wire.packet import Packet
 
 _REPORT_PERIOD = 1.0  # [s]
-_NAP = 0.04  # [s] that messages may wait to be counted: the kernel notes their times
 _LONGEST = 0.5  # [s] that counters are compared over
 _ENOUGH = 4  # messages on each topic, to end sooner
 _AWAKENING = 0.3  # [s] that publishers have for a first message
@@ -48,8 +48,8 @@ class Delays:
         self._notify = notify
         self._has_notified = False
 
-    def __call__(self, arrival: SelectedPacket) -> float | None:
-        """Return the delay of a message [s]; None where its stamp is no time.
+    def __call__(self, arrival: SelectedPacket) -> int | None:
+        """Return the delay of a message [ns]; None where its stamp is no time.
 
         Raises:
             LcmtoolsError: Its type is unknown or has no header.
@@ -57,7 +57,7 @@ class Delays:
         """
         stamped = self._stamp(arrival.packet)
         if stamped:
-            return (arrival.time - stamped) / 1e9
+            return arrival.time - stamped
         if not self._has_notified:
             self._has_notified = True
             self._notify(f"the stamp of a message on {arrival.topic} is 0, which is no time")
@@ -133,7 +133,7 @@ class Measurement(Generic[ItemT, FoundT]):
         self._now = 0
         monitor.discover()
         if monitor.tap:
-            monitor.tap.longest_nap = _NAP
+            monitor.tap.longest_nap = LONG_NAP
         self._stream = ArrivalStream(
             monitor,
             [OneTopic(topic, options.names, with_path=False) for topic in windows],

@@ -6,8 +6,9 @@ Plain arithmetic; times come in as arguments.
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import islice
 from math import sqrt
+from operator import mul, sub
 from typing import Generic, NamedTuple, TypeVar
 
 ItemT = TypeVar("ItemT")
@@ -78,18 +79,20 @@ class RateWindow(Window[int, Statistics]):
     """Times of arrival [ns]."""
 
     def _sum_up(self, items: Sequence[int], now: int) -> Statistics:  # noqa: ARG002
-        intervals = [(b - a) / 1e9 for a, b in pairwise(items)]
-        mean = sum(intervals) / len(intervals)
-        return _statistics(1 / mean if mean > 0 else 0.0, intervals, len(items))
+        intervals = [*map(sub, islice(items, 1, None), items)]
+        waited = items[-1] - items[0]
+        return _statistics(
+            len(intervals) * 1e9 / waited if waited > 0 else 0.0, intervals, len(items)
+        )
 
 
-class DelayWindow(Window[float, Statistics]):
-    """Delays [s]."""
+class DelayWindow(Window[int, Statistics]):
+    """Delays [ns]."""
 
     _least = 1
 
-    def _sum_up(self, items: Sequence[float], now: int) -> Statistics:  # noqa: ARG002
-        return _statistics(sum(items) / len(items), items, len(items))
+    def _sum_up(self, items: Sequence[int], now: int) -> Statistics:  # noqa: ARG002
+        return _statistics(sum(items) / len(items) / 1e9, items, len(items))
 
 
 class BandwidthWindow(Window[tuple[int, int], Bandwidth]):
@@ -109,7 +112,8 @@ class BandwidthWindow(Window[tuple[int, int], Bandwidth]):
         )
 
 
-def _statistics(mean: float, values: Sequence[float], window: int) -> Statistics:
-    center = sum(values) / len(values)
-    deviation = sqrt(sum((value - center) ** 2 for value in values) / len(values))
-    return Statistics(mean, min(values), max(values), deviation, window)
+def _statistics(mean: float, values: Sequence[int], window: int) -> Statistics:
+    # of whole numbers, so that the difference of large sums is exact
+    count, total = len(values), sum(values)
+    deviation = sqrt(count * sum(map(mul, values, values)) - total * total) / count
+    return Statistics(mean, min(values) / 1e9, max(values) / 1e9, deviation / 1e9, window)
