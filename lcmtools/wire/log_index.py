@@ -75,7 +75,7 @@ class Block:
 
     def add(self, packet: Packet, sender: int = -1) -> None:
         """Count an event more; of its payload the head is enough (``Packet.whole_bytes``)."""
-        time = packet.time
+        time = packet.time // 1000 * 1000  # as the log has it
         if not self.channels:
             self.first_time = self.last_time = time
         elif time > self.last_time:

@@ -115,6 +115,16 @@ def test_an_index_of_another_file_says_nothing(path: Path) -> None:
         assert [packet.sender for packet in log.packets()] == [None, None]
 
 
+def test_the_times_of_the_index_are_those_of_the_log(path: Path) -> None:
+    with LogWriter(path) as writer:
+        writer.add(Packet("/a", b"", 1_234_567))
+        writer.add(Packet("/a", b"", 2_345_678))
+    with LogFile(path) as log:
+        (block,) = log.index.blocks
+        times = [packet.time for packet in log.packets()]
+    assert times == [block.first_time, block.last_time] == [1_234_000, 2_345_000]
+
+
 def test_the_offset_of_a_time_is_not_behind_its_messages(path: Path) -> None:
     times = [0, 3, 1, 2, 9, 4, 12]  # minutes: a block each, not all in order
     with LogWriter(path) as writer:
