@@ -82,7 +82,8 @@ class ArrivalStream:
         selections: The topics.
         names: The namespace and the remaps that topics are read by.
         wall_time: Use the computer's clock even if a simulator publishes /clock.
-        strict_time: Leave out packets that arrive before the simulated time is known.
+        strict_time: Leave out packets that arrive before the simulated time is known; a log has
+            simulated time from its first message on /clock on.
         keep: True for packets that count; None for all.
 
     Attributes:
@@ -141,6 +142,8 @@ class ArrivalStream:
         packets = self._monitor.receive(timeout)
         if not self._is_fixed:
             self._look_again(packets)
+        if self._strict_time and not (self._wall_time or self._monitor.is_live):
+            self._clock.is_simulated |= any(packet.channel == CLOCK for packet in packets)
         arrivals: list[SelectedPacket] = []
         is_reset, is_simulated = False, self._clock.is_simulated
         for packet in packets:

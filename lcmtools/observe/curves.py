@@ -68,7 +68,9 @@ class Curves:
     ) -> None:
         monitor.discover()
         selections = [select_topics(one, names) for one in fields]
-        self._stream = ArrivalStream(monitor, selections, names)
+        self._stream = ArrivalStream(
+            monitor, selections, names, wall_time=not monitor.is_live, strict_time=True
+        )
         self._decoder, self._tell, self._window = Decoder(monitor.types_of), tell, window
         self._told: set[str] = set()
         self._curves: dict[str, Curve] = {}

@@ -89,6 +89,7 @@ class ListenOptions:
     wall_time: bool = False  # the computer's clock even if a simulator publishes /clock
     condition: Filter | None = None  # that messages must fulfil
     names: Resolver = GLOBAL  # namespace and remaps of the topics
+    log_time: bool = True  # of a log, the times of recording even if /clock is in it
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +139,7 @@ class Measurement(Generic[ItemT, FoundT]):
             monitor,
             [OneTopic(topic, options.names, with_path=False) for topic in windows],
             options.names,
-            wall_time=options.wall_time or not monitor.is_live,
+            wall_time=options.wall_time or (options.log_time and not monitor.is_live),
             strict_time=True,
             keep=self._counts if options.condition else None,
         )

@@ -8,6 +8,8 @@ import lcm
 import pytest
 
 from lcmtools.messages.codec import encode
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.std_msgs import String
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
@@ -95,3 +97,19 @@ def test_wtf_looks_into_a_log(log: str, lcmtools: Run) -> None:
 def test_info_says_that_a_log_does_not_tell_senders(log: str, lcmtools: Run) -> None:
     result = lcmtools("info", "/chatter", "--lcm-url", f"file://{log}?speed=0")
     assert " * a plain LCM program (this kind of bus does not identify senders)" in result.stdout
+
+
+def test_delays_in_a_log_of_a_simulator_are_by_its_clock(tmp_path: Path, lcmtools: Run) -> None:
+    path = str(tmp_path / "sim.log")
+    log = lcm.EventLog(path, "w", overwrite=True)
+    for number in range(20):
+        clock, odometry = Clock(), Odometry()
+        clock.clock.sec, clock.clock.nsec = 5, 20_000_000 * (number + 1)
+        odometry.header.stamp.sec, odometry.header.stamp.nsec = 5, 20_000_000 * number
+        time = 1_700_000_000_000_000 + number * 20_000
+        log.write_event(time, "/clock", encode(clock))
+        log.write_event(time + 1, "/odometry", encode(odometry))
+    log.close()
+    result = lcmtools("delay", "-b", path, "/odometry")
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.startswith("average delay: 0.020\n")

@@ -63,4 +63,5 @@ def delay(topics: tuple[str, ...], *, window: int, **ending: Any) -> None:  # no
     """
     windows = {topic: DelayWindow(window) for topic in topics}
     with open_monitor("delay", whole=True) as monitor:
-        measure(monitor, windows, Delays(Decoder(monitor.types_of), notify), DELAY, **ending)
+        delays = Delays(Decoder(monitor.types_of), notify)
+        measure(monitor, windows, delays, DELAY, log_time=False, **ending)
