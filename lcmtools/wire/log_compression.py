@@ -5,6 +5,7 @@ The libraries belong to the extra ``bag``, and are imported when they are needed
 """
 
 from collections.abc import Callable, Iterable, Iterator
+from importlib import import_module
 from typing import Any, Literal
 
 from lcmtools.errors import MissingExtra
@@ -56,12 +57,7 @@ def decompressed(kind: Compression, chunks: Iterable[bytes]) -> Iterator[bytes]:
 
 def _library(kind: Compression) -> Any:  # noqa: ANN401 - a module without types
     try:
-        if kind == "zstd":
-            import zstandard
-
-            return zstandard
-        import lz4.frame
+        return import_module("zstandard" if kind == "zstd" else "lz4.frame")
     except ImportError as error:
         what = f"logs compressed with {kind} need the extra 'bag'"
         raise MissingExtra(what, "pip install -e '.[bag]'") from error
-    return lz4.frame

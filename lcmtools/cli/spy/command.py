@@ -9,9 +9,9 @@ from lcmtools.cli.bus import in_names, looking_names, notify, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
 from lcmtools.cli.output import document, lines, talk
-from lcmtools.cli.spy.columns import COLUMNS, TableView
-from lcmtools.cli.spy.table import record, table
 from lcmtools.errors import UsageError
+from lcmtools.observe.channel_columns import COLUMNS, TableView
+from lcmtools.observe.channel_table import record, table
 from lcmtools.observe.channels import ChannelSelection, plain_listeners, survey
 from lcmtools.observe.describe import all_callback_errors
 

@@ -4,9 +4,9 @@ import os
 import sys
 
 from lcmtools.cli.bus import chosen_log, open_monitor
-from lcmtools.cli.spy.columns import TableView
 from lcmtools.color import stream_wants_color
 from lcmtools.errors import MissingExtra, UsageError
+from lcmtools.observe.channel_columns import TableView
 from lcmtools.observe.channels import ChannelSelection
 
 

@@ -13,9 +13,9 @@ from textual.drivers.linux_driver import LinuxDriver
 from textual.events import Event, InputEvent
 
 from lcmtools.cli.ending import BY_SIGNAL, INTERRUPTED
-from lcmtools.cli.spy.columns import TableView
 from lcmtools.cli.spy.live.overview import Overview
 from lcmtools.cli.spy.live.screens import HelpScreen
+from lcmtools.observe.channel_columns import TableView
 from lcmtools.observe.channels import ChannelSelection
 from lcmtools.observe.feed import Feed
 from lcmtools.observe.monitor import BusMonitor

@@ -9,7 +9,10 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal
 from textual.widgets import DataTable, Footer, Label, Sparkline
 
-from lcmtools.cli.spy.details import (
+from lcmtools.cli.spy.live.rows import Cell, Cells, CurveCell, RowTable
+from lcmtools.cli.spy.live.screens import LivePage
+from lcmtools.graph.drawing.labels import printable
+from lcmtools.observe.channel_details import (
     BARS,
     DetailLine,
     detail_lines,
@@ -17,9 +20,6 @@ from lcmtools.cli.spy.details import (
     number_text,
     properties,
 )
-from lcmtools.cli.spy.live.rows import Cell, Cells, CurveCell, RowTable
-from lcmtools.cli.spy.live.screens import LivePage
-from lcmtools.graph.drawing.labels import printable
 from lcmtools.observe.feed import Feed
 from lcmtools.observe.study import Study, curve
 

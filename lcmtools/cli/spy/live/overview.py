@@ -8,12 +8,12 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.widgets import DataTable, Footer, Input
 
-from lcmtools.cli.spy.columns import COLUMNS, Column, TableView, bandwidth_text, rate_text
 from lcmtools.cli.spy.live.detail import Detail
 from lcmtools.cli.spy.live.rows import Cell, Cells, RowTable
 from lcmtools.cli.spy.live.screens import LivePage, SortScreen
-from lcmtools.cli.spy.table import ColumnLayout, layout, natural_widths
 from lcmtools.graph.drawing.labels import printable
+from lcmtools.observe.channel_columns import COLUMNS, Column, TableView, bandwidth_text, rate_text
+from lcmtools.observe.channel_table import ColumnLayout, layout, natural_widths
 from lcmtools.observe.channels import ChannelRow
 from lcmtools.observe.feed import Feed, Snapshot
 

@@ -12,7 +12,7 @@ from textual.screen import ModalScreen, Screen, ScreenResultType
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
-from lcmtools.cli.spy.columns import COLUMNS, heading
+from lcmtools.observe.channel_columns import COLUMNS, heading
 
 PERIOD = 0.2  # time between two looks at what is new [s]
 _HELP = f"""\

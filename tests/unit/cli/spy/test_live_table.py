@@ -6,9 +6,9 @@ from typing import cast
 import pytest
 from fixtures.live_view import ROWS, Planted, Screen, look
 
-from lcmtools.cli.spy.columns import COLUMNS, TableView
 from lcmtools.cli.spy.live.app import SpyApp
 from lcmtools.cli.spy.live.overview import cell_style
+from lcmtools.observe.channel_columns import COLUMNS, TableView
 from lcmtools.observe.channels import ChannelRow
 from lcmtools.observe.feed import Feed, Snapshot
 

@@ -2,14 +2,14 @@
 
 import pytest
 
-from lcmtools.cli.spy.details import (
+from lcmtools.messages.codec import encode
+from lcmtools.observe.channel_details import (
     DetailLine,
     detail_lines,
     flow_text,
     number_text,
     properties,
 )
-from lcmtools.messages.codec import encode
 from lcmtools.observe.channels import ChannelRow
 from lcmtools.observe.study import Study
 from lcmtools.types.geometry_msgs import Vector3

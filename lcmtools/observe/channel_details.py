@@ -3,7 +3,8 @@
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
-from lcmtools.cli.spy.columns import (
+from lcmtools.graph.drawing.labels import printable
+from lcmtools.observe.channel_columns import (
     age_text,
     bandwidth_text,
     jitter_text,
@@ -12,7 +13,6 @@ from lcmtools.cli.spy.columns import (
     rate_text,
     size_text,
 )
-from lcmtools.graph.drawing.labels import printable
 from lcmtools.observe.channels import ChannelRow
 from lcmtools.observe.field_lines import FieldLine
 from lcmtools.observe.study import ChannelState, Sample, Sparkline, curve

@@ -4,8 +4,8 @@ import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from lcmtools.cli.spy.columns import COLUMNS, Column, Cut, heading
 from lcmtools.graph.drawing.labels import printable
+from lcmtools.observe.channel_columns import COLUMNS, Column, Cut, heading
 from lcmtools.observe.channels import ChannelRow
 
 _DOTS = "…"

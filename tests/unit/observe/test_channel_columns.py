@@ -2,7 +2,7 @@
 
 import pytest
 
-from lcmtools.cli.spy.columns import (
+from lcmtools.observe.channel_columns import (
     COLUMNS,
     TableView,
     age_text,
@@ -12,7 +12,7 @@ from lcmtools.cli.spy.columns import (
     size_text,
     type_text,
 )
-from lcmtools.cli.spy.table import cut, table, width_of
+from lcmtools.observe.channel_table import cut, table, width_of
 from lcmtools.observe.channels import ChannelRow, matching
 
 ROWS = (
