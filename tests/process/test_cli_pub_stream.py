@@ -10,7 +10,9 @@ from typing import Any
 
 import pytest
 
+from lcmtools.messages.text import format_message
 from lcmtools.publish import incoming
+from lcmtools.types.std_msgs import Empty
 
 Cli = Callable[..., Any]
 STRING = "std_msgs/String"
@@ -84,6 +86,16 @@ def test_a_file_is_sent_so_many_times_as_asked(
     file.write_text(THREE)
     assert cli("pub", *words, "-f", str(file), topic, STRING).ok() == ""
     assert received() == sent
+
+
+def test_what_echo_prints_of_messages_without_fields_is_sent_again(
+    topic: str, receiver: Any, cli: Cli, tmp_path: Path
+) -> None:
+    found = receiver.subscribe(topic, "std_msgs/Empty")
+    file = tmp_path / "empty.yaml"
+    file.write_text(f"{format_message(Empty())}\n---\n" * 3)
+    assert cli("pub", "-r", "50", "-f", str(file), topic, "std_msgs/Empty").ok() == ""
+    assert found() == [{}, {}, {}]
 
 
 def test_a_stream_ends_after_as_many_messages_as_asked(topic: str, received: Any, cli: Cli) -> None:

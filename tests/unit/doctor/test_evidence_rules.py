@@ -1,5 +1,8 @@
 """The rules of wtf that judge traffic, listeners and contents: planted faults."""
 
+import os
+import threading
+import time
 from dataclasses import replace
 
 import pytest
@@ -17,6 +20,7 @@ from fixtures.judging import (
     stream,
 )
 
+from lcmtools.doctor import report
 from lcmtools.doctor.evidence import (
     Evidence,
     LcmProcess,
@@ -28,6 +32,7 @@ from lcmtools.doctor.evidence import (
 )
 from lcmtools.doctor.findings import Severity
 from lcmtools.doctor.near_types import fingerprint_of
+from lcmtools.doctor.programs import processor_times
 from lcmtools.doctor.rules import RULES
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
 from lcmtools.messages.fields import fields
@@ -96,6 +101,17 @@ def test_a_listener_that_does_not_read_is_named() -> None:
     assert found(replace(HEALTHY, listeners=(full,)))["stuck-listeners"].items == (
         " * s (pid 7): 9000 bytes wait",
     )
+
+
+@pytest.mark.parametrize(
+    ("command", "tool"),
+    [("python3 driver.py", "py-spy"), ("java -jar driver.jar", "jstack"), ("./driver", "gdb")],
+)
+def test_what_shows_where_a_program_waits_is_of_its_language(command: str, tool: str) -> None:
+    full = Listener("d (pid 7)", 7, 0, drops=5, queued_bytes=9000, was_queued_bytes=9000)
+    evidence = replace(HEALTHY, listeners=(full,), processes=(LcmProcess(7, command),))
+    remedies = " ".join(found(evidence)["stuck-listeners"].remedies)
+    assert [one for one in ("py-spy", "jstack", "gdb") if one in remedies] == [tool]
 
 
 def test_a_message_larger_than_a_buffer_is_told_before_it_is_lost() -> None:
@@ -366,3 +382,31 @@ def test_a_stream_that_nobody_has_subscribed_to_may_rest() -> None:
     assert {"silent", "irregular"} <= rules().keys()  # a plain program's
     assert not {"silent", "irregular"} & rules(simulator).keys()
     assert not {"silent", "irregular"} & rules(simulator, replace(ear, tool=True)).keys()
+
+
+def test_a_long_list_ends_with_the_number_of_the_others() -> None:
+    oddities = tuple(Oddity("not-finite", f"/t{n}", "/n", "x is nan", 1) for n in range(40))
+    finding = only(replace(HEALTHY, oddities=oddities))
+    rows = [row for row in report.finding_text(finding.finding) if row.startswith(" *")]
+    assert len(finding.items) == 40
+    assert len(rows) == 24
+    assert rows[-1] == " * … and 17 more"
+
+
+def test_busy_time_is_that_of_all_threads() -> None:
+    before, _ = processor_times(os.getpid())
+    begun, ends = threading.Event(), threading.Event()
+
+    def compute() -> None:
+        while time.thread_time_ns() < 50_000_000:
+            pass
+        begun.set()
+        ends.wait()
+
+    thread = threading.Thread(target=compute)
+    thread.start()
+    begun.wait()
+    after, _ = processor_times(os.getpid())
+    ends.set()
+    thread.join()
+    assert after - before >= 50_000_000
