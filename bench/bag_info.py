@@ -1,7 +1,8 @@
 """Time that `bag info` takes for a log of 10 GB: by its index, and for a smaller one without.
 
-The log of 10 GB is a sparse file with a synthetic index, of 20 topics in blocks of 32 MB. The one
-without an index has messages of 1 kB, and is compared with reading the file's bytes.
+The log of 10 GB is a sparse file with a synthetic index, of 20 topics and 100 MB a second, in
+blocks as the recorder makes them. The one without an index has messages of 1 kB, and is compared
+with reading the file's bytes.
 """
 
 import tempfile
@@ -20,7 +21,7 @@ from lcmtools.wire.log import SYNC
 from lcmtools.wire.packet import Packet, Sender
 
 SIZE = 10 * 10**9
-BLOCK = 32 << 20
+PAYLOAD = 50_000  # bytes
 TOPICS = 20
 MESSAGES = 200_000
 
@@ -59,24 +60,28 @@ def timed(work: Callable[[], object]) -> float:
 
 def make_large(path: Path) -> int:
     """Write a sparse log with the index of a full one; return the number of its blocks."""
-    count = SIZE // BLOCK
+    count = number = end = 0
     with path.open("wb") as file, index_path(path).open("w") as index:
-        file.truncate(count * BLOCK)
         index.write(log_index.index_line())
-        for number in range(TOPICS):
-            sender = log_index.RecordedSender(Sender("127.0.0.1", 4000 + number), f"/node{number}")
-            index.write(log_index.sender_line(number, sender))
-        for place in range(count):
-            file.seek(place * BLOCK)
+        for one in range(TOPICS):
+            sender = log_index.RecordedSender(Sender("127.0.0.1", 4000 + one), f"/node{one}")
+            index.write(log_index.sender_line(one, sender))
+        while end < SIZE:
+            file.seek(end)
             file.write(SYNC)
-            block = log_index.Block(place * BLOCK, (place + 1) * BLOCK)
-            for number in range(TOPICS):
-                for part in range(4):
-                    time = place * 300_000_000 + part * 70_000_000
-                    packet = Packet(f"/robot/topic{number}", b"\1" * 8, time, whole_bytes=400_000)
-                    block.add(packet, number)
+            block = log_index.Block(end)
+            while not block.is_full(end):
+                topic = number % TOPICS
+                time = number * PAYLOAD * 10  # 100 MB/s
+                name = f"/robot/topic{topic}"
+                block.add(Packet(name, b"\1" * 8, time, whole_bytes=PAYLOAD), topic)
+                number += 1
+                end += PAYLOAD
+            block.end = end
+            count += 1
             index.write(log_index.block_line(block))
-        index.write(log_index.end_line(count * BLOCK))
+        file.truncate(end)
+        index.write(log_index.end_line(end))
     return count
 
 
