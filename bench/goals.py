@@ -180,8 +180,8 @@ def machine() -> str:
     model = next((line.partition(": ")[2] for line in lines if line.startswith("model name")), "")
     return (
         f"{os.cpu_count()} processors ({model or platform.machine()}), {platform.system()}"
-        f" {platform.release()}, Python {platform.python_version()}, lcm {version('lcm')},"
-        f" lcmtools {version('lcmtools')}"
+        f" {platform.release().partition('-')[0]}, Python {platform.python_version()},"
+        f" lcm {version('lcm')}, lcmtools {version('lcmtools-robotics')}"
     )
 
 
