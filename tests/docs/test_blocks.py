@@ -321,3 +321,11 @@ def test_every_command_that_is_named_exists(document: Path) -> None:
 def test_every_link_within_the_project_leads_somewhere(document: Path) -> None:
     links = re.findall(r"\]\((?!https?:)([^)#]+)", document.read_text())
     assert [link for link in links if not (document.parent / link).exists()] == []
+
+
+@pytest.mark.parametrize("page", sorted(ROOT.glob("labs/*/README.md")), ids=str)
+def test_a_lab_s_page_has_the_picture_of_its_robot_and_says_where_cpp_stands(page: Path) -> None:
+    text = page.read_text()
+    assert f"(../../docs/{page.parent.name}.png)" in text.partition("## 1.")[0]
+    assert "C++" in text
+    assert (ROOT / "examples" / "plain_lcm").is_dir()
