@@ -88,8 +88,8 @@ class RowTable(DataTable[Cell | CurveCell]):
         """
         cursor = self.cursor_key if self.cursor_row else None
         if headings != self._headings or self._shown.keys() - set(keys):
-            self.clear(columns=True)
             self._headings, self._shown, self._keys = headings, {}, []
+            self.clear(columns=True)  # it scrolls, which would look for rows that have gone
             for number, (label, width) in enumerate(headings):
                 self.add_column(Text(label), key=f"{number}", width=width)
         for key in keys:

@@ -1,13 +1,16 @@
 """The keys of the live view's table, on a screen that nobody sees."""
 
+import asyncio
 from dataclasses import replace
 from typing import cast
 
 import pytest
 from fixtures.live_view import ROWS, Planted, Screen, look
+from textual.app import App, ComposeResult
 
 from lcmtools.cli.spy.live.app import SpyApp
 from lcmtools.cli.spy.live.overview import cell_style
+from lcmtools.cli.spy.live.rows import Cell, RowTable
 from lcmtools.observe.channel_columns import COLUMNS, TableView
 from lcmtools.observe.channels import ChannelRow
 from lcmtools.observe.feed import Feed, Snapshot
@@ -205,3 +208,31 @@ def test_loss_silence_and_unknown_types_are_seen_at_a_glance() -> None:
     assert style("rate", ChannelRow("A", known, age=2.5)) == ""
     assert style("type", ChannelRow("A", messages=1, age=0.0)) == "bold yellow"
     assert style("channel", ChannelRow("A")) == "dim"
+
+
+def test_a_table_that_is_scrolled_may_get_other_columns() -> None:
+    class Shown(App[None]):
+        def compose(self) -> ComposeResult:
+            yield RowTable("table")
+
+    keys = [f"row {number}" for number in range(50)]
+
+    async def script() -> None:
+        app = Shown()
+        async with app.run_test(size=(40, 8)) as pilot:
+            table = app.query_one(RowTable)
+            texts = iter(range(1000))  # another one each time, as rates are
+            table.show(
+                [("A", 9), ("B", 9)],
+                keys,
+                lambda key: (Cell(key, key), Cell(key, f"{next(texts)}")),
+            )
+            await pilot.pause()
+            table.scroll_to(y=30, animate=False)
+            await pilot.pause()
+            assert table.scroll_y > 0
+            table.show([("A", 9)], keys[:40], lambda key: (Cell(key, key),))
+            await pilot.pause()
+            assert (table.row_count, len(table.columns)) == (40, 1)
+
+    asyncio.run(script())
