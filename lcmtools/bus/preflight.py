@@ -5,7 +5,6 @@ Must not import lcm.
 
 import os
 import socket
-import sysconfig
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -68,18 +67,12 @@ def _check_server(url: BusUrl) -> None:
     try:
         socket.create_connection((url.host, url.port), timeout=_CONNECT_TIMEOUT).close()
     except OSError as error:
-        hint = f"start one there: java -cp {_jar()} lcm.lcm.TCPService {url.port}"
+        hint = f"start one there: lcmtools relay --serve {url}"
         if isinstance(error, socket.gaierror):
             hint = f"see whether the name is right: ping {url.host}"
         raise BusError(
             f"no LCM server at {url.host}:{url.port} ({error.strerror or 'no answer'})", hint
         ) from error
-
-
-def _jar() -> str:
-    # LCM's Java library has a server in it
-    jar = Path(sysconfig.get_path("purelib")) / "share/java/lcm.jar"
-    return str(jar) if jar.exists() else "lcm.jar"
 
 
 def _check_log(url: BusUrl) -> None:

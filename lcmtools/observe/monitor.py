@@ -11,32 +11,26 @@ import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 
 from lcmtools.bus.processes import is_local, is_stopped, silent_senders, sockets_are_known
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
-from lcmtools.errors import BusError
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
 from lcmtools.graph.protocol import (
-    NODE_CHANNEL,
     PERIOD,
     PROBE_CHANNEL,
     SHUTDOWN_CHANNEL,
     TALK_CHANNELS,
-    Announcement,
     Probe,
     Shutdown,
-    decode_probe,
-    decode_shutdown,
-    encode_announcement,
     encode_probe,
     encode_shutdown,
 )
 from lcmtools.observe.log_file import LogFile
 from lcmtools.observe.losses import Losses, losses
+from lcmtools.observe.presence import Presence, own_node
 from lcmtools.observe.senders import is_here
 from lcmtools.observe.sources import LogObserver, Observer, open_observer
 from lcmtools.packages import provide_recorded_types
@@ -65,7 +59,6 @@ class BusMonitor:
 
     Attributes:
         trouble: The trouble with the connection; "" for none.
-        send_trouble: The reason why the last announcement was not sent; "" for none.
         is_log: The source is a log, also one that is played: no node answers.
         is_live: Messages come in real time; else a log is read at once by its own times.
 
@@ -86,18 +79,17 @@ class BusMonitor:
         on_shutdown: Callable[[], None] | None = None,
     ) -> None:
         self.url = url
-        self.trouble = self.send_trouble = ""
+        self.trouble = ""
         self._on_outage = on_outage
-        self._on_shutdown = on_shutdown
         self._observer = observer or open_observer(
             url, whole=whole, plays=plays, on_outage=self._note_outage
         )
         self.is_log, self.is_live = self._observer.is_log, self._observer.is_live
         self._last_time = 0
         self._records = NodeRecords(url, environment)
-        self._node = _tool_node(tool)
-        self._builder = GraphBuilder(but=self._node.id, is_log=self.is_log)
-        self._next_announcement = 0.0
+        node = own_node(f"/_lcmtools_{tool}_{os.getpid()}", tool=True)
+        self._presence = Presence(node, self._observer.send, on_shutdown)
+        self._builder = GraphBuilder(but=node.id, is_log=self.is_log)
         if self.log:
             self._learn_from(self.log)
 
@@ -111,17 +103,17 @@ class BusMonitor:
 
     def close(self) -> None:
         """Say goodbye and leave the bus."""
-        if self._node.endpoints:
-            self._announce(leaving=True)
+        if self._is_present:
+            self._presence.announce(leaving=True)
         self._observer.close()
 
     def listen_to(self, topics: Sequence[str], depth: int = 0) -> None:
         """Announce that this command listens to these topics; nothing on a log."""
         if self.is_log:
             return
-        endpoints = tuple(Endpoint(topic, Role.SUBSCRIBER, depth=depth) for topic in topics)
-        self._node = replace(self._node, endpoints=endpoints)
-        self._announce()
+        self._presence.listen_to(
+            [Endpoint(topic, Role.SUBSCRIBER, depth=depth) for topic in topics]
+        )
 
     def receive(self, timeout: float) -> list[Packet]:
         """Return the messages that arrive within ``timeout`` seconds, learning the graph from them.
@@ -131,15 +123,15 @@ class BusMonitor:
         Raises:
             EOFError: The bus is a log, and it has ended.
         """
-        if self._node.endpoints and time.monotonic() >= self._next_announcement:
-            self._announce()
+        if self._is_present:
+            self._presence.attend()
         packets = self._observer.receive(timeout)
         if not self.is_live:
             self._last_time = packets[-1].time
         for packet in packets:
             self._builder.add(packet)
-            if packet.channel in TALK_CHANNELS and self._node.endpoints:
-                self._answer(packet)
+            if packet.channel in TALK_CHANNELS and self._is_present:
+                self._presence.answer(packet.channel, packet.payload)
         return packets
 
     def packets(self, duration: float | None = None) -> Iterator[Packet]:
@@ -219,6 +211,16 @@ class BusMonitor:
         return self._builder.snapshot(time.time_ns() if self.is_live else self._last_time)
 
     @property
+    def send_trouble(self) -> str:
+        """The reason why the last announcement was not sent; "" for none."""
+        return self._presence.trouble
+
+    @property
+    def _is_present(self) -> bool:
+        """True once it listens to topics, and so is to be seen."""
+        return bool(self._presence.node.endpoints)
+
+    @property
     def tap(self) -> Tap | None:
         """The tap, which knows the senders' datagrams; None where the bus is no multicast."""
         return self._observer if isinstance(self._observer, Tap) else None
@@ -251,8 +253,8 @@ class BusMonitor:
 
     def _note_outage(self, text: str, trouble: str) -> None:
         self.trouble = trouble
-        if not trouble and self._node.endpoints:
-            self._announce()
+        if not trouble and self._is_present:
+            self._presence.announce()
         self._on_outage(text)
 
     def _receives_talk(self, timeout: float) -> bool:
@@ -283,40 +285,7 @@ class BusMonitor:
                 return
             self.receive(min(left, 0.1))
 
-    def _answer(self, packet: Packet) -> None:
-        if packet.channel == PROBE_CHANNEL:
-            probe = decode_probe(packet.payload)
-            if probe is not None and probe.target in ("", self._node.name):
-                self._announce(answers=probe.nonce)
-        elif packet.channel == SHUTDOWN_CHANNEL:
-            request = decode_shutdown(packet.payload)
-            if self._on_shutdown and request is not None and request.target == self._node.id:
-                self._announce(answers=request.nonce)
-                self._on_shutdown()
-
-    def _announce(self, *, leaving: bool = False, answers: int = 0) -> None:
-        announcement = Announcement(self._node, leaving, answers)
-        # a network that is gone may come back: the next announcement is a period later
-        try:
-            self._observer.send(NODE_CHANNEL, encode_announcement(announcement))
-            self.send_trouble = ""
-        except BusError as error:
-            self.send_trouble = str(error)
-        self._next_announcement = time.monotonic() + PERIOD
-
 
 def _complete(now: float, start: float, changed: float) -> bool:
     waited = now - start
     return waited > _AT_MOST or (waited > _AT_LEAST and now - changed > QUIET)
-
-
-def _tool_node(tool: str) -> Node:
-    return Node(
-        name=f"/_lcmtools_{tool}_{os.getpid()}",
-        id=f"{os.getpid()}-{time.time_ns():x}",
-        host=socket.gethostname(),
-        pid=os.getpid(),
-        start_time=time.time_ns(),
-        command=" ".join(sys.argv),
-        tool=True,
-    )

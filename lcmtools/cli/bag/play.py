@@ -90,6 +90,7 @@ def command(
         waits=wait_subscribers,
         force=force,
     )
-    with ProgressLine("lcmtools bag play", is_quiet=quiet) as line:
+    line = ProgressLine("lcmtools bag play", is_quiet=quiet)
+    with line:
         result = play(files, chosen_url(), choice, manner, notify=line.talk, on_position=line.show)
         line.talk_unless_quiet(f"{result.messages} messages in {result.seconds:.1f} s")

@@ -1,0 +1,69 @@
+"""Serving tcpq as a person attends it."""
+
+import signal
+import time
+from ipaddress import ip_address
+
+from lcmtools.bag.summary_report import bytes_text
+from lcmtools.bus.url import BusUrl
+from lcmtools.cli.status_line import StatusLine
+from lcmtools.errors import UsageError
+from lcmtools.relay.hub import Hub, HubCounts, serve
+
+_SHOWN_EVERY = 0.5  # [s]
+
+
+def attend_hub(url: BusUrl, line: StatusLine) -> None:
+    """Serve tcpq until Ctrl-C; show what it does on a terminal, and say it in the end."""
+    with Hub(url, line.talk) as hub:
+        line.talk(f"serves tcpq://{url.host}:{hub.port} to {_audience(url.host)}")
+        shown = _Shown(line)
+        try:
+            serve(hub, shown.show, lambda: signal.raise_signal(signal.SIGTERM))
+        finally:
+            line.talk(_counted(hub.counts))
+
+
+class _Shown:
+    """The line of a terminal that shows a server."""
+
+    def __init__(self, line: StatusLine) -> None:
+        self._line = line
+        self._time, self._last = time.monotonic(), (0, 0)
+
+    def show(self, counts: HubCounts) -> None:
+        """Write the line, if it is time."""
+        seconds = time.monotonic() - self._time
+        if not self._line.shows or seconds < _SHOWN_EVERY:
+            return
+        messages, size = counts.messages - self._last[0], counts.bytes - self._last[1]
+        self._time, self._last = time.monotonic(), (counts.messages, counts.bytes)
+        clients = "1 client" if counts.clients == 1 else f"{counts.clients} clients"
+        flow = f"{messages / seconds:.0f} messages/s, {bytes_text(size / seconds)}/s"
+        self._line.write(f"{clients}; {flow}; {_dropped(counts)}")
+
+
+def _counted(counts: HubCounts) -> str:
+    return f"{counts.messages} messages ({bytes_text(counts.bytes)}); {_dropped(counts)}"
+
+
+def _dropped(counts: HubCounts) -> str:
+    return f"{counts.dropped} dropped for slow clients" if counts.dropped else "none dropped"
+
+
+def _audience(host: str) -> str:
+    """The programs that can connect to an address."""
+    try:
+        address = ip_address(host)
+    except ValueError:
+        return f"all who reach {host}"
+    if address.is_loopback:
+        return "programs of this computer"
+    what = "all its addresses" if address.is_unspecified else host
+    return f"all who reach this computer at {what}, without a password"
+
+
+def check_server(url: BusUrl) -> None:
+    """Refuse to serve what cannot be served."""
+    if url.provider != "tcpq":
+        raise UsageError(f"cannot serve {url}", "write --serve tcpq://:7700")

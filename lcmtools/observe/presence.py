@@ -1,0 +1,95 @@
+"""The presence of a node on a bus that is no ``Node``: a command, a server, a relay.
+
+It announces itself as nodes do: once a second, when it is asked, and when it leaves.
+"""
+
+import os
+import socket
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from lcmtools.errors import BusError
+from lcmtools.graph.model import Endpoint, Node
+from lcmtools.graph.protocol import (
+    NODE_CHANNEL,
+    PERIOD,
+    PROBE_CHANNEL,
+    SHUTDOWN_CHANNEL,
+    Announcement,
+    decode_probe,
+    decode_shutdown,
+    encode_announcement,
+)
+
+
+class Presence:
+    """The announcements of one node on one bus; whoever receives from the bus calls it.
+
+    Args:
+        node: The node.
+        send: Publishes a payload on a channel; raises BusError where it cannot.
+        on_shutdown: Called when another program requests this one to end; None to ignore that.
+
+    Attributes:
+        node: The node as it is announced.
+        trouble: The reason why the last announcement was not sent; "" for none.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        send: Callable[[str, bytes], None],
+        on_shutdown: Callable[[], None] | None = None,
+    ) -> None:
+        self.node = node
+        self.trouble = ""
+        self._send, self._on_shutdown = send, on_shutdown
+        self._next = 0.0
+
+    def listen_to(self, endpoints: Sequence[Endpoint]) -> None:
+        """Announce other endpoints."""
+        self.node = replace(self.node, endpoints=tuple(endpoints))
+        self.announce()
+
+    def attend(self) -> None:
+        """Announce the node if it is time."""
+        if time.monotonic() >= self._next:
+            self.announce()
+
+    def answer(self, channel: str, payload: bytes) -> None:
+        """Answer a message of the protocol, if it is one that the node has to answer."""
+        if channel == PROBE_CHANNEL:
+            probe = decode_probe(payload)
+            if probe is not None and probe.target in ("", self.node.name):
+                self.announce(answers=probe.nonce)
+        elif channel == SHUTDOWN_CHANNEL:
+            request = decode_shutdown(payload)
+            if self._on_shutdown and request is not None and request.target == self.node.id:
+                self.announce(answers=request.nonce)
+                self._on_shutdown()
+
+    def announce(self, *, leaving: bool = False, answers: int = 0) -> None:
+        """Announce the node now."""
+        announcement = Announcement(self.node, leaving, answers)
+        # a network that is gone may come back: the next announcement is a period later
+        try:
+            self._send(NODE_CHANNEL, encode_announcement(announcement))
+            self.trouble = ""
+        except BusError as error:
+            self.trouble = str(error)
+        self._next = time.monotonic() + PERIOD
+
+
+def own_node(name: str, *, tool: bool) -> Node:
+    """Return the node of a name that this process is; a tool is one that only looks."""
+    return Node(
+        name=name,
+        id=f"{os.getpid()}-{time.time_ns():x}",
+        host=socket.gethostname(),
+        pid=os.getpid(),
+        start_time=time.time_ns(),
+        command=" ".join(sys.argv),
+        tool=tool,
+    )

@@ -1,0 +1,331 @@
+"""A server for LCM's provider tcpq, as lcm.jar's TCPService is one.
+
+Each message goes to all clients with a pattern that matches its channel, its sender too. One thread
+serves all clients and waits for none: what a slow client does not take waits for it, up to a bound,
+and then its oldest messages are dropped, so that it gets the newest ones and the others get all.
+"""
+
+import contextlib
+import errno
+import selectors
+import socket
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from itertools import islice
+from typing import NoReturn
+
+from lcmtools.bus.url import BusUrl
+from lcmtools.errors import BusError, os_errors_as
+from lcmtools.graph.protocol import TALK_CHANNELS
+from lcmtools.observe.presence import Presence, own_node
+from lcmtools.wire.channel_pattern import ChannelPattern, PatternError
+from lcmtools.wire.tcpq import (
+    PUBLISH,
+    SERVER_GREETING,
+    SUBSCRIBE,
+    Frame,
+    FrameReader,
+    StreamError,
+    payload_of,
+    publish_frame,
+)
+
+_READ_BYTES = 1 << 18  # taken from one client before it is the next one's turn
+_MOST_WAITING = 32 << 20  # bytes that wait for a client
+_AT_ONCE = 64  # frames that are given to the system together
+_MOST_CLIENTS = 500
+_MOST_PATTERNS = 10_000  # of one client
+_MOST_CHANNELS = 10_000  # whose receivers are remembered
+_GREETING_TIME = 10.0  # [s] that a client has to greet
+_SAME = 20  # characters of a reason that are the same for one fault
+_CHECK_PERIOD = 1.0  # [s] between looks for clients that do not
+_TURN = 0.25  # [s]
+_NO_MORE = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
+
+
+@dataclass(slots=True)
+class HubCounts:
+    """The counts of a hub since its start."""
+
+    clients: int = 0  # now
+    messages: int = 0  # that came
+    bytes: int = 0  # of their frames
+    dropped: int = 0  # that slow clients did not get
+
+
+class _Client:
+    """One client: its connection, its patterns, and the frames that wait for it."""
+
+    def __init__(self, connection: socket.socket, name: str, now: float) -> None:
+        self.connection = connection
+        self.name = name
+        self.since = now
+        self.reader = FrameReader()
+        self.patterns: dict[str, ChannelPattern] = {}
+        self.times: Counter[str] = Counter()  # that each pattern is subscribed to
+        self.dropped = 0
+        self._waiting: deque[bytes | memoryview] = deque([SERVER_GREETING])
+        self._waiting_bytes = len(SERVER_GREETING)
+        self._is_begun = False  # a part of the first one is sent
+
+    @property
+    def is_waiting(self) -> bool:
+        """True if something is to be sent."""
+        return bool(self._waiting)
+
+    def matches(self, channel: str) -> bool:
+        """Return whether it subscribes to a channel."""
+        return any(pattern.matches(channel) for pattern in self.patterns.values())
+
+    def subscribe(self, pattern: str) -> None:
+        """Add a pattern; PatternError is raised for one that cannot be read."""
+        if pattern not in self.patterns:
+            self.patterns[pattern] = ChannelPattern(pattern)
+        self.times[pattern] += 1
+
+    def unsubscribe(self, pattern: str) -> None:
+        """Undo ``subscribe`` once."""
+        self.times[pattern] -= 1
+        if self.times[pattern] <= 0:
+            del self.times[pattern]
+            self.patterns.pop(pattern, None)
+
+    def add(self, frame: bytes) -> int:
+        """Let a frame wait; return the number of older ones that are dropped for it."""
+        self._waiting.append(frame)
+        self._waiting_bytes += len(frame)
+        dropped, first = 0, int(self._is_begun)
+        while self._waiting_bytes > _MOST_WAITING and len(self._waiting) > first + 1:
+            self._waiting_bytes -= len(self._waiting[first])
+            del self._waiting[first]
+            dropped += 1
+        self.dropped += dropped
+        return dropped
+
+    def send(self) -> None:
+        """Send as much as the connection takes now; OSError is raised for one that is broken."""
+        with contextlib.suppress(BlockingIOError):
+            while self._waiting:
+                sent = self.connection.sendmsg(list(islice(self._waiting, _AT_ONCE)))
+                self._waiting_bytes -= sent
+                self._is_begun = False
+                while self._waiting and sent >= len(self._waiting[0]):
+                    sent -= len(self._waiting.popleft())
+                if sent:
+                    self._waiting[0] = memoryview(self._waiting[0])[sent:]
+                    self._is_begun = True
+                    return
+
+
+class Hub(AbstractContextManager["Hub"]):
+    """A server; ``turn`` does its work.
+
+    Args:
+        url: Its address, of the provider tcpq.
+        notify: Called with a sentence when a client is closed, or loses messages.
+
+    Attributes:
+        port: The port of its address, also where 0 was asked for.
+        counts: Its counts.
+
+    Raises:
+        BusError: The address cannot be used.
+    """
+
+    def __init__(self, url: BusUrl, notify: Callable[[str], None]) -> None:
+        self._notify = notify
+        self._listener = _listen(url)
+        self.port = int(self._listener.getsockname()[1])
+        self.counts = HubCounts()
+        self._clients: dict[socket.socket, _Client] = {}
+        self._receivers: dict[str, list[_Client]] = {}
+        self._changed: set[_Client] = set()
+        self._said: set[tuple[str, str]] = set()
+        self._next_check = 0.0
+        self._selector = selectors.DefaultSelector()
+        self._selector.register(self._listener, selectors.EVENT_READ)
+
+    def __exit__(self, *_: object) -> None:
+        """End."""
+        self.close()
+
+    def close(self) -> None:
+        """Close all connections."""
+        for client in list(self._clients.values()):
+            with contextlib.suppress(OSError):
+                client.send()
+            client.connection.close()
+        self._clients.clear()
+        self._selector.close()
+        self._listener.close()
+
+    def turn(self, timeout: float) -> list[Frame]:
+        """Do what is to be done, waiting up to ``timeout`` [s] for the first; return the messages.
+
+        They are on their way to the clients already.
+        """
+        messages: list[Frame] = []
+        for key, events in self._selector.select(timeout):
+            client = self._clients.get(key.fileobj)  # type: ignore[call-overload] # a socket
+            if key.fileobj is self._listener:
+                self._accept()
+            elif client is not None:
+                if events & selectors.EVENT_WRITE:
+                    self._changed.add(client)
+                if events & selectors.EVENT_READ:
+                    messages += self._serve(client)
+        self._send()
+        if time.monotonic() >= self._next_check:
+            self._check(time.monotonic())
+        return messages
+
+    def publish(self, channel: str, payload: bytes) -> None:
+        """Send a message of the hub's own to the clients."""
+        self._pass(Frame(PUBLISH, channel, publish_frame(channel, payload)))
+        self._send()
+
+    def _accept(self) -> None:
+        try:
+            connection, (address, port, *_) = self._listener.accept()
+        except OSError as error:
+            if error.errno in _NO_MORE:
+                self._say("", "full", f"no more clients are possible: {error.strerror}")
+                time.sleep(0.01)  # it waits to be accepted still
+            return
+        if len(self._clients) >= _MOST_CLIENTS:
+            connection.close()
+            self._say("", "full", f"{_MOST_CLIENTS} clients are connected, more are refused")
+            return
+        connection.setblocking(False)  # noqa: FBT003 - the socket module's own
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        client = _Client(connection, f"{address}:{port}", time.monotonic())
+        self._clients[connection] = client
+        self.counts.clients = len(self._clients)
+        self._selector.register(connection, selectors.EVENT_READ)
+        self._changed.add(client)
+
+    def _serve(self, client: _Client) -> Iterator[Frame]:
+        """Read from a client and do what its frames say; yield its messages."""
+        try:
+            data = client.connection.recv(_READ_BYTES)
+        except BlockingIOError:
+            return
+        except OSError:
+            data = b""
+        if not data:
+            self._close(client)
+            return
+        try:
+            for frame in client.reader.read(data):
+                if frame.kind == PUBLISH:
+                    self.counts.messages += 1
+                    self.counts.bytes += len(frame.data)
+                    self._pass(frame)
+                    yield frame
+                else:
+                    self._subscribe(client, frame)
+        except StreamError as error:
+            self._close(client, error.what)
+
+    def _subscribe(self, client: _Client, frame: Frame) -> None:
+        self._receivers.clear()
+        if frame.kind != SUBSCRIBE:
+            client.unsubscribe(frame.name)
+            return
+        if len(client.patterns) >= _MOST_PATTERNS:
+            raise StreamError(f"it has more than {_MOST_PATTERNS} subscriptions")
+        try:
+            client.subscribe(frame.name)
+        except PatternError as error:  # its other subscriptions may be good
+            text = f"a subscription of {client.name} gets nothing: {error.what}"
+            self._say(client.name, frame.name, text)
+
+    def _pass(self, message: Frame) -> None:
+        receivers = self._receivers.get(message.name)
+        if receivers is None:
+            receivers = [one for one in self._clients.values() if one.matches(message.name)]
+            if len(self._receivers) >= _MOST_CHANNELS:
+                self._receivers.clear()
+            self._receivers[message.name] = receivers
+        for client in receivers:
+            if dropped := client.add(message.data):
+                self.counts.dropped += dropped
+                slow = f"{client.name} reads too slowly; its oldest messages are dropped"
+                self._say(client.name, "slow", slow)
+        self._changed.update(receivers)
+
+    def _send(self) -> None:
+        changed, self._changed = self._changed, set()
+        for client in changed:
+            if client.connection not in self._clients:
+                continue
+            try:
+                client.send()
+            except OSError:
+                self._close(client)
+                continue
+            wanted = selectors.EVENT_READ | (selectors.EVENT_WRITE if client.is_waiting else 0)
+            self._selector.modify(client.connection, wanted)
+
+    def _check(self, now: float) -> None:
+        self._next_check = now + _CHECK_PERIOD
+        for client in list(self._clients.values()):
+            if not client.reader.is_greeted and now - client.since > _GREETING_TIME:
+                self._close(client, f"it said nothing for {_GREETING_TIME:g} s")
+
+    def _close(self, client: _Client, reason: str = "") -> None:
+        self._selector.unregister(client.connection)
+        client.connection.close()
+        del self._clients[client.connection]
+        self._receivers.clear()
+        self.counts.clients = len(self._clients)
+        if reason:
+            key = (client.name.rpartition(":")[0], reason[:_SAME])
+            self._say(*key, f"closed {client.name}: {reason}")
+        if client.dropped:
+            self._notify(f"{client.name} lost {client.dropped} messages by reading too slowly")
+
+    def _say(self, who: str, what: str, text: str) -> None:
+        """Say something of somebody once: a client that is broken tries again and again."""
+        if (who, what) not in self._said and len(self._said) < _MOST_CHANNELS:
+            self._said.add((who, what))
+            self._notify(text)
+
+
+def _listen(url: BusUrl) -> socket.socket:
+    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(listener)  # closed on an error
+        with os_errors_as(f"cannot serve {url}", kind=BusError):
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listener.bind((url.host, url.port))
+            listener.listen(128)
+            listener.setblocking(False)  # noqa: FBT003 - the socket module's own
+        stack.pop_all()
+    return listener
+
+
+def serve(
+    hub: Hub, on_turn: Callable[[HubCounts], None], on_shutdown: Callable[[], None]
+) -> NoReturn:
+    """Serve until an exception ends it; the hub announces itself to its clients meanwhile.
+
+    Args:
+        hub: The server.
+        on_turn: Called with its counts, several times a second.
+        on_shutdown: Called when another program requests this one to end.
+    """
+    presence = Presence(own_node(f"/tcpq_server_{hub.port}", tool=False), hub.publish, on_shutdown)
+    try:
+        while True:
+            presence.attend()
+            for frame in hub.turn(_TURN):
+                if frame.name in TALK_CHANNELS:
+                    presence.answer(frame.name, payload_of(frame))
+            on_turn(hub.counts)
+    finally:
+        presence.announce(leaving=True)

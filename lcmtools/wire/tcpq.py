@@ -1,0 +1,120 @@
+"""The frames of LCM's provider ``tcpq``, by which programs speak to a server: reading and writing.
+
+Sans-I/O. All integers are big-endian, from lcm-proj/lcm, lcm/lcm_tcpq.c:
+greeting     magic:u32 version:u32, by each side first
+publish      1:u32 size:u32 channel size:u32 payload; in both directions
+subscribe    2:u32 size:u32 pattern; unsubscribe is 3
+"""
+
+import struct
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from lcmtools.errors import LcmtoolsError
+from lcmtools.wire.datagram import MESSAGE_MAX
+
+SERVER_GREETING = struct.pack(">II", 0x287617FA, 0x0100)
+CLIENT_GREETING = struct.pack(">II", 0x287617FB, 0x0100)
+PUBLISH, SUBSCRIBE, UNSUBSCRIBE = 1, 2, 3
+
+_WORD, _HEAD = 4, 8  # bytes of a number; of the kind and the first size
+_MOST_NAME = {PUBLISH: 255, SUBSCRIBE: 4096, UNSUBSCRIBE: 4096}
+"""Bytes of a name; liblcm lets a channel have more than 63 here."""
+
+
+class StreamError(LcmtoolsError):
+    """Bytes that are no frames of tcpq."""
+
+
+class Frame(NamedTuple):
+    """One frame of a client."""
+
+    kind: int  # PUBLISH, SUBSCRIBE or UNSUBSCRIBE
+    name: str  # the channel, or the pattern of channels
+    data: bytes  # the whole frame
+
+
+class FrameReader:
+    """Makes frames of the bytes of one client, however they are cut.
+
+    Attributes:
+        is_greeted: The client has greeted.
+    """
+
+    def __init__(self) -> None:
+        self.is_greeted = False
+        self._bytes = bytearray()
+
+    def read(self, data: bytes | memoryview) -> Iterator[Frame]:
+        """Yield the frames that these bytes complete.
+
+        Raises:
+            StreamError: They are none; nothing more can be read.
+        """
+        waiting = self._bytes
+        waiting += data
+        place = 0
+        if not self.is_greeted:
+            place = self._read_greeting()
+        while self.is_greeted and (end := self._end_of_frame(place)):
+            kind, size = struct.unpack_from(">II", waiting, place)
+            name = waiting[place + _HEAD : place + _HEAD + size]
+            yield Frame(kind, name.decode("utf-8", "surrogateescape"), bytes(waiting[place:end]))
+            place = end
+        del waiting[:place]
+
+    def _read_greeting(self) -> int:
+        start = bytes(self._bytes[: len(CLIENT_GREETING)])
+        if not CLIENT_GREETING[:_WORD].startswith(start[:_WORD]):
+            raise StreamError(f"it does not speak tcpq, it begins with {start!r}")
+        self.is_greeted = len(start) == len(CLIENT_GREETING)
+        return len(start) if self.is_greeted else 0
+
+    def _end_of_frame(self, start: int) -> int:
+        """Return the place behind a frame; 0 if more of it is to come."""
+        waiting = self._bytes
+        if len(waiting) < start + _HEAD:
+            return 0
+        kind, size = struct.unpack_from(">II", waiting, start)
+        if kind not in _MOST_NAME:
+            raise StreamError(f"it sent a frame of the unknown kind {kind}")
+        if not 0 < size <= _MOST_NAME[kind]:
+            raise StreamError(f"it sent a name of {size} bytes")
+        end = start + _HEAD + size
+        if kind == PUBLISH:
+            if len(waiting) < end + _WORD:
+                return 0
+            payload_bytes = int.from_bytes(waiting[end : end + _WORD], "big")
+            if payload_bytes > MESSAGE_MAX:
+                raise StreamError(
+                    f"it sent a message of {payload_bytes} bytes; LCM carries {MESSAGE_MAX}"
+                )
+            end += _WORD + payload_bytes
+        return end if len(waiting) >= end else 0
+
+
+def publish_frame(channel: str, payload: bytes) -> bytes:
+    """Return the frame of a message."""
+    size = len(payload).to_bytes(_WORD, "big")
+    return b"".join((_named(PUBLISH, channel), size, payload))
+
+
+def payload_of(frame: Frame) -> bytes:
+    """Return the payload of a frame that publishes."""
+    start = int.from_bytes(frame.data[_WORD:_HEAD], "big") + _HEAD + _WORD
+    return frame.data[start:]
+
+
+def subscribe_frame(pattern: str) -> bytes:
+    """Return the frame that subscribes to the channels of a pattern."""
+    return _named(SUBSCRIBE, pattern)
+
+
+def unsubscribe_frame(pattern: str) -> bytes:
+    """Return the frame that undoes ``subscribe_frame``."""
+    return _named(UNSUBSCRIBE, pattern)
+
+
+def _named(kind: int, name: str) -> bytes:
+    data = name.encode("utf-8", "surrogateescape")
+    return struct.pack(">II", kind, len(data)) + data
