@@ -130,6 +130,10 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
             if sender.port != self._address[1] and not sequence.is_shared
         }
 
+    def want_whole(self, channels: tuple[str, ...]) -> None:
+        """Let the large messages of other channels come whole, as ``always_whole``."""
+        self._reader.want_whole((PROTOCOL_PREFIX, *channels))
+
     def drops(self) -> int | None:
         """Return the number of datagrams lost here because they were not read fast enough.
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from lcmtools.cli.declare import CONTEXT, with_examples
-from lcmtools.cli.lazy import Entry, LazyGroup
+from lcmtools.cli.lazy import Entry, LazyGroup, WindowGroup
 from lcmtools.cli.options import bus_options
 
 
@@ -139,6 +139,18 @@ bag = _group(
     "cut ride.lcmlog end.lcmlog -s end-1m",
     "plot ride.lcmlog /imu/angular_velocity -o turning.png",
 )
+_GUI = _entries("""\
+all     cli.gui.panels:all_panels  Open a window with all panels; the same as without a panel.
+topics  cli.gui.panels:topics      Show the topics, decode messages, publish.
+""")
+gui = WindowGroup(
+    "gui",
+    entries=_GUI,
+    help=with_examples(
+        "Open a window in the browser: topics, plots, images, the robot.", ["gui", "gui topics"]
+    ),
+    context_settings=CONTEXT,
+)
 _SIM = _entries("""\
 pause     cli.sim.time:pause        Pause simulated time.
 resume    cli.sim.time:resume       Resume simulated time.
@@ -183,6 +195,7 @@ msg         cli.commands:msg                Show message types: list, show, prot
 service     cli.commands:service            List and call services.
 param       cli.commands:param              Read and set parameters of nodes.
 srv         cli.commands:srv                Show service types: list, show.
+gui         cli.commands:gui                Open a window in the browser: topics and more.
 graph       cli.graph.command:command       Draw the graph of nodes and topics.
 wtf         cli.wtf:command                 Report faults and how to fix them.
 sim         cli.commands:sim                Control a simulator: pause, reset, set-pose and more.

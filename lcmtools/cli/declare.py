@@ -1,6 +1,6 @@
 """Declaring commands: one way for their help, their options' types and their completion."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from inspect import cleandoc
 from typing import Any, TypeVar
@@ -13,7 +13,7 @@ from lcmtools.settings import parse_bytes, parse_duration
 
 CommandT = TypeVar("CommandT", bound=Callable[..., object])
 
-CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
+CONTEXT: Mapping[str, Any] = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 
 def subcommand(

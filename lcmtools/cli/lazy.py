@@ -109,6 +109,18 @@ class LazyGroup(click.Group):
         return [n for n, entry in self._entries.items() if n in listed or entry.home not in homes]
 
 
+class WindowGroup(LazyGroup):
+    """A group that opens all panels where none is named."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Read the group's own options; those of its command "all" need no name of a panel."""
+        every = self.get_command(ctx, "all")
+        known = [name for one in every.params for name in one.opts] if every else []
+        stands_alone = not args or args[0].partition("=")[0] in known
+        named = stands_alone and not ctx.resilient_parsing
+        return super().parse_args(ctx, ["all", *args] if named else args)
+
+
 def _mannered(command: click.Command) -> click.Command:
     """A command with the options that every one has, and with its --timeout's variable."""
     known = {option for parameter in command.params for option in parameter.opts}

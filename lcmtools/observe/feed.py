@@ -2,15 +2,17 @@
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
-from lcmtools.bus.tap import LONG_NAP, Tap
+from lcmtools.bus.tap import LONG_NAP
 from lcmtools.errors import BusError, LcmtoolsError
+from lcmtools.graph.model import Graph
 from lcmtools.observe.activity import Activity
 from lcmtools.observe.channels import ChannelRow, ChannelRows, ChannelSelection, plain_listeners
 from lcmtools.observe.describe import all_callback_errors
+from lcmtools.observe.following import Following
 from lcmtools.observe.losses import Losses
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.senders import SenderNames
@@ -35,6 +37,7 @@ class Snapshot:
     callback_errors: tuple[str, ...] = ()  # what nodes' callbacks have raised, a sentence each
     trouble: str = ""  # the reason why no message arrives; "" if all is well
     is_over: bool = False  # True if no more messages will arrive
+    graph: Graph = field(default_factory=Graph, repr=False)
 
     @property
     def rate(self) -> float:
@@ -56,6 +59,8 @@ class Feed:
 
     Attributes:
         latest: The latest snapshot; another object each time.
+        listens_to_all: Announce to listen to all channels with a row: some nodes publish only for
+            a subscriber. Else only those that are followed.
     """
 
     def __init__(self, monitor: BusMonitor, selection: ChannelSelection) -> None:
@@ -63,11 +68,13 @@ class Feed:
         self._monitor = monitor
         if monitor.tap:
             monitor.tap.longest_nap = LONG_NAP
-        self._takers: tuple[Callable[[Packet], None], ...] = ()
+        self.listens_to_all = True
+        self._following = Following(monitor.url)
         self._activity = Activity(_WINDOW)
         self._rows = ChannelRows(selection, SenderNames())
         self._before: Losses = {}
         self._subscribed: list[str] = []
+        self._published: Sequence[str] = ()
         self._listeners: tuple[str, ...] = ()
         self._next_look = 0.0
         self._count = 0
@@ -82,6 +89,7 @@ class Feed:
     def stop(self) -> None:
         """Read no more."""
         self._ends.set()
+        self._following.close()
         self._thread.join(2.0)
 
     def clear(self) -> None:
@@ -92,28 +100,9 @@ class Feed:
         """Pass a channel's whole messages to ``take``, on another thread; return the end of that.
 
         The feed itself reads the heads of large messages only: on a multicast bus a second tap
-        reads the channel whole.
+        reads those whole, of all channels that are followed.
         """
-        if not self._monitor.url.is_multicast:
-            self._takers = (*self._takers, take)
-            return lambda: setattr(self, "_takers", tuple(t for t in self._takers if t is not take))
-        ends = threading.Event()
-
-        def run() -> None:
-            while not ends.is_set():
-                # the table says what is wrong with the network
-                with (
-                    suppress(BusError, OSError),
-                    Tap(self._monitor.url, always_whole=(channel,)) as tap,
-                ):
-                    while not ends.is_set():
-                        for packet in tap.receive(_SOON):
-                            if packet.channel == channel:
-                                take(packet)
-                ends.wait(_AGAIN)
-
-        threading.Thread(target=run, name="spy follower", daemon=True).start()
-        return ends.set
+        return self._following.add(channel, take)
 
     def _run(self) -> None:
         try:
@@ -153,20 +142,26 @@ class Feed:
             self._before = self._monitor.losses()
         for packet in packets:
             self._activity.add(packet)
-            for take in self._takers:
-                take(packet)
+            self._following.pass_on(packet)
+        self._announce()
         return self._monitor.trouble
+
+    def _announce(self) -> None:
+        wanted = sorted(
+            {*self._following.channels, *(self._published if self.listens_to_all else ())}
+        )
+        if wanted != self._subscribed:
+            self._subscribed = wanted
+            self._monitor.listen_to(wanted)
 
     def _snapshot(self) -> Snapshot:
         graph = self._monitor.graph()
         lost = self._monitor.losses(self._before) if self._count >= _FIRST else {}
         rows = self._rows.make(graph, self._activity, lost, graph.time)
-        channels = self._rows.published(graph)
-        if channels != self._subscribed:
-            self._subscribed = channels
-            self._monitor.listen_to(channels)
+        self._published = self._rows.published(graph)
         now = time.monotonic()
         if now >= self._next_look:
             self._next_look = now + _SELDOM
             self._listeners = tuple(plain_listeners(graph, self._monitor.url))
-        return Snapshot(rows, self._listeners, tuple(all_callback_errors(graph)))
+        errors = tuple(all_callback_errors(graph))
+        return Snapshot(rows, self._listeners, errors, graph=graph)

@@ -75,6 +75,10 @@ class Reader:
             self.ttls[sender] = ttl
         return packet
 
+    def want_whole(self, channels: tuple[str, ...]) -> None:
+        """Put the large messages of these channels together from now, as ``always_whole``."""
+        self._always_whole = channels
+
     def _join(self, fragment: Fragment, sender: Sender, time: int) -> Packet | None:
         channel, seqno = fragment.channel, fragment.seqno
         if not (self._whole or self._is_joined(fragment, sender)):

@@ -1,0 +1,130 @@
+"""The options of ``lcmtools gui``, and opening the window."""
+
+import asyncio
+import os
+import socket
+import sys
+import webbrowser
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import wraps
+from typing import TYPE_CHECKING
+
+import click
+
+from lcmtools.cli.bus import notify, open_monitor
+from lcmtools.cli.declare import CommandT, flag, option, together
+from lcmtools.cli.options import bus_options, json_option, names_options
+from lcmtools.cli.output import document, talk
+from lcmtools.errors import MissingExtra
+
+if TYPE_CHECKING:  # the help does without the window
+    from lcmtools.gui.protocol import Json
+
+PORT = 7680
+_LAST_PORT = 65535
+
+
+@dataclass(frozen=True, slots=True)
+class WindowChoice:
+    """The options of the window."""
+
+    port: int
+    host: str | None
+    read_only: bool
+    opens: bool | None  # the browser; None where there is a display
+    as_json: bool
+
+
+def _collected(command: click.Command) -> click.Command:
+    """Hand the window's options over as one value."""
+    function = command.callback
+    assert function is not None, "it is declared by a function"
+
+    @wraps(function)
+    def run(**values: object) -> object:
+        chosen = {name: values.pop(name) for name in WindowChoice.__slots__}
+        return function(WindowChoice(**chosen), **values)  # type: ignore[arg-type] # click's
+
+    command.callback = run
+    return command
+
+
+window_options: Callable[[CommandT], CommandT] = together(
+    option(
+        "--port",
+        type=click.IntRange(0, _LAST_PORT),
+        default=PORT,
+        metavar="N",
+        help=f"The port that it listens on (else {PORT}); 0 for any that is free.",
+    ),
+    option(
+        "--host",
+        metavar="ADDRESS",
+        help="Open the window to others, at this address of this computer (0.0.0.0: at all).",
+    ),
+    flag("--read-only", help="Nobody may command: no steering, publishing or services."),
+    flag("--open/--no-open", "opens", default=None, help="Open the browser, or not."),
+    json_option,
+    names_options,
+    bus_options,
+    _collected,
+)
+"""The options of every panel; the command gets them as ``WindowChoice``."""
+
+
+def open_window(choice: WindowChoice, panel: str = "", **settings: "Json") -> None:
+    """Serve the window until Ctrl-C: one panel with its settings, or all.
+
+    Raises:
+        MissingExtra: The package websockets is not installed.
+        LcmtoolsError: The port is in use, or the address is not this computer's.
+    """
+    try:
+        from lcmtools.gui.server import Server
+    except ModuleNotFoundError as error:
+        if (error.name or "").startswith("lcmtools"):
+            raise
+        raise MissingExtra(
+            f"gui needs the Python package '{error.name}', which is not installed",
+            "type: pip install 'lcmtools-robotics[web]'",
+        ) from error
+    from lcmtools.gui.access import access_for
+    from lcmtools.gui.source import BusSource
+
+    access = access_for(choice.host, [socket.gethostname()], is_read_only=choice.read_only)
+    view: dict[str, Json] = {"panel": panel, "settings": settings} if panel else {}
+
+    def say(port: int) -> None:
+        addresses = access.addresses(_reached_at(choice.host), port)
+        _tell(addresses, as_json=choice.as_json)
+        if _has_display() if choice.opens is None else choice.opens:
+            webbrowser.open([*addresses.values()][-1])
+
+    with open_monitor("gui") as monitor:
+        source = BusSource(monitor)
+        try:
+            server = Server(source, access, view, notify)
+            asyncio.run(server.run(choice.host or "127.0.0.1", choice.port, say))
+        finally:
+            source.close()
+
+
+def _tell(addresses: Mapping[str, str], *, as_json: bool) -> None:
+    if as_json:
+        document(addresses)
+        return
+    for right, address in addresses.items():
+        talk(f"to {right}: {address}")
+    talk("Ctrl-C ends it")
+
+
+def _reached_at(host: str | None) -> str:
+    """The address that others reach a server at: this computer's own for 0.0.0.0."""
+    return socket.gethostname() if host in ("0.0.0.0", "::") else host or "127.0.0.1"  # noqa: S104
+
+
+def _has_display() -> bool:
+    if sys.platform in ("win32", "darwin"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

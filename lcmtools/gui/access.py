@@ -1,0 +1,141 @@
+"""Access: who may open a page, what it may do, and the headers that keep others out.
+
+Pure: headers and paths come in as texts. A browser sends any website's requests to this computer,
+so that neither the address that it listens on nor the absence of a password keeps a website out:
+the names in Host and Origin do, which a website cannot choose.
+"""
+
+import ipaddress
+import secrets
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from hmac import compare_digest
+from http import HTTPStatus
+from urllib.parse import parse_qs, urlsplit
+
+HEADERS: Mapping[str, str] = {
+    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; "
+    "img-src 'self' blob: data:; connect-src 'self'; font-src 'none'; base-uri 'none'; "
+    "form-action 'none'; frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+"""Of every answer."""
+WATCH, COMMAND = "watch", "command"
+_TOKEN_BYTES = 16
+_LOCAL = ("127.0.0.1", "localhost", "::1")
+
+
+class Refused(Exception):  # noqa: N818 - named for what happened
+    """A request that is not answered, with the status and the reason as a sentence."""
+
+    def __init__(self, status: HTTPStatus, reason: str) -> None:
+        super().__init__(reason)
+        self.status, self.reason = status, reason
+
+
+@dataclass(frozen=True, slots=True)
+class Access:
+    """The rules of one server.
+
+    Attributes:
+        names: The names by which it may be addressed, as in the header Host, without port.
+        any_address: It may be addressed by any IP address too, which no website can take over.
+        tokens: The token of each right; empty where none is needed.
+        is_read_only: Nobody may command.
+    """
+
+    names: frozenset[str]
+    any_address: bool = False
+    tokens: Mapping[str, str] | None = None
+    is_read_only: bool = False
+
+    def rights(self, host: str, target: str) -> tuple[str, ...]:
+        """Return the rights of who requests ``target`` (path and query) of ``host`` (the header).
+
+        Raises:
+            Refused: None.
+        """
+        self.check_host(host)
+        every = (WATCH,) if self.is_read_only else (WATCH, COMMAND)
+        if not self.tokens:
+            return every
+        given = parse_qs(urlsplit(target).query).get("token", [""])[0]
+        if COMMAND in every and _is(given, self.tokens[COMMAND]):
+            return every
+        if any(_is(given, token) for token in self.tokens.values()):
+            return (WATCH,)
+        raise Refused(
+            HTTPStatus.FORBIDDEN,
+            "This window needs the token in its address: lcmtools gui has printed it.",
+        )
+
+    def addresses(self, host: str, port: int) -> dict[str, str]:
+        """Return the address to open for each right: to watch only, and to command too."""
+        host = f"[{host}]" if ":" in host else host
+        start = f"http://{host}:{port}/"
+        if self.tokens:
+            return {right: f"{start}?token={token}" for right, token in self.tokens.items()}
+        return {WATCH if self.is_read_only else COMMAND: start}
+
+    def check_host(self, host: str) -> None:
+        """Refuse a name that is not this server's: a website's that leads here.
+
+        Raises:
+            Refused: It is not.
+        """
+        name = _host_name(host)
+        if name in self.names or (self.any_address and _is_address(name)):
+            return
+        raise Refused(HTTPStatus.FORBIDDEN, "This server does not answer to that name.")
+
+    def check_origin(self, host: str, origin: str | None) -> None:
+        """Refuse a connection that a page of another server opens.
+
+        Raises:
+            Refused: It is one, or no browser says whose page it is.
+        """
+        if origin is None or origin.casefold() not in (f"http://{host}", f"https://{host}"):
+            raise Refused(HTTPStatus.FORBIDDEN, "This server answers its own pages only.")
+
+
+def access_for(
+    address: str | None, own_names: Iterable[str] = (), *, is_read_only: bool = False
+) -> Access:
+    """Return the rules for a server.
+
+    Args:
+        address: That others may reach it at; None for this computer alone.
+        own_names: This computer's names.
+        is_read_only: Nobody may command.
+    """
+    if address is None or address in _LOCAL:
+        return Access(frozenset(_LOCAL), is_read_only=is_read_only)
+    rights = (WATCH,) if is_read_only else (WATCH, COMMAND)
+    tokens = {right: secrets.token_urlsafe(_TOKEN_BYTES) for right in rights}
+    names = {*_LOCAL, address.casefold(), *(name.casefold() for name in own_names)}
+    is_any = _is_address(address) and ipaddress.ip_address(address).is_unspecified
+    return Access(frozenset(names), is_any, tokens, is_read_only)
+
+
+def _is(given: str, token: str) -> bool:
+    return compare_digest(given.encode(), token.encode())
+
+
+def _host_name(host: str) -> str:
+    """The name in a header Host, without port; "" for what is none."""
+    try:
+        return (urlsplit(f"//{host}").hostname or "").casefold()
+    except ValueError:
+        return ""
+
+
+def _is_address(name: str) -> bool:
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True

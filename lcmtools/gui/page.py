@@ -1,0 +1,199 @@
+"""One page: its open streams, what it asks for, and what it is sent.
+
+A page is sent updates only as fast as it takes them. Meanwhile each stream keeps the newest, so
+that a slow page sees less, and neither the bus nor the memory suffers.
+"""
+
+import asyncio
+import time
+from collections import deque
+from collections.abc import AsyncIterator, Callable, Coroutine, Mapping
+from contextlib import suppress
+from functools import partial
+from typing import Protocol
+
+from lcmtools.errors import LcmtoolsError
+from lcmtools.gui.access import COMMAND
+from lcmtools.gui.protocol import Frame, Json, PageRequest, Rubbish, read_request, text_frame
+from lcmtools.gui.requests import ACTIONS, ASKS, answer
+from lcmtools.gui.source import Source
+from lcmtools.gui.streams import stream_class
+from lcmtools.gui.streams.pool import OpenStream, StreamPool
+
+_MOST_STREAMS = 64
+_MOST_REQUESTS = 8  # that are being answered; a page waits for the first of more
+_STATE_PERIOD = 0.25  # [s]
+_MAY_NOT = "this page may watch but not command"
+
+
+class Socket(Protocol):
+    """The connection to a page."""
+
+    async def send(self, frame: Frame, /) -> None:
+        """Send a frame; returns when there is room for more."""
+
+    def __aiter__(self) -> AsyncIterator[Frame]:
+        """Return what the page sends, until it is gone."""
+
+
+class BrowserPage:
+    """One page.
+
+    Args:
+        socket: The connection to it.
+        source: What it looks at.
+        streams: Those of all pages.
+        rights: What it may do.
+    """
+
+    def __init__(
+        self, socket: Socket, source: Source, streams: StreamPool, rights: tuple[str, ...]
+    ) -> None:
+        self._socket, self._source, self._streams, self._rights = socket, source, streams, rights
+        self._open: dict[int, _Subscription] = {}
+        self._outbox: deque[Frame] = deque()
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._state: Mapping[str, Json] = {}
+        self._next_state = 0.0
+        self._wakes = asyncio.Event()
+        self._has_gone = asyncio.Event()
+        self._operations: dict[str, Callable[[PageRequest], None]] = {
+            "open": self._open_stream,
+            "close": self._close_stream,
+        }
+
+    async def serve(self, hello: Mapping[str, Json]) -> None:
+        """Serve the page until it is gone.
+
+        Raises:
+            Rubbish: It sends what no page of ours would.
+        """
+        self._outbox.append(text_frame({"hello": hello}))
+        self._begin(self._write())
+        try:
+            async for data in self._socket:
+                await self._take(read_request(data))
+        finally:
+            for task in self._tasks:
+                task.cancel()
+            for one in self._open.values():
+                self._streams.close(one.stream)
+
+    async def _take(self, request: PageRequest) -> None:
+        if request.op in ("ask", "do"):
+            await self._has_room()
+            self._answer(request)
+        elif request.op in self._operations:
+            self._operations[request.op](request)
+        else:
+            raise Rubbish(f"there is no operation '{request.op[:40]}'")
+
+    async def _has_room(self) -> None:
+        """Wait while the page has too many answers outstanding, or does not take them."""
+        while len(self._tasks) + len(self._outbox) > _MOST_REQUESTS:
+            self._has_gone.clear()
+            await self._has_gone.wait()
+
+    def _begin(self, work: Coroutine[None, None, None]) -> None:
+        task = asyncio.ensure_future(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._end)
+
+    def _end(self, task: asyncio.Task[None]) -> None:
+        self._tasks.discard(task)
+        self._has_gone.set()
+        if not task.cancelled():
+            task.exception()  # the connection is closed: the reader sees that too
+
+    def _open_stream(self, request: PageRequest) -> None:
+        number, name = request.id, request.text("stream")
+        if number not in self._open and len(self._open) >= _MOST_STREAMS:
+            raise Rubbish("it opened too many streams")
+        if stream_class(name).commands and COMMAND not in self._rights:
+            self._send({"id": number, "problem": _MAY_NOT})
+            return
+        parameters = request.without("op", "id", "stream")
+        opened = _Subscription(number, self._streams.open(name, parameters))
+        before, self._open[number] = self._open.get(number), opened
+        if before:
+            self._streams.close(before.stream)
+        self._wakes.set()
+
+    def _close_stream(self, request: PageRequest) -> None:
+        if one := self._open.pop(request.id, None):
+            self._streams.close(one.stream)
+
+    def _answer(self, request: PageRequest) -> None:
+        number, name, is_action = request.id, request.text("what"), request.op == "do"
+        function = answer(name, ACTIONS if is_action else ASKS)
+        if is_action and COMMAND not in self._rights:
+            self._send({"id": number, "error": {"what": _MAY_NOT, "hint": ""}})
+            return
+        parameters = request.without("op", "id", "what")
+        self._begin(self._reply(number, partial(function, self._source, parameters)))
+
+    async def _reply(self, number: int, work: Callable[[], Json]) -> None:
+        try:
+            self._send({"id": number, "answer": await asyncio.to_thread(work)})
+        except LcmtoolsError as error:
+            self._send({"id": number, "error": {"what": error.what, "hint": error.hint}})
+        except Exception as error:  # noqa: BLE001 - shown in the panel; the server goes on
+            what = f"a fault of lcmtools ({type(error).__name__}: {error})"
+            self._send({"id": number, "error": {"what": what, "hint": ""}})
+
+    def _send(self, values: Mapping[str, Json]) -> None:
+        self._outbox.append(text_frame(values))
+        self._wakes.set()
+
+    async def _write(self) -> None:
+        while True:
+            while frame := self._next_frame():
+                await self._socket.send(frame)
+                self._has_gone.set()
+            pause = self._next_time() - time.monotonic()
+            with suppress(asyncio.TimeoutError):
+                await asyncio.wait_for(self._wakes.wait(), max(0.001, pause))
+            self._wakes.clear()
+
+    def _next_time(self) -> float:
+        return min((one.next_time for one in self._open.values()), default=self._next_state)
+
+    def _next_frame(self) -> Frame | None:
+        """Return the next frame that is due: answers first, then the stream that waited longest."""
+        if self._outbox:
+            return self._outbox.popleft()
+        now = time.monotonic()
+        if now >= self._next_state:
+            self._next_state = now + _STATE_PERIOD
+            state = self._source.state()
+            if state != self._state:
+                self._state = state
+                return text_frame({"state": state})
+        for one in sorted(self._open.values(), key=lambda one: one.next_time):
+            if one.next_time > now:
+                break
+            if frame := one.next_frame(now):
+                return frame
+        return None
+
+
+class _Subscription:
+    """A stream that a page has open, and what of it the page has been sent."""
+
+    def __init__(self, number: int, stream: OpenStream) -> None:
+        self.number, self.stream = number, stream
+        self.next_time = 0.0
+        self._seen = 0
+        self._problem = ""
+
+    def next_frame(self, now: float) -> Frame | None:
+        """Return what the page has not been sent; None, until the next period, for nothing."""
+        self.stream.refresh()
+        if self.stream.problem != self._problem:
+            self._problem = self.stream.problem
+            return text_frame({"id": self.number, "problem": self._problem})
+        self.next_time = now + self.stream.stream.period
+        if self.stream.version == self._seen or self.stream.latest is None:
+            return None
+        self._seen = self.stream.version
+        return self.stream.latest.frame(self.number)

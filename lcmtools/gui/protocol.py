@@ -1,0 +1,165 @@
+"""The protocol between a page and the server: requests as they may come in, frames as they go out.
+
+A page sends JSON texts with an ``op``, and the server answers with the ``id`` that they had:
+
+    {"op": "open", "id": 7, "stream": "topics", ...}    updates follow until it is closed; with the
+                                                        id of an open one: in place of that
+    {"op": "close", "id": 7}
+    {"op": "ask", "id": 9, "what": "type", ...}         one answer
+    {"op": "do", "id": 11, "what": "publish", ...}      one answer; needs the right to command
+
+Other values of ``op`` are in ``page``. The server sends JSON texts, and for many numbers binary
+frames: the length of a JSON header (uint32), the header, padded with blanks so that the payload
+begins at a multiple of eight bytes, and the payload. All numbers are little-endian.
+
+Sans-I/O. Must not know what the streams are.
+"""
+
+import json
+import math
+import struct
+from collections.abc import Mapping, Sequence
+from typing import TypeAlias, cast
+
+from lcmtools.errors import LcmtoolsError
+
+Json: TypeAlias = "bool | int | float | str | Sequence[Json] | Mapping[str, Json] | None"
+Frame: TypeAlias = str | bytes
+
+SUBPROTOCOL = "lcmtools.1"
+LONGEST_REQUEST = 1 << 20
+"""Bytes of the longest text that a page may send: a form with long arrays."""
+_LONGEST_TEXT = 1000  # characters of a name
+_MOST_TEXTS = 100  # names in a list
+_LARGEST_ID = 1 << 31
+_ALIGNMENT = 8
+
+
+class Rubbish(LcmtoolsError):  # noqa: N818 - named for what came
+    """A page has sent what no page of ours would."""
+
+
+class Parameters:
+    """The values of a request, each checked as it is read.
+
+    Raises:
+        Rubbish: By every method, where a value is not what it should be.
+    """
+
+    def __init__(self, values: Mapping[str, Json]) -> None:
+        self._values = values
+
+    @property
+    def key(self) -> str:
+        """A text that is the same for equal parameters."""
+        return json.dumps(self._values, sort_keys=True)
+
+    def text(self, name: str, default: str | None = None) -> str:
+        """Return a name or another short text."""
+        value = self._get(name, default)
+        if not isinstance(value, str) or len(value) > _LONGEST_TEXT:
+            raise Rubbish(f"'{name}' is not a short text")
+        return value
+
+    def texts(self, name: str) -> tuple[str, ...]:
+        """Return a list of short texts; empty where there is none."""
+        value = self._get(name, [])
+        if not isinstance(value, list) or len(value) > _MOST_TEXTS:
+            raise Rubbish(f"'{name}' is not a short list")
+        return tuple(Parameters({name: one}).text(name) for one in value)
+
+    def number(
+        self,
+        name: str,
+        default: float | None = None,
+        lowest: float = -math.inf,
+        highest: float = math.inf,
+    ) -> float:
+        """Return a finite number within bounds."""
+        value = self._get(name, default)
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise Rubbish(f"'{name}' is not a number")
+        if not math.isfinite(value) or not lowest <= value <= highest:
+            raise Rubbish(f"'{name}' is not within {lowest:g} to {highest:g}")
+        return float(value)
+
+    def flag(self, name: str, *, default: bool = False) -> bool:
+        """Return true or false."""
+        value = self._get(name, default)
+        if not isinstance(value, bool):
+            raise Rubbish(f"'{name}' is neither true nor false")
+        return value
+
+    def value(self, name: str) -> Json:
+        """Return a value of any kind; None where there is none."""
+        return self._values.get(name)
+
+    def without(self, *names: str) -> "Parameters":
+        """Return the other values."""
+        return Parameters({name: v for name, v in self._values.items() if name not in names})
+
+    def _get(self, name: str, default: Json) -> Json:
+        value = self._values.get(name, default)
+        if value is None:
+            raise Rubbish(f"'{name}' is missing")
+        return value
+
+
+class PageRequest(Parameters):
+    """One request of a page, with its operation and its number."""
+
+    def __init__(self, values: Mapping[str, Json]) -> None:
+        super().__init__(values)
+        self.op = self.text("op")
+
+    @property
+    def id(self) -> int:
+        """The number that the page has given it."""
+        return int(self.number("id", None, 0, _LARGEST_ID))
+
+
+def read_request(data: str | bytes) -> PageRequest:
+    """Return the request in a WebSocket message.
+
+    Raises:
+        Rubbish: It is none.
+    """
+    if isinstance(data, bytes):
+        raise Rubbish("it sent bytes")
+    try:
+        values = json.loads(data, parse_constant=_refuse)
+    except (ValueError, RecursionError):
+        raise Rubbish("it sent what is not JSON") from None
+    if not isinstance(values, dict):
+        raise Rubbish("it sent JSON that is not an object")
+    return PageRequest(cast("dict[str, Json]", values))
+
+
+def _refuse(constant: str) -> None:
+    raise ValueError(constant)
+
+
+def text_frame(values: Mapping[str, Json]) -> str:
+    """Return a text for a page; numbers that JSON lacks become null."""
+    try:
+        return json.dumps(values, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    except ValueError:
+        return json.dumps(finite(values), allow_nan=False, separators=(",", ":"))
+
+
+def finite(value: Json) -> Json:
+    """Return a value with null for each number that JSON lacks."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {name: finite(one) for name, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [finite(one) for one in value]
+    return value
+
+
+def binary_frame(header: Mapping[str, Json], payload: bytes | memoryview) -> bytes:
+    """Return a binary frame for a page."""
+    text = text_frame(header).encode()
+    text += b" " * (-(4 + len(text)) % _ALIGNMENT)
+    return b"".join((struct.pack("<I", len(text)), text, payload))

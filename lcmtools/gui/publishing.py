@@ -1,0 +1,53 @@
+"""Publishing for pages, by one node of the server."""
+
+import threading
+from contextlib import ExitStack
+
+from lcmtools.bus.url import BusUrl
+from lcmtools.messages.registry import Message
+from lcmtools.node.node import Node
+from lcmtools.node.publisher import Publisher
+from lcmtools.publish.own_node import own_node
+
+
+class Publishers:
+    """The publishers of a server, made when they are first needed; for any thread."""
+
+    def __init__(self, url: BusUrl) -> None:
+        self._url = url
+        self._lock = threading.RLock()
+        self._stack = ExitStack()
+        self._node: Node | None = None
+        self._publishers: dict[tuple[str, type[Message]], Publisher[Message]] = {}
+
+    @property
+    def node(self) -> Node:
+        """The node, which is hidden, as that of ``lcmtools pub``.
+
+        Raises:
+            BusError: The bus cannot be reached.
+        """
+        with self._lock:
+            if self._node is None:
+                self._node = self._stack.enter_context(own_node("gui", self._url))
+            return self._node
+
+    def publish(self, topic: str, kind: type[Message], payload: bytes) -> None:
+        """Publish a message of a type, encoded, on a channel of this name.
+
+        Raises:
+            BusError: The bus cannot be reached, or does not take it.
+            InvalidName: LCM cannot carry this name.
+        """
+        with self._lock:
+            key = topic, kind
+            if key not in self._publishers:
+                self._publishers[key] = self.node.create_publisher(kind, topic, literal=True)
+            self._publishers[key].publish_payload(payload)
+
+    def close(self) -> None:
+        """Leave the bus."""
+        with self._lock:
+            self._publishers.clear()
+            self._node = None
+            self._stack.close()

@@ -1,0 +1,33 @@
+"""Requests that a page makes once: what it asks, and what it lets be done.
+
+A request is a function and a line in ``ASKS`` or, if it needs the right to command, in ``ACTIONS``.
+It runs on a thread of its own, so that it may wait.
+"""
+
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from typing import TypeAlias
+
+from lcmtools.gui.protocol import Json, Parameters, Rubbish
+from lcmtools.gui.source import Source
+
+Answer: TypeAlias = Callable[[Source, Parameters], Json]
+"""Returns the answer; an LcmtoolsError becomes an error for the person."""
+
+ASKS: dict[str, str] = {}
+"""The module and the function of each question."""
+ACTIONS: dict[str, str] = {}
+"""The same of each action, which only a page that may command can take."""
+
+
+def answer(name: str, table: Mapping[str, str]) -> Answer:
+    """Return the function of a request.
+
+    Raises:
+        Rubbish: There is none of this name.
+    """
+    if name not in table:
+        raise Rubbish(f"there is no request '{name[:40]}'")
+    module, attribute = table[name].split(":")
+    found: Answer = getattr(import_module(f"lcmtools.gui.{module}"), attribute)
+    return found

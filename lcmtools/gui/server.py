@@ -1,0 +1,194 @@
+"""The server: the static files and the pages' WebSockets, on one port.
+
+Only this module knows the websockets package.
+"""
+
+import errno
+import logging
+import mimetypes
+from collections.abc import Callable, Mapping
+from http import HTTPStatus
+from pathlib import Path
+from urllib.parse import urlsplit
+
+from websockets.asyncio.server import Server as WebSocketServer
+from websockets.asyncio.server import ServerConnection, serve
+from websockets.datastructures import Headers
+from websockets.exceptions import ConnectionClosed
+from websockets.http11 import Request, Response
+from websockets.typing import Subprotocol
+
+from lcmtools import __version__
+from lcmtools.errors import LcmtoolsError
+from lcmtools.gui.access import HEADERS, Access, Refused
+from lcmtools.gui.page import BrowserPage
+from lcmtools.gui.protocol import LONGEST_REQUEST, SUBPROTOCOL, Json, Rubbish
+from lcmtools.gui.source import Source
+from lcmtools.gui.streams.pool import StreamPool
+
+STATIC = Path(__file__).parent / "static"
+_TYPES = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
+_MOST_PAGES = 100
+_WAITING_BYTES = 1 << 16  # that are handed to the system before a stream waits
+_RUBBISH = 1008  # the close code: it violates the policy
+_CLOSE_TIMEOUT = 1.0  # [s] for a page's answer when the server ends
+
+
+class Server:
+    """A server of pages.
+
+    Args:
+        source: What pages look at.
+        access: Who may open one.
+        view: The panel that is shown at first, and its settings; empty for all panels.
+        notify: Called with what the person should read, as of a page that sends rubbish.
+    """
+
+    def __init__(
+        self,
+        source: Source,
+        access: Access,
+        view: Mapping[str, Json],
+        notify: Callable[[str], None],
+    ) -> None:
+        self._source, self._access, self._view, self._notify = source, access, view, notify
+        self._streams = StreamPool(source)
+        self._files = {f"/{path.relative_to(STATIC).as_posix()}": path for path in _files()}
+        self._files["/"] = STATIC / "index.html"
+        self._pages = 0
+        self._said: set[str] = set()
+
+    async def run(self, address: str, port: int, on_start: Callable[[int], None]) -> None:
+        """Serve until it is cancelled; then close all pages.
+
+        Args:
+            address: The IP address to listen on.
+            port: The TCP port; 0 for any that is free.
+            on_start: Called with the port once pages can be opened.
+
+        Raises:
+            LcmtoolsError: The port is in use, or the address is not this computer's.
+        """
+        try:
+            server = await self._serve(address, port)
+        except OSError as error:
+            raise _port_error(error, address, port) from error
+        async with server:
+            on_start(int(next(iter(server.sockets)).getsockname()[1]))
+            await server.serve_forever()
+
+    async def _serve(self, address: str, port: int) -> WebSocketServer:
+        quiet = logging.getLogger("lcmtools.gui")
+        quiet.addHandler(logging.NullHandler())
+        quiet.propagate = False
+        return await serve(
+            self._serve_page,
+            address,
+            port,
+            process_request=self._respond,
+            subprotocols=[Subprotocol(SUBPROTOCOL)],
+            compression=None,
+            server_header=None,
+            max_size=LONGEST_REQUEST,
+            write_limit=_WAITING_BYTES,
+            close_timeout=_CLOSE_TIMEOUT,
+            logger=quiet,
+        )
+
+    def _respond(self, _: ServerConnection, request: Request) -> Response | None:
+        """Answer a request; None lets a page's WebSocket begin."""
+        try:
+            return self._answer(request)
+        except Refused as refused:
+            return _response(refused.status, refused.reason.encode(), "text/plain")
+
+    def _answer(self, request: Request) -> Response | None:
+        host, path = _one(request, "Host") or "", urlsplit(request.path).path
+        self._access.check_host(host)
+        if path == "/socket":
+            self._access.check_origin(host, _one(request, "Origin"))
+            self._access.rights(host, request.path)
+            if self._pages >= _MOST_PAGES:
+                raise Refused(HTTPStatus.SERVICE_UNAVAILABLE, "Too many pages are open.")
+            return None
+        if path == "/":
+            self._access.rights(host, request.path)
+        file = self._files.get(path)
+        if file is None:
+            raise Refused(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
+        return _file_response(file, _one(request, "If-None-Match"))
+
+    async def _serve_page(self, connection: ServerConnection) -> None:
+        request = connection.request
+        assert request is not None, "it has been answered"
+        rights = self._access.rights(_one(request, "Host") or "", request.path)
+        self._pages += 1
+        try:
+            await BrowserPage(connection, self._source, self._streams, rights).serve(
+                self._hello(rights)
+            )
+        except ConnectionClosed:
+            pass
+        except Rubbish as rubbish:
+            self._say_once(f"a page was closed: {rubbish}")
+            await connection.close(_RUBBISH, str(rubbish)[:100])
+        finally:
+            self._pages -= 1
+
+    def _hello(self, rights: tuple[str, ...]) -> Mapping[str, Json]:
+        return {
+            "version": __version__,
+            "source": self._source.kind,
+            "bus": self._source.name,
+            "rights": rights,
+            "view": self._view,
+        }
+
+    def _say_once(self, text: str) -> None:
+        if text not in self._said and len(self._said) < _MOST_PAGES:
+            self._said.add(text)
+            self._notify(text)
+
+
+def _files() -> list[Path]:
+    return [path for path in STATIC.rglob("*") if path.is_file()]
+
+
+def _one(request: Request, name: str) -> str | None:
+    """The value of a header that is there once."""
+    values = request.headers.get_all(name)
+    return values[0] if len(values) == 1 else None
+
+
+def _file_response(path: Path, known: str | None) -> Response:
+    about = path.stat()
+    tag = f'"{about.st_mtime_ns:x}-{about.st_size:x}"'
+    kind = _TYPES.get(path.suffix) or mimetypes.guess_type(path.name)[0] or "text/plain"
+    if known == tag:
+        return _response(HTTPStatus.NOT_MODIFIED, b"", kind, tag)
+    return _response(HTTPStatus.OK, path.read_bytes(), kind, tag)
+
+
+def _response(status: HTTPStatus, body: bytes, kind: str, tag: str = "") -> Response:
+    kind = f"{kind}; charset=utf-8" if kind.startswith("text/") else kind
+    headers = Headers(HEADERS)
+    headers["Content-Type"] = kind
+    headers["Content-Length"] = str(len(body))
+    headers["Cache-Control"] = "no-cache"  # ask again, with the tag
+    headers["Connection"] = "close"
+    if tag:
+        headers["ETag"] = tag
+    return Response(status.value, status.phrase, headers, body)
+
+
+def _port_error(error: OSError, address: str, port: int) -> LcmtoolsError:
+    if error.errno == errno.EADDRINUSE:
+        hint = (
+            f"another window may be open at http://{address}:{port}; else choose: --port {port + 1}"
+        )
+        return LcmtoolsError(f"port {port} is in use", hint)
+    if error.errno == errno.EACCES:
+        return LcmtoolsError(
+            f"port {port} is not permitted", "choose one from 1024 on: --port 7680"
+        )
+    return LcmtoolsError(f"cannot listen on {address}: {error.strerror or error}")

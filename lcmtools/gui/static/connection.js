@@ -1,0 +1,184 @@
+// The connection to the server. It comes back by itself, and opens its streams again then.
+
+const SHORTEST = 250; // [ms] before the first new try
+const LONGEST = 4000;
+const ENDED = "the connection to lcmtools gui is gone";
+
+/**
+ * @typedef {{version: string, bus: string, source: "bus" | "log", rights: string[],
+ *   view: {panel?: string, settings?: object}}} Hello
+ * @typedef {(data: any, payload?: ArrayBuffer) => void} OnData
+ * @typedef {{id: number, stream: string, parameters: object, onData: OnData,
+ *   onProblem: (text: string) => void}} Opened
+ * @typedef {{change: (parameters: object) => void, close: () => void}} Stream
+ */
+
+/** What a request is answered with where it fails. */
+export class Failure extends Error {
+  /**
+   * @param {string} what
+   * @param {string} hint
+   */
+  constructor(what, hint) {
+    super(hint ? `${what}; ${hint}` : what);
+    this.what = what;
+    this.hint = hint;
+  }
+}
+
+/** The connection. It dispatches "change" when the link, the rights or the state is another one. */
+export class Connection extends EventTarget {
+  /** @param {string} address */
+  constructor(address) {
+    super();
+    this.address = address;
+    /** @type {Hello | null} */
+    this.hello = null;
+    /** @type {{trouble?: string, log?: any}} */
+    this.state = {};
+    this.isOpen = false;
+    /** Why the server will not be asked again; "" while it is. */
+    this.refusal = "";
+    /** @type {WebSocket | null} */
+    this.socket = null;
+    /** @type {Map<number, Opened>} */
+    this.streams = new Map();
+    /** @type {Map<number, {resolve: (value: any) => void, reject: (error: Error) => void}>} */
+    this.requests = new Map();
+    this.next = 1;
+    this.pause = SHORTEST;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.timer = undefined;
+    addEventListener("online", () => this.retry());
+    document.addEventListener("visibilitychange", () => {
+      if (!document.hidden) this.retry();
+    });
+    this.connect();
+  }
+
+  get canCommand() {
+    return this.isOpen && Boolean(this.hello?.rights.includes("command"));
+  }
+
+  connect() {
+    clearTimeout(this.timer);
+    const socket = new WebSocket(this.address, "lcmtools.1");
+    socket.binaryType = "arraybuffer";
+    socket.onmessage = (event) => this.take(event.data);
+    socket.onclose = (event) => this.lose(event);
+    this.socket = socket;
+  }
+
+  /** Try again now, where the next try is to come later. */
+  retry() {
+    if (!this.isOpen && this.socket?.readyState === WebSocket.CLOSED && !this.refusal) {
+      this.connect();
+    }
+  }
+
+  /** @param {CloseEvent} event */
+  lose(event) {
+    this.isOpen = false;
+    for (const request of this.requests.values()) request.reject(new Failure(ENDED, ""));
+    this.requests.clear();
+    if (event.code === 1008) {
+      this.refusal = `the server has closed this page: ${event.reason}`;
+    } else {
+      this.timer = setTimeout(() => this.connect(), this.pause);
+      this.pause = Math.min(LONGEST, this.pause * 1.6);
+    }
+    this.changed();
+  }
+
+  changed() {
+    this.dispatchEvent(new Event("change"));
+  }
+
+  /** @param {string | ArrayBuffer} data */
+  take(data) {
+    if (typeof data !== "string") {
+      const length = new DataView(data).getUint32(0, true);
+      const header = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
+      this.streams.get(header.id)?.onData(header, data.slice(4 + length));
+      return;
+    }
+    const frame = JSON.parse(data);
+    if (frame.hello) this.begin(frame.hello);
+    else if (frame.state) {
+      this.state = frame.state;
+      this.changed();
+    } else if (frame.data) this.streams.get(frame.id)?.onData(frame.data);
+    else if ("problem" in frame) this.streams.get(frame.id)?.onProblem(frame.problem);
+    else this.answer(frame);
+  }
+
+  /** @param {Hello} hello */
+  begin(hello) {
+    this.hello = hello;
+    this.isOpen = true;
+    this.pause = SHORTEST;
+    for (const opened of this.streams.values()) this.sendOpen(opened);
+    this.changed();
+  }
+
+  /** @param {{id: number, answer?: any, error?: {what: string, hint: string}}} frame */
+  answer(frame) {
+    const request = this.requests.get(frame.id);
+    this.requests.delete(frame.id);
+    if (frame.error) request?.reject(new Failure(frame.error.what, frame.error.hint));
+    else request?.resolve(frame.answer);
+  }
+
+  /**
+   * Send a message; returns false where there is nobody to take it.
+   * @param {object} message
+   */
+  send(message) {
+    if (!this.isOpen || this.socket?.readyState !== WebSocket.OPEN) return false;
+    this.socket.send(JSON.stringify(message));
+    return true;
+  }
+
+  /** @param {Opened} opened */
+  sendOpen({ id, stream, parameters }) {
+    this.send({ ...parameters, op: "open", id, stream });
+  }
+
+  /**
+   * Open a stream; it is opened again after the connection was lost.
+   * @param {string} stream
+   * @param {object} parameters
+   * @param {OnData} onData called with each update
+   * @param {(text: string) => void} onProblem called with what is wrong, "" when nothing is
+   * @returns {Stream}
+   */
+  open(stream, parameters, onData, onProblem) {
+    const opened = { id: this.next++, stream, parameters, onData, onProblem };
+    this.streams.set(opened.id, opened);
+    this.sendOpen(opened);
+    return {
+      change: (changed) => {
+        opened.parameters = changed;
+        this.sendOpen(opened);
+      },
+      close: () => {
+        if (this.streams.delete(opened.id)) this.send({ op: "close", id: opened.id });
+      },
+    };
+  }
+
+  /**
+   * Ask the server something, or let it do something; resolves to the answer.
+   * @param {"ask" | "do"} op
+   * @param {string} what
+   * @param {object} parameters
+   * @returns {Promise<any>}
+   */
+  request(op, what, parameters) {
+    const id = this.next++;
+    return new Promise((resolve, reject) => {
+      if (!this.send({ ...parameters, op, id, what })) reject(new Failure(ENDED, ""));
+      else this.requests.set(id, { resolve, reject });
+    });
+  }
+}

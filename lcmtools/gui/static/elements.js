@@ -1,0 +1,187 @@
+// The DOM as expressions. Nothing here parses HTML: texts from the bus stay texts.
+
+/**
+ * @typedef {Node | string | null | undefined | false} Child
+ * @typedef {string | number | boolean | null | undefined | EventListener} Attribute
+ */
+
+const SVG = "http://www.w3.org/2000/svg";
+
+/**
+ * Make an element: a function is a listener ("onclick"), true an empty attribute, and false, null
+ * or undefined none at all.
+ * @template {keyof HTMLElementTagNameMap} T
+ * @param {T} tag
+ * @param {Record<string, any>} [attributes]
+ * @param {...(Child | Child[])} children
+ * @returns {HTMLElementTagNameMap[T]}
+ */
+export function element(tag, attributes = {}, ...children) {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) set(made, name, value);
+  made.append(...present(children));
+  return made;
+}
+
+/**
+ * Make an element of a drawing.
+ * @template {keyof SVGElementTagNameMap} T
+ * @param {T} tag
+ * @param {Record<string, any>} [attributes]
+ * @param {...(Child | Child[])} children
+ * @returns {SVGElementTagNameMap[T]}
+ */
+export function drawing(tag, attributes = {}, ...children) {
+  const made = document.createElementNS(SVG, tag);
+  for (const [name, value] of Object.entries(attributes)) set(made, name, value);
+  made.append(...present(children));
+  return made;
+}
+
+/**
+ * Set an attribute, or a listener, of an element.
+ * @param {Element} target
+ * @param {string} name
+ * @param {any} value
+ */
+export function set(target, name, value) {
+  if (typeof value === "function") target.addEventListener(name.slice(2), value);
+  else if (value === true) target.setAttribute(name, "");
+  else if (value === false || value === null || value === undefined) target.removeAttribute(name);
+  else if (target.getAttribute(name) !== String(value)) target.setAttribute(name, String(value));
+}
+
+/**
+ * Set a text where it is another one, so that nothing is laid out again for nothing.
+ * @param {Node} target
+ * @param {string} text
+ */
+export function write(target, text) {
+  if (target.textContent !== text) target.textContent = text;
+}
+
+/**
+ * Replace what is in an element.
+ * @param {Element} target
+ * @param {...(Child | Child[])} children
+ */
+export function fill(target, ...children) {
+  target.replaceChildren(...present(children));
+}
+
+/**
+ * @param {(Child | Child[])[]} children
+ * @returns {(Node | string)[]}
+ */
+function present(children) {
+  return /** @type {(Node | string)[]} */ (
+    children.flat().filter((child) => child !== null && child !== undefined && child !== false)
+  );
+}
+
+/** The paths of the icons, on a square of 16. */
+const ICONS = {
+  add: "M8 3v10M3 8h10",
+  close: "M4 4l8 8M12 4l-8 8",
+  larger: "M3 6V3h3M10 3h3v3M13 10v3h-3M6 13H3v-3",
+  smaller: "M6 3v3H3M13 6h-3V3M10 13v-3h3M3 10h3v3",
+  menu: "M3.5 8h.01M8 8h.01M12.5 8h.01",
+  theme: "M8 2.5a5.5 5.5 0 1 0 0 11zM8 2.5a5.5 5.5 0 0 1 0 11",
+  link: "M6.5 9.5l3-3M7 4.5l1-1a2.8 2.8 0 0 1 4 4l-1 1M9 11.5l-1 1a2.8 2.8 0 0 1-4-4l1-1",
+  pause: "M5.5 3.5v9M10.5 3.5v9",
+  play: "M5 3.5l7 4.5-7 4.5z",
+  clear: "M3 4.5h10M6 4.5V3h4v1.5M4.5 4.5l.6 8.5h5.8l.6-8.5",
+  settings: "M3 5h6M11.5 5H13M3 11h1.5M7 11h6M10 3.5v3M5.5 9.5v3",
+  save: "M8 2.5v7M5 7l3 3 3-3M3 13h10",
+  reset: "M3.5 8a4.5 4.5 0 1 0 1.5-3.4M3.5 3v3h3",
+};
+
+/**
+ * Make an icon; for the eye only, as its button has a label.
+ * @param {keyof typeof ICONS} name
+ */
+export function icon(name) {
+  return drawing(
+    "svg",
+    { viewBox: "0 0 16 16", class: "icon", "aria-hidden": "true" },
+    drawing("path", { d: ICONS[name] }),
+  );
+}
+
+/**
+ * Make a button with an icon and a label for the screen reader and the pointer.
+ * @param {keyof typeof ICONS} name
+ * @param {string} label
+ * @param {(event: Event) => void} onclick
+ * @param {Record<string, any>} [attributes]
+ */
+export function iconButton(name, label, onclick, attributes = {}) {
+  const about = { type: "button", class: "icon-button", "aria-label": label, title: label };
+  return element("button", { ...about, ...attributes, onclick }, icon(name));
+}
+
+/**
+ * Return a colour of style.css as the browser resolves it, for a canvas.
+ * @param {string} name for example "--accent"
+ */
+export function color(name) {
+  const probe = element("span");
+  probe.style.color = `var(${name})`;
+  document.body.append(probe);
+  const found = getComputedStyle(probe).color;
+  probe.remove();
+  return found;
+}
+
+/**
+ * Show a menu at a button until something is chosen or the focus leaves it.
+ * @param {HTMLElement} button
+ * @param {{label: string, detail?: string, run: () => void, disabled?: boolean}[]} entries
+ */
+export function openMenu(button, entries) {
+  /** @type {HTMLButtonElement[]} */
+  const items = entries.map((entry) =>
+    element(
+      "button",
+      {
+        type: "button",
+        role: "menuitem",
+        disabled: entry.disabled ?? false,
+        onclick: () => {
+          close(true);
+          entry.run();
+        },
+      },
+      element("span", {}, entry.label),
+      entry.detail ? element("small", {}, entry.detail) : null,
+    ),
+  );
+  const menu = element("div", { class: "menu", role: "menu", "aria-label": button.title }, items);
+  /** @param {boolean} comesBack */
+  function close(comesBack) {
+    menu.remove();
+    button.setAttribute("aria-expanded", "false");
+    if (comesBack) button.focus();
+  }
+  menu.addEventListener("focusout", (event) => {
+    if (!menu.contains(/** @type {Node | null} */ (event.relatedTarget))) close(false);
+  });
+  menu.addEventListener("keydown", (event) => {
+    const active = items.filter((item) => !item.disabled);
+    const place = active.indexOf(/** @type {HTMLButtonElement} */ (document.activeElement));
+    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+    if (step) active[(place + step + active.length) % active.length]?.focus();
+    else if (event.key === "Home") active[0]?.focus();
+    else if (event.key === "End") active[active.length - 1]?.focus();
+    else if (event.key === "Escape") close(true);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  });
+  document.body.append(menu);
+  const at = button.getBoundingClientRect();
+  menu.style.top = `${Math.min(at.bottom + 4, innerHeight - menu.offsetHeight - 8)}px`;
+  menu.style.left = `${Math.max(8, Math.min(at.left, innerWidth - menu.offsetWidth - 8))}px`;
+  button.setAttribute("aria-expanded", "true");
+  items.find((item) => !item.disabled)?.focus();
+}

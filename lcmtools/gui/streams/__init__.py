@@ -1,0 +1,34 @@
+"""The streams that a page can open. A kind is imported when it is first opened."""
+
+from importlib import import_module
+
+from lcmtools.gui.protocol import Parameters, Rubbish
+from lcmtools.gui.source import Source
+from lcmtools.gui.streams.base import PageStream
+
+STREAMS = {
+    "topics": "topics:Topics",
+}
+"""The module and the class of each kind of stream."""
+
+
+def stream_class(name: str) -> type[PageStream]:
+    """Return a kind of stream.
+
+    Raises:
+        Rubbish: There is none of this name.
+    """
+    if name not in STREAMS:
+        raise Rubbish(f"there is no stream '{name[:40]}'")
+    module, attribute = STREAMS[name].split(":")
+    found: type[PageStream] = getattr(import_module(f"lcmtools.gui.streams.{module}"), attribute)
+    return found
+
+
+def open_stream(name: str, source: Source, parameters: Parameters) -> PageStream:
+    """Open a stream of a source.
+
+    Raises:
+        Rubbish: There is none of this name, or its parameters are wrong.
+    """
+    return stream_class(name)(source, parameters)

@@ -1,0 +1,76 @@
+"""The open streams of all pages; equal ones are shared where their kind allows it."""
+
+import time
+
+from lcmtools.errors import LcmtoolsError
+from lcmtools.gui.protocol import Parameters
+from lcmtools.gui.source import Source
+from lcmtools.gui.streams import open_stream
+from lcmtools.gui.streams.base import PageStream, Update
+
+
+class OpenStream:
+    """A stream with its latest update.
+
+    Attributes:
+        latest: The latest update; None before the first.
+        version: The number of updates so far.
+        problem: Why there is nothing to show; "" if all is well.
+    """
+
+    def __init__(self, stream: PageStream) -> None:
+        self.stream = stream
+        self.latest: Update | None = None
+        self.version = 0
+        self.problem = ""
+        self.users = 0
+        self._next = 0.0
+
+    def refresh(self) -> None:
+        """Take what is new, at most once a period of the stream."""
+        now = time.monotonic()
+        if now < self._next:
+            return
+        self._next = now + self.stream.period * 0.9  # the pages' clocks decide
+        try:
+            update = self.stream.update()
+            self.problem = self.stream.problem()
+        except LcmtoolsError as error:
+            self.problem = str(error)
+            return
+        except Exception as error:  # noqa: BLE001 - shown in the panel; the others go on
+            self.problem = f"a fault of lcmtools ({type(error).__name__}: {error})"
+            return
+        if update is not None:
+            self.latest = update
+            self.version += 1
+
+
+class StreamPool:
+    """The streams of one server's pages."""
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        self._shared: dict[tuple[str, str], OpenStream] = {}
+
+    def open(self, name: str, parameters: Parameters) -> OpenStream:
+        """Open a stream, or use the one that another page has opened.
+
+        Raises:
+            Rubbish: There is none of this name, or its parameters are wrong.
+        """
+        key = name, parameters.key
+        found = self._shared.get(key)
+        if found is None:
+            found = OpenStream(open_stream(name, self._source, parameters))
+            if found.stream.is_shared:
+                self._shared[key] = found
+        found.users += 1
+        return found
+
+    def close(self, one: OpenStream) -> None:
+        """Let go of a stream; the last page closes it."""
+        one.users -= 1
+        if not one.users:
+            self._shared = {key: other for key, other in self._shared.items() if other is not one}
+            one.stream.close()

@@ -1,0 +1,55 @@
+"""The stream of the topics: a row for each."""
+
+from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.source import Source
+from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.observe.channels import ChannelRow
+from lcmtools.observe.feed import Snapshot
+
+
+class Topics(PageStream):
+    """All topics of the source, hidden ones left out."""
+
+    period = 0.25
+    is_shared = True
+
+    def __init__(self, source: Source, parameters: Parameters) -> None:
+        super().__init__(source, parameters)
+        self.until_closed(source.listen_to_all())
+        self._seen: Snapshot | None = None
+
+    def update(self) -> Update | None:
+        """Return the rows, if they are others than before."""
+        latest = self.source.latest
+        if latest is self._seen:
+            return None
+        self._seen = latest
+        return Update(
+            {
+                "rows": [_row(row) for row in latest.rows],
+                "programs": latest.plain_listeners,
+                "errors": latest.callback_errors,
+            }
+        )
+
+    def problem(self) -> str:
+        """Return that there are no topics yet."""
+        return "" if self.source.latest.rows else "there are no topics on the bus"
+
+
+def _row(row: ChannelRow) -> Json:
+    return {
+        "topic": row.channel,
+        "types": row.types,
+        "isAnnounced": row.is_announced,
+        "messages": row.messages,
+        "rate": row.rate,
+        "jitter": row.jitter,
+        "bandwidth": row.bandwidth,
+        "lost": row.lost,
+        "loss": row.loss,
+        "senders": row.senders,
+        "listeners": row.listeners,
+        "age": row.age,
+        "isSilent": row.is_silent,
+    }
