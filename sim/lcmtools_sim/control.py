@@ -14,6 +14,7 @@ from lcmtools.names import did_you_mean, resolve_namespace
 from lcmtools.types import geometry_msgs, sim_msgs, std_srvs
 from lcmtools_sim.geometry import Frame, Pose, to_euler
 from lcmtools_sim.loop import Loop
+from lcmtools_sim.movable import MovableObject
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.robots import MODELS
 from lcmtools_sim.scene import RobotPlacement, robot_hint
@@ -94,9 +95,10 @@ class Control:
     def _set_pose(
         self, request: sim_msgs.SetPose_Request, response: sim_msgs.SetPose_Response
     ) -> None:
-        robot = self._robot(request.robot)
-        self._simulation.place(robot, _read_pose(request.pose))
-        response.message = f"{robot.namespace} was put there"
+        body = self._body(request.robot)
+        self._simulation.place(body, _read_pose(request.pose))
+        name = body.namespace if isinstance(body, Robot) else body.name
+        response.message = f"{name} was put there"
 
     def _get_state(
         self, request: sim_msgs.GetState_Request, response: sim_msgs.GetState_Response
@@ -148,6 +150,13 @@ class Control:
 
     def _robots(self) -> dict[str, Robot]:
         return {robot.namespace: robot for robot in self._simulation.robots}
+
+    def _body(self, name: str) -> Robot | MovableObject:
+        """The robot with a namespace, or else the object with a name that can be pushed."""
+        objects = {body.name: body for body in self._simulation.objects}
+        if name in objects and f"/{name.strip('/')}" not in self._robots():
+            return objects[name]
+        return self._robot(name)
 
     def _robot(self, name: str) -> Robot:
         """The robot with a namespace, written with or without a slash."""

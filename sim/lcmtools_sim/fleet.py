@@ -39,7 +39,7 @@ class Fleet:
         """Those that the engine moves, one by one."""
         self._many: list[HeldRobots] = []
         """The others that it moves."""
-        self._sizes = [solids_of(parts).reach for parts, _ in world.movable_objects()]
+        self._sizes = [solids_of(thing.parts).reach for thing, _ in world.movable_objects()]
 
     def add(self, robot: Robot) -> None:
         """Add a robot."""
@@ -138,7 +138,7 @@ class Fleet:
         near = (squares < np.square(reaches)[:, None]).any(axis=1)
         others, other_reaches = places, reaches
         if objects:
-            motions = [motion for _, motion in objects]
+            motions = [self._world.motion(body) for _, body in objects]
             others = np.concatenate((places, [motion.position for motion in motions]))
             moving = self._reach(self._sizes, [motion.velocity for motion in motions])
             other_reaches = np.concatenate((reaches, moving))

@@ -2,12 +2,12 @@
 
 import math
 
-from lcmtools.errors import InvalidFile, UsageError
+from lcmtools.errors import InvalidFile
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.command import interpret
 from lcmtools_sim.engines.engine import Motion
-from lcmtools_sim.geometry import Pose, yaw_of
+from lcmtools_sim.geometry import Frame, Pose, yaw_of
 from lcmtools_sim.held import HeldRobots, pulled
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.sensors.motion import OdometrySettings
@@ -21,12 +21,10 @@ from lcmtools_sim.vehicles import (
     planar_motions,
 )
 from lcmtools_sim.vision.solids import solids_of
-from lcmtools_sim.world import World
+from lcmtools_sim.world import START_OVERLAP, World
 
 Robots = Vehicles | HeldRobots
 """Several, whose states are arrays."""
-START_OVERLAP = 0.02
-"""[m] The largest penetration of another body at the start."""
 _LEVEL = 1e-3
 """[rad, m, m/s, rad/s] The greatest deviation of a robot that stands on level ground."""
 
@@ -46,6 +44,7 @@ class Robot:
         reach: The farthest that any point is from the centre of mass [m], at most.
         vehicles: Hold its values, alone or with others.
         index: Its place there.
+        odometry_frame: The frame in the world in which its odometry was true when it was put there.
     """
 
     def __init__(self, world: World, scene: Scene, placement: RobotPlacement) -> None:
@@ -68,12 +67,13 @@ class Robot:
         self.index = 0
         self._known, self._tyres = known, self.vehicles.tyres
         self.body = world.add_robot(
-            self.namespace, self.model.body, placement.pose, self._wheel_angles
+            self.namespace, self.model.body, placement.pose, lambda: self.wheel_angles
         )
         motion = world.motion(self.body)
         self._motions = motion, motion
         """In the engine: the present one, and that of one step ago."""
         self._group: HeldRobots | None = None
+        self.odometry_frame = self._frame(self.model.body.base_height)
 
     def check_start(self, where: str) -> None:
         """Refuse a start inside another body: the engine would throw the robot out.
@@ -185,15 +185,24 @@ class Robot:
             UsageError: It would stand inside another body; it stays as it is.
         """
         centre = pose.frame.point((0.0, 0.0, self.model.body.centre_of_mass))
-        depth, other = self.world.overlap_at(self.body, centre, pose.rotation)
-        if depth > START_OVERLAP:
-            raise UsageError(
-                f"{self.namespace} would be {depth:.2f} m inside {other}", "choose another place"
-            )
         self.world.place(self.body, centre, pose.rotation)
         self.vehicles.set(self.index, left_target=0.0, right_target=0.0, left=0.0, right=0.0)
         motion = self.world.motion(self.body)
         self._motions, self._group = (motion, motion), None
+        x, y, yaw = self.vehicles.get(self.index, "odometry_x", "odometry_y", "odometry_yaw")
+        base = self._frame(self.model.body.base_height)
+        self.odometry_frame = base.place(Pose(x, y, yaw=yaw).frame.inverse())
+
+    @property
+    def frame(self) -> Frame:
+        """Its base_footprint in the world."""
+        return self._frame(0.0)
+
+    @property
+    def wheel_angles(self) -> tuple[float, float]:
+        """Of the left and the right wheels since the start [rad]."""
+        left, right = self.vehicles.get(self.index, "left_angle", "right_angle")
+        return left, right
 
     def state(self, time: int) -> RobotState:
         """The state that its sensors measure; ``time`` in simulated nanoseconds."""
@@ -202,6 +211,8 @@ class Robot:
         values = self.vehicles.row(self.index)
         return measured(*self.motions, values, (time, self._dt))
 
-    def _wheel_angles(self) -> tuple[float, float]:
-        left, right = self.vehicles.get(self.index, "left_angle", "right_angle")
-        return left, right
+    def _frame(self, height: float) -> Frame:
+        """A frame at this height above its base_footprint [m], in the world."""
+        position, rotation = self.motion[:2]
+        below = height - self.model.body.centre_of_mass
+        return Frame(Frame(position, rotation).point((0.0, 0.0, below)), rotation)

@@ -5,17 +5,20 @@ from collections.abc import Sequence
 from functools import partial
 
 import lcmtools
+from lcmtools.types.nav_msgs import Path
 from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.control import Control
 from lcmtools_sim.engines import chosen_engine, engine_version
 from lcmtools_sim.engines.native import check_display
 from lcmtools_sim.follow import Followers, LeaderClock
+from lcmtools_sim.latched import LatchedPublisher
 from lcmtools_sim.loop import Loop
 from lcmtools_sim.options import Options
-from lcmtools_sim.paths import PathPublisher
+from lcmtools_sim.paths import path_message
 from lcmtools_sim.scene import Scene, contents
 from lcmtools_sim.schedule import Pacer
 from lcmtools_sim.simulation import Simulation
+from lcmtools_sim.view import View
 
 
 def simulate(scene: Scene, options: Options, arguments: Sequence[str]) -> None:
@@ -43,18 +46,25 @@ def _run(simulation: Simulation, options: Options, engine: str) -> None:
     scene = simulation.scene
     with lcmtools.Node(scene.node) as node:
         bridge = Bridge(node, simulation)
+        view = View(node, simulation, whole=not options.follow)
+
+        def refresh() -> None:
+            bridge.refresh()
+            view.refresh()
+
         pacer = Pacer(scene.dt / options.rate if options.rate else 0.0)
         last_step = round(options.duration / scene.dt) if options.duration else None
         make_loop = partial(Loop, simulation, bridge, go_on=lcmtools.ok, last_step=last_step)
         if options.follow:
-            pacer = LeaderClock(node, simulation, bridge.refresh)
+            pacer = LeaderClock(node, simulation, refresh)
             loop = make_loop(pacer)
         else:
             loop = make_loop(pacer, let_step=Followers(node, simulation, bridge).wait)
         loop.paused = options.paused
-        Control(node, simulation, loop, bridge.refresh)
+        Control(node, simulation, loop, refresh)
         for path in () if options.follow else scene.paths:
-            PathPublisher(node, path)
+            make = partial(path_message, path)
+            LatchedPublisher(node, Path, path.topic, make, node.has_plain_listeners)
         log = node.get_logger()
         for line in (*scene.notes, *simulation.misplaced):
             log.warning(line)

@@ -14,12 +14,13 @@ from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools_sim.fleet import Fleet
 from lcmtools_sim.geometry import Pose
 from lcmtools_sim.mounted import MountedSensor, Sample, Subscribers, mount_sensors
-from lcmtools_sim.robot import START_OVERLAP, Robot, Robots
+from lcmtools_sim.movable import MovableObject, movable_objects
+from lcmtools_sim.robot import Robot, Robots
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.schedule import Timetable
 from lcmtools_sim.sensors.sensor import RobotState
 from lcmtools_sim.vision.solids import Solids, solids_of
-from lcmtools_sim.world import World
+from lcmtools_sim.world import START_OVERLAP, World
 
 CLOCK_TOPIC = "/clock"
 CLOCK_RATE = 50.0
@@ -71,14 +72,19 @@ class Simulation(AbstractContextManager["Simulation"]):
         """In the order of the scene, then as they were added."""
         return self._fleet.robots
 
-    def place(self, robot: Robot, pose: Pose) -> None:
-        """Put a robot at a pose.
+    @property
+    def objects(self) -> Sequence[MovableObject]:
+        """Those that can be pushed, in the order of the scene."""
+        return self._objects
+
+    def place(self, body: Robot | MovableObject, pose: Pose) -> None:
+        """Put a robot or an object at a pose.
 
         Raises:
             UsageError: It would stand inside another body; it stays as it is.
         """
         self._fleet.hold_all()
-        robot.place(pose)
+        body.place(pose)
 
     def tick(self) -> Sample:
         """The present clock message."""
@@ -151,6 +157,7 @@ class Simulation(AbstractContextManager["Simulation"]):
     def _begin(self, steps: int = 0) -> None:
         self.steps = steps
         self._fleet = Fleet(self._world, self.scene)
+        self._objects = movable_objects(self._world)
         self._sensors: dict[str, list[MountedSensor]] = {}
         self._timetable: Timetable[MountedSensor | None] = Timetable(self.scene.dt)
         self._timetable.add(CLOCK_RATE, _TICK, after=steps)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from itertools import chain
 
+from lcmtools.errors import UsageError
 from lcmtools_sim.engines import chosen_engine, start_engine
 from lcmtools_sim.engines.engine import Appearance, Motion, RigidBody, WheelAngles
 from lcmtools_sim.geometry import Pose, Quaternion, Vector
@@ -17,6 +18,8 @@ from lcmtools_sim.sensors.sensor import Contact
 from lcmtools_sim.shapes import Part, Sphere, centre_of_mass, inertials_of, moments
 from lcmtools_sim.vision.solids import PlacedSolids, Solids, solids_of
 
+START_OVERLAP = 0.02
+"""[m] The largest penetration of another body at the start."""
 _SHOWN = 8
 """Steps between two pictures of released bodies in a window."""
 _AT_REST = 1e-6
@@ -97,10 +100,9 @@ class World(AbstractContextManager["World"]):
         self._engine.place(body, motion.position, motion.rotation)
         self.set_velocity(body, motion.velocity, motion.angular_velocity)
 
-    def movable_objects(self) -> list[tuple[tuple[Part, ...], Motion]]:
-        """The shapes of each movable object, in the frame of its motion."""
-        motion = self._engine.motion
-        return [(thing.parts, motion(body)) for thing, body in self._objects if thing.mass]
+    def movable_objects(self) -> list[tuple[SceneObject, int]]:
+        """Each movable object and its body, whose motion is that of the object's frame."""
+        return [(thing, body) for thing, body in self._objects if thing.mass]
 
     def set_velocity(self, body: int, velocity: Vector, angular_velocity: Vector) -> None:
         """Set a body's velocity [m/s] and angular velocity [rad/s], in the world frame."""
@@ -130,16 +132,6 @@ class World(AbstractContextManager["World"]):
         """The same of every movable object that overlaps another body."""
         found = [(thing, *self.overlap(body)) for thing, body in self._objects if thing.mass]
         return [(thing, depth, other) for thing, depth, other in found if depth]
-
-    def overlap_at(self, body: int, position: Vector, rotation: Quaternion) -> tuple[float, str]:
-        """The ``overlap`` with the centre of mass at this pose; the body stays as it is."""
-        now = self.motion(body)
-        self.place(body, position, rotation)
-        self.detect_contacts()
-        found = self.overlap(body)
-        self.place(body, now.position, now.rotation)
-        self.set_velocity(body, now.velocity, now.angular_velocity)
-        return found
 
     def add(self, thing: SceneObject) -> int:
         """Add an object, whose origin is its centre of mass; return its body's number."""
@@ -194,9 +186,22 @@ class World(AbstractContextManager["World"]):
         self._solids.pop(body, None)
 
     def place(self, body: int, position: Vector, rotation: Quaternion) -> None:
-        """Put a robot's centre of mass at a pose, at rest."""
+        """Put a body's centre of mass at a pose, at rest. The engine knows where all bodies are.
+
+        Raises:
+            UsageError: It would be inside another body; it stays as it is.
+        """
+        now = self.motion(body)
         self._engine.place(body, position, rotation)
         self._wake()
+        self.detect_contacts()
+        depth, other = self.overlap(body)
+        if depth > START_OVERLAP:
+            self._engine.place(body, now.position, now.rotation)
+            self.set_velocity(body, now.velocity, now.angular_velocity)
+            raise UsageError(
+                f"{self._names[body]} would be {depth:.2f} m inside {other}", "choose another place"
+            )
 
     def reset(self, scene: Scene) -> None:
         """Start again with the ground and the objects of a scene, without robots."""

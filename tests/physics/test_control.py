@@ -12,7 +12,9 @@ from lcmtools.messages.codec import encode
 from lcmtools.types import sim_msgs, std_srvs
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools_sim.control import Control
+from lcmtools_sim.geometry import Pose, yaw_of
 from lcmtools_sim.loop import Loop
+from lcmtools_sim.scene import box
 from lcmtools_sim.schedule import Pacer
 from lcmtools_sim.simulation import Sample, Simulation
 
@@ -75,7 +77,8 @@ def outside() -> Outside:
 
 @pytest.fixture
 def simulation(simulate: Simulate) -> Simulation:
-    return simulate()
+    crate = box("crate", (0.5, 0.5, 0.5), Pose(2, -3, 0.25), mass=5)
+    return simulate(crate, box("wall", (0.5, 0.5, 0.5), Pose(-2, -3, 0.25)))
 
 
 @pytest.fixture
@@ -204,6 +207,26 @@ def test_a_robot_is_not_put_inside_another_and_goes_on_as_it_was(
     assert moved.velocity[0] == pytest.approx(1.0, rel=0.01)
     assert moved.position[:2] == pytest.approx((2.8, 0.0), abs=0.01)
     assert stood.position[:2] == pytest.approx((0.0, 3.0), abs=1e-3)
+
+
+def test_an_object_that_can_be_pushed_is_put_elsewhere_too(
+    node: Offered, simulation: Simulation
+) -> None:
+    paused(node).call("set_pose", robot="crate", pose=pose(-3, 4, 1.2))
+    node.call("step", steps=24)
+
+    (crate,) = simulation.objects
+    assert crate.frame.position == pytest.approx((-3, 4, 0), abs=1e-3)  # on the ground
+    assert yaw_of(crate.frame.rotation) == pytest.approx(1.2, abs=1e-3)
+    refused = node.call("set_pose", robot="crate", pose=pose(0.1, 0, 0))
+    assert refused.message.endswith(" m inside /husky0; choose another place")
+    assert crate.frame.position == pytest.approx((-3, 4, 0), abs=1e-3)
+
+
+def test_an_object_that_stands_for_ever_is_not_put_elsewhere(node: Offered) -> None:
+    response = node.call("set_pose", robot="wall", pose=pose(-3, 4, 1.2))
+
+    assert response.message == "there is no robot 'wall'; robots: /husky0"
 
 
 def test_robots_come_and_go(node: Offered, simulation: Simulation, changes: list[str]) -> None:

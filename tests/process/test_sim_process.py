@@ -25,6 +25,8 @@ robots:
     sensors: [{type: depth_camera, topic: camera, width: 32, height: 24}]
 """
 DEPTH = "/camera/depth/image_raw"
+FOR_VIEWERS = "/yard/world", "/yard/poses"
+"""For nodes that subscribe to them alone."""
 
 # Subscribes to one topic, as any LCM program does, without an announcement.
 PLAIN_LISTENER = """
@@ -128,10 +130,27 @@ def test_for_a_plain_lcm_program_everything_is_computed(
     plain = start_python(program)
     plain.wait_for("listening")
 
-    wait_until(lambda: all(count for topic, count in published().items() if topic != "/rosout"))
+    others = {"/rosout", *FOR_VIEWERS}
+    wait_until(lambda: all(count for topic, count in published().items() if topic not in others))
+    assert all(published()[topic] == 0 for topic in FOR_VIEWERS)
 
     plain.end()
     wait_until(lambda: _stands_still(published))
+
+
+def test_a_viewer_gets_the_world_at_once_and_a_new_one_when_a_robot_comes(
+    simulate: Start, start: Start, lcmtools: Run, lcmtools_path: str
+) -> None:
+    simulate()
+    viewer = start(lcmtools_path, "echo", "/yard/world", "--field", "markers[1].ns")
+    viewer.wait_for("ground")
+
+    assert lcmtools("sim", "spawn", "dolly", "/dolly", "3", "0").returncode == 0
+    viewer.wait_for("ground")
+
+    poses = lcmtools("echo", "/yard/poses", "-n", "1", "--json").stdout
+    frames = [one["child_frame_id"] for one in json.loads(poses)["transforms"]]
+    assert {"ground_truth/base_footprint", "ground_truth/dolly/base_footprint"} < {*frames}
 
 
 @pytest.mark.parametrize("is_first", [True, False], ids=["before it", "after it"])

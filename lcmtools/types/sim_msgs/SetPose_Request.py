@@ -10,7 +10,7 @@ import struct
 import lcmtools.types.geometry_msgs
 
 class SetPose_Request(object):
-    """ Put a robot elsewhere, at rest. """
+    """ Put a robot, or an object that can be pushed, elsewhere, at rest. """
 
     __slots__ = ["robot", "pose"]
 
@@ -21,13 +21,13 @@ class SetPose_Request(object):
     def __init__(self):
         self.robot = ""
         """
-        the robot's namespace, for example /husky0
+        the robot's namespace, for example /husky0, or the object's name
         LCM Type: string
         """
 
         self.pose = lcmtools.types.geometry_msgs.Pose()
         """
-        of its base_footprint in the world [m]
+        of its base_footprint, or of the ground below the object's centre, in the world [m]
         LCM Type: lcmtools.types.geometry_msgs.Pose
         """
 

@@ -5,10 +5,20 @@ packages of the robot (husky/husky, noetic: husky.urdf.xacro, wheel.urdf.xacro, 
 """
 
 from lcmtools_sim.geometry import Pose
-from lcmtools_sim.robots.model import Body, Drive, Mesh, RobotModel
+from lcmtools_sim.robots.model import (
+    ACROSS,
+    ALONG,
+    LIGHT,
+    Body,
+    Drive,
+    Look,
+    Mesh,
+    RobotModel,
+    detailed_wheel,
+)
 from lcmtools_sim.sensors.motion import ImuSettings
 from lcmtools_sim.sensors.sensor import SensorMount
-from lcmtools_sim.shapes import Color, Cuboid, Part
+from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part
 
 WHEEL_RADIUS = 0.1651
 WHEEL_WIDTH = 0.1143
@@ -28,6 +38,8 @@ _GROUND_CLEARANCE = 0.03  # of the wheels' collision boxes; the feet reach the g
 
 _YELLOW: Color = (0.8, 0.8, 0.1)
 _BLACK: Color = (0.2, 0.2, 0.2)
+_PLATE: Color = (0.96, 0.74, 0.05)
+_HUB: Color = (0.75, 0.58, 0.06)
 
 _CORNERS = tuple((x * WHEELBASE / 2, y * TRACK / 2) for x in (1, -1) for y in (1, -1))
 
@@ -49,6 +61,46 @@ def _wheels(side: int) -> Part:
     length = WHEELBASE + 2 * WHEEL_RADIUS
     box = Cuboid((length, WHEEL_WIDTH, height))
     return Part(box, (0.0, side * TRACK / 2, WHEEL_RADIUS), color=_BLACK)
+
+
+def _look() -> Look:
+    """A dark chassis with yellow plates, bumpers and a rail."""
+    z = _BASE_HEIGHT
+    plate, dark = _PLATE, _BLACK
+    rail = (
+        *(Part(Cylinder(0.018, 0.12), (0.30, y, z + 0.33), color=dark) for y in (0.2, -0.2)),
+        Part(Cylinder(0.018, 0.436), (0.30, 0.0, z + 0.39), ACROSS, dark),
+    )
+    ends = (
+        part
+        for x in (1, -1)
+        for part in (
+            Part(Cuboid((0.06, 0.46, 0.1)), (x * 0.465, 0.0, z + 0.085), color=dark),
+            Part(Cuboid((0.05, 0.34, 0.045)), (x * 0.475, 0.0, z + 0.165), color=plate),
+            *(
+                Part(Cylinder(0.022, 0.05), (x * 0.462, y, z + 0.215), ALONG, LIGHT)
+                for y in (0.16, -0.16)
+            ),
+        )
+    )
+    return Look(
+        parts=(
+            Part(Cuboid((0.88, 0.42, 0.19)), (0.0, 0.0, z + 0.095), color=dark),
+            Part(Cuboid((0.92, 0.5, 0.05)), (0.0, 0.0, z + 0.215), color=dark),
+            *(
+                Part(Cuboid((0.9, 0.085, 0.02)), (0.0, y, z + 0.25), color=plate)
+                for y in (0.2425, -0.2425)
+            ),
+            Part(Cuboid((0.80, 0.40, 0.03)), (0.0, 0.0, z + 0.252), color=plate),
+            Part(Cuboid((0.34, 0.26, 0.012)), (-0.12, 0.0, z + 0.272), color=dark),
+            *ends,
+            *rail,
+        ),
+        wheels=tuple(
+            detailed_wheel(WHEEL_RADIUS, WHEEL_WIDTH, (x, y, WHEEL_RADIUS), _HUB)
+            for x, y in _CORNERS
+        ),
+    )
 
 
 HUSKY = RobotModel(
@@ -78,6 +130,7 @@ HUSKY = RobotModel(
                 for x, y in _CORNERS
             ),
         ),
+        look=_look(),
     ),
     drive=Drive(
         wheel_radius=WHEEL_RADIUS,

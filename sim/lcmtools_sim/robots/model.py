@@ -4,19 +4,40 @@ All positions are given in base_footprint: on the ground, in the middle between 
 forward, y left, z up.
 """
 
+import math
 from dataclasses import dataclass
 
-from lcmtools_sim.geometry import IDENTITY, Quaternion, Vector
+from lcmtools_sim.geometry import IDENTITY, Quaternion, Vector, from_euler
 from lcmtools_sim.sensors.sensor import SensorMount
-from lcmtools_sim.shapes import Color, Cylinder, Part
+from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part
 
 BLACK: Color = (0.15, 0.15, 0.15)
-_ON_ITS_SIDE: Quaternion = (0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
+LIGHT: Color = (0.93, 0.93, 0.9)
+ACROSS: Quaternion = (0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
+"""A cylinder's along y, as a wheel's."""
+ALONG: Quaternion = (0.0, 0.7071067811865476, 0.0, 0.7071067811865476)
+"""A cylinder's along x."""
 
 
 def wheel(radius: float, width: float, track: float) -> Part:
     """The shape of a wheel [m], a little above the ground; on the right with a track below 0."""
-    return Part(Cylinder(radius - 0.005, width), (0.0, track / 2, radius), _ON_ITS_SIDE, BLACK)
+    return Part(Cylinder(radius - 0.005, width), (0.0, track / 2, radius), ACROSS, BLACK)
+
+
+def detailed_wheel(radius: float, width: float, centre: Vector, hub: Color) -> "Wheel":
+    """A tyre with a hub and spokes of this colour, which show that it turns."""
+    tyre = Part(Cylinder(radius, width), rotation=ACROSS, color=BLACK)
+    disc = Part(Cylinder(0.6 * radius, width + 0.008), rotation=ACROSS, color=hub)
+    cap = Part(Cylinder(0.2 * radius, width + 0.024), rotation=ACROSS, color=BLACK)
+    spokes = [
+        Part(
+            Cuboid((1.1 * radius, width + 0.014, 0.14 * radius)),
+            rotation=from_euler(0.0, math.pi / 3 * number, 0.0),
+            color=BLACK,
+        )
+        for number in range(3)
+    ]
+    return Wheel(centre, (tyre, disc, *spokes, cap))
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +49,25 @@ class Mesh:
     rotation: Quaternion = IDENTITY
     color: Vector = (0.2, 0.2, 0.2)
     is_wheel: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Wheel:
+    """A wheel as viewers show it: its centre in base_footprint, and its parts about the centre.
+
+    It turns about its y axis, by the angle of the side that it is on.
+    """
+
+    centre: Vector
+    parts: tuple[Part, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """A robot's appearance in a viewer, in more detail than its collision shapes."""
+
+    parts: tuple[Part, ...] = ()
+    wheels: tuple[Wheel, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +83,7 @@ class Body:
         feet: (x, y) of the points that it stands on [m].
         foot_radius: [m]
         meshes: Shown in the window instead of the parts.
+        look: Shown by viewers instead of the parts, unless it has none.
     """
 
     mass: float
@@ -53,6 +94,7 @@ class Body:
     feet: tuple[tuple[float, float], ...]
     foot_radius: float
     meshes: tuple[Mesh, ...] = ()
+    look: Look = Look()
 
 
 @dataclass(frozen=True, slots=True)

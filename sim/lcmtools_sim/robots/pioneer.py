@@ -6,9 +6,21 @@ the robot's ROS driver (RosAria) and of the Kinect's (openni).
 """
 
 from lcmtools_sim.geometry import Pose
-from lcmtools_sim.robots.model import Body, CommandTopic, Drive, RobotModel, wheel
+from lcmtools_sim.robots.model import (
+    ACROSS,
+    ALONG,
+    BLACK,
+    LIGHT,
+    Body,
+    CommandTopic,
+    Drive,
+    Look,
+    RobotModel,
+    detailed_wheel,
+    wheel,
+)
 from lcmtools_sim.sensors.sensor import SensorMount
-from lcmtools_sim.shapes import Color, Cuboid, Part
+from lcmtools_sim.shapes import GREY, Color, Cuboid, Cylinder, Part, Sphere
 
 WHEEL_RADIUS = 0.0975
 TRACK = 0.33
@@ -27,7 +39,44 @@ _KINECT = (0.10, 0.0, 0.25)
 """[m] The position of the Kinect in base_link, on the deck."""
 
 _RED: Color = (0.7, 0.1, 0.1)
+_GOLD: Color = (0.83, 0.68, 0.35)
+_LENS: Color = (0.1, 0.25, 0.3)
 _WHEELS = tuple(wheel(WHEEL_RADIUS, 0.04, track) for track in (TRACK, -TRACK))
+
+
+def _look() -> Look:
+    """A red body with a dark deck and a ring of sonars, the Kinect on a stand, and a caster."""
+    length, width, height = _LENGTH - 0.03, _WIDTH - 0.11, _TOP - _BOTTOM - 0.03
+    middle = (_TOP + _BOTTOM) / 2
+    nose = _CENTRE + length / 2
+    kinect_x, _, kinect_z = (_KINECT[0], 0.0, _KINECT[2] + WHEEL_RADIUS)
+    sonars = (
+        Part(Sphere(0.016), (nose + 0.004, y, middle + 0.05), color=_GOLD)
+        for y in (-0.1, -0.06, -0.02, 0.02, 0.06, 0.1)
+    )
+    lenses = (
+        Part(Cylinder(0.012, 0.01), (kinect_x + 0.034, y, kinect_z), ALONG, _LENS)
+        for y in (-0.08, 0.0, 0.03)
+    )
+    return Look(
+        parts=(
+            Part(Cuboid((length, width, height)), (_CENTRE, 0.0, middle), color=_RED),
+            Part(Cuboid((length + 0.02, _WIDTH - 0.03, 0.018)), (_CENTRE, 0.0, _TOP), color=BLACK),
+            Part(Cuboid((0.03, 0.22, 0.06)), (nose - 0.005, 0.0, middle + 0.05), color=BLACK),
+            *sonars,
+            Part(Cylinder(0.035, 0.03), (_CASTER, 0.0, 0.035), ACROSS, BLACK),
+            Part(Cuboid((0.02, 0.05, 0.04)), (_CASTER, 0.0, 0.065), color=GREY),
+            Part(Cuboid((0.06, 0.06, 0.08)), (kinect_x - 0.01, 0.0, kinect_z - 0.05), color=GREY),
+            Part(Cuboid((0.06, 0.28, 0.045)), (kinect_x, 0.0, kinect_z), color=BLACK),
+            *lenses,
+            Part(Cuboid((0.18, 0.22, 0.02)), (_CENTRE - 0.08, 0.0, _TOP + 0.018), color=GREY),
+        ),
+        wheels=tuple(
+            detailed_wheel(WHEEL_RADIUS, 0.04, (0.0, side * TRACK / 2, WHEEL_RADIUS), LIGHT)
+            for side in (1, -1)
+        ),
+    )
+
 
 PIONEER = RobotModel(
     name="pioneer",
@@ -46,6 +95,7 @@ PIONEER = RobotModel(
         ),
         feet=((0.0, TRACK / 2), (0.0, -TRACK / 2), (_CASTER, 0.0), (0.1, 0.0)),
         foot_radius=0.02,  # within the outline, so that it never touches first
+        look=_look(),
     ),
     drive=Drive(
         wheel_radius=WHEEL_RADIUS,
