@@ -6,21 +6,20 @@ Names of processes and files of types are looked up by a worker, so that reading
 import time
 from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor, Future
-from contextlib import suppress
 
 from lcmtools.bag.recorded_types import recorded_types
 from lcmtools.bag.writer import LogWriter
-from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.graph.protocol import decode_announcement, head_of
 from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.losses import Loss, Losses
 from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.senders import SenderNames
-from lcmtools.wire.log_index import RecordedNode, RecordedType
+from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 
 _AGAIN = 5.0  # [s] until a sender is looked up again that has no name
+_NOTE_PERIOD = 2.0  # [s] between records of messages sent, where none are lost
 _FINGERPRINT_BYTES = 8
 
 
@@ -52,18 +51,18 @@ class IndexNotes:
         self._held: dict[str, Packet] = {}  # the last message of each latched topic
         self._lookup: Future[list[RecordedType]] | None = None
         self._next_lookup = 0.0
-        self._noted = -1  # lost messages, in the file's index
-        self._begin: Losses = {}
-        self._file_begin: Losses = {}
+        self._noted: Losses = {}  # in the file's index
+        self._next_note = 0.0
+        self._last_time = 0  # of a message that was added [ns since 1970], by which a loss shows
 
     def begin(self, writer: LogWriter, *, is_split: bool = False) -> None:
         """Begin a file with what holds: types, nodes, and after a split latched messages."""
-        self._numbers, self._noted = {}, -1
+        self._numbers = {}
         writer.add_types(self._types.values())
         for packet in self._nodes.values():
             self._add_node(packet, writer)
         if is_split:
-            self._file_begin = dict(self._monitor.losses())
+            self._noted = self._monitor.losses()
             held = [packet for packet in self._held.values() if packet.channel in self._latched]
             now = time.time_ns()
             self.add([packet._replace(time=now) for packet in held], writer)
@@ -83,6 +82,7 @@ class IndexNotes:
             if latched and packet.channel in latched:
                 self._held[packet.channel] = packet
             add(packet, number)
+            self._last_time = packet.time
 
     def take_node(self, packet: Packet, writer: LogWriter | None) -> bool:
         """Keep an announcement; return whether it says more than the node's last one."""
@@ -126,15 +126,20 @@ class IndexNotes:
         self._note_losses(writer, in_full=in_full)
 
     def _note_losses(self, writer: LogWriter, *, in_full: bool) -> None:
-        numbers = self._numbers
-        found = self._monitor.losses(self._file_begin).items()
-        lost = {numbers[one]: (loss.lost, loss.sent) for one, loss in found if one in numbers}
-        lost_messages = sum(loss for loss, _ in lost.values())
-        if in_full or lost_messages != self._noted:
-            self._noted = lost_messages
-            writer.set_losses(lost)
+        """Add what was lost since the last note, if it is news; take the sums of all."""
+        found, numbers = self._monitor.losses(), self._numbers
+        counts: dict[int, tuple[int, int]] = {}
+        for sender, loss in found.items():
+            before = self._noted.get(sender, Loss())
+            if sender in numbers and loss != before:
+                counts[numbers[sender]] = loss.lost - before.lost, loss.sent - before.sent
+        now, is_news = time.monotonic(), any(lost for lost, _ in counts.values())
+        if counts and (in_full or is_news or now >= self._next_note):
+            self._next_note = now + _NOTE_PERIOD
+            self._noted = {**self._noted, **{one: found[one] for one in found if one in numbers}}
+            writer.add_lost(LostMessages(self._last_time // 1000 * 1000, counts))
         total: dict[str, Loss] = {}
-        for sender, loss in self._monitor.losses(self._begin).items():
+        for sender, loss in found.items():
             if loss.lost and sender in self._named:
                 name = self._named[sender]
                 total[name] = total.get(name, Loss()) + loss
@@ -177,9 +182,4 @@ class IndexNotes:
     ) -> list[RecordedType]:
         """Return the types of packets, and learn the names of senders; on the worker's thread."""
         self._names.learn(senders, nodes)
-        found: dict[str, RecordedType] = {}
-        for packet in packets:
-            with suppress(LcmtoolsError):  # the type is not known, which takes nothing from it
-                kind = self._decoder.message_class(packet)
-                found.update((one.name, one) for one in recorded_types(kind))
-        return list(found.values())
+        return recorded_types(packets, self._decoder)

@@ -1,35 +1,40 @@
 """The definitions of message types as a log keeps them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import PurePath
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import Message, fingerprint, type_name
+from lcmtools.observe.decoding import Decoder
 from lcmtools.packages.user_types import source_file, source_text
 from lcmtools.wire.log_index import RecordedType
+from lcmtools.wire.packet import Packet
 
 
-def recorded_types(kind: type[Message]) -> list[RecordedType]:
-    """Return a type and those of its fields, as far as their files can be read."""
+def recorded_types(packets: Iterable[Packet], decoder: Decoder) -> list[RecordedType]:
+    """Return the types of messages and those of their fields, as far as they are known here."""
+    known: dict[type[Message], None] = {}
+    for packet in packets:
+        with suppress(LcmtoolsError):  # an unknown type takes nothing from the log
+            _add(decoder.message_class(packet), known)
     found: dict[str, RecordedType] = {}
-    for one in _parts(kind, set()):
-        name = type_name(one)
-        package = name.rpartition("/")[0]
-        try:
-            text = source_text(one) + "\n"
-        except LcmtoolsError:
-            continue
-        path = f"{package}/{PurePath(source_file(name)).name}"
-        found[name] = RecordedType(name, fingerprint(one), path, text)
+    for kind in known:
+        with suppress(LcmtoolsError):  # its file is not here
+            found[type_name(kind)] = _recorded(kind)
     return list(found.values())
 
 
-def _parts(kind: type[Message], known: set[type[Message]]) -> Iterator[type[Message]]:
-    if kind in known:
-        return
-    known.add(kind)
-    for part in fields(kind):
-        if part.message_class:
-            yield from _parts(part.message_class, known)
-    yield kind
+def _recorded(kind: type[Message]) -> RecordedType:
+    name = type_name(kind)
+    path = f"{name.rpartition('/')[0]}/{PurePath(source_file(name)).name}"
+    return RecordedType(name, fingerprint(kind), path, source_text(kind) + "\n")
+
+
+def _add(kind: type[Message], known: dict[type[Message], None]) -> None:
+    if kind not in known:
+        known[kind] = None
+        for part in fields(kind):
+            if part.message_class:
+                _add(part.message_class, known)

@@ -3,8 +3,10 @@
 from collections.abc import Iterator
 
 from lcmtools.bag.output import output_beside
-from lcmtools.bag.summary import Progress
+from lcmtools.bag.recorded_types import recorded_types
+from lcmtools.bag.summary import Progress, known_nodes
 from lcmtools.graph.protocol import head_of
+from lcmtools.observe.decoding import Decoder
 from lcmtools.observe.log_file import LogFile, index_path
 from lcmtools.wire import log_index
 from lcmtools.wire.log_index import RecordedNode
@@ -13,6 +15,8 @@ from lcmtools.wire.packet import Packet
 
 def reindex_log(log: LogFile, progress: Progress = lambda _: None) -> int:
     """Write a log's index, with all that it had; return the number of bytes that it is of.
+
+    The definitions of types that it has not and that are known here are added.
 
     Raises:
         LcmtoolsError: It cannot be written.
@@ -27,18 +31,29 @@ def reindex_log(log: LogFile, progress: Progress = lambda _: None) -> int:
 
 def _lines(log: LogFile, progress: Progress) -> Iterator[str]:
     index, nodes = log.index, _NewNodes()
+    builder, seen = known_nodes(log), dict[tuple[str, int], None]()
+
+    def take(packet: Packet) -> None:
+        nodes.take(packet)
+        builder.add(packet)
+
     yield log_index.index_line()
     for number, sender in index.senders.items():
         yield log_index.sender_line(number, sender)
     yield from map(log_index.type_line, index.types.values())
     yield from map(log_index.node_line, index.nodes)
-    for block in log.blocks(nodes.take):
+    for block in log.blocks(take):
         progress(block.end)
         yield from map(log_index.node_line, nodes.found)
         nodes.found.clear()
         yield log_index.block_line(block)
-    if index.losses:
-        yield log_index.losses_line(index.losses)
+        counts = block.channels.items()
+        seen |= {(name, one.fingerprint): None for name, one in counts if one.fingerprint}
+    yield from map(log_index.lost_line, index.lost)
+    heads = (Packet(name, number.to_bytes(8, "big"), 0) for name, number in seen)
+    for kind in recorded_types(heads, Decoder(builder.types_of)):
+        if kind.name not in index.types:
+            yield log_index.type_line(kind)
     yield log_index.end_line(log.size)
 
 

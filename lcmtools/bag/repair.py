@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from lcmtools.bag.summary_report import bytes_text, time_text
+from lcmtools.bag.summary_report import time_text
+from lcmtools.observe.describe import size_text
 from lcmtools.observe.log_file import LogFile
 
 
@@ -22,7 +23,7 @@ class Damage:
 
     def __str__(self) -> str:
         """Return it for people."""
-        size = bytes_text(self.end - self.start)
+        size = size_text(self.end - self.start)
         where = f"{size} are of no message: bytes {self.start} to {self.end - 1}"
         after = f"after {time_text(self.after)}" if self.after is not None else "at the start"
         return f"{where}, {after}{'' if self.before is not None else ', up to the end'}"
@@ -45,4 +46,4 @@ def damage_rows(damage: list[Damage]) -> list[str]:
     """Return a line for each part, and one for all."""
     total = sum(part.end - part.start for part in damage)
     rows = [f"left out: {part}" for part in damage]
-    return [*rows, f"left out in all: {bytes_text(total)}"] if len(rows) > 1 else rows
+    return [*rows, f"left out in all: {size_text(total)}"] if len(rows) > 1 else rows

@@ -5,19 +5,10 @@ from contextlib import suppress
 from datetime import datetime, timezone
 
 from lcmtools.bag.summary import LogSummary, TopicSummary
-from lcmtools.observe.describe import UNKNOWN
+from lcmtools.observe.describe import UNKNOWN, size_text
 
 _LEVELS = " ▁▂▃▄▅▆▇█"
 _HEAD = ("TOPIC", "TYPE", "MESSAGES", "RATE", "SIZE", "TOTAL", "LONGEST GAP", "SENDERS")
-
-
-def bytes_text(count: float) -> str:
-    """Return a number of bytes for people: "12 B", "1.5 KB" of 1000 bytes, "10.7 GB"."""
-    for unit in ("B", "KB", "MB"):
-        if count < 1000:  # noqa: PLR2004 - the next unit
-            return f"{count:.0f} {unit}" if unit == "B" else f"{count:.1f} {unit}"
-        count /= 1000
-    return f"{count:.1f} GB"
 
 
 def time_text(time: int) -> str:
@@ -41,14 +32,14 @@ def span_text(seconds: float) -> str:
 def summary_rows(summary: LogSummary) -> Iterator[tuple[str, str]]:
     """Yield the lines of a log, each its key and its value."""
     yield "path:", summary.path
-    yield "size:", f"{bytes_text(summary.bytes)} in {summary.messages} messages"
+    yield "size:", f"{size_text(summary.bytes)} in {summary.messages} messages"
     if summary.messages:
         yield "duration:", span_text(summary.duration)
         yield "start:", time_text(summary.start)
         yield "end:", time_text(summary.end)
     yield "index:", _index_text(summary)
     if summary.damaged:
-        what = f"{bytes_text(summary.damaged)} belong to no message"
+        what = f"{size_text(summary.damaged)} belong to no message"
         yield "damaged:", f"{what}; lcmtools bag fix shows where"
     if summary.nodes:
         yield "nodes:", ", ".join(summary.nodes)
@@ -67,8 +58,8 @@ def topic_table(topics: Sequence[TopicSummary]) -> list[Sequence[str]]:
             ", ".join(topic.types) or UNKNOWN,
             str(topic.messages),
             "-" if topic.rate is None else f"{topic.rate:.2f} Hz",
-            bytes_text(topic.mean_bytes),
-            bytes_text(topic.bytes),
+            size_text(topic.mean_bytes),
+            size_text(topic.bytes),
             span_text(topic.longest_gap / 1e9) if topic.messages > 1 else "-",
             ", ".join(topic.senders) or "-",
         )
@@ -117,7 +108,7 @@ def _index_text(summary: LogSummary) -> str:
         return "complete"
     if not summary.indexed:
         return "none; lcmtools bag reindex writes one"
-    return f"of the first {bytes_text(summary.indexed)}; lcmtools bag reindex completes it"
+    return f"of the first {size_text(summary.indexed)}; lcmtools bag reindex completes it"
 
 
 def _spark_line(histogram: Sequence[int]) -> str:

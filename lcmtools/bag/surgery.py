@@ -1,7 +1,7 @@
 """Making a log of others: messages with their senders in, a log with its index out.
 
-What the indexes of the others know (types, nodes, senders, losses) is carried over. The result
-appears when it is whole.
+What the indexes of the others know (types, nodes, senders) is carried over, and what was lost of
+the senders whose messages are in the result. The result appears when it is whole.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -11,8 +11,7 @@ from lcmtools.bag.output import output_beside
 from lcmtools.bag.summary import Progress
 from lcmtools.bag.writer import LogWriter
 from lcmtools.observe.log_file import LogFile, index_path
-from lcmtools.observe.losses import Loss
-from lcmtools.wire.log_index import RecordedNode, RecordedType
+from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 
 _AT_ONCE = 4 << 20  # bytes that wait to be written
@@ -25,6 +24,8 @@ def write_log(  # noqa: PLR0913 - each is an option of its own
     *,
     force: bool = False,
     change_node: Callable[[RecordedNode], RecordedNode] = lambda node: node,
+    between: tuple[int, int] | None = None,
+    later: int = 0,
     types: Iterable[RecordedType] = (),
     progress: Progress = lambda _: None,
 ) -> int:
@@ -36,6 +37,8 @@ def write_log(  # noqa: PLR0913 - each is an option of its own
         sources: The logs that they are from.
         force: Take the place of a file that exists; it may be one of the sources.
         change_node: Changes the announcements of nodes, as the messages have been changed.
+        between: The times in the sources that they are of [ns since 1970]; None for all.
+        later: The time by which they are later than in the sources [ns].
         types: Types that the sources do not have; asked for when all messages are written.
         progress: Called with the number of bytes that have been written.
 
@@ -47,8 +50,11 @@ def write_log(  # noqa: PLR0913 - each is an option of its own
         with LogWriter(made) as writer:
             copier = _Copier(writer)
             for source in sources:
-                copier.carry(source, change_node)
+                writer.add_types(source.index.types.values())
             copier.copy(packets, progress)
+            for source in sources:
+                copier.carry_lost(source, between, later)
+                copier.carry_nodes(source, change_node, later)
             writer.add_types(types)
         # with the old log the new index says nothing
         index_path(made).rename(index_path(target))
@@ -60,21 +66,23 @@ class _Copier:
 
     def __init__(self, writer: LogWriter) -> None:
         self._writer = writer
-        self._losses: dict[int, Loss] = {}
         self._numbers: dict[Sender | None, int] = {None: -1}
 
-    def carry(self, source: LogFile, change_node: Callable[[RecordedNode], RecordedNode]) -> None:
-        """Carry over what the index of a log knows beside its messages."""
-        self._writer.add_types(source.index.types.values())
-        for node in source.index.nodes:
-            moved = change_node(node)
+    def carry_lost(self, source: LogFile, between: tuple[int, int] | None, later: int) -> None:
+        """Carry over what was lost of the senders of the messages, within these times."""
+        kept = {n: self._numbers[one] for n, one in source.senders.items() if one in self._numbers}
+        for time, counts in source.index.lost:
+            if between is None or between[0] <= time <= between[1]:
+                known = {kept[n]: count for n, count in counts.items() if n in kept}
+                self._writer.add_lost(LostMessages(time + later, known))
+
+    def carry_nodes(
+        self, source: LogFile, change: Callable[[RecordedNode], RecordedNode], later: int
+    ) -> None:
+        """Carry over the announcements of nodes."""
+        for node in map(change, source.index.nodes):
             sender = self._number(source.senders.get(node.sender))
-            self._writer.add_node(RecordedNode(moved.time, sender, moved.payload))
-        for lossy, loss in source.losses().items():
-            number = self._number(lossy)
-            self._losses[number] = self._losses.get(number, Loss()) + loss
-        if self._losses:
-            self._writer.set_losses({n: (one.lost, one.sent) for n, one in self._losses.items()})
+            self._writer.add_node(RecordedNode(node.time + later, sender, node.payload))
 
     def copy(self, packets: Iterable[Packet], progress: Progress) -> None:
         """Copy messages."""

@@ -5,7 +5,7 @@ Whole events reach the file: what a full disk or a write that failed leaves of a
 
 import os
 from bisect import bisect_right
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import NamedTuple
@@ -15,7 +15,13 @@ from lcmtools.observe.log_file import index_path
 from lcmtools.wire import log_index
 from lcmtools.wire.log import encode_head
 from lcmtools.wire.log_compression import Compression, compressor
-from lcmtools.wire.log_index import Block, RecordedNode, RecordedSender, RecordedType
+from lcmtools.wire.log_index import (
+    Block,
+    LostMessages,
+    RecordedNode,
+    RecordedSender,
+    RecordedType,
+)
 from lcmtools.wire.packet import Packet, Sender
 
 _MOST_AT_ONCE = os.sysconf("SC_IOV_MAX")  # parts that a system call writes
@@ -110,9 +116,9 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         """Keep an announcement of a node in the index."""
         self._lines.append(log_index.node_line(node))
 
-    def set_losses(self, losses: Mapping[int, tuple[int, int]]) -> None:
-        """Keep the messages lost until now, and those sent, by the sender's number."""
-        self._lines.append(log_index.losses_line(losses))
+    def add_lost(self, lost: LostMessages) -> None:
+        """Keep the messages lost since the last record of such."""
+        self._lines.append(log_index.lost_line(lost))
 
     @property
     def waiting_bytes(self) -> int:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from lcmtools.observe.channels import ChannelRow, in_order, matching
+from lcmtools.observe.describe import size_text
 
 Cut = Literal["", "start", "middle", "end"]
 
@@ -25,17 +26,6 @@ class Column:
     def is_number(self) -> bool:
         """True for columns at the right, sorted from the largest."""
         return not self.cut
-
-
-def size_text(value: float | None) -> str:
-    """Bytes, a KB being 1000: "812 B", "36.2 KB"."""
-    if value is None:
-        return "-"
-    units = ["B", "KB", "MB", "GB"]
-    while value >= 999.5 and len(units) > 1:  # noqa: PLR2004 - what rounds to four digits
-        value, units = value / 1000, units[1:]
-    digits = 0 if units[0] == "B" or value >= 99.95 else 1 if value >= 9.995 else 2  # noqa: PLR2004
-    return f"{value:.{digits}f} {units[0]}"
 
 
 def bandwidth_text(value: float | None) -> str:

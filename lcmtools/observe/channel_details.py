@@ -11,9 +11,9 @@ from lcmtools.observe.channel_columns import (
     loss_text,
     names_text,
     rate_text,
-    size_text,
 )
 from lcmtools.observe.channels import ChannelRow
+from lcmtools.observe.describe import size_text
 from lcmtools.observe.field_lines import FieldLine
 from lcmtools.observe.study import ChannelState, Sample, Sparkline, curve
 

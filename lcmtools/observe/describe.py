@@ -14,6 +14,17 @@ from lcmtools.observe.senders import SocketTable
 UNKNOWN = "unknown type"
 
 
+def size_text(value: float | None) -> str:
+    """Bytes for people, a KB being 1000: "812 B", "36.2 KB"; "-" for an unknown number."""
+    if value is None:
+        return "-"
+    units = ["B", "KB", "MB", "GB"]
+    while value >= 999.5 and len(units) > 1:  # noqa: PLR2004 - what rounds to four digits
+        value, units = value / 1000, units[1:]
+    digits = 0 if units[0] == "B" or value >= 99.95 else 1 if value >= 9.995 else 2  # noqa: PLR2004
+    return f"{value:.{digits}f} {units[0]}"
+
+
 def type_text(topic: Topic) -> str:
     """Return a topic's type: as announced, else by the fingerprints seen, else "unknown type".
 

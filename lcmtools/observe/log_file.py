@@ -117,8 +117,12 @@ class LogFile(AbstractContextManager["LogFile"]):
 
     def losses(self) -> dict[Sender, Loss]:
         """Return the loss of each sender, as the recorder saw it."""
-        found = self.index.losses.items()
-        return {self.senders[one]: Loss(*loss) for one, loss in found if one in self.senders}
+        found: dict[Sender, Loss] = {}
+        for lost in self.index.lost:
+            for number, counts in lost.counts.items():
+                if sender := self.senders.get(number):
+                    found[sender] = found.get(sender, Loss()) + Loss(*counts)
+        return {sender: Loss(max(0, one.lost), one.sent) for sender, one in found.items()}
 
     def offset_at(self, time: int) -> int:
         """Return a byte before which no event is of ``time`` [ns] or later, by the index."""

@@ -11,7 +11,8 @@ events behind its last block are found by reading the log from there. Lines, by 
     block      events one after another: where they begin and end, their times, and for each
                channel the number of messages and bytes, the senders in order, the times of the
                first and the last message and the longest gap, and the first one's fingerprint
-    losses     messages lost until then, and those sent, by the sender's number
+    lost       a time, and the messages lost and those sent since the line before, by the sender's
+               number; where a late message closed a gap, fewer than none are lost
     end        the log was closed, and has so many bytes
 """
 
@@ -20,7 +21,7 @@ from base64 import b64decode, b64encode
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from lcmtools.wire.packet import Packet, Sender
 
@@ -126,6 +127,13 @@ class RecordedNode:
     payload: bytes
 
 
+class LostMessages(NamedTuple):
+    """The messages lost since the record before, and those sent, by the sender's number."""
+
+    time: int  # [ns since 1970]
+    counts: Mapping[int, tuple[int, int]]
+
+
 @dataclass(slots=True)
 class LogIndex:
     """The content of an index: what is known of its log."""
@@ -134,8 +142,7 @@ class LogIndex:
     senders: dict[int, RecordedSender] = field(default_factory=dict)
     types: dict[str, RecordedType] = field(default_factory=dict)
     nodes: list[RecordedNode] = field(default_factory=list)
-    # Messages lost, and those sent, by the sender's number.
-    losses: dict[int, tuple[int, int]] = field(default_factory=dict)
+    lost: list[LostMessages] = field(default_factory=list)
     size: int | None = None  # of the closed log, in bytes; None for one that was not closed
 
     @property
@@ -178,9 +185,9 @@ def block_line(block: Block) -> str:
     return _line("block", [block.start, block.end, start, block.last_time, counts])
 
 
-def losses_line(losses: Mapping[int, tuple[int, int]]) -> str:
-    """Return the line of the losses until now."""
-    return _line("losses", {str(number): lost for number, lost in losses.items()})
+def lost_line(lost: LostMessages) -> str:
+    """Return the line of lost messages."""
+    return _line("lost", [lost.time, {str(number): one for number, one in lost.counts.items()}])
 
 
 def end_line(size: int) -> str:
@@ -223,8 +230,10 @@ def _take(index: LogIndex, key: str, value: Any) -> None:  # noqa: ANN401 - as J
     elif key == "node":
         time, number, text = value
         index.nodes.append(RecordedNode(int(time), int(number), b64decode(text)))
-    elif key == "losses":
-        index.losses = {int(number): (int(a), int(b)) for number, (a, b) in value.items()}
+    elif key == "lost":
+        time, counts = value
+        found = {int(number): (int(a), int(b)) for number, (a, b) in counts.items()}
+        index.lost.append(LostMessages(int(time), found))
     elif key == "end":
         index.size = int(value)
 

@@ -1,7 +1,5 @@
 """``lcmtools bag rename`` and ``shift``: the same messages, elsewhere."""
 
-from dataclasses import replace
-
 from lcmtools.bag import edits
 from lcmtools.bag.summary import log_span
 from lcmtools.bag.times import LogTime
@@ -57,5 +55,5 @@ def shift(
             log,
             force=force,
             as_json=as_json,
-            change_node=lambda node: replace(node, time=node.time + late),
+            later=late,
         )

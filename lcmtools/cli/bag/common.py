@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import Any
 
 from lcmtools.bag.edits import TopicChoice
-from lcmtools.bag.summary_report import bytes_text
 from lcmtools.bag.surgery import write_log
 from lcmtools.bag.times import LogTime, parse_time
 from lcmtools.cli.declare import CommandT, argument, flag, option, together
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import progress, show
+from lcmtools.observe.describe import size_text
 from lcmtools.observe.log_file import LogFile
 from lcmtools.wire.packet import Packet
 
@@ -83,4 +83,4 @@ def write(
         "bytes": size,
         **(more or {}),
     }
-    show(record, [f"{target}: {messages} messages, {bytes_text(size)}"], as_json=as_json)
+    show(record, [f"{target}: {messages} messages, {size_text(size)}"], as_json=as_json)

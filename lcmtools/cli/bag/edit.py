@@ -51,11 +51,12 @@ def filter_(
     condition = Filter(expression) if expression else None
     with LogFile(source) as log:
         found = edits.chosen(log.packets(), topic_choice(log, wanted, excluded))
-        if start or end:
-            found = edits.between(found, *time_window(log_span(log), start, end))
+        span = time_window(log_span(log), start, end) if start or end else None
+        if span:
+            found = edits.between(found, *span)
         if condition:
             found = edits.matching(found, condition, known_nodes(log).types_of)
-        write(target, found, log, force=force, as_json=as_json)
+        write(target, found, log, force=force, as_json=as_json, between=span)
 
 
 @subcommand("cut", made_options)
@@ -77,7 +78,7 @@ def cut(
     with LogFile(source) as log:
         first, last = time_window(log_span(log), start, end, duration=duration)
         found = edits.between(log.packets(log.offset_at(first)), first, last)
-        write(target, found, log, force=force, as_json=as_json)
+        write(target, found, log, force=force, as_json=as_json, between=(first, last))
 
 
 @subcommand("downsample", made_options)

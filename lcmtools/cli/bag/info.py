@@ -2,10 +2,11 @@
 
 from lcmtools.bag.reindex import reindex_log
 from lcmtools.bag.summary import summarize
-from lcmtools.bag.summary_report import bytes_text, summary_record, summary_rows, topic_table
+from lcmtools.bag.summary_report import summary_record, summary_rows, topic_table
 from lcmtools.cli.declare import argument, examples, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import columns, document, lines, progress, show
+from lcmtools.observe.describe import size_text
 from lcmtools.observe.log_file import LogFile
 
 
@@ -46,5 +47,5 @@ def reindex(files: tuple[str, ...], *, as_json: bool) -> None:
         with LogFile(file) as log, progress(f"reading {file}", log.size) as report:
             sizes[file] = reindex_log(log, report)
     records = [{"path": file, "indexed_bytes": size} for file, size in sizes.items()]
-    rows = [f"{file}: {bytes_text(size)} indexed" for file, size in sizes.items()]
+    rows = [f"{file}: {size_text(size)} indexed" for file, size in sizes.items()]
     show(records, rows, as_json=as_json)

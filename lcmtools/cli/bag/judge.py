@@ -3,10 +3,10 @@
 from lcmtools.bag.compare import differences
 from lcmtools.bag.contract import breaches, read_contract
 from lcmtools.bag.summary import LogSummary, summarize
-from lcmtools.bag.summary_report import bytes_text
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import columns, document, lines, progress, show
+from lcmtools.observe.describe import size_text
 from lcmtools.observe.log_file import LogFile
 
 
@@ -68,7 +68,7 @@ def du(file: str, *, as_json: bool) -> None:
         document([{"topic": one.name, "bytes": one.bytes} for one in topics])
         return
     rows = [
-        (bytes_text(one.bytes), f"{100 * one.bytes / max(1, summary.bytes):.1f} %", one.name)
+        (size_text(one.bytes), f"{100 * one.bytes / max(1, summary.bytes):.1f} %", one.name)
         for one in topics
     ]
     lines(columns(rows) if rows else [])

@@ -9,11 +9,11 @@ from pathlib import Path
 
 from lcmtools.bag.recorder import BagRecorder, Progress
 from lcmtools.bag.series import LogSeries
-from lcmtools.bag.summary_report import bytes_text
 from lcmtools.cli.bus import notify
 from lcmtools.errors import LcmtoolsError
 from lcmtools.node.node import Node
 from lcmtools.node.spinning import spin_once
+from lcmtools.observe.describe import size_text
 from lcmtools.observe.losses import Loss
 from lcmtools.terminal import Terminal, TerminalKeys, is_terminal
 
@@ -54,7 +54,7 @@ def reported(recorder: BagRecorder, series: LogSeries) -> Iterator[None]:
             yield
     except LcmtoolsError as error:
         if is_begun and not error.hint and series.paths:
-            kept = bytes_text(series.paths[-1].stat().st_size)
+            kept = size_text(series.paths[-1].stat().st_size)
             hint = f"{series.paths[-1]} has {kept} of whole messages"
             raise LcmtoolsError(error.what, hint) from error
         raise
@@ -69,7 +69,7 @@ def last_word(progress: Progress, series: LogSeries) -> str:
     where = (
         f"{paths[0]} to {paths[-1].name}" if len(paths) > 1 else paths[0] if paths else "no file"
     )
-    what = f"{_counted(progress.messages)} ({bytes_text(progress.bytes)}) in {where}"
+    what = f"{_counted(progress.messages)} ({size_text(progress.bytes)}) in {where}"
     return f"{what}; {losses_text(progress.losses)}"
 
 
@@ -121,16 +121,16 @@ class _Line:
         flow = (progress.bytes - self._last.bytes) / seconds
         parts = [
             f"{_counted(progress.messages)}, {rate:.0f}/s",
-            f"{bytes_text(progress.bytes)}, {bytes_text(flow)}/s",
+            f"{size_text(progress.bytes)}, {size_text(flow)}/s",
         ]
         if not progress.is_writing:
-            kept = f"{_counted(progress.kept_messages)}, {bytes_text(progress.kept_bytes)}"
+            kept = f"{_counted(progress.kept_messages)}, {size_text(progress.kept_bytes)}"
             parts = [f"keeping {kept} (s saves)", *([parts[0]] if progress.messages else [])]
         if progress.is_paused:
             parts.insert(0, "paused (space goes on)")
         folder = self._series.paths[-1].parent if self._series.paths else Path()
         with suppress(OSError):
-            parts.append(f"{bytes_text(shutil.disk_usage(folder).free)} free")
+            parts.append(f"{size_text(shutil.disk_usage(folder).free)} free")
         lost = sum(loss.lost for loss in progress.losses.values())
         parts.append(f"{lost} lost" if lost else "none lost")
         return "; ".join(parts)

@@ -4,10 +4,10 @@ import signal
 import time
 from ipaddress import ip_address
 
-from lcmtools.bag.summary_report import bytes_text
 from lcmtools.bus.url import BusUrl
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
+from lcmtools.observe.describe import size_text
 from lcmtools.relay.hub import Hub, HubCounts, serve
 
 _SHOWN_EVERY = 0.5  # [s]
@@ -39,12 +39,12 @@ class _Shown:
         messages, size = counts.messages - self._last[0], counts.bytes - self._last[1]
         self._time, self._last = time.monotonic(), (counts.messages, counts.bytes)
         clients = "1 client" if counts.clients == 1 else f"{counts.clients} clients"
-        flow = f"{messages / seconds:.0f} messages/s, {bytes_text(size / seconds)}/s"
+        flow = f"{messages / seconds:.0f} messages/s, {size_text(size / seconds)}/s"
         self._line.write(f"{clients}; {flow}; {_dropped(counts)}")
 
 
 def _counted(counts: HubCounts) -> str:
-    return f"{counts.messages} messages ({bytes_text(counts.bytes)}); {_dropped(counts)}"
+    return f"{counts.messages} messages ({size_text(counts.bytes)}); {_dropped(counts)}"
 
 
 def _dropped(counts: HubCounts) -> str:

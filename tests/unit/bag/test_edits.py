@@ -14,7 +14,7 @@ from lcmtools.observe.log_file import LogFile
 from lcmtools.observe.losses import Loss
 from lcmtools.types.std_msgs import Float64, String
 from lcmtools.wire.log import encode_event
-from lcmtools.wire.log_index import RecordedNode, RecordedType
+from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 
 _SECOND = 1_000_000_000
@@ -51,7 +51,8 @@ def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             if tenth % 10 == 0:
                 log.add(Packet("/chatter", _text(str(tenth)), time), other)
             log.flush()
-        log.set_losses({one: (2, 1002)})
+        log.add_lost(LostMessages(_START + 20 * _SECOND, {one: (2, 202), other: (-1, 20)}))
+        log.add_lost(LostMessages(_START + 80 * _SECOND, {one: (1, 601), other: (1, 60)}))
     return tmp_path / "in.lcmlog"
 
 
@@ -75,7 +76,7 @@ def test_filter_keeps_what_meets_the_condition_with_its_senders() -> None:
     assert {packet.sender for packet in found} == {_ONE._replace(name="/driver")}
     with LogFile("out.lcmlog") as log:
         assert log.index.types == {"a_msgs/A": _TYPE}
-        assert log.losses() == {_ONE._replace(name="/driver"): Loss(2, 1002)}
+        assert log.losses() == {_ONE._replace(name="/driver"): Loss(3, 803)}
         assert log.senders[log.index.nodes[0].sender].name == "/driver"
         assert log.index.size == log.size
 
@@ -92,6 +93,21 @@ def test_cut_takes_a_part() -> None:
     assert _times(_read("out.lcmlog")) == pytest.approx(
         [49.9 + n / 10 for n in (0, 1, 1, *range(2, 11))]
     )
+
+
+def test_a_part_has_the_losses_of_its_times_and_senders() -> None:
+    one, other = _ONE._replace(name="/driver"), _OTHER._replace(name="talker.py")
+    _bag("cut", "in.lcmlog", "early.lcmlog", "-e", "50s")
+    with LogFile("early.lcmlog") as log:
+        assert log.losses() == {one: Loss(2, 202), other: Loss(0, 20)}
+    _bag("filter", "in.lcmlog", "late.lcmlog", "-s", "30s", "-t", "/chatter")
+    _bag("shift", "late.lcmlog", "shifted.lcmlog", "--by", "10m")
+    _bag("cut", "shifted.lcmlog", "again.lcmlog", "-s", "40s", "-d", "11s")
+    with LogFile("again.lcmlog") as log:
+        assert log.losses() == {other: Loss(1, 60)}
+    _bag("merge", "early.lcmlog", "again.lcmlog", "-o", "both.lcmlog")
+    with LogFile("both.lcmlog") as log:
+        assert log.losses() == {one: Loss(2, 202), other: Loss(0, 80)}
 
 
 def test_rename_changes_announcements_too() -> None:

@@ -9,6 +9,7 @@ from lcmtools.bag.writer import LogWriter
 from lcmtools.cli.main import main
 from lcmtools.messages.codec import encode
 from lcmtools.types.std_msgs import Float64
+from lcmtools.wire.log_index import LostMessages
 from lcmtools.wire.packet import Packet, Sender
 
 _SECOND = 1_000_000_000
@@ -24,7 +25,7 @@ def _write(path: str, numbers: list[int], late: int = 0) -> None:
             log.add(Packet("/speed", encode(message), number * _SECOND // 10 + late), sender)
             if number % 10 == 0:
                 log.add(Packet("/raw", b"12345678" * 10, number * _SECOND // 10 + late), sender)
-        log.set_losses({sender: (2, 1000)})
+        log.add_lost(LostMessages(0, {sender: (2, 1000)}))
 
 
 @pytest.fixture(autouse=True)

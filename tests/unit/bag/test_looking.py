@@ -13,7 +13,7 @@ from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.graph.protocol import Announcement, encode_announcement
 from lcmtools.messages.codec import encode
 from lcmtools.types.std_msgs import Float64
-from lcmtools.wire.log_index import RecordedNode
+from lcmtools.wire.log_index import LostMessages, RecordedNode
 from lcmtools.wire.packet import Packet, Sender
 
 _SECOND = 1_000_000_000
@@ -38,7 +38,7 @@ def look(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Bag:
             log.add(Packet("/speed", encode(message), time), driver)
             message.data = float("nan")
             log.add(Packet("PROBE", encode(message), time), program)
-        log.set_losses({driver: (5, 105)})
+        log.add_lost(LostMessages(_START, {driver: (5, 105)}))
 
     def run(*words: str) -> tuple[int, str, str]:
         code = main([*words, "--bag", str(path)])

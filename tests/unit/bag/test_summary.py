@@ -7,14 +7,16 @@ import pytest
 
 from lcmtools.bag.reindex import reindex_log
 from lcmtools.bag.summary import summarize
-from lcmtools.bag.summary_report import bytes_text, span_text, time_text
+from lcmtools.bag.summary_report import span_text, time_text
 from lcmtools.bag.writer import LogWriter
 from lcmtools.cli.main import main
 from lcmtools.messages.codec import encode
 from lcmtools.observe.log_file import LogFile, index_path
 from lcmtools.observe.losses import Loss
-from lcmtools.types.std_msgs import String
+from lcmtools.packages.user_types import source_text
+from lcmtools.types.std_msgs import Header, String
 from lcmtools.wire.log import encode_event
+from lcmtools.wire.log_index import LostMessages
 from lcmtools.wire.packet import Packet, Sender
 
 _SECOND = 1_000_000_000
@@ -41,7 +43,7 @@ def path(tmp_path: Path) -> Path:
             if half % 10 == 0:
                 log.add(Packet("RAW", b"\1" * 8, time), driver if half < 100 else talker)
             log.flush()
-        log.set_losses({talker: (3, 500)})
+        log.add_lost(LostMessages(0, {talker: (3, 500)}))
     return path
 
 
@@ -93,6 +95,26 @@ def test_an_index_is_completed_with_what_it_had(path: Path) -> None:
     assert not list(path.parent.glob(".*"))
 
 
+def test_an_index_gets_the_definitions_of_types_that_are_known_here(tmp_path: Path) -> None:
+    log = tmp_path / "plain.lcmlog"
+    head = encode(Header())
+    packets = [
+        Packet("/chatter", _string("a"), 0),
+        Packet("/head", head, 0),
+        Packet("/raw", head[:9], 0),
+    ]
+    log.write_bytes(b"".join(encode_event(number, one) for number, one in enumerate(packets)))
+    with LogFile(log) as file:
+        reindex_log(file)
+    with LogFile(log) as file:
+        types = file.index.types
+        assert list(types) == ["std_msgs/String", "std_msgs/Header", "std_msgs/Time"]
+        assert types["std_msgs/Header"].source.strip() == source_text(Header)
+        reindex_log(file)
+    with LogFile(log) as file:
+        assert file.index.types == types
+
+
 def test_info_prints_what_a_log_has(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["bag", "info", str(path)]) == 0
     text = capsys.readouterr().out
@@ -101,7 +123,7 @@ def test_info_prints_what_a_log_has(path: Path, capsys: pytest.CaptureFixture[st
     assert "index:     complete\n" in text
     assert "lost:      3 of 500 (0.6 %) of /talker, before they were recorded\n" in text
     row = next(line for line in text.splitlines() if line.startswith("/chatter"))
-    cells = "/chatter std_msgs/String 200 1.67 Hz 18 B 3.6 KB 20.5 s /talker"
+    cells = "/chatter std_msgs/String 200 1.67 Hz 18 B 3.60 KB 20.5 s /talker"
     assert " ".join(row.split()) == cells
     assert main(["bag", "info", str(path), "--json"]) == 0
     record = json.loads(capsys.readouterr().out)[0]
@@ -130,10 +152,7 @@ def test_strange_logs_have_a_summary(tmp_path: Path, capsys: pytest.CaptureFixtu
     )
 
 
-def test_words_of_sizes_spans_and_times() -> None:
-    assert list(map(bytes_text, (0, 999, 1000, 1_500_000, 2e10))) == [
-        *("0 B", "999 B", "1.0 KB", "1.5 MB", "20.0 GB")
-    ]
+def test_words_of_spans_and_times() -> None:
     assert list(map(span_text, (0.01234, 59.9, 60, 3600, 7265))) == [
         *("0.0123 s", "59.9 s", "1m 00s", "1h 00m", "2h 01m")
     ]

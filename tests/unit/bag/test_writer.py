@@ -13,7 +13,7 @@ from lcmtools.bag.writer import LogWriter
 from lcmtools.errors import LcmtoolsError
 from lcmtools.observe.log_file import LogFile, index_path
 from lcmtools.wire.log_compression import Compression
-from lcmtools.wire.log_index import RecordedNode, RecordedType
+from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 
 _ONE, _OTHER = Sender("127.0.0.1", 4001), Sender("127.0.0.1", 4002)
@@ -75,12 +75,13 @@ def test_types_announcements_and_losses_are_kept(path: Path) -> None:
     with LogWriter(path) as writer:
         writer.add_types([kind, kind])
         writer.add_node(RecordedNode(5, 0, b"\xff\x00"))
-        writer.set_losses({0: (1, 9)})
-        writer.set_losses({0: (3, 20), 1: (1, 5)})
+        writer.add_lost(LostMessages(5, {0: (1, 9)}))
+        writer.add_lost(LostMessages(9, {0: (2, 11), 1: (1, 5)}))
     with LogFile(path) as log:
         assert log.index.types == {"a_msgs/A": kind}
         assert log.index.nodes == [RecordedNode(5, 0, b"\xff\x00")]
-        assert log.index.losses == {0: (3, 20), 1: (1, 5)}
+        assert [lost.time for lost in log.index.lost] == [5, 9]
+        assert log.losses() == {}  # of senders that the index does not name
     assert index_path(path).read_text().count("a_msgs/A.lcm") == 1
 
 

@@ -9,11 +9,11 @@ from lcmtools.observe.channel_columns import (
     jitter_text,
     loss_text,
     rate_text,
-    size_text,
     type_text,
 )
 from lcmtools.observe.channel_table import cut, table, width_of
 from lcmtools.observe.channels import ChannelRow, matching
+from lcmtools.observe.describe import size_text
 
 ROWS = (
     ChannelRow(

@@ -21,7 +21,7 @@ from lcmtools.observe.monitor import BusMonitor
 from lcmtools.observe.senders import SenderNames, SocketTable, is_here
 from lcmtools.observe.sources import LogObserver
 from lcmtools.types.std_msgs import String
-from lcmtools.wire.log_index import RecordedNode, RecordedType
+from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 
 _HERE = Sender("127.0.0.1", 45678)
@@ -74,7 +74,7 @@ def path(tmp_path: Path) -> Path:
         for second in range(1, 60):
             log.add(Packet("/chatter", _string(str(second)), second * _SECOND), stayed)
             log.add(Packet("RAW", b"\1" * 8, second * _SECOND), program)
-        log.set_losses({stayed: (3, 90)})
+        log.add_lost(LostMessages(0, {stayed: (3, 90)}))
     return path
 
 

@@ -1,0 +1,57 @@
+"""The notes of a recorder, as the index of a file has them."""
+
+from collections.abc import Iterator
+from concurrent.futures import Executor, ThreadPoolExecutor
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from lcmtools.bag.index_notes import IndexNotes
+from lcmtools.bag.writer import LogWriter
+from lcmtools.observe.log_file import LogFile
+from lcmtools.observe.losses import Loss
+from lcmtools.wire.log_index import LostMessages
+from lcmtools.wire.packet import Packet, Sender
+
+_ONE, _OTHER = Sender("10.0.0.7", 4001), Sender("10.0.0.8", 4002)
+
+
+@pytest.fixture
+def worker() -> Iterator[Executor]:
+    with ThreadPoolExecutor(1) as pool:
+        yield pool
+
+
+def test_losses_are_noted_with_the_time_of_the_message_that_showed_them(
+    tmp_path: Path, worker: Executor
+) -> None:
+    known: dict[Sender, Loss] = {}
+    monitor = SimpleNamespace(
+        losses=lambda: dict(known),
+        types_of=lambda _: (),
+        graph=lambda: SimpleNamespace(nodes=()),
+    )
+    notes = IndexNotes(monitor, worker)  # type: ignore[arg-type] # all that it needs
+    first, second = tmp_path / "a.lcmlog", tmp_path / "b.lcmlog"
+    with LogWriter(first) as writer:
+        notes.begin(writer)
+        for time, lost in ((1000, Loss(0, 10)), (2000, Loss(2, 20)), (3000, Loss(1, 30))):
+            known.update({_ONE: lost, _OTHER: Loss(5, 50)})
+            notes.add([Packet("/a", b"", time, _ONE)], writer)
+            notes.look(writer)
+        assert notes.losses == {str(_ONE): Loss(1, 30)}
+        notes.look(writer, in_full=True)
+    with LogWriter(second) as writer:
+        notes.begin(writer, is_split=True)
+        known[_ONE] = Loss(4, 40)
+        notes.add([Packet("/a", b"", 4000, _ONE), Packet("/b", b"", 4000, _OTHER)], writer)
+        notes.look(writer, in_full=True)
+    with LogFile(first) as log:
+        noted = [(0, 10), (2, 10), (-1, 10)]
+        assert log.index.lost == [
+            LostMessages(time * 1000, {0: counts})
+            for time, counts in zip((1, 2, 3), noted, strict=True)
+        ]
+    with LogFile(second) as log:
+        assert [loss for _, loss in sorted(log.losses().items())] == [Loss(3, 10)]
