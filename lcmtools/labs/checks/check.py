@@ -9,7 +9,7 @@ from lcmtools.errors import UsageError
 from lcmtools.labs.catalogue import Lab, LabProgram
 from lcmtools.labs.checks import dolly, husky, path, teleop, viewer
 from lcmtools.labs.checks.diagnosis import DIED, RAISED, SAME, cause_of, raised
-from lcmtools.labs.checks.observations import last_failure, last_words
+from lcmtools.labs.checks.observations import Observations, last_failure, last_words
 from lcmtools.labs.checks.programs import split_command
 from lcmtools.labs.checks.results import Cause, CheckResult, Report
 from lcmtools.labs.checks.test_bench import TestBench, TimeLimitReached
@@ -116,7 +116,7 @@ def check(
     """
     results = []
     with TestBench(lab, run.program, rate, time_limit) as bench:
-        explanation = Explanation(bench)
+        explanation = Explanation(bench.observe)
         for result in _limited(_rows(bench, run), time_limit):
             explained = explanation.of(result)
             if result.cause == RAISED and explained.follows:
@@ -172,7 +172,7 @@ def _limited(results: Iterator[CheckResult], time_limit: float) -> Iterator[Chec
 class Explanation:
     """The causes of the rows that are not ok: each is given once, at the first of its rows."""
 
-    bench: TestBench
+    observe: Callable[[], Observations]
     _first: dict[str, str] = field(default_factory=dict)
     _last: str = ""
 
@@ -180,7 +180,7 @@ class Explanation:
         """Return a row with its cause, or with the row that it follows from."""
         if result.is_ok:
             return replace(result, hint="", cause="")
-        observed = self.bench.observe()
+        observed = self.observe()
         cause = Cause(self._last, "") if result.cause == SAME else cause_of(result, observed)
         first = self._first.setdefault(cause.key, result.what)
         self._last = cause.key

@@ -18,9 +18,9 @@ from lcmtools.types.sensor_msgs import LaserScan
 
 _FORWARD, _TURN_RATE, _RATE = 0.5, 0.3, 2.0  # [m/s], [rad/s], [Hz]: as the lab specifies
 _RADIUS = _FORWARD / _TURN_RATE
-_VELOCITY, _SCAN = "/dolly/cmd_vel", "/dolly/laser_scan"
-_FIRST, _SOME = 10.0, 8  # [s], commands
-_ROUND = 2 * math.pi / _TURN_RATE  # [s] simulated
+VELOCITY, _SCAN = "/dolly/cmd_vel", "/dolly/laser_scan"
+_FIRST, SOME = 10.0, 8  # [s], commands
+ROUND = 2 * math.pi / _TURN_RATE  # [s] simulated
 _NUMBER = re.compile(r"(?<![\w.])\d+\.(\d+)(?![\w.])")
 _ANY_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+)?(?![\w.])")
 _NEWEST = 20  # numbers
@@ -33,27 +33,28 @@ _NOISE = 0.03  # [m]
 def check_mover(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
     """Check a program that drives the Dolly in a circle."""
     seen, times = bench.recorder, list[float]()
-    bench.node.create_subscription(Twist, _VELOCITY, lambda _: times.append(time.monotonic()))
-    commands = seen.record(Twist, _VELOCITY)
+    bench.node.create_subscription(Twist, VELOCITY, lambda _: times.append(time.monotonic()))
+    commands = seen.record(Twist, VELOCITY)
     seen.record_command(Twist)
     program = bench.start(command)
-    first = bench.first_command(f"does it publish on {_VELOCITY}?")
+    first = bench.first_command(f"does it publish on {VELOCITY}?")
     if not first.is_ok:
         yield first
         return
-    bench.wait(lambda: len(times) >= _SOME, _SOME / _RATE * 2)
-    yield _rate(times, time.monotonic())
-    yield _velocity(commands[-1])
+    bench.wait(lambda: len(times) >= SOME, SOME / _RATE * 2)
+    yield rate_row(times, time.monotonic())
+    yield velocity_row(commands[-1])
     if program.code is not None:
         yield program.early_end("circle that it drives")
         return
     start, sample, touch = bench.time, len(seen.motion), len(seen.touches)
-    longest = min(3 * _ROUND, _LONGEST_DRIVE)
-    bench.wait(lambda: bench.time - start > _ROUND or program.code is not None, longest)
-    yield _circle(seen.motion[sample:], seen.touches[touch:], commands[-1])
+    longest = min(3 * ROUND, _LONGEST_DRIVE)
+    bench.wait(lambda: bench.time - start > ROUND or program.code is not None, longest)
+    yield circle_row(seen.motion[sample:], seen.touches[touch:], commands[-1])
 
 
-def _rate(times: Sequence[float], now: float) -> CheckResult:
+def rate_row(times: Sequence[float], now: float) -> CheckResult:
+    """Return the row of the rate of commands, by their times until now [s]."""
     gaps = [after - before for before, after in pairwise(times)]
     rate = 1 / statistics.fmean(gaps) if gaps else 0.0
     cause = rate_cause(len(times), rate, now - times[-1])
@@ -79,7 +80,8 @@ def rate_cause(count: int, rate: float, silent: float) -> Cause:
     return Cause("rate", f"commands come too {word}, every {1 / rate:.2g} s: {timer}")
 
 
-def _velocity(twist: Twist) -> CheckResult:
+def velocity_row(twist: Twist) -> CheckResult:
+    """Return the row of the velocity of a command."""
     forward, turn_rate = twist.linear.x, twist.angular.z
     cause = velocity_cause(twist)
     is_alike = math.isclose(forward, _FORWARD) and math.isclose(turn_rate, _TURN_RATE)
@@ -109,7 +111,8 @@ def velocity_cause(twist: Twist) -> Cause:
     return Cause("velocity", "set linear.x and angular.z; everything else stays 0")
 
 
-def _circle(path: Sequence[TrueState], touches: Sequence[Touch], twist: Twist) -> CheckResult:
+def circle_row(path: Sequence[TrueState], touches: Sequence[Touch], twist: Twist) -> CheckResult:
+    """Return the row of the circle that a robot has driven."""
     radius = fit_radius([(place.x, place.y) for place in path])
     cause = circle_cause(radius, touches, twist)
     stuck = f", stuck on {touches[0]}" if touches else ""

@@ -28,8 +28,8 @@ _SOME = 6  # messages
 _SOME_TIME = 10.0  # [s] in which they are to come
 _NEAR = 0.5  # [m]
 _LATE = 10.0  # [s] of a check, after which further causes need not be confirmed in real time
-_FASTEST, _TURN = Step(1.0, 0.0), Step(0.0, 0.3)
-_STEPS = (Step(0.1, 0.0), Step(0.5, 0.0), _FASTEST, REST, _TURN)
+FASTEST, _TURN = Step(1.0, 0.0), Step(0.0, 0.3)
+STEPS = (Step(0.1, 0.0), Step(0.5, 0.0), FASTEST, REST, _TURN)
 _LOST = ("speed-sign", "measured", "zero", "weak", "unmoved-linear.x", "stop")
 """Causes after which other speeds would show nothing new."""
 
@@ -69,7 +69,7 @@ class _Robot:
     def prepare(self, step: Step) -> None:
         """Put the robot at rest, or drive it if it is to stop."""
         if step == REST:
-            self._settle(_FASTEST, lambda: self._samples[-1].forward > _FASTEST.forward / 2)
+            self._settle(FASTEST, lambda: self._samples[-1].forward > FASTEST.forward / 2)
         else:
             self._settle(REST, lambda: is_at_rest(self._samples))
             self._bench.reset_pose()
@@ -118,7 +118,7 @@ def check_controller(bench: TestBench, command: Sequence[str]) -> Iterator[Check
     yield first
     confirmed: set[str] = set()
     is_lost, is_whole = False, not first.is_ok
-    for step in _STEPS if first.is_ok else ():
+    for step in STEPS if first.is_ok else ():
         if is_whole or (is_lost and step != _TURN):
             yield CheckResult(step.title, step.wanted, "not measured", is_ok=False, cause=SAME)
             continue

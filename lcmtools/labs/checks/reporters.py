@@ -12,9 +12,12 @@ _LINE = "  {:6}  {:34}  {:24}  {}"
 _BELOW = " " * 10
 
 
-def heading(program: str, command: Sequence[str], *, is_answer: bool = False) -> list[str]:
-    """Return the lines above a program's rows: whose program it is, and the columns."""
-    whose = "the model answer of lcmtools" if is_answer else "your program"
+def heading(
+    program: str, command: Sequence[str], *, is_answer: bool = False, is_log: bool = False
+) -> list[str]:
+    """Return the lines above a program's rows: whose program or log it is, and the columns."""
+    whose = "a recorded run" if is_log else "your program"
+    whose = "the model answer of lcmtools" if is_answer else whose
     title = _LINE.format("", f"{program}:", "wanted", "measured")
     return ["", f"checking {whose}: {shlex.join(command)}", title]
 

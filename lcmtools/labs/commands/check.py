@@ -1,8 +1,6 @@
 """``lcmtools lab check``."""
 
-import os
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Callable
 from pathlib import Path
 
 import click
@@ -15,7 +13,6 @@ from lcmtools.labs.catalogue import LABS, find_lab
 from lcmtools.labs.checks.results import as_specified
 
 _FILE = click.Path(dir_okay=False, path_type=Path)
-_CLASS_LIMIT = 120.0  # [s] for each program of a class
 
 
 def _program_options(command: Callable[..., int]) -> Callable[..., int]:
@@ -44,6 +41,7 @@ def _program_options(command: Callable[..., int]) -> Callable[..., int]:
 @option("--rate", type=rate, help="Times real time (else 4, and 1 to confirm what fails).")
 @option("--time-limit", type=duration, help="Real time for each program.")
 @option("--plot", type=_FILE, help="Write a PNG of velocities and the path.")
+@option("-b", "--bag", "log", metavar="FILE", help="Judge a recorded run.", completer="files")
 @option("--junit", type=_FILE, help="Write the results as JUnit's XML.")
 @json_option
 def command(
@@ -54,6 +52,7 @@ def command(
     rate: float | None,
     time_limit: float | None,
     plot: Path | None,
+    log: str | None,
     junit: Path | None,
     as_json: bool,
     **programs: str | None,
@@ -70,6 +69,9 @@ def command(
     programs are found by name (simple_controller.py), or run by COMMAND with {program} in it.
     As many are checked at a time as there are processors, or --jobs says.
 
+    With --bag no program is run: the messages of a log are judged in the same way, as far as they
+    are what the lab asks for, and what they do not allow to judge is said.
+
     \b
     Examples:
       lcmtools lab check husky
@@ -77,29 +79,34 @@ def command(
       lcmtools lab check pioneer --teleop ./my_teleop --viewer "./my_viewer {picture}"
       lcmtools lab check husky --controller "python mine.py" --plot mine.png
       lcmtools lab check dolly --programs class/ --junit results.xml
+      lcmtools lab check husky --bag drive.lcmlog
     """
-    from lcmtools.labs.checks.class_check import ClassCheck
     from lcmtools.labs.checks.reporters import junit as junit_text
-    from lcmtools.labs.checks.reporters import record, summary, table
-    from lcmtools.labs.commands.checking import check_one, show_report, write
+    from lcmtools.labs.commands import checking
 
     lab = find_lab(name)
     chosen = {option: text for option, text in programs.items() if text is not None}
     show = (lambda _: None) if as_json else lines
-    if folder is None:
-        if jobs:
-            raise UsageError("--jobs is for --programs FOLDER", "leave it out")
-        submissions = {"": check_one(lab, chosen, rate, time_limit, plot, show)}
-        report: object = record(lab.name, submissions[""])
-        text: Sequence[str] = summary(submissions[""])
+    if jobs and not folder:
+        raise UsageError("--jobs is for --programs FOLDER", "leave it out")
+    if log and (chosen or folder or rate or time_limit or plot):
+        raise UsageError("--bag runs no program", "leave out the programs and how they are run")
+    if log:
+        outcome = checking.check_recorded(lab, log, show)
+    elif folder:
+        outcome = checking.check_class(
+            lab,
+            chosen,
+            folder,
+            jobs=jobs,
+            rate=rate,
+            time_limit=time_limit,
+            plot=plot,
+            show=show,
+        )
     else:
-        arguments = ["--time-limit", f"{time_limit or _CLASS_LIMIT:g}"]
-        arguments += ["--rate", f"{rate:g}"] if rate else []
-        checker = ClassCheck(lab, chosen, arguments, plot, jobs or os.cpu_count() or 1)
-        submissions = checker.run(folder, partial(show_report, show))
-        report = [{"submission": one, **record(lab.name, r)} for one, r in submissions.items()]
-        text = ["", *table(submissions)]
+        outcome = checking.check_one(lab, chosen, rate, time_limit, plot, show)
     if junit:
-        write(junit, junit_text(lab.name, submissions).encode())
-    document(report) if as_json else lines(text)
-    return 0 if all(map(as_specified, submissions.values())) else 1
+        checking.write(junit, junit_text(lab.name, outcome.submissions).encode())
+    document(outcome.record) if as_json else lines(outcome.summary)
+    return 0 if all(map(as_specified, outcome.submissions.values())) else 1

@@ -1,16 +1,32 @@
 """Checks of one person's programs, or of a class: their rows shown as they come."""
 
+import os
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
+from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
+from lcmtools.bag.log import Log
 from lcmtools.cli.output import talk
 from lcmtools.errors import os_errors_as
 from lcmtools.labs.catalogue import Lab
 from lcmtools.labs.checks.check import check, choose
-from lcmtools.labs.checks.reporters import heading, result_lines
+from lcmtools.labs.checks.class_check import ClassCheck
+from lcmtools.labs.checks.log_check import check_log
+from lcmtools.labs.checks.reporters import heading, record, result_lines, summary, table
 from lcmtools.labs.checks.results import CheckResult, Report
 
 Show = Callable[[Sequence[str]], object]
+_CLASS_LIMIT = 120.0  # [s] for each program of a class
+
+
+class Outcome(NamedTuple):
+    """The outcome of a check: reports by submission, all of it for JSON, the last lines."""
+
+    submissions: Mapping[str, list[Report]]
+    record: object
+    summary: Sequence[str]
 
 
 def check_one(
@@ -20,7 +36,7 @@ def check_one(
     time_limit: float | None,
     plot: Path | None,
     show: Show,
-) -> list[Report]:
+) -> Outcome:
     """Check the programs of one person, and show each row as it comes."""
     reports: list[Report] = []
     world: Mapping[str, object] = {}
@@ -39,10 +55,42 @@ def check_one(
 
         write(plot, plotted(world, reports))
         talk(f"saved {plot}")
-    return reports
+    return Outcome({"": reports}, record(lab.name, reports), summary(reports))
 
 
-def show_report(show: Show, name: str, report: Report) -> None:
+def check_recorded(lab: Lab, path: str, show: Show) -> Outcome:
+    """Judge a recorded run, and show its rows; and what its log does not allow to judge."""
+    with Log(path) as log:
+        reports, others = check_log(lab, log)
+    for report in reports:
+        rows = [row for result in report.results for row in result_lines(result)]
+        show([*heading(report.program, report.command, is_log=True), *rows])
+    show(["", "not judged:", *(f"  {one}" for one in others), ""] if others else [])
+    extra = {"bag": path, "not_judged": list(map(asdict, others))}
+    return Outcome({"": reports}, {**record(lab.name, reports), **extra}, summary(reports))
+
+
+def check_class(
+    lab: Lab,
+    programs: Mapping[str, str],
+    folder: Path,
+    *,
+    jobs: int | None,
+    rate: float | None,
+    time_limit: float | None,
+    plot: Path | None,
+    show: Show,
+) -> Outcome:
+    """Check each submission in a folder, and show the rows of each program once it is done."""
+    arguments = ["--time-limit", f"{time_limit or _CLASS_LIMIT:g}"]
+    arguments += ["--rate", f"{rate:g}"] if rate else []
+    checker = ClassCheck(lab, programs, arguments, plot, jobs or os.cpu_count() or 1)
+    found = checker.run(folder, partial(_show_report, show))
+    records = [{"submission": one, **record(lab.name, reports)} for one, reports in found.items()]
+    return Outcome(found, records, ["", *table(found)])
+
+
+def _show_report(show: Show, name: str, report: Report) -> None:
     """Show the rows of a program of a class, once it is done."""
     rows = [row for result in report.results for row in result_lines(result)]
     head = heading(report.program, report.command)[1:] if report.command else []

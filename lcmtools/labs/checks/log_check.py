@@ -1,0 +1,261 @@
+"""The checks of a lab on a run that was recorded, as far as a log allows.
+
+A log has messages. What a program prints and saves, the keys that drive it, the way it ends, and a
+velocity that was never desired in it cannot be judged: that is said of each program.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+from lcmtools.bag.log import Log
+from lcmtools.labs.catalogue import Lab, LabProgram
+from lcmtools.labs.checks import dolly, husky, path
+from lcmtools.labs.checks.check import Explanation
+from lcmtools.labs.checks.observations import TrueState
+from lcmtools.labs.checks.recorded_run import PATH, RecordedRun, read_run
+from lcmtools.labs.checks.results import CheckResult, Report
+from lcmtools.labs.checks.step_response import REST, Step, StepRun, is_at_rest, judge
+from lcmtools.types.air_lab0 import ControllerEvaluationStat
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry, Path
+
+_EVERY = 5  # samples, until a step is looked at again
+_RECENT = 3  # odometry messages, one of which a sample of an evaluator is of
+_MOST = 0.95  # of the samples: those around a change of the desired velocity may be of either
+_NEAR = 0.005  # [m/s] and [rad/s]
+
+
+@dataclass(frozen=True, slots=True)
+class NotJudged:
+    """A requirement that a log says nothing about, and why."""
+
+    program: str
+    what: str
+    reason: str
+
+    def __str__(self) -> str:
+        """Return it in one line."""
+        return f"{self.program}, {self.what}: {self.reason}"
+
+
+Rows = Iterator[CheckResult | NotJudged]
+
+
+def check_log(lab: Lab, log: Log) -> tuple[list[Report], list[NotJudged]]:
+    """Return the reports of a lab's programs, by a log, and what it does not allow to judge.
+
+    Raises:
+        LcmtoolsError: The log has nothing of the lab.
+    """
+    run = read_run(lab, log)
+    reports, others = [], list[NotJudged]()
+    for program in lab.programs:
+        observed = run.observations(program)
+        explanation = Explanation(lambda observed=observed: observed)  # type: ignore[misc]
+        results = []
+        for row in _JUDGES[program.option](run, program):
+            if isinstance(row, NotJudged):
+                others.append(row)
+            else:
+                results.append(replace(explanation.of(row), said=""))
+        if results:
+            command = (str(log.path),)
+            reports.append(
+                Report(program.option, command, results, observed, duration=log.duration)
+            )
+    return reports, others
+
+
+def _controller(run: RecordedRun, program: LabProgram) -> Rows:
+    if not run.commands(program):
+        yield _no_message(program, *program.publishes)
+        return
+    runs = list(_steps(run, program))
+    for step in husky.STEPS:
+        found = [one for one in runs if one.step == step]
+        whole = [one for one in found if one.is_over()]
+        if whole:
+            yield judge(whole[-1])
+        elif found:
+            longest = max(one.duration for one in found)
+            reason = f"it was desired for {longest:.1f} s only"
+            yield NotJudged(program.option, step.title, reason)
+        else:
+            start = "at 1 m/s" if step == REST else "from rest"
+            reason = f"it was never desired {start}"
+            yield NotJudged(program.option, step.title, reason)
+
+
+def _steps(run: RecordedRun, program: LabProgram) -> Iterator[StepRun]:
+    """Yield the steps of the desired velocity that begin as the lab's do."""
+    motion, commands = run.motion("odometry"), run.commands(program)
+    desired, pace = run.desired(), run.pace()
+    ends = [one.time for one in desired[1:]] + [math.inf]
+    for one, end in zip(desired, ends, strict=True):
+        step = Step(one.forward, one.turn_rate)
+        before = [state for state in motion if state.time <= one.time][-1:]
+        if not (before[0].forward > husky.FASTEST.forward / 2 if before and step == REST
+                else is_at_rest(before)):  # fmt: skip
+            continue
+        states = [state for state in motion if one.time < state.time < end]
+        own = [command for command in commands if one.time < command.time < end]
+        for size in [*range(_EVERY, len(states), _EVERY), len(states)]:
+            seen = states[:size]
+            since = [command for command in own if seen and command.time <= seen[-1].time]
+            found = StepRun(step, seen, since, (), pace)
+            if found.is_over():
+                break
+        yield found
+
+
+def _evaluator(run: RecordedRun, program: LabProgram) -> Rows:
+    stats = [one for _, one in run.messages(program.publishes[0], ControllerEvaluationStat)]
+    if not stats:
+        yield _no_message(program, *program.publishes)
+        return
+    steps = [after.samples - before.samples for before, after in pairwise(stats)]
+    odd = len(steps) - steps.count(1)
+    yield CheckResult(
+        "samples",
+        "1 more each time",
+        f"{stats[0].samples} to {stats[-1].samples} in {len(stats)} messages",
+        is_ok=not odd,
+        hint=f"{odd} of {len(steps)} differ by another number; where the recorder lost messages, as"
+        " lcmtools bag info shows, they do",
+    )
+    errors = list(_errors(run, program.publishes[0]))
+    right = [any(abs(stat.last_error - math.hypot(*e)) <= _NEAR for e in near)
+             for stat, near in errors]  # fmt: skip
+    wrong = [one for one, is_right in zip(errors, right, strict=True) if not is_right]
+    cause = husky.error_cause(wrong[-1][0].last_error, Step(*wrong[-1][1][-1])) if wrong else ""
+    formula = "the root of (v - desired v)^2 + (w - desired w)^2"
+    yield CheckResult(
+        "last_error",
+        f"{_MOST:.0%} are those of the odometry",
+        f"{sum(right)} of {len(right)}",
+        is_ok=sum(right) >= _MOST * len(right) > 0,
+        hint=f"it is {cause}, and should be {formula}" if cause else formula,
+    )
+    yield _average(stats)
+
+
+def _errors(
+    run: RecordedRun, topic: str
+) -> Iterator[tuple[ControllerEvaluationStat, list[tuple[float, float]]]]:
+    """Yield each sample, with the errors of the odometry and desired velocities just before it."""
+    topics = (run.name("odometry"), run.name("desired_velocity"), topic)
+    every = sorted(
+        (one for name in topics for one in run.topics.get(name, ())), key=lambda one: one.arrival
+    )
+    velocities, desired = list[Twist](), list[Twist]()
+    for one in every:
+        if isinstance(one.message, Odometry):
+            velocities = [*velocities, one.message.twist.twist][-_RECENT:]
+        elif isinstance(one.message, Twist):
+            desired = [*desired, one.message][-2:]
+        elif isinstance(one.message, ControllerEvaluationStat) and velocities and desired:
+            yield (
+                one.message,
+                [
+                    (want.linear.x - has.linear.x, want.angular.z - has.angular.z)
+                    for want in desired
+                    for has in velocities
+                ],
+            )
+
+
+def _average(stats: Sequence[ControllerEvaluationStat]) -> CheckResult:
+    """The row of the average: the root of the mean square, or the mean, grows by the last error."""
+    pairs = [(a, b) for a, b in pairwise(stats) if b.samples == a.samples + 1]
+    right = sum(
+        any(
+            math.isclose(
+                b.samples * b.average_error**power,
+                a.samples * a.average_error**power + b.last_error**power,
+                rel_tol=1e-6,
+                abs_tol=1e-9,
+            )
+            for power in (1, 2)
+        )
+        for a, b in pairs
+    )
+    return CheckResult(
+        "average_error remembers",
+        "each is of one error more",
+        f"{right} of {len(pairs)}",
+        is_ok=right == len(pairs),
+        hint="it is the average of all samples, not of the last one",
+    )
+
+
+def _path(run: RecordedRun, program: LabProgram) -> Rows:
+    paths = [one for _, one in run.messages(PATH, Path)]
+    commands, motion = run.commands(program), run.motion("ground_truth", "odometry")
+    if not (paths and commands and motion):
+        topics = {PATH: paths, program.publishes[0]: commands, run.name("ground_truth"): motion}
+        yield _no_message(program, *(name for name, found in topics.items() if not found))
+        return
+    drive = path.DrivenPath([(one.pose.position.x, one.pose.position.y) for one in paths[0].poses])
+    for state in motion:
+        if state.time >= commands[0].time and not drive.is_over(state.time):
+            drive.add(state)
+    first, *others = path.judge(drive, ())
+    if drive.offsets and not drive.is_over(motion[-1].time):
+        reason = f"the log ends after {drive.along:.1f} of {drive.length:.1f} m"
+        yield NotJudged(program.option, first.what, reason)
+    else:
+        yield first
+    yield from others
+
+
+def _mover(run: RecordedRun, program: LabProgram) -> Rows:
+    found = run.topics.get(dolly.VELOCITY, [])
+    twists = [one.message for one in found if isinstance(one.message, Twist)]
+    if not twists:
+        yield _no_message(program, dolly.VELOCITY)
+        return
+    # a program that ended before the recording did is not silent
+    times = [one.arrival for one in found]
+    yield dolly.rate_row(times, run.end)
+    yield dolly.velocity_row(twists[-1])
+    first, last = found[0].time, found[-1].time
+    states = [one for one in run.motion("ground_truth", "odometry") if first <= one.time <= last]
+    circle = _last_part(states, dolly.ROUND)
+    if circle:
+        yield dolly.circle_row(circle, (), twists[-1])
+    else:
+        reason = f"a round takes {dolly.ROUND:.1f} s, and the log has {last - first:.1f} s of it"
+        yield NotJudged(program.option, "circle that it drives", reason)
+
+
+def _last_part(states: Sequence[TrueState], seconds: float) -> list[TrueState]:
+    """Return the states of the last seconds; none where there are not so many."""
+    if not states or states[-1].time - states[0].time < seconds:
+        return []
+    return [one for one in states if one.time >= states[-1].time - seconds]
+
+
+def _nothing(reason: str) -> Callable[[RecordedRun, LabProgram], Rows]:
+    def judge_nothing(_: RecordedRun, program: LabProgram) -> Rows:
+        yield NotJudged(program.option, "all of it", reason)
+
+    return judge_nothing
+
+
+def _no_message(program: LabProgram, *topics: str) -> NotJudged:
+    names = " or ".join(topics)
+    return NotJudged(program.option, "all of it", f"no message on {names} is in the log")
+
+
+_JUDGES: Mapping[str, Callable[[RecordedRun, LabProgram], Rows]] = {
+    "controller": _controller,
+    "evaluator": _evaluator,
+    "teleop": _nothing("the keys that were pressed are not in a log"),
+    "viewer": _nothing("the picture that it saves is not in a log"),
+    "path": _path,
+    "mover": _mover,
+    "reader": _nothing("the lines that it prints are not in a log"),
+}
+"""By the program's option."""

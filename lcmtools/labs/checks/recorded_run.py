@@ -1,0 +1,143 @@
+"""A run of a lab that was recorded: the robot's motion and the programs' messages in a log.
+
+It judges nothing.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from lcmtools.bag.log import Log
+from lcmtools.errors import LcmtoolsError
+from lcmtools.labs.catalogue import Lab, LabProgram
+from lcmtools.labs.checks.observations import CommandMessage, Desire, Observations, TrueState
+from lcmtools.messages.registry import Message
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.rosgraph_msgs import Clock
+from lcmtools.types.rosgraph_msgs import Log as LogMessage
+
+CLOCK, LOG_TOPIC, PATH = "/clock", "/rosout", "/path"
+
+MessageT = TypeVar("MessageT", bound=Message)
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedMessage:
+    """A message in a log: simulated time, the time of its recording [s], and what it is."""
+
+    time: float
+    arrival: float
+    message: Message
+
+
+@dataclass(slots=True)
+class RecordedRun:
+    """All messages of a lab's topics in a log, in the order of their recording.
+
+    Attributes:
+        lab: The lab.
+        topics: The messages by topic.
+        end: The time of the log's last message [s].
+    """
+
+    lab: Lab
+    topics: dict[str, list[RecordedMessage]] = field(default_factory=dict)
+    end: float = 0.0
+
+    def name(self, topic: str) -> str:
+        """Return the full name of a topic of the robot."""
+        return f"{self.lab.robot.rstrip('/')}/{topic}"
+
+    def messages(self, topic: str, cls: type[MessageT]) -> Iterator[tuple[float, MessageT]]:
+        """Yield the messages of a type on a topic, with their simulated times [s]."""
+        for one in self.topics.get(topic, ()):
+            if isinstance(one.message, cls):
+                yield one.time, one.message
+
+    def motion(self, *topics: str) -> list[TrueState]:
+        """Return the robot's motion by the first of its topics that is in the log."""
+        for topic in topics:
+            if found := [_state(one) for _, one in self.messages(self.name(topic), Odometry)]:
+                return found
+        return []
+
+    def desired(self) -> list[Desire]:
+        """Return the velocities that were desired, each once as long as it stays."""
+        found: list[Desire] = []
+        for time, twist in self.messages(self.name("desired_velocity"), Twist):
+            forward, turn_rate = twist.linear.x, twist.angular.z
+            if not found or (found[-1].forward, found[-1].turn_rate) != (forward, turn_rate):
+                found.append(Desire(time, forward, turn_rate))
+        return found
+
+    def commands(self, program: LabProgram) -> list[CommandMessage]:
+        """Return the messages on the topics that a program is to publish."""
+        found = [
+            CommandMessage(one.time, topic, one.message)
+            for topic in program.publishes
+            for one in self.topics.get(topic, ())
+        ]
+        return sorted(found, key=lambda command: command.time)
+
+    def observations(self, program: LabProgram) -> Observations:
+        """Return what the log has of a program's run."""
+        logs = self.messages(LOG_TOPIC, LogMessage)
+        return Observations(
+            program,
+            self.commands(program),
+            self.desired(),
+            self.motion("ground_truth", "odometry"),
+            warnings=[
+                one.msg
+                for _, one in logs
+                if one.level >= LogMessage.WARN and one.name == self.lab.simulator
+            ],
+        )
+
+    def pace(self) -> float:
+        """Return simulated seconds per second of the recording; 1 where that is not known."""
+        found = self.topics.get(self.name("odometry")) or self.topics.get(CLOCK) or []
+        if len(found) < 2 or found[-1].arrival <= found[0].arrival:  # noqa: PLR2004 - no span
+            return 1.0
+        span = found[-1].time - found[0].time
+        return span / (found[-1].arrival - found[0].arrival) or 1.0
+
+
+def read_run(lab: Lab, log: Log) -> RecordedRun:
+    """Return a lab's run in a log.
+
+    Raises:
+        LcmtoolsError: None of the lab's topics is in it.
+    """
+    run = RecordedRun(lab, end=log.end / 1e9)
+    known = [topic for topic in _topics(run) if topic in log.topics]
+    if not {*known} - {CLOCK, LOG_TOPIC}:
+        what = f"{log.path} has no topic of the lab {lab.name}"
+        raise LcmtoolsError(what, f"lcmtools bag info {log.path} shows what it has")
+    now = 0.0
+    for arrival in log.messages(*known, on_error=lambda _: None):
+        now = _simulated(arrival.message, now)
+        message = RecordedMessage(now, arrival.time / 1e9, arrival.message)
+        run.topics.setdefault(arrival.topic, []).append(message)
+    return run
+
+
+def _topics(run: RecordedRun) -> Sequence[str]:
+    names = [topic for program in run.lab.programs for topic in program.publishes]
+    names += map(run.name, ("desired_velocity", "odometry", "ground_truth"))
+    return *dict.fromkeys(names), CLOCK, LOG_TOPIC, PATH
+
+
+def _simulated(message: Message, now: float) -> float:
+    """Return the simulated time that a message tells; it never goes back."""
+    if isinstance(message, Clock):
+        return max(now, message.clock.sec + message.clock.nsec / 1e9)
+    return max(now, _state(message).time) if isinstance(message, Odometry) else now
+
+
+def _state(odometry: Odometry) -> TrueState:
+    place, twist, stamp = odometry.pose.pose.position, odometry.twist.twist, odometry.header.stamp
+    return TrueState(
+        stamp.sec + stamp.nsec / 1e9, place.x, place.y, twist.linear.x, twist.angular.z
+    )

@@ -1,0 +1,216 @@
+"""A lab's checks on recorded runs that are made up: what they judge, and what they cannot."""
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lcmtools.bag.writer import LogWriter
+from lcmtools.cli.main import main
+from lcmtools.messages.codec import encode
+from lcmtools.messages.registry import Message
+from lcmtools.types.air_lab0 import ControllerEvaluationStat
+from lcmtools.types.geometry_msgs import PoseStamped, Twist
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.nav_msgs import Path as NavPath
+from lcmtools.types.sensor_msgs import JointState
+from lcmtools.wire.packet import Packet
+
+_START = 1_795_384_180.0  # [s since 1970]
+_PERIOD = 0.02  # [s]
+Check = Callable[..., tuple[int, Any, str]]
+
+
+class _Drive:
+    """A log of a robot, whose simulated time is that of the recording from 0 on."""
+
+    def __init__(self, log: LogWriter, robot: str) -> None:
+        self._log, self._robot = log, robot
+        self.time = 0.0
+
+    def send(self, topic: str, message: Message) -> None:
+        self._log.add(Packet(topic, encode(message), round((_START + self.time) * 1e9)))
+
+    def move(self, x: float, y: float, forward: float, turn_rate: float) -> Odometry:
+        """A period later."""
+        self.time += _PERIOD
+        odometry = Odometry()
+        stamp, place = odometry.header.stamp, odometry.pose.pose.position
+        twist = odometry.twist.twist
+        stamp.sec, stamp.nsec = int(self.time), round(self.time % 1 * 1e9)
+        place.x, place.y, twist.linear.x, twist.angular.z = x, y, forward, turn_rate
+        for topic in ("odometry", "ground_truth"):
+            self.send(f"{self._robot}/{topic}", odometry)
+        return odometry
+
+
+def _twist(forward: float, turn_rate: float) -> Twist:
+    twist = Twist()
+    twist.linear.x, twist.angular.z = forward, turn_rate
+    return twist
+
+
+def _husky(log: LogWriter, gain: float, steps: list[tuple[float, float, float]]) -> None:
+    """Steps of the desired velocity, of a length [s] each, which a gain makes too small."""
+    drive, command, stat = _Drive(log, "/husky0"), JointState(), ControllerEvaluationStat()
+    command.effort = [0.3, 0.4]
+    forward = turn_rate = squares = 0.0
+    for desired, desired_turn, seconds in steps:
+        drive.send("/husky0/desired_velocity", _twist(desired, desired_turn))
+        for _ in range(round(seconds / _PERIOD)):
+            forward += (gain * desired - forward) * 0.1
+            turn_rate += (gain * desired_turn - turn_rate) * 0.1
+            drive.move(0.0, 0.0, forward, turn_rate)
+            drive.send("/husky0/velocity_cmd", command)
+            stat.last_error = math.hypot(desired - forward, desired_turn - turn_rate)
+            stat.samples += 1
+            squares += stat.last_error**2
+            stat.average_error = math.sqrt(squares / stat.samples)
+            drive.send("/husky0/evaluation_stat", stat)
+
+
+_REST = 0, 0, 2
+_STEPS = [_REST, (0.1, 0, 5), _REST, (0.5, 0, 5), _REST, (1, 0, 5), _REST, (0, 0.3, 5)]
+
+
+@pytest.fixture
+def check(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Check:
+    path = tmp_path / "run.lcmlog"
+
+    def run(lab: str, fill: Callable[[LogWriter], None]) -> tuple[int, Any, str]:
+        with LogWriter(path, force=True) as log:
+            fill(log)
+        code = main(["lab", "check", lab, "--bag", str(path), "--json"])
+        record = json.loads(capsys.readouterr().out)
+        assert main(["lab", "check", lab, "-b", str(path)]) == code
+        return code, record, capsys.readouterr().out
+
+    return run
+
+
+def _by_what(record: Any) -> dict[str, Any]:
+    return {row["what"]: row for row in record["rows"]}
+
+
+def test_a_recorded_controller_and_evaluator_are_judged(check: Check) -> None:
+    code, record, text = check("husky", lambda log: _husky(log, 1.0, _STEPS))
+    rows = _by_what(record)
+    assert code == 0
+    assert record["not_judged"] == []
+    assert len(rows) == 8
+    assert rows["drive at 0.5 m/s"]["measured"].startswith("0.500 m/s, settled after 0.6 s")
+    assert rows["stop from 1 m/s"]["measured"].startswith("at rest after 0.")
+    assert rows["samples"]["measured"] == "1 to 1400 in 1400 messages"
+    assert "checking a recorded run: " in text
+    assert text.endswith("8 of 8 are as the lab specifies\n")
+
+
+def test_a_recorded_step_that_falls_short_has_its_cause(check: Check) -> None:
+    code, record, text = check("husky", lambda log: _husky(log, 0.8, _STEPS))
+    row = _by_what(record)["drive at 0.5 m/s"]
+    assert (code, row["ok"], row["cause"]) == (1, False, "slow")
+    assert row["measured"].startswith("0.400 m/s, never settled")
+    assert "-> too slow: its effort is the same whatever the measured speed is" in text
+    assert "it printed" not in text
+
+
+def test_steps_that_were_not_desired_or_too_short_are_not_judged(check: Check) -> None:
+    steps = [(0, 0, 1), (0.5, 0, 1.2), (1, 0, 4), (0, 0, 2)]
+    code, record, text = check("husky", lambda log: _husky(log, 1.0, steps))
+    found = {one["what"]: one["reason"] for one in record["not_judged"]}
+    assert code == 0
+    assert found == {
+        "drive at 0.1 m/s": "it was never desired from rest",
+        "drive at 0.5 m/s": "it was desired for 1.2 s only",
+        "drive at 1 m/s": "it was never desired from rest",
+        "turn at 0.3 rad/s": "it was never desired from rest",
+    }
+    assert "\n  controller, drive at 0.5 m/s: it was desired for 1.2 s only\n" in text
+
+
+def test_an_evaluator_that_takes_the_sum_of_the_errors_is_found(check: Check) -> None:
+    def fill(log: LogWriter) -> None:
+        drive, stat = _Drive(log, "/husky0"), ControllerEvaluationStat()
+        drive.send("/husky0/desired_velocity", _twist(0.3, 0.4))
+        for number in range(100):
+            drive.move(0.0, 0.0, 0.0, 0.0)
+            stat.samples, stat.last_error, stat.average_error = 2 * number, 0.7, 0.7
+            drive.send("/husky0/evaluation_stat", stat)
+
+    code, record, _ = check("husky", fill)
+    rows = _by_what(record)
+    assert code == 1
+    assert not rows["samples"]["ok"]
+    assert rows["last_error"]["measured"] == "0 of 100"
+    assert "it is the sum |v - desired v| + |w - desired w|" in rows["last_error"]["hint"]
+    (controller,) = record["not_judged"]
+    assert controller["reason"].startswith("no message on /husky0/velocity_cmd or ")
+
+
+def _dolly(log: LogWriter, seconds: float, radius: float = 0.5 / 0.3) -> None:
+    drive = _Drive(log, "/dolly")
+    for number in range(round(seconds / _PERIOD)):
+        angle = 0.3 * drive.time
+        if number % 25 == 0:
+            drive.send("/dolly/cmd_vel", _twist(0.5, 0.3))
+        drive.move(radius * math.sin(angle), radius * (1 - math.cos(angle)), 0.5, 0.3)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "radius", "circle", "others"),
+    [(30, 5 / 3, "1.667 m", 1), (30, 2.0, "2.000 m", 1), (10, 5 / 3, None, 2)],
+)
+def test_a_recorded_circle_is_judged_where_there_is_a_round(
+    check: Check, seconds: float, radius: float, circle: str | None, others: int
+) -> None:
+    code, record, text = check("dolly", lambda log: _dolly(log, seconds, radius))
+    rows = _by_what(record)
+    assert rows["rate of commands"]["measured"] == "2.00 Hz"
+    assert rows["velocity commanded"]["ok"]
+    assert rows.get("circle that it drives", {}).get("measured") == circle
+    assert len(record["not_judged"]) == others
+    assert code == (radius == 2.0)
+    assert "reader, all of it: the lines that it prints are not in a log" in text
+
+
+def _pioneer(log: LogWriter, meters: float) -> None:
+    drive, path = _Drive(log, ""), NavPath()
+    for number in range(51):
+        pose = PoseStamped()
+        pose.pose.position.x = number / 10
+        path.poses.append(pose)
+    drive.send("/path", path)
+    drive.send("/RosAria/cmd_vel", _twist(0.5, 0.0))
+    while drive.time * 0.5 < meters:
+        drive.move(drive.time * 0.5, 0.05, 0.5, 0.0)
+
+
+def test_a_recorded_path_is_judged_to_its_end(check: Check) -> None:
+    code, record, _ = check("pioneer", lambda log: _pioneer(log, 5.2))
+    assert code == 0
+    assert _by_what(record)["mean distance from the path"]["measured"] == "0.050 m"
+    assert [one["program"] for one in record["not_judged"]] == ["teleop", "viewer"]
+    _, record, _ = check("pioneer", lambda log: _pioneer(log, 3.0))
+    assert record["not_judged"][-1]["reason"] == "the log ends after 3.0 of 5.0 m"
+    assert "drives the path" not in _by_what(record)
+
+
+@pytest.mark.parametrize(
+    ("words", "error"),
+    [
+        (["--rate", "2"], "--bag runs no program; leave out the programs and how they are run"),
+        (["--mover", "./a"], "--bag runs no program; leave out the programs and how they are run"),
+        ([], "{path} has no topic of the lab dolly; lcmtools bag info {path} shows what it has"),
+    ],
+)
+def test_a_log_of_something_else_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], error: str
+) -> None:
+    path = tmp_path / "run.lcmlog"
+    with LogWriter(path) as log:
+        log.add(Packet("/other", encode(Twist()), 0))
+    assert main(["lab", "check", "dolly", "--bag", str(path), *words]) != 0
+    assert error.format(path=path) in capsys.readouterr().err
