@@ -15,6 +15,7 @@ from lcmtools.bag.index_notes import IndexNotes
 from lcmtools.bag.ring import Ring, SnapshotPlan
 from lcmtools.bag.series import LogSeries
 from lcmtools.bag.writer import LogWriter
+from lcmtools.bus.kernel import keep_freed_memory
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
 from lcmtools.clock import NANOSECONDS
@@ -73,6 +74,7 @@ def open_bus(
     Raises:
         BusError: The bus cannot be reached, with what to type.
     """
+    keep_freed_memory()
     tap = Tap(url, whole=True, spread=True) if url.is_multicast else None
     if tap is not None:
         tap.longest_nap = _LONGEST_NAP

@@ -4,16 +4,16 @@ Whole events reach the file: what a full disk or a write that failed leaves of a
 """
 
 import os
-from bisect import bisect_right
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
+from itertools import takewhile
 from pathlib import Path
 from typing import NamedTuple
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.observe.log_file import index_path
 from lcmtools.wire import log_index
-from lcmtools.wire.log import encode_head
+from lcmtools.wire.log import encode_head, events
 from lcmtools.wire.log_compression import Compression, compressor
 from lcmtools.wire.log_index import (
     Block,
@@ -33,7 +33,6 @@ class WriteBatch(NamedTuple):
 
     start: int  # of the first event, in bytes of the log
     parts: list[bytes]  # of the events, together all of them
-    ends: list[int]  # of the events, in bytes of the log
     lines: list[str]  # of the index
 
 
@@ -71,7 +70,6 @@ class LogWriter(AbstractContextManager["LogWriter"]):
             self.path.unlink(missing_ok=True)
             raise
         self._parts: list[bytes] = []
-        self._ends: list[int] = []
         self._lines = [log_index.index_line()]
         self._block = Block(0)
         self._taken = 0
@@ -87,10 +85,12 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         """Take a message; ``sender`` is a number that ``sender_number`` gave."""
         head = encode_head(self.messages, packet)
         payload = packet.payload
-        self._parts += (head + payload,) if len(payload) < _LARGE else (head, payload)
+        if len(payload) < _LARGE:
+            self._parts.append(head + payload)
+        else:
+            self._parts += (head, payload)
         self.messages += 1
         self.size += len(head) + len(payload)
-        self._ends.append(self.size)
         self._block.add(packet, sender)
 
     def sender_number(self, sender: Sender | None, name: str) -> int:
@@ -129,8 +129,8 @@ class LogWriter(AbstractContextManager["LogWriter"]):
         """Return what was added since, to be written by ``write`` in the same order."""
         if self._block.is_full(self.size):
             self._end_block()
-        batch = WriteBatch(self._taken, self._parts, self._ends, self._lines)
-        self._parts, self._ends, self._lines = [], [], []
+        batch = WriteBatch(self._taken, self._parts, self._lines)
+        self._parts, self._lines = [], []
         self._taken = self.size
         return batch
 
@@ -190,8 +190,9 @@ class LogWriter(AbstractContextManager["LogWriter"]):
                     written, left = written + done, left - done
                     some = _behind(some, done) if left else some
         except OSError as error:
-            whole = bisect_right(batch.ends, batch.start + written)
-            self.size = self._taken = batch.ends[whole - 1] if whole else batch.start
+            ends = (event.end for event in events(b"".join(batch.parts)))
+            whole = max(takewhile(lambda end: end <= written, ends), default=0)
+            self.size = self._taken = batch.start + whole
             self._is_cut_off = True
             os.ftruncate(self._log, self.size)
             raise _failure(self.path, error) from error

@@ -50,9 +50,10 @@ class Receivers:
         for receiver in self.sockets:
             receiver.close()
 
-    def are_ready(self, timeout: float) -> bool:
-        """Wait up to ``timeout`` [s] for a datagram; return whether there is any."""
-        return bool(self._poll.poll(timeout * 1000))
+    def ready(self, timeout: float) -> list[socket.socket]:
+        """Wait up to ``timeout`` [s] for a datagram; return the sockets that have any."""
+        found = {number for number, _ in self._poll.poll(timeout * 1000)}
+        return [one for one in self.sockets if one.fileno() in found] if found else []
 
     def filled_by(self, packets: Sequence[Packet]) -> float:
         """Return the part of a socket's buffer that the short messages among these take, about."""

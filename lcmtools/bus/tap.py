@@ -162,7 +162,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         if is_streaming:  # waking up for each message costs more than reading it
             time.sleep(min(self._nap, timeout))
         start = time.monotonic()
-        has_any = self._receivers.are_ready(0.0 if self._held else timeout)
+        has_any = bool(self._receivers.ready(0.0 if self._held else timeout))
         is_soon = time.monotonic() - start < _STREAM_GAP
         self._turns = self._turns + has_any if is_soon else 0
         packets = self._read() if has_any else []
@@ -185,7 +185,9 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
             self._held = []
             return packets
         late: list[Packet] = []
-        until = min(time.time_ns(), *(self._drain(one, late) for one in sockets))
+        until = time.time_ns()
+        for one in self._receivers.ready(0.0):
+            until = min(until, self._drain(one, late))
         late.sort(key=_TIME)
         place = bisect_right(late, until, key=_TIME)
         self._held = late[place:]

@@ -76,19 +76,20 @@ class Block:
 
     def add(self, packet: Packet, sender: int = -1) -> None:
         """Count an event more; of its payload the head is enough (``Packet.whole_bytes``)."""
-        time = packet.time // 1000 * 1000  # as the log has it
-        if not self.channels:
-            self.first_time = self.last_time = time
-        elif time > self.last_time:
-            self.last_time = time
-        elif time < self.first_time:
+        channel, _, received, _, _, whole = packet
+        time = received // 1000 * 1000  # as the log has it
+        size = len(packet[1]) if whole is None else whole
+        self.last_time = max(self.last_time, time)
+        if time < self.first_time or not self.channels:
             self.first_time = time
-        count = self.channels.get(packet.channel)
+        count = self.channels.get(channel)
         if count is not None:
-            count.add(time, packet.size, sender)
+            count.add(time, size, sender)
             return
-        self.channels[packet.channel] = ChannelCount(
-            1, packet.size, [[sender, 1]], time, time, fingerprint=packet.fingerprint
+        if not self.channels:
+            self.last_time = time
+        self.channels[channel] = ChannelCount(
+            1, size, [[sender, 1]], time, time, fingerprint=packet.fingerprint
         )
 
     def is_full(self, end: int) -> bool:
