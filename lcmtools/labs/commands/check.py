@@ -1,5 +1,6 @@
 """``lcmtools lab check``."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -81,6 +82,7 @@ def command(
       lcmtools lab check dolly --programs class/ --junit results.xml
       lcmtools lab check husky --bag drive.lcmlog
     """
+    from lcmtools.labs.checks.class_check import ClassCheck
     from lcmtools.labs.checks.reporters import junit as junit_text
     from lcmtools.labs.commands import checking
 
@@ -94,16 +96,9 @@ def command(
     if log:
         outcome = checking.check_recorded(lab, log, show)
     elif folder:
-        outcome = checking.check_class(
-            lab,
-            chosen,
-            folder,
-            jobs=jobs,
-            rate=rate,
-            time_limit=time_limit,
-            plot=plot,
-            show=show,
-        )
+        arguments = checking.class_arguments(rate, time_limit)
+        checker = ClassCheck(lab, chosen, arguments, plot, jobs or os.cpu_count() or 1)
+        outcome = checking.check_class(lab, checker, folder, show)
     else:
         outcome = checking.check_one(lab, chosen, rate, time_limit, plot, show)
     if junit:

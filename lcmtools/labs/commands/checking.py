@@ -1,6 +1,5 @@
 """Checks of one person's programs, or of a class: their rows shown as they come."""
 
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from functools import partial
@@ -70,21 +69,14 @@ def check_recorded(lab: Lab, path: str, show: Show) -> Outcome:
     return Outcome({"": reports}, {**record(lab.name, reports), **extra}, summary(reports))
 
 
-def check_class(
-    lab: Lab,
-    programs: Mapping[str, str],
-    folder: Path,
-    *,
-    jobs: int | None,
-    rate: float | None,
-    time_limit: float | None,
-    plot: Path | None,
-    show: Show,
-) -> Outcome:
-    """Check each submission in a folder, and show the rows of each program once it is done."""
+def class_arguments(rate: float | None, time_limit: float | None) -> list[str]:
+    """Return the arguments of the check of each program of a class."""
     arguments = ["--time-limit", f"{time_limit or _CLASS_LIMIT:g}"]
-    arguments += ["--rate", f"{rate:g}"] if rate else []
-    checker = ClassCheck(lab, programs, arguments, plot, jobs or os.cpu_count() or 1)
+    return [*arguments, "--rate", f"{rate:g}"] if rate else arguments
+
+
+def check_class(lab: Lab, checker: ClassCheck, folder: Path, show: Show) -> Outcome:
+    """Check each submission in a folder, and show the rows of each program once it is done."""
     found = checker.run(folder, partial(_show_report, show))
     records = [{"submission": one, **record(lab.name, reports)} for one, reports in found.items()]
     return Outcome(found, records, ["", *table(found)])
