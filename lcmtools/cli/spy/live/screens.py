@@ -4,10 +4,12 @@ from collections.abc import Callable
 from typing import ClassVar
 
 from rich.text import Text
+from textual import on
 from textual.app import ComposeResult
 from textual.await_complete import AwaitComplete
 from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
+from textual.events import Resize
 from textual.screen import ModalScreen, Screen, ScreenResultType
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
@@ -46,6 +48,13 @@ class Page(Screen[ScreenResultType]):
 
     def action_back(self) -> None:
         self.dismiss()
+
+    @on(Resize)
+    def drop_old_size(self, event: Resize) -> None:
+        # A screen of another size than before tells itself so by another event: of two sizes with
+        # anything in between, each would bring back the other, without end.
+        if event.size != self.app.size:
+            event.prevent_default()
 
 
 class LivePage(Page[None]):

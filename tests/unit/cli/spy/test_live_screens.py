@@ -10,7 +10,8 @@ from typing import TextIO, cast
 import pytest
 from fixtures.live_view import ROWS, START, S, Screen, look
 from textual.drivers._writer_thread import WriterThread
-from textual.events import Key
+from textual.events import Key, Resize
+from textual.geometry import Size
 
 from lcmtools.cli.spy.live.app import SpyApp, TerminalFile
 from lcmtools.cli.spy.live.rows import RowTable
@@ -154,6 +155,18 @@ def test_a_screen_is_opened_once_and_left_once_however_fast_somebody_types(
         await screen.press(keys[0])
         await screen.at_once("escape", "escape")
         assert screen.app.overview in screen.app.screen_stack
+
+    look(script)
+
+
+def test_a_size_that_the_terminal_has_no_longer_changes_nothing() -> None:
+    async def script(screen: Screen) -> None:
+        overview, handled = screen.app.overview, asyncio.Event()
+        for width in (100, 120):
+            overview.post_message(Resize(Size(width, 20), Size(width, 20)))
+            overview.call_later(handled.set)
+        await handled.wait()
+        assert overview.table.size.width == 140
 
     look(script)
 
