@@ -9,7 +9,8 @@ from lcmtools.errors import DecodeError
 from lcmtools.labs.checks.measures import GOOD, explained
 from lcmtools.labs.checks.results import CheckResult
 from lcmtools.labs.checks.test_bench import TestBench
-from lcmtools.labs.nodes.picture.pixels import Kind, Picture, read_file, read_picture
+from lcmtools.labs.nodes.picture.pixels import Picture, read_file, read_picture
+from lcmtools.observe.pixels import Kind
 from lcmtools.types.sensor_msgs import Image
 
 PICTURE = "{picture}"

@@ -23,7 +23,8 @@ from lcmtools.labs.checks.step_response import Step, StepRun, judge
 from lcmtools.labs.checks.teleop import check_teleop
 from lcmtools.labs.checks.viewer import picture_cause
 from lcmtools.labs.nodes.driving.motion import Motion
-from lcmtools.labs.nodes.picture.pixels import Kind, Picture
+from lcmtools.labs.nodes.picture.pixels import Picture
+from lcmtools.observe.pixels import Kind
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import Image
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import PIL.Image
 
 from lcmtools.errors import UsageError
-from lcmtools.labs.nodes.picture.pixels import Kind, Picture
+from lcmtools.labs.nodes.picture.pixels import Picture
+from lcmtools.observe.pixels import Kind
 
 Color = tuple[int, int, int]
 """Red, green and blue, from 0 to 255."""

@@ -12,7 +12,8 @@ import PIL.Image
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.labs.nodes.picture.colors import ColorOptions, colored, facts, sentence
-from lcmtools.labs.nodes.picture.pixels import Kind, Picture
+from lcmtools.labs.nodes.picture.pixels import Picture
+from lcmtools.observe.pixels import Kind
 
 _NUMBER = re.compile(r"%(0?\d{0,2})[di]")
 _COMPRESSION = 1  # of PNG files: a tenth larger than the usual 6, and several times faster

@@ -1,12 +1,12 @@
-"""Pictures in messages: their size, their kind, and their pixels as a Pillow image."""
+"""Pictures in messages and files, as Pillow's images."""
 
 import warnings
 from array import array
 from dataclasses import dataclass
-from enum import Enum
 from io import BytesIO
 
 from lcmtools.errors import DecodeError, MissingExtra
+from lcmtools.observe.pixels import Kind, check_size, image_file, read_pixels
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
 try:
@@ -18,34 +18,11 @@ except ImportError as error:
         "install the extra 'view' of lcmtools-robotics, or type: pip install pillow textual-image",
     ) from error
 
-_MOST_PIXELS = 1 << 26
 _FARTHEST = 1e6  # [m]
-_COMPRESSED_DEPTH_HEADER = 12  # bytes that ROS's compressedDepth puts before the PNG file
 
-
-class Kind(Enum):
-    """The meaning of a pixel."""
-
-    DEPTH = "depth"
-    GREY = "grey"
-    COLOR = "color"
-
-
-# By sensor_msgs/Image's encoding (those of OpenCV as cv_bridge reads them): kind, Pillow's mode,
-# its raw modes for little-endian and big-endian data, and the bytes of a pixel.
-_ENCODINGS = {
-    "16UC1": (Kind.DEPTH, "I", "I;16", "I;16B", 2),
-    "32FC1": (Kind.DEPTH, "F", "F;32F", "F;32BF", 4),
-    "mono8": (Kind.GREY, "L", "L", "L", 1),
-    "8UC1": (Kind.GREY, "L", "L", "L", 1),
-    "mono16": (Kind.GREY, "I", "I;16", "I;16B", 2),
-    "rgb8": (Kind.COLOR, "RGB", "RGB", "RGB", 3),
-    "bgr8": (Kind.COLOR, "RGB", "BGR", "BGR", 3),
-    "8UC3": (Kind.COLOR, "RGB", "BGR", "BGR", 3),
-    "rgba8": (Kind.COLOR, "RGB", "RGBX", "RGBX", 4),
-    "bgra8": (Kind.COLOR, "RGB", "BGRX", "BGRX", 4),
-    "8UC4": (Kind.COLOR, "RGB", "BGRX", "BGRX", 4),
-}
+# Pillow's modes and its raw modes for little-endian numbers, by those of an image
+_MODES = {"B": ("L", "L"), "H": ("I", "I;16"), "f": ("F", "F;32F")}
+_RAW_COLORS = {"rgb": "RGB", "bgr": "BGR", "rgba": "RGBX", "bgra": "BGRX"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +70,9 @@ def read_picture(message: Image | CompressedImage) -> Picture:
     Raises:
         DecodeError: It is broken, or of an encoding that cannot be shown.
     """
-    return _compressed(message) if isinstance(message, CompressedImage) else _raw(message)
+    if isinstance(message, CompressedImage):
+        return read_file(image_file(message))
+    return _raw(message)
 
 
 def read_file(data: bytes) -> Picture:
@@ -106,7 +85,7 @@ def read_file(data: bytes) -> Picture:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # Pillow warns of sizes that exhaust the memory
             image = PIL.Image.open(BytesIO(data), formats=("PNG", "JPEG"))
-        _check_size(*image.size, image.format or "")
+        check_size(*image.size, image.format or "")
         image.load()
     except UnidentifiedImageError:
         raise DecodeError("broken picture: it is no PNG or JPEG file") from None
@@ -119,32 +98,10 @@ def read_file(data: bytes) -> Picture:
     return Picture(image.convert("RGB"), "rgb8", Kind.COLOR)
 
 
-def _compressed(message: CompressedImage) -> Picture:
-    data = bytes(message.data)
-    return read_file(data[_COMPRESSED_DEPTH_HEADER * ("compressedDepth" in message.format) :])
-
-
 def _raw(message: Image) -> Picture:
-    if message.encoding not in _ENCODINGS:
-        raise DecodeError(
-            f"pictures in '{message.encoding}' are not shown", f"known: {', '.join(_ENCODINGS)}"
-        )
-    kind, mode, little, big, pixel_bytes = _ENCODINGS[message.encoding]
-    what = f"{message.width} x {message.height} {message.encoding}"
-    _check_size(message.width, message.height, message.encoding)
-    row_bytes = message.width * pixel_bytes
-    least = message.step * (message.height - 1) + row_bytes  # the last row may be short
-    if message.step < row_bytes or len(message.data) < least:
-        raise DecodeError(
-            f"{what} does not fit its data: {len(message.data)} bytes in rows of {message.step}"
-        )
-    raw_mode = big if message.is_bigendian else little
-    size = message.width, message.height
-    data = bytes(message.data).ljust(message.step * message.height, b"\0")
-    image = PIL.Image.frombytes(mode, size, data, "raw", raw_mode, message.step)
-    return Picture(image, message.encoding, kind)
-
-
-def _check_size(width: int, height: int, encoding: str) -> None:
-    if width < 1 or height < 1 or width * height > _MOST_PIXELS:
-        raise DecodeError(f"a picture of {width} x {height} {encoding} is not shown")
+    pixels = read_pixels(message)
+    raw_color = _RAW_COLORS.get(pixels.format.channels)
+    mode, raw_mode = ("RGB", raw_color) if raw_color else _MODES[pixels.format.number]
+    size = pixels.width, pixels.height
+    image = PIL.Image.frombytes(mode, size, pixels.data, "raw", raw_mode)
+    return Picture(image, message.encoding, pixels.format.kind)

@@ -1,0 +1,155 @@
+"""The pixels in messages of images: their meaning, their numbers, and their rows.
+
+Belongs here: what is known without reading an image file. Must not know colours of depth, nor
+Pillow.
+"""
+
+from array import array
+from dataclasses import dataclass, replace
+from enum import Enum
+
+from lcmtools.errors import DecodeError
+from lcmtools.types.sensor_msgs import CompressedImage, Image
+
+MOST_PIXELS = 1 << 26
+_COMPRESSED_DEPTH_HEADER = 12  # bytes that ROS's compressedDepth puts before the PNG file
+
+
+class Kind(Enum):
+    """The meaning of a pixel."""
+
+    DEPTH = "depth"
+    GREY = "grey"
+    COLOR = "color"
+
+
+@dataclass(frozen=True, slots=True)
+class PixelFormat:
+    """The format of a pixel.
+
+    Attributes:
+        kind: Its meaning.
+        number: The type code of its numbers, as of ``array``: B, H or f.
+        channels: The order of its numbers: "rgb", "bgra", or one letter for a single one.
+    """
+
+    kind: Kind
+    number: str = "B"
+    channels: str = "v"
+
+    @property
+    def size(self) -> int:
+        """The bytes of a pixel."""
+        return array(self.number).itemsize * len(self.channels)
+
+    @property
+    def unit(self) -> str:
+        """The unit of depth: mm in whole numbers, else m (REP-118); "" for what has none."""
+        return {"H": "mm", "f": "m"}[self.number] if self.kind is Kind.DEPTH else ""
+
+
+_GREY = PixelFormat(Kind.GREY)
+_GREY_16 = PixelFormat(Kind.GREY, "H")
+_BAYER = ("rggb", "bggr", "gbrg", "grbg")
+FORMATS = {
+    "16UC1": PixelFormat(Kind.DEPTH, "H"),
+    "32FC1": PixelFormat(Kind.DEPTH, "f"),
+    "mono8": _GREY,
+    "8UC1": _GREY,
+    "mono16": _GREY_16,
+    "rgb8": PixelFormat(Kind.COLOR, channels="rgb"),
+    "bgr8": PixelFormat(Kind.COLOR, channels="bgr"),
+    "8UC3": PixelFormat(Kind.COLOR, channels="bgr"),
+    "rgba8": PixelFormat(Kind.COLOR, channels="rgba"),
+    "bgra8": PixelFormat(Kind.COLOR, channels="bgra"),
+    "8UC4": PixelFormat(Kind.COLOR, channels="bgra"),
+    **{f"bayer_{order}8": _GREY for order in _BAYER},
+    **{f"bayer_{order}16": _GREY_16 for order in _BAYER},
+}
+"""By sensor_msgs/Image's encoding; those of OpenCV as cv_bridge reads them, mosaics as grey."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pixels:
+    """The pixels of an image, from top to bottom and from left to right, without gaps.
+
+    Attributes:
+        width: Number of columns.
+        height: Number of rows.
+        format: The format of a pixel.
+        data: Their numbers, the least significant byte first.
+    """
+
+    width: int
+    height: int
+    format: PixelFormat
+    data: bytes
+
+    def every(self, step: int) -> "Pixels":
+        """Return each ``step``-th pixel of each ``step``-th row, from the first on."""
+        if step == 1:
+            return self
+        width, height = -(-self.width // step), -(-self.height // step)
+        size = self.format.size
+        used = min(self.width, width * step) * size  # of a row
+        rows = memoryview(self.data)
+        starts = range(0, self.height * self.width * size, self.width * size * step)
+        padding = bytes(width * step * size - used)  # so that a pixel follows at equal distance
+        kept = b"".join(part for at in starts for part in (rows[at : at + used], padding))
+        return replace(self, width=width, height=height, data=_strided(kept, size, step))
+
+
+def _strided(data: bytes, size: int, step: int) -> bytes:
+    """Return each ``step``-th of the elements of ``size`` bytes."""
+    if code := {1: "B", 2: "H", 4: "I"}.get(size):
+        return array(code, data)[::step].tobytes()
+    kept = bytearray(len(data) // step)
+    for part in range(size):
+        kept[part::size] = data[part :: size * step]
+    return bytes(kept)
+
+
+def read_pixels(message: Image) -> Pixels:
+    """Read the pixels of a message.
+
+    Raises:
+        DecodeError: Its encoding is not known, or its sizes do not fit its data.
+    """
+    if message.encoding not in FORMATS:
+        raise DecodeError(
+            f"pictures in '{message.encoding}' are not shown", f"known: {', '.join(FORMATS)}"
+        )
+    pixel = FORMATS[message.encoding]
+    what = f"{message.width} x {message.height} {message.encoding}"
+    check_size(message.width, message.height, message.encoding)
+    row_bytes = message.width * pixel.size
+    least = message.step * (message.height - 1) + row_bytes  # the last row may be short
+    if message.step < row_bytes or len(message.data) < least:
+        raise DecodeError(
+            f"{what} does not fit its data: {len(message.data)} bytes in rows of {message.step}"
+        )
+    data = bytes(message.data[: message.height * message.step])
+    if message.step != row_bytes:
+        rows, starts = memoryview(data), range(0, message.height * message.step, message.step)
+        data = b"".join(rows[at : at + row_bytes] for at in starts)
+    if message.is_bigendian and pixel.number != "B":
+        numbers = array(pixel.number, data)
+        numbers.byteswap()
+        data = numbers.tobytes()
+    return Pixels(message.width, message.height, pixel, data)
+
+
+def image_file(message: CompressedImage) -> bytes:
+    """Return the image file in a message, without what ROS's compressedDepth puts before it."""
+    is_depth = "compressedDepth" in message.format
+    return bytes(message.data)[_COMPRESSED_DEPTH_HEADER * is_depth :]
+
+
+def check_size(width: int, height: int, encoding: str) -> None:
+    """Refuse images without pixels, and those that would exhaust the memory.
+
+    Raises:
+        DecodeError: With the size.
+    """
+    if width < 1 or height < 1 or width * height > MOST_PIXELS:
+        raise DecodeError(f"a picture of {width} x {height} {encoding} is not shown")
