@@ -110,7 +110,7 @@ class Curves:
                 self._tell(text)
             return None
         moment = found.time / 1e9
-        for path, value in _numbers(message, found.path):
+        for path, value in numbers(message, found.path):
             label = f"{found.packet.channel}/{path}" if path else found.packet.channel
             curve = self._curves.get(label)
             if curve is None:
@@ -122,16 +122,21 @@ class Curves:
         return True
 
 
-def _numbers(message: Message, path: Path) -> list[tuple[str, float]]:
-    """The numbers that a path selects, with the path of each."""
-    found = select(message, path)
-    numbers = list(_of_value(found.value, found.target.type, str(path)))
+def numbers(message: Message, path: Path) -> list[tuple[str, float]]:
+    """Return the numbers that a path selects, with the path of each.
+
+    Raises:
+        UsageError: There is none, or there are more than can be told apart.
+        ValueMismatch: The message has no such field or element.
+    """
+    selected = select(message, path)
+    found = list(_of_value(selected.value, selected.target.type, str(path)))
     where = str(path) or "the message"
-    if not numbers:
+    if not found:
         raise UsageError(f"{where} has no number", _HINT)
-    if len(numbers) > _MOST_CURVES:
-        raise UsageError(f"{where} has {len(numbers)} numbers", f"name some: {numbers[0][0]}")
-    return numbers
+    if len(found) > _MOST_CURVES:
+        raise UsageError(f"{where} has {len(found)} numbers", f"name some: {found[0][0]}")
+    return found
 
 
 def _of_value(value: object, kind: str, path: str) -> Iterator[tuple[str, float]]:
