@@ -141,6 +141,9 @@ bag = _group(
 )
 _GUI = _entries("""\
 all     cli.gui.panels:all_panels  Open a window with all panels; the same as without a panel.
+steer   cli.gui.panels:steer       Steer a robot by joystick, keys or gamepad.
+plot    cli.gui.panels:plot        Plot fields of messages over time.
+image   cli.gui.panels:image       Show the images of a topic: colour, grey and depth.
 topics  cli.gui.panels:topics      Show the topics, decode messages, publish.
 """)
 gui = WindowGroup(

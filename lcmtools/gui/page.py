@@ -60,7 +60,11 @@ class BrowserPage:
         self._operations: dict[str, Callable[[PageRequest], None]] = {
             "open": self._open_stream,
             "close": self._close_stream,
+            "drive": self._steer,
+            "release": self._steer,
+            "stop": self._steer,
         }
+        self._refusals: dict[int, str] = {}
 
     async def serve(self, hello: Mapping[str, Json]) -> None:
         """Serve the page until it is gone.
@@ -76,6 +80,8 @@ class BrowserPage:
         finally:
             for task in self._tasks:
                 task.cancel()
+            if self._source.steering:
+                self._source.steering.leave(id(self))
             for one in self._open.values():
                 self._streams.close(one.stream)
 
@@ -122,6 +128,15 @@ class BrowserPage:
     def _close_stream(self, request: PageRequest) -> None:
         if one := self._open.pop(request.id, None):
             self._streams.close(one.stream)
+
+    def _steer(self, request: PageRequest) -> None:
+        """Command a robot; where that does not count, its stream is told why."""
+        steering, refusal = self._source.steering, _MAY_NOT
+        if steering and COMMAND in self._rights:
+            refusal = steering.take(id(self), request)
+        if refusal != self._refusals.get(request.id, ""):
+            self._refusals[request.id] = refusal
+            self._send({"id": request.id, "data": {"refused": refusal}})
 
     def _answer(self, request: PageRequest) -> None:
         number, name, is_action = request.id, request.text("what"), request.op == "do"

@@ -14,7 +14,11 @@ from lcmtools.gui.source import Source
 Answer: TypeAlias = Callable[[Source, Parameters], Json]
 """Returns the answer; an LcmtoolsError becomes an error for the person."""
 
-ASKS: dict[str, str] = {}
+ASKS: dict[str, str] = {
+    "color maps": "streams.image:color_maps",
+    "numbers": "choices:numbers",
+    "topics": "choices:topics",
+}
 """The module and the function of each question."""
 ACTIONS: dict[str, str] = {}
 """The same of each action, which only a page that may command can take."""

@@ -9,6 +9,7 @@ from typing import Literal, Protocol
 
 from lcmtools.gui.protocol import Json
 from lcmtools.gui.publishing import Publishers
+from lcmtools.gui.steering import Steering
 from lcmtools.messages.registry import Message
 from lcmtools.names import closest
 from lcmtools.observe.channels import ChannelSelection
@@ -29,11 +30,13 @@ class Source(Protocol):
         kind: Whether it is a bus or a log.
         name: The URL, or the file.
         publishers: What publishes for pages; None where nobody can.
+        steering: What drives robots for pages; likewise.
     """
 
     kind: Literal["bus", "log"]
     name: str
     publishers: Publishers | None
+    steering: Steering | None
 
     @property
     def latest(self) -> Snapshot:
@@ -62,7 +65,9 @@ class BusSource:
 
     def __init__(self, monitor: BusMonitor) -> None:
         self.name = str(monitor.url)
-        self.publishers: Publishers | None = Publishers(monitor.url)
+        publishers = Publishers(monitor.url)
+        self.publishers: Publishers | None = publishers
+        self.steering: Steering | None = Steering(publishers, is_lossy=monitor.url.is_multicast)
         self._feed = Feed(monitor, ChannelSelection())
         self._feed.listens_to_all = False
         self._decoder = Decoder(self._announced)
@@ -102,6 +107,8 @@ class BusSource:
 
     def close(self) -> None:
         """Read no more, and publish no more."""
+        if self.steering:
+            self.steering.close()
         self._feed.stop()
         if self.publishers:
             self.publishers.close()

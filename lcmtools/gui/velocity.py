@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from lcmtools.messages.codec import encode
 from lcmtools.messages.fields import Field, visible_fields
 from lcmtools.messages.message_template import draft
 from lcmtools.messages.registry import Message
@@ -39,7 +40,7 @@ class VelocityCommand:
         """Return it with the speed [m/s], the turn rate to the left [rad/s] and the time [ns]."""
         self._velocity.linear.x = forward  # type: ignore[attr-defined] # has been looked up
         self._velocity.angular.z = turn  # type: ignore[attr-defined]
-        return self._template.payload(now)
+        return encode(self._template.at(now))
 
 
 def commands_velocity(cls: type[Message]) -> bool:

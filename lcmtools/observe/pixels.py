@@ -1,6 +1,6 @@
 """The pixels in messages of images: their meaning, their numbers, and their rows.
 
-Belongs here: what is known without reading an image file. Must not know colours of depth, nor
+Belongs here: what is known without reading an image file, and the colours of depth. Must not know
 Pillow.
 """
 
@@ -11,7 +11,18 @@ from enum import Enum
 from lcmtools.errors import DecodeError
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
+Color = tuple[int, int, int]
+"""Red, green and blue, from 0 to 255."""
+
 MOST_PIXELS = 1 << 26
+COLOR_MAPS: dict[str, tuple[Color, ...]] = {
+    "warm": (
+        (255, 245, 170), (253, 190, 90), (240, 115, 75), (200, 55, 105), (135, 40, 130),
+        (70, 35, 125), (35, 35, 90),
+    ),
+    "grey": ((235, 235, 235), (45, 45, 45)),
+}  # fmt: skip
+"""By name: colours from near to far, evenly apart; nearer is lighter."""
 _COMPRESSED_DEPTH_HEADER = 12  # bytes that ROS's compressedDepth puts before the PNG file
 
 

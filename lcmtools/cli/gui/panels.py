@@ -1,7 +1,12 @@
 """``lcmtools gui`` and its panels."""
 
-from lcmtools.cli.declare import examples, subcommand
+import click
+
+from lcmtools.cli.bus import looking_names
+from lcmtools.cli.declare import argument, duration, examples, option, subcommand
 from lcmtools.cli.gui.window import WindowChoice, open_window, window_options
+
+_limit = click.FloatRange(0.01)
 
 
 @subcommand("all", window_options)
@@ -20,3 +25,41 @@ def all_panels(window: WindowChoice) -> None:
 def topics(window: WindowChoice) -> None:
     """Show the topics in the browser: rate, bandwidth, loss, senders, messages; and publish."""
     open_window(window, "topics")
+
+
+@subcommand("steer", window_options)
+@examples("gui steer /husky0/desired_velocity", "gui steer /cmd_vel --max-linear 0.3")
+@argument("topic", metavar="TOPIC", completer="bus:topics")
+@option("--max-linear", "linear", type=_limit, default=1.0, help="Largest speed [m/s] (else 1).")
+@option("--max-angular", "angular", type=_limit, default=2.0, help="... [rad/s] (else 2).")
+def steer(window: WindowChoice, topic: str, linear: float, angular: float) -> None:
+    """Steer a robot in the browser: joystick, sliders, keys, gamepad.
+
+    It drives while something is held, and stops when it is let go, when the page is hidden or
+    closed, and when the connection is lost. Messages are Twist, TwistStamped or like them.
+    """
+    name = looking_names().resolve(topic)
+    open_window(window, "steer", topic=name, linear=linear, angular=angular)
+
+
+@subcommand("plot", window_options)
+@examples(
+    "gui plot /husky0/odometry/twist.twist.linear.x /husky0/desired_velocity/linear.x",
+    "gui plot /joint_states/position --window 30s",
+)
+@argument("fields", metavar="TOPIC/FIELD...", nargs=-1, completer="messages:topics_and_fields")
+@option("--window", "length", type=duration, default=10.0, help="The seconds shown (else 10s).")
+def plot(window: WindowChoice, fields: tuple[str, ...], length: float) -> None:
+    """Plot fields of messages over time in the browser.
+
+    An array is a curve for each element, a message one for each of its numbers.
+    """
+    open_window(window, "plot", fields=list(fields), window=length)
+
+
+@subcommand("image", window_options)
+@examples("gui image /camera/depth/image_raw", "gui image /camera/rgb/image_raw/compressed")
+@argument("topic", metavar="TOPIC", completer="bus:topics")
+def image(window: WindowChoice, topic: str) -> None:
+    """Show the images of a topic in the browser: colour, grey, and depth with its values."""
+    open_window(window, "image", topic=topic)

@@ -10,7 +10,7 @@ const ENDED = "the connection to lcmtools gui is gone";
  * @typedef {(data: any, payload?: ArrayBuffer) => void} OnData
  * @typedef {{id: number, stream: string, parameters: object, onData: OnData,
  *   onProblem: (text: string) => void}} Opened
- * @typedef {{change: (parameters: object) => void, close: () => void}} Stream
+ * @typedef {{id: number, change: (parameters: object) => void, close: () => void}} Stream
  */
 
 /** What a request is answered with where it fails. */
@@ -157,6 +157,7 @@ export class Connection extends EventTarget {
     this.streams.set(opened.id, opened);
     this.sendOpen(opened);
     return {
+      id: opened.id,
       change: (changed) => {
         opened.parameters = changed;
         this.sendOpen(opened);

@@ -47,7 +47,7 @@ export class Context {
       this.tell(key, "");
     };
     this.ends.signal.addEventListener("abort", close);
-    return { change: opened.change, close };
+    return { id: opened.id, change: opened.change, close };
   }
 
   /**

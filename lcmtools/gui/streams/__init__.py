@@ -7,6 +7,9 @@ from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream
 
 STREAMS = {
+    "image": "image:NewestImage",
+    "plot": "plot:Plot",
+    "steer": "steer:Steer",
     "topics": "topics:Topics",
 }
 """The module and the class of each kind of stream."""

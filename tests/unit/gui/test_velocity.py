@@ -9,7 +9,10 @@ from lcmtools.types.geometry_msgs import Twist, TwistStamped
 
 
 def test_a_twist_has_the_velocity() -> None:
-    message = decode(Twist, VelocityCommand(Twist).payload(0.5, -0.25, 0))
+    command = VelocityCommand(Twist)
+    message = decode(Twist, command.payload(0.5, -0.25, 0))
+    stop = decode(Twist, command.payload(0.0, 0.0, 0))
+    assert (stop.linear.x, stop.angular.z) == (0.0, 0.0)
     assert (message.linear.x, message.linear.y, message.angular.z) == (0.5, 0.0, -0.25)
 
 

@@ -9,6 +9,21 @@
 
 /** @type {Record<string, Kind>} */
 export const PANELS = {
+  steer: {
+    title: "Steer",
+    detail: "drive a robot by joystick, keys or gamepad",
+    module: () => import("./steer.js"),
+  },
+  plot: {
+    title: "Plot",
+    detail: "fields of messages over time",
+    module: () => import("./plot.js"),
+  },
+  image: {
+    title: "Image",
+    detail: "colour, grey and depth",
+    module: () => import("./image.js"),
+  },
   topics: {
     title: "Topics",
     detail: "rates, loss, senders, messages",

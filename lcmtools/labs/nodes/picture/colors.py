@@ -8,24 +8,13 @@ import PIL.Image
 
 from lcmtools.errors import UsageError
 from lcmtools.labs.nodes.picture.pixels import Picture
-from lcmtools.observe.pixels import Kind
-
-Color = tuple[int, int, int]
-"""Red, green and blue, from 0 to 255."""
+from lcmtools.observe.pixels import Color, Kind
 
 _NO_READING: Color = (0, 0, 0)
 _ROUNDING = (
     500  # [mm] the ends of a scale are rounded, so that it does not change while things move
 )
 _LEVELS = 255
-COLOR_MAPS: dict[str, tuple[Color, ...]] = {
-    "warm": (
-        (255, 245, 170), (253, 190, 90), (240, 115, 75), (200, 55, 105), (135, 40, 130),
-        (70, 35, 125), (35, 35, 90),
-    ),
-    "grey": ((235, 235, 235), (45, 45, 45)),
-}  # fmt: skip
-"""By name: colours from near to far, evenly apart; nearer is lighter."""
 
 
 @dataclass(frozen=True, slots=True)

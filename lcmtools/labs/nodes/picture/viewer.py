@@ -11,10 +11,11 @@ from lcmtools import Node
 from lcmtools.errors import DecodeError, MissingExtra, NothingReceived, UsageError
 from lcmtools.labs.nodes.command_line import NodeParser, at_least, one_of, read_command_line
 from lcmtools.labs.nodes.ending import ended_by_signals
-from lcmtools.labs.nodes.picture.colors import COLOR_MAPS, ColorOptions
+from lcmtools.labs.nodes.picture.colors import ColorOptions
 from lcmtools.labs.nodes.picture.display import Display, LineDisplay
 from lcmtools.labs.nodes.picture.pixels import read_picture
 from lcmtools.messages.registry import Message
+from lcmtools.observe.pixels import COLOR_MAPS
 from lcmtools.terminal import is_terminal
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 

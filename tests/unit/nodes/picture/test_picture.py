@@ -10,7 +10,6 @@ import pytest
 
 from lcmtools.errors import DecodeError, UsageError
 from lcmtools.labs.nodes.picture.colors import (
-    COLOR_MAPS,
     ColorOptions,
     colored,
     facts,
@@ -20,6 +19,7 @@ from lcmtools.labs.nodes.picture.colors import (
 from lcmtools.labs.nodes.picture.display import numbered, values_of
 from lcmtools.labs.nodes.picture.pixels import Picture, read_picture
 from lcmtools.labs.nodes.picture.screen import ScreenDisplay, graphics_in
+from lcmtools.observe.pixels import COLOR_MAPS
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
 WARM = ColorOptions(COLOR_MAPS["warm"])

@@ -1,0 +1,73 @@
+"""The topics and fields that a panel offers to choose from."""
+
+from collections.abc import Callable, Iterator
+
+from lcmtools.errors import LcmtoolsError
+from lcmtools.gui.protocol import Json, Parameters, Rubbish
+from lcmtools.gui.source import Source
+from lcmtools.gui.streams.image import TYPES
+from lcmtools.gui.streams.steer import is_velocity
+from lcmtools.messages.definition import array_type
+from lcmtools.messages.fields import is_time, visible_fields
+from lcmtools.messages.registry import Message, message_class
+from lcmtools.observe.channels import ChannelRow
+
+_MOST_FIELDS = 300  # of one type
+_DEEPEST = 6  # messages in each other
+
+_KINDS: dict[str, Callable[[str], bool]] = {
+    "velocity": is_velocity,
+    "image": TYPES.__contains__,
+}
+
+
+def topics(source: Source, parameters: Parameters) -> Json:
+    """Return the topics of a kind of messages, each with its type."""
+    kind = parameters.text("kind")
+    if kind not in _KINDS:
+        raise Rubbish(f"there is no kind of topics '{kind[:40]}'")
+    return [_choice(row) for row in source.latest.rows if _is(row, _KINDS[kind])]
+
+
+def numbers(source: Source, parameters: Parameters) -> Json:
+    """Return the topics; of one that ``text`` begins with, the fields that have numbers."""
+    text, rows = parameters.text("text", ""), source.latest.rows
+    begun = [row for row in rows if row.types and text.startswith(tuple(_begun(row)))]
+    if not begun:
+        return [_choice(row) for row in rows]
+    row = max(begun, key=lambda one: len(one.channel))
+    try:
+        cls = message_class(row.types[0])
+    except LcmtoolsError:
+        return []
+    found = [_field(row.channel, path, about) for path, about in number_fields(cls)]
+    return found[:_MOST_FIELDS]
+
+
+def number_fields(cls: type[Message], prefix: str = "", deep: int = 0) -> Iterator[tuple[str, str]]:
+    """Yield the paths of a type's fields with numbers, each with its type."""
+    for field in visible_fields(cls):
+        path = f"{prefix}{field.name}"
+        inner = field.message_class
+        if inner is None or is_time(inner):
+            if field.type != "string" and not field.is_bytes:
+                yield path, array_type(field.type, field.dimensions)
+        elif deep < _DEEPEST:
+            path += "[0]" * field.depth
+            yield from number_fields(inner, f"{path}.", deep + 1)
+
+
+def _is(row: ChannelRow, kind: Callable[[str], bool]) -> bool:
+    return any(map(kind, row.types[:1]))
+
+
+def _begun(row: ChannelRow) -> Iterator[str]:
+    return (f"{row.channel}{mark}" for mark in "./[")
+
+
+def _choice(row: ChannelRow) -> Json:
+    return {"value": row.channel, "detail": row.types[0] if row.types else ""}
+
+
+def _field(topic: str, path: str, about: str) -> Json:
+    return {"value": f"{topic}/{path}", "detail": about}

@@ -1,0 +1,46 @@
+// A field for a topic's name, or for a field's, with what is there to choose from.
+
+import { element, fill } from "../elements.js";
+
+let count = 0;
+
+/**
+ * Make a field with suggestions, which are asked for when it is used.
+ * @param {object} options
+ * @param {string} options.label
+ * @param {string} [options.value]
+ * @param {string} [options.placeholder]
+ * @param {(text: string) => Promise<{value: string, detail?: string}[]>} options.suggest
+ * @param {(value: string) => void} options.choose called with what has been entered
+ */
+export function choiceField({ label, value = "", placeholder = "", suggest, choose }) {
+  const list = element("datalist", { id: `choices-${count++}` });
+  const input = element("input", {
+    type: "text",
+    class: "choice mono",
+    list: list.id,
+    placeholder,
+    "aria-label": label,
+    title: label,
+    autocomplete: "off",
+    autocapitalize: "off",
+    spellcheck: "false",
+    onfocus: () => offer(),
+    oninput: () => offer(),
+    onchange: () => choose(input.value.trim()),
+  });
+  input.value = value;
+  let asked = 0;
+  async function offer() {
+    const number = ++asked;
+    /** @type {{value: string, detail?: string}[]} */
+    const found = await suggest(input.value.trim()).catch(() => []);
+    if (number === asked) fill(list, found.map(option));
+  }
+  return { element: element("span", { class: "choice-field" }, input, list), input };
+}
+
+/** @param {{value: string, detail?: string}} choice */
+function option({ value, detail }) {
+  return element("option", { value }, detail ?? null);
+}

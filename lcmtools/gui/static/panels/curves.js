@@ -1,0 +1,162 @@
+// The samples of curves, as rows of times with a value, or none, for each curve.
+
+/** @typedef {(number | null | undefined)[]} Column null is a gap, undefined no sample of this curve */
+
+const SAMPLE = 3; // numbers of a sample: its time [s since 1970], its value, its curve
+const MOST_ROWS = 200_000;
+const GAP = 5; // intervals of a curve without a sample
+const SHORTEST_GAP = 0.5; // [s]
+
+/** Times, and the values of each curve at these times. */
+export class Curves {
+  constructor() {
+    /** Seconds since ``start``, ascending. @type {number[]} */
+    this.times = [];
+    /** @type {Column[]} */
+    this.columns = [];
+    /** Of each curve: its last row, its usual interval, and how many samples it has had. */
+    /** @type {{time: number, value: number, interval: number, count: number}[]} */
+    this.last = [];
+    /** The time of the first sample [s since 1970]; NaN before it. */
+    this.start = NaN;
+    this.count = 0;
+  }
+
+  clear() {
+    Object.assign(this, new Curves());
+  }
+
+  /** The time of the last row [s since ``start``]; 0 without any. */
+  get end() {
+    return this.times[this.times.length - 1] ?? 0;
+  }
+
+  /**
+   * Add samples; where time goes back, as in a log, all are of another time and go.
+   * @param {Float64Array} samples
+   * @param {number} kept seconds before the last one that are kept
+   */
+  add(samples, kept) {
+    for (let at = 0; at < samples.length; at += SAMPLE) {
+      const [time, value, curve] = [samples[at] ?? 0, samples[at + 1] ?? NaN, samples[at + 2] ?? 0];
+      if (time - this.start < this.end - 1) this.clear();
+      if (Number.isNaN(this.start)) this.start = time;
+      this.addOne(Math.max(time - this.start, this.end), value, curve);
+      this.count += 1;
+    }
+    this.drop(kept);
+  }
+
+  /**
+   * @param {number} time
+   * @param {number} value
+   * @param {number} curve
+   */
+  addOne(time, value, curve) {
+    while (this.columns.length <= curve) {
+      this.columns.push(new Array(this.times.length).fill(undefined));
+      this.last.push({ time: NaN, value: NaN, interval: 0, count: 0 });
+    }
+    const last = /** @type {Curves["last"][number]} */ (this.last[curve]);
+    const interval = time - last.time;
+    const usual = Math.max(SHORTEST_GAP, GAP * last.interval);
+    const isGap = last.count > 1 && interval > usual;
+    if (isGap) this.breakLine(curve, last.time + last.interval);
+    if (this.end !== time || !this.times.length) this.addRow(time);
+    const column = /** @type {Column} */ (this.columns[curve]);
+    column[column.length - 1] = Number.isFinite(value) ? value : null;
+    if (interval > 0 && !isGap) last.interval = last.interval ? last.interval * 0.9 + interval * 0.1 : interval;
+    Object.assign(last, { time, value, count: last.count + 1 });
+  }
+
+  /** @param {number} time */
+  addRow(time) {
+    this.times.push(time);
+    for (const column of this.columns) column.push(undefined);
+  }
+
+  /**
+   * End a curve's line after a time, at the first row that has no sample of it.
+   * @param {number} curve
+   * @param {number} time
+   */
+  breakLine(curve, time) {
+    const column = /** @type {Column} */ (this.columns[curve]);
+    let row = column.length;
+    while (row > 0 && column[row - 1] === undefined && (this.times[row - 1] ?? 0) >= time) row -= 1;
+    if (row < column.length) column[row] = null;
+    else {
+      this.addRow(Math.max(time, this.end));
+      column[column.length - 1] = null;
+    }
+  }
+
+  /** @param {number} kept [s] */
+  drop(kept) {
+    const oldest = this.end - kept;
+    const extra = Math.max(rowAt(this.times, oldest), this.times.length - MOST_ROWS);
+    if (extra < Math.max(1000, this.times.length / 10)) return;
+    this.times.splice(0, extra);
+    for (const column of this.columns) column.splice(0, extra);
+  }
+
+  /**
+   * The value of a curve at a row, or the last one before it; undefined for none.
+   * @param {number} curve
+   * @param {number} row
+   */
+  valueBefore(curve, row) {
+    const column = this.columns[curve] ?? [];
+    for (let at = row; at >= 0; at--) if (column[at] !== undefined) return column[at];
+    return undefined;
+  }
+
+  /**
+   * A table of what lies between two times: a line for each row, empty where there is no sample.
+   * @param {number} from
+   * @param {number} to
+   * @param {{curve: number, label: string}[]} shown
+   */
+  csv(from, to, shown) {
+    const lines = [["time", ...shown.map(({ label }) => quoted(label))].join(",")];
+    const last = rowAfter(this.times, to);
+    for (let row = rowAt(this.times, from); row < last; row++) {
+      const values = shown.map(({ curve }) => this.columns[curve]?.[row]);
+      if (values.every((value) => value === undefined)) continue;
+      const cells = values.map((value) => (value === undefined ? "" : value === null ? "nan" : String(value)));
+      lines.push([(this.start + (this.times[row] ?? 0)).toFixed(6), ...cells].join(","));
+    }
+    return `${lines.join("\n")}\n`;
+  }
+}
+
+/** @param {string} label */
+function quoted(label) {
+  return /[",\n]/.test(label) ? `"${label.replaceAll('"', '""')}"` : label;
+}
+
+/**
+ * The first row at a time or after it.
+ * @param {number[]} times
+ * @param {number} time
+ */
+export function rowAt(times, time) {
+  let [low, high] = [0, times.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (/** @type {number} */ (times[middle]) < time) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+/**
+ * The first row after a time.
+ * @param {number[]} times
+ * @param {number} time
+ */
+function rowAfter(times, time) {
+  let row = rowAt(times, time);
+  while (row < times.length && times[row] === time) row += 1;
+  return row;
+}

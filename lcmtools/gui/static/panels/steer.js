@@ -1,0 +1,427 @@
+// Steering: a joystick, sliders, keys and a gamepad, which drive while they are held.
+
+import { drawing, element, set, write } from "../elements.js";
+import { choiceField } from "./choice.js";
+import { HeldKeys, gamepadShare, joystickShare, together } from "./held.js";
+import { stylesheet } from "./stylesheet.js";
+
+/**
+ * @typedef {import("./held.js").Share} Share
+ * @typedef {{topic?: string, type?: string, listeners?: string[], others?: string[],
+ *   refused?: string}} State
+ */
+
+const PERIOD = 100; // [ms] between two commands while something is held
+const SHORTEST = 40; // [ms] between two commands that differ
+const RIM = 50 / 0.34; // [%] of the knob, which is 0.34 of the joystick
+const GAMEPAD_PERIOD = 50; // [ms]
+const HELP = "Hold W A S D or the arrows; with Shift at full speed. Space or Esc stops.";
+
+/** The panel that steers. */
+export default class Steer {
+  /**
+   * @param {import("../context.js").Context} context
+   * @param {any} settings
+   */
+  constructor(context, settings) {
+    stylesheet("./steer.css");
+    this.context = context;
+    this.topic = text(settings.topic);
+    this.linear = positive(settings.linear, 1);
+    this.angular = positive(settings.angular, 2);
+    this.part = Math.min(1, positive(settings.part, 0.5));
+    this.usesGamepad = settings.gamepad === true;
+    /** @type {State} */
+    this.state = {};
+    this.refusal = "";
+    this.isReady = false;
+    /** What is held: of the joystick and of both sliders. */
+    /** @type {Record<"pad" | "forward" | "turn" | "gamepad", Share | null>} */
+    this.held = { pad: null, forward: null, turn: null, gamepad: null };
+    this.keys = new HeldKeys();
+    this.lastSent = 0;
+    /** @type {ReturnType<typeof setInterval> | undefined} */
+    this.repeats = undefined;
+    const choice = choiceField({
+      label: "Topic of velocity commands",
+      value: this.topic,
+      placeholder: "/robot/cmd_vel",
+      suggest: () => this.context.ask("topics", { kind: "velocity" }),
+      choose: (topic) => this.choose(topic),
+    });
+    this.knob = element("div", { class: "knob" });
+    this.pad = element(
+      "div",
+      {
+        class: "pad",
+        tabindex: 0,
+        role: "application",
+        "aria-label": `Joystick. ${HELP}`,
+        onpointerdown: (/** @type {PointerEvent} */ event) => this.grab(event),
+        onpointermove: (/** @type {PointerEvent} */ event) => this.move(event),
+        onpointerup: () => this.hold("pad", null),
+        onpointercancel: () => this.hold("pad", null),
+        onlostpointercapture: () => this.hold("pad", null),
+      },
+      cross(),
+      this.knob,
+    );
+    this.forward = this.slider("forward", "Forward speed, held", "forward");
+    this.turn = this.slider("turn", "Turn rate, held; left is positive", "turn");
+    this.speed = element("output", { class: "mono" });
+    this.rate = element("output", { class: "mono" });
+    this.status = element("p", { class: "steer-status", role: "status" });
+    this.warning = element("p", { class: "notice", role: "status", hidden: true });
+    this.stopButton = element("button", { type: "button", class: "stop", onclick: () => this.stop() }, "Stop");
+    this.gamepad = element("input", {
+      type: "checkbox",
+      onchange: () => {
+        this.usesGamepad = this.gamepad.checked;
+        this.hold("gamepad", null);
+        this.context.changed();
+      },
+    });
+    this.gamepad.checked = this.usesGamepad;
+    this.gamepadName = element("span", {}, "Gamepad");
+    this.element = this.layOut(choice.element);
+    this.show();
+    this.stream = context.open("steer", { topic: this.topic }, (data) => this.take(data));
+    context.onChange(() => this.showAccess());
+    const { signal } = context;
+    addEventListener("blur", () => this.letGo(), { signal });
+    addEventListener("pagehide", () => this.letGo(), { signal });
+    document.addEventListener("visibilitychange", () => this.letGo(), { signal });
+    this.polls = setInterval(() => this.readGamepad(), GAMEPAD_PERIOD);
+  }
+
+  get title() {
+    return this.topic ? `Steer ${this.topic}` : "Steer";
+  }
+
+  settings() {
+    const { topic, linear, angular, part, usesGamepad } = this;
+    return { topic, linear, angular, part, gamepad: usesGamepad };
+  }
+
+  close() {
+    this.letGo();
+    clearInterval(this.polls);
+  }
+
+  /** @param {HTMLElement} choice */
+  layOut(choice) {
+    return element(
+      "div",
+      {
+        class: "steer",
+        onkeydown: (/** @type {KeyboardEvent} */ event) => this.key(event),
+        onkeyup: (/** @type {KeyboardEvent} */ event) => this.key(event),
+        onfocusout: (/** @type {FocusEvent} */ event) => this.leave(event),
+      },
+      element("div", { class: "tools" }, choice),
+      this.warning,
+      element(
+        "div",
+        { class: "steer-room" },
+        element("div", { class: "steer-pad" }, this.forward, this.pad, this.turn),
+        element(
+          "div",
+          { class: "steer-side" },
+          element("div", { class: "reading" }, element("span", {}, "Forward"), this.speed, element("small", {}, "m/s")),
+          element("div", { class: "reading" }, element("span", {}, "Turn"), this.rate, element("small", {}, "rad/s")),
+          this.stopButton,
+          element(
+            "div",
+            { class: "limits" },
+            this.limit("Limit", "linear", 0.1, "m/s"),
+            this.limit("Limit", "angular", 0.1, "rad/s"),
+            this.keyPart(),
+            element("label", {}, this.gamepad, this.gamepadName),
+          ),
+          element("small", { class: "steer-help" }, HELP),
+        ),
+      ),
+      this.status,
+    );
+  }
+
+  /**
+   * @param {"forward" | "turn"} name
+   * @param {string} label
+   * @param {string} kind
+   */
+  slider(name, label, kind) {
+    const isTurn = name === "turn";
+    const let_go = () => {
+      slider.value = "0";
+      this.hold(name, null);
+    };
+    const slider = element("input", {
+      type: "range",
+      class: `hold ${kind}`,
+      min: -1,
+      max: 1,
+      step: 0.05,
+      value: 0,
+      "aria-label": label,
+      title: label,
+      oninput: () => {
+        const value = Number(slider.value);
+        this.hold(name, isTurn ? { forward: 0, turn: -value } : { forward: value, turn: 0 });
+      },
+      onchange: (/** @type {Event} */ event) => {
+        if (!slider.matches(":focus-visible")) let_go();
+        event.stopPropagation();
+      },
+      onpointerup: let_go,
+      onpointercancel: let_go,
+      onkeyup: let_go,
+      onblur: let_go,
+    });
+    return slider;
+  }
+
+  /**
+   * @param {string} label
+   * @param {"linear" | "angular"} name
+   * @param {number} least
+   * @param {string} unit
+   */
+  limit(label, name, least, unit) {
+    const about = name === "linear" ? "Largest forward speed" : "Largest turn rate";
+    const input = element("input", {
+      type: "number",
+      min: least,
+      step: least,
+      value: this[name],
+      "aria-label": `${about} [${unit}]`,
+      title: `${about} [${unit}]`,
+      onchange: () => {
+        this[name] = positive(Number(input.value), this[name]);
+        input.value = String(this[name]);
+        this.show();
+        this.context.changed();
+      },
+    });
+    return element("label", {}, element("span", {}, label), input, element("small", {}, unit));
+  }
+
+  keyPart() {
+    const value = element("small", {}, `${Math.round(this.part * 100)} %`);
+    const input = element("input", {
+      type: "range",
+      min: 0.1,
+      max: 1,
+      step: 0.1,
+      value: this.part,
+      "aria-label": "Speed by keys, in parts of the limits",
+      oninput: () => {
+        this.part = Number(input.value);
+        write(value, `${Math.round(this.part * 100)} %`);
+        this.context.changed();
+      },
+    });
+    return element("label", {}, element("span", {}, "Keys"), input, value);
+  }
+
+  /** @param {string} topic */
+  choose(topic) {
+    this.letGo();
+    this.topic = topic;
+    this.state = {};
+    this.stream.change({ topic });
+    this.show();
+    this.context.changed();
+  }
+
+  /** @param {State} data */
+  take(data) {
+    if (data.refused !== undefined) {
+      this.refusal = data.refused;
+      if (data.refused) this.context.announce(data.refused);
+    } else if (data.topic === this.topic) {
+      this.state = data;
+    }
+    this.show();
+  }
+
+  /** Whether commands may be sent now, or the reason against it. */
+  obstacle() {
+    if (!this.context.connection.isOpen) return "The server is gone: nothing is sent.";
+    if (this.context.source === "log") return "This is a log: nothing obeys.";
+    if (!this.context.canCommand) return "This page may watch but not command.";
+    if (!this.topic) return "Choose the topic that the robot obeys.";
+    return this.state.type ? "" : "Waiting for the topic's type.";
+  }
+
+  /** @param {PointerEvent} event */
+  grab(event) {
+    if (event.button || this.obstacle()) return;
+    this.pad.focus();
+    this.pad.setPointerCapture(event.pointerId);
+    this.move(event);
+    event.preventDefault();
+  }
+
+  /** @param {PointerEvent} event */
+  move(event) {
+    if (!this.pad.hasPointerCapture(event.pointerId)) return;
+    const box = this.pad.getBoundingClientRect();
+    const radius = box.width / 2;
+    const right = (event.clientX - box.left) / radius - 1;
+    const down = (event.clientY - box.top) / radius - 1;
+    this.hold("pad", joystickShare(right, down));
+  }
+
+  /** @param {KeyboardEvent} event */
+  key(event) {
+    const target = /** @type {HTMLElement} */ (event.target);
+    const isStop = event.key === "Escape" || event.key === " ";
+    if (event.type === "keydown" && isStop && !(event.key === " " && target.matches("input, button"))) {
+      this.stop();
+    } else if (target.matches("input") || !this.keys.take(event)) {
+      return;
+    } else {
+      this.refresh();
+    }
+    event.preventDefault();
+  }
+
+  /** @param {FocusEvent} event */
+  leave(event) {
+    if (!this.element.contains(/** @type {Node | null} */ (event.relatedTarget))) this.letGo();
+  }
+
+  readGamepad() {
+    const found = navigator.getGamepads?.().find((one) => one?.connected) ?? null;
+    write(this.gamepadName, found ? "Gamepad" : "Gamepad (none yet)");
+    set(this.gamepadName, "title", found?.id ?? "Connect one and press a button of it");
+    const counts = this.usesGamepad && document.hasFocus() && !document.hidden;
+    const share = counts ? gamepadShare(found) : null;
+    if (share || this.held.gamepad) this.hold("gamepad", share);
+  }
+
+  /**
+   * @param {"pad" | "forward" | "turn" | "gamepad"} name
+   * @param {Share | null} share
+   */
+  hold(name, share) {
+    if (!share && !this.held[name]) return;
+    this.held[name] = share;
+    this.refresh();
+  }
+
+  /** Let go of everything. */
+  letGo() {
+    this.keys.clear();
+    for (const slider of [this.forward, this.turn]) slider.value = "0";
+    this.held = { pad: null, forward: null, turn: null, gamepad: null };
+    this.refresh();
+  }
+
+  /** Stop the robot, whoever drives it. */
+  stop() {
+    this.letGo();
+    if (this.obstacle()) return;
+    this.context.send({ op: "stop", id: this.stream.id, topic: this.topic, type: this.state.type });
+    this.context.announce("Stopped");
+  }
+
+  share() {
+    const { pad, forward, turn, gamepad } = this.held;
+    return together([pad, forward, turn, gamepad, this.keys.share(this.part)]);
+  }
+
+  /** Send what is held, and go on with it; or that nothing is held any more. */
+  refresh() {
+    const share = this.obstacle() ? null : this.share();
+    if (share) {
+      const isFirst = this.repeats === undefined;
+      this.repeats ??= setInterval(() => this.drive(), PERIOD);
+      if (isFirst || performance.now() - this.lastSent > SHORTEST) this.drive();
+    } else if (this.repeats !== undefined) {
+      clearInterval(this.repeats);
+      this.repeats = undefined;
+      this.refusal = "";
+      this.context.send({ op: "release", id: this.stream.id, topic: this.topic });
+    }
+    this.show();
+  }
+
+  drive() {
+    const share = this.obstacle() ? null : this.share();
+    if (!share) {
+      this.refresh();
+      return;
+    }
+    this.lastSent = performance.now();
+    this.context.send({
+      op: "drive",
+      id: this.stream.id,
+      topic: this.topic,
+      type: this.state.type,
+      forward: share.forward * this.linear,
+      turn: share.turn * this.angular,
+    });
+  }
+
+  showAccess() {
+    if (this.obstacle()) this.letGo();
+    else this.show();
+  }
+
+  show() {
+    const obstacle = this.obstacle();
+    const share = obstacle ? null : this.share();
+    const { forward, turn } = share ?? { forward: 0, turn: 0 };
+    write(this.speed, signed(forward * this.linear));
+    write(this.rate, signed(turn * this.angular));
+    this.knob.style.transform = `translate(${-turn * RIM}%, ${-forward * RIM}%)`;
+    this.element.classList.toggle("is-held", Boolean(share));
+    this.element.classList.toggle("is-off", Boolean(obstacle));
+    set(this.pad, "aria-disabled", Boolean(obstacle) || null);
+    for (const control of [this.forward, this.turn, this.stopButton]) control.disabled = Boolean(obstacle);
+    const others = this.state.others ?? [];
+    const warning = this.refusal || (others.length ? `${others.join(", ")} commands ${this.topic} too` : "");
+    this.warning.hidden = !warning;
+    write(this.warning, warning);
+    write(this.status, obstacle || this.stateText(Boolean(share)));
+  }
+
+  /** @param {boolean} isHeld */
+  stateText(isHeld) {
+    const who = this.state.listeners?.length ? this.state.listeners.join(", ") : "nobody that is known";
+    return `${isHeld ? "Driving" : "Silent"}. ${this.state.type}, obeyed by ${who}.`;
+  }
+}
+
+/** The lines of the joystick. */
+function cross() {
+  const arrows = ["M50 9l5 7H45z", "M50 91l5-7H45z", "M9 50l7-5v10z", "M91 50l-7-5v10z"];
+  return drawing(
+    "svg",
+    { viewBox: "0 0 100 100", "aria-hidden": "true" },
+    drawing("circle", { cx: 50, cy: 50, r: 25 }),
+    drawing("path", { d: "M50 22V78M22 50H78", class: "axes" }),
+    arrows.map((d) => drawing("path", { d, class: "arrow" })),
+  );
+}
+
+/** @param {number} value */
+function signed(value) {
+  const shown = value.toFixed(2);
+  return Number(shown) > 0 ? `+${shown}` : Number(shown) < 0 ? shown.replace("-", "\u2212") : "0.00";
+}
+
+/** @param {any} value */
+function text(value) {
+  return typeof value === "string" ? value : "";
+}
+
+/**
+ * @param {any} value
+ * @param {number} usual
+ */
+function positive(value, usual) {
+  return typeof value === "number" && Number.isFinite(value) && value > 0 ? value : usual;
+}

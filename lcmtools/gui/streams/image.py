@@ -1,0 +1,133 @@
+"""The stream of an image topic: its newest image, in no more pixels than the page shows."""
+
+import math
+import struct
+import threading
+import time
+
+from lcmtools.errors import DecodeError
+from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.source import Source, absence
+from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.messages.registry import type_name
+from lcmtools.observe.pixels import (
+    COLOR_MAPS,
+    MOST_PIXELS,
+    Kind,
+    check_size,
+    image_file,
+    read_pixels,
+)
+from lcmtools.types.sensor_msgs import CompressedImage, Image
+from lcmtools.wire.packet import Packet
+
+_FASTEST = 30e6  # [bytes/s] of one stream's images, larger ones come less often
+_FEWEST = 1000  # pixels that a page can want
+_MOST_NAMED = 3  # topics of images in a hint
+TYPES = frozenset({"sensor_msgs/Image", "sensor_msgs/CompressedImage"})
+_PNG_HEADER = struct.Struct(">16xIIBB")  # its width, height, bits of a number, and colour type
+_PNG, _JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff"
+
+
+class NewestImage(PageStream):
+    """The newest image of ``topic``; of raw ones each n-th pixel, so that ``pixels`` remain."""
+
+    period = 0.03
+    is_shared = True
+
+    def __init__(self, source: Source, parameters: Parameters) -> None:
+        super().__init__(source, parameters)
+        self._lock = threading.Lock()
+        self._newest: Packet | None = None
+        self._count = 0
+        self._not_before = 0.0
+        self._mistake = ""
+        self._pixels = parameters.number("pixels", MOST_PIXELS, _FEWEST)
+        self.follow(parameters.text("topic"), self._take)
+
+    def update(self) -> Update | None:
+        """Return the newest image, if none of them has been returned."""
+        if time.monotonic() < self._not_before:
+            return None
+        with self._lock:
+            packet, self._newest = self._newest, None
+            count = self._count
+        if packet is None:
+            return None
+        try:
+            found = self._read(packet)
+        except DecodeError as error:
+            self._mistake = str(error)
+            return None
+        self._mistake = ""
+        self._not_before = time.monotonic() + len(found.payload or b"") / _FASTEST
+        about: dict[str, Json] = {"topic": self._topic, "count": count, "bytes": packet.size}
+        return Update({**found.data, **about, "time": packet.time / 1e9}, found.payload)
+
+    def problem(self) -> str:
+        """Return why there is no image."""
+        return self._mistake or absence(self.source, self._topic)
+
+    def _take(self, packet: Packet) -> None:
+        with self._lock:
+            self._newest = packet
+            self._count += 1
+
+    def _read(self, packet: Packet) -> Update:
+        message = self.source.decode(packet)
+        if isinstance(message, Image):
+            return _raw(message, self._pixels)
+        if isinstance(message, CompressedImage):
+            return _file(message)
+        raise DecodeError(
+            f"{packet.channel} has no images: its messages are {type_name(message)}", self._others()
+        )
+
+    def _others(self) -> str:
+        """Return which topics have images."""
+        rows = self.source.latest.rows
+        named = [row.channel for row in rows if not TYPES.isdisjoint(row.types)]
+        return f"images are on {', '.join(named[:_MOST_NAMED])}" if named else "no topic has any"
+
+
+def _raw(message: Image, most: float) -> Update:
+    whole = read_pixels(message)
+    step = math.ceil(math.sqrt(max(1.0, whole.width * whole.height / most)))
+    pixels = whole.every(step)
+    return Update(
+        {
+            "encoding": message.encoding,
+            "kind": pixels.format.kind.value,
+            "number": pixels.format.number,
+            "channels": pixels.format.channels,
+            "unit": pixels.format.unit,
+            "columns": pixels.width,
+            "rows": pixels.height,
+            "step": step,
+            "width": whole.width,
+            "height": whole.height,
+            "frame": message.header.frame_id,
+        },
+        pixels.data,
+    )
+
+
+def _file(message: CompressedImage) -> Update:
+    """A PNG or JPEG file as it is: the page decodes it."""
+    data = image_file(message)
+    about: dict[str, Json] = {"encoding": message.format, "frame": message.header.frame_id}
+    if data.startswith(_JPEG):
+        return Update({**about, "file": "image/jpeg"}, data)
+    if not data.startswith(_PNG) or len(data) < _PNG_HEADER.size:
+        raise DecodeError(f"pictures in '{message.format}' are not shown", "known: jpeg, png")
+    width, height, bits, color = _PNG_HEADER.unpack_from(data)
+    check_size(width, height, "png")
+    if (bits, color) == (16, 0):  # as read_file has it
+        depth = {"kind": Kind.DEPTH.value, "number": "H", "channels": "v", "unit": "mm"}
+        about = {**about, **depth, "step": 1, "width": width, "height": height}
+    return Update({**about, "file": "image/png"}, data)
+
+
+def color_maps(*_: object) -> Json:
+    """Return the colours of depth by name, from near to far."""
+    return COLOR_MAPS

@@ -1,0 +1,151 @@
+"""The stream of a plot: the numbers of some fields, every one that comes, with its time."""
+
+import threading
+from array import array
+from dataclasses import dataclass, field
+from difflib import SequenceMatcher
+
+from lcmtools.errors import DecodeError, LcmtoolsError
+from lcmtools.graph.model import Graph
+from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.source import Source, absence
+from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.messages.path import Path, splits
+from lcmtools.names import closest, is_hidden
+from lcmtools.observe.curves import numbers
+from lcmtools.observe.feed import Snapshot
+from lcmtools.observe.selection import OneTopic, TopicPattern, select_topics
+from lcmtools.wire.packet import Packet
+
+_MOST_SAMPLES = 100_000  # that wait for a page; then the oldest are left out, and counted
+_SAMPLE = 3  # numbers: its time [s since 1970], its value, and the number of its curve
+
+
+@dataclass(slots=True)
+class _Fields:
+    """The fields that an argument means, on its topics."""
+
+    text: str
+    selection: OneTopic | TopicPattern | None = None
+    paths: dict[str, Path] = field(default_factory=dict)  # by topic
+    curves: list[int] = field(default_factory=list)
+    mistake: str = ""  # in the argument, or in the last message
+
+    def learn(self, graph: Graph) -> None:
+        """Find the topics."""
+        try:
+            self.selection = self.selection or select_topics(self.text)
+            self.selection.learn(graph)
+        except LcmtoolsError as error:
+            self.mistake = str(error)
+            return
+        found = ((name, self.selection.path_on(name)) for name in graph.topic_names())
+        self.paths = {name: path for name, path in found if path is not None}
+
+
+class Plot(PageStream):
+    """Curves: of each update the new samples, in order of arrival."""
+
+    period = 0.05
+
+    def __init__(self, source: Source, parameters: Parameters) -> None:
+        super().__init__(source, parameters)
+        self._lock = threading.Lock()
+        self._fields = [_Fields(text) for text in parameters.texts("fields")]
+        self._choice = parameters.number("choice", 0)
+        self._curves: dict[str, int] = {}
+        self._samples = array("d")
+        self._left_out = 0
+        self._followed: set[str] = set()
+        self._seen: Snapshot | None = None
+        self._told: Json = None
+
+    def update(self) -> Update | None:
+        """Return what has come since the last call."""
+        self._look()
+        with self._lock:
+            samples, self._samples = self._samples, array("d")
+            left_out, self._left_out = self._left_out, 0
+        data: dict[str, Json] = {}  # and ``choice``: of which fields the page knows it to be
+        if left_out:
+            data["leftOut"] = left_out
+        about = self._about()
+        if about != self._told:
+            self._told = data["fields"] = about
+            data["curves"] = list(self._curves)
+        if not samples and not data:
+            return None
+        return Update({"choice": self._choice, **data}, samples.tobytes())
+
+    def _look(self) -> None:
+        """Follow the topics that are there now."""
+        latest = self.source.latest
+        if latest is self._seen:
+            return
+        self._seen = latest
+        for one in self._fields:
+            one.learn(latest.graph)
+            for topic in one.paths.keys() - self._followed:
+                self._followed.add(topic)
+                self.until_closed(self.source.follow(topic, self._take))
+
+    def _take(self, packet: Packet) -> None:
+        try:
+            message = self.source.decode(packet)
+        except DecodeError as error:
+            self._note(packet.channel, str(error))
+            return
+        with self._lock:
+            for one in self._fields:
+                path = one.paths.get(packet.channel)
+                if path is None:
+                    continue
+                try:
+                    found = numbers(message, path)
+                except LcmtoolsError as error:
+                    one.mistake = str(error)
+                    continue
+                one.mistake = ""
+                for inner, value in found:
+                    curve = self._curve(one, f"{packet.channel}/{inner}")
+                    self._samples.extend((packet.time / 1e9, value, curve))
+            extra = len(self._samples) - _SAMPLE * _MOST_SAMPLES
+            if extra > 0:
+                del self._samples[: extra + _SAMPLE * _MOST_SAMPLES // 2]
+                self._left_out += extra // _SAMPLE + _MOST_SAMPLES // 2
+
+    def _curve(self, one: _Fields, label: str) -> int:
+        curve = self._curves.setdefault(label, len(self._curves))
+        if curve not in one.curves:
+            one.curves.append(curve)
+        return curve
+
+    def _note(self, channel: str, mistake: str) -> None:
+        with self._lock:
+            for one in self._fields:
+                if channel in one.paths:
+                    one.mistake = mistake
+
+    def _about(self) -> Json:
+        with self._lock:
+            return [
+                {"text": one.text, "problem": self._problem(one), "curves": list(one.curves)}
+                for one in self._fields
+            ]
+
+    def _problem(self, one: _Fields) -> str:
+        """Return why an argument has no curve; "" if all is well."""
+        if one.mistake or not one.paths:
+            return one.mistake or _unknown(one.text, self.source.latest.graph)
+        return "" if one.curves else absence(self.source, next(iter(one.paths)))
+
+
+def _unknown(text: str, graph: Graph) -> str:
+    """Return that an argument begins with no topic, with the near one."""
+    known = [name for name in graph.topic_names() if not is_hidden(name)]
+    near = [(topic, one, rest) for topic, rest in splits(text) for one in closest(topic, known)]
+    hint = "waiting for it"
+    if near:
+        _, name, rest = max(near, key=lambda one: SequenceMatcher(None, *one[:2]).ratio())
+        hint = f"did you mean {name}{rest}?"
+    return f"no topic of {text} is there; {hint}"

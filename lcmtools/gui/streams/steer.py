@@ -1,0 +1,101 @@
+"""The stream of a topic that is steered: its type, who obeys it, and who else commands it."""
+
+import os
+
+from lcmtools.errors import LcmtoolsError
+from lcmtools.graph.model import Graph, Node, Topic
+from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.source import Source, absence
+from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.gui.velocity import USUAL, commands_velocity
+from lcmtools.messages.registry import message_class
+from lcmtools.observe.senders import is_here
+
+_RECENT = 2_000_000_000  # [ns] since the last message of who commands
+_MOST_NAMED = 3  # topics in a hint
+
+
+class Steer(PageStream):
+    """A topic that commands a velocity."""
+
+    period = 0.25
+    is_shared = True
+
+    def __init__(self, source: Source, parameters: Parameters) -> None:
+        super().__init__(source, parameters)
+        self._steered = parameters.text("topic")
+        self._told: dict[str, Json] = {}
+
+    def update(self) -> Update | None:
+        """Return what is known of the topic, where that has changed."""
+        graph = self.source.latest.graph
+        topic = graph.topic(self._steered)
+        about: dict[str, Json] = {
+            "topic": self._steered,
+            "type": "" if self._mistake() else self._type(),
+            "listeners": [node.name for node, _ in topic.subscribers if _obeys(node)],
+            "others": self._others(graph, topic),
+        }
+        if about == self._told:
+            return None
+        self._told = about
+        return Update(about)
+
+    def problem(self) -> str:
+        """Return that it cannot be steered, or that nobody is known to obey."""
+        if not self._steered:
+            return "choose a topic"
+        if mistake := self._mistake():
+            return mistake
+        topic = self.source.latest.graph.topic(self._steered)
+        if any(_obeys(node) for node, _ in topic.subscribers):
+            return ""
+        row = self.source.latest.row(self._steered)
+        is_there = row.types or row.senders
+        missing = "" if is_there else absence(self.source, self._steered)
+        return missing if "did you mean" in missing else self._with_others("no node obeys")
+
+    def _others(self, graph: Graph, topic: Topic) -> list[str]:
+        """Return who else has commanded the topic a moment ago."""
+        nodes = {node.name: end for node, end in topic.publishers if not _is_own(node)}
+        found = [name for name, end in nodes.items() if graph.time - end.last_time < _RECENT]
+        if any(graph.time - one.last_time < _RECENT for one in topic.foreign):
+            known = {node.name for node, _ in topic.publishers}
+            senders = self.source.latest.row(self._steered).senders
+            found += [name for name in senders if name not in known]
+        return found
+
+    def _type(self) -> str:
+        types = self.source.latest.row(self._steered).types
+        return types[0] if types else USUAL
+
+    def _mistake(self) -> str:
+        """Return why the topic's type cannot be steered; "" if it can."""
+        kind = self._type()
+        if is_velocity(kind):
+            return ""
+        return self._with_others(f"{kind} commands no velocity, and that is the type of")
+
+    def _with_others(self, what: str) -> str:
+        """Return a sentence about the topic, with those that somebody obeys."""
+        rows = self.source.latest.rows
+        others = [one.channel for one in rows if one.listeners and is_velocity(*one.types[:1])]
+        hint = f"; obeyed are {', '.join(others[:_MOST_NAMED])}" if others else ""
+        return f"{what} {self._steered}{hint}"
+
+
+def is_velocity(kind: str = "") -> bool:
+    """Return whether a type, of this name, commands a velocity; not if it is unknown."""
+    try:
+        return bool(kind) and commands_velocity(message_class(kind))
+    except LcmtoolsError:
+        return False
+
+
+def _obeys(node: Node) -> bool:
+    return not (node.stale or node.tool)
+
+
+def _is_own(node: Node) -> bool:
+    """True for the node that publishes for this server's pages."""
+    return node.pid == os.getpid() and is_here(node)
