@@ -63,15 +63,12 @@ class McapFile(AbstractContextManager["McapFile"]):
 
     def _channel(self, topic: str, cls: type[Message]) -> int:
         if (topic, cls) not in self._channels:
-            one = self._types.ros_type(cls)
-            is_ros_1 = self._encoding == "ros1"
-            name = one.name.replace("/msg/", "/") if is_ros_1 else one.name
-            form = "ros1msg" if is_ros_1 else "ros2msg"
-            if name not in self._schemas:
-                text = one.definition.encode()
-                self._schemas[name] = self._writer.register_schema(name, form, text)
+            one = self._types.schema(cls)
+            if one.name not in self._schemas:
+                number = self._writer.register_schema(one.name, one.form, one.text)
+                self._schemas[one.name] = number
             self._channels[topic, cls] = self._writer.register_channel(
-                topic, self._encoding, self._schemas[name]
+                topic, self._encoding, self._schemas[one.name]
             )
         return self._channels[topic, cls]
 

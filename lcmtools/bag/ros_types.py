@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import prod
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from lcmtools.errors import LcmtoolsError, MissingExtra
+from lcmtools.errors import DecodeError, LcmtoolsError, MissingExtra
 from lcmtools.messages.fields import Field, fields, is_time
 from lcmtools.messages.registry import Message, type_name
 
@@ -45,6 +45,15 @@ class RosType:
     name: str
     definition: str
     digest: str
+
+
+@dataclass(frozen=True, slots=True)
+class Schema:
+    """A type as MCAP and Foxglove want it: its name, the form of the text, and the text."""
+
+    name: str  # as the version of ROS spells it
+    form: str  # "ros1msg" or "ros2msg"
+    text: bytes
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,6 +236,25 @@ class RosTypes(Conversion):
         name = self._add(cls)
         write = self.store.serialize_ros1 if self.version == 1 else self.store.serialize_cdr
         return bytes(write(self.to_ros(cls, name, message), name))
+
+    def schema(self, cls: type[Message]) -> Schema:
+        """Return the schema of a class; raises as ``ros_type``."""
+        found = self.ros_type(cls)
+        name = found.name.replace("/msg/", "/") if self.version == 1 else found.name
+        return Schema(name, f"ros{self.version}msg", found.definition.encode())
+
+    def deserialize(self, cls: type[Message], data: bytes) -> Message:
+        """Return a message of a class from ROS's bytes; raises as ``ros_type``.
+
+        Raises:
+            DecodeError: They are of another type, or cut off.
+        """
+        name = self._add(cls)
+        read = self.store.deserialize_ros1 if self.version == 1 else self.store.deserialize_cdr
+        try:
+            return self.to_lcm(cls, name, read(data, name))
+        except Exception as error:  # the library's readers are compiled from the type
+            raise DecodeError(f"{len(data)} bytes are no {type_name(cls)}: {error}") from error
 
     def _add(self, cls: type[Message]) -> str:
         """Return the name of the type for a class, which the store then has."""

@@ -1,20 +1,24 @@
-"""MCAP files of ours, decoded by Foxglove's own packages (npm), field for field."""
+"""MCAP files and a live bus of ours, decoded by Foxglove's own packages (npm), field for field."""
 
 import json
 import math
 import shutil
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from lcmtools import Node
 from lcmtools.bag.ros_bags import Encoding, McapFile
+from lcmtools.bag.ros_types import RosTypes
 from lcmtools.messages.codec import encode
 from lcmtools.messages.fields import Field, visible_fields
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import Message, message_class, type_names
 from lcmtools.observe.decoding import Decoder
+from lcmtools.types.geometry_msgs import Twist
 from lcmtools.wire.packet import Packet
 
 _SCRIPTS = Path(__file__).parent / "foxglove"
@@ -22,8 +26,8 @@ _TIME = 1_700_000_000_123_456_789
 
 
 @pytest.fixture(scope="module")
-def decode(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The script that decodes, beside the packages that it needs."""
+def scripts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the scripts, with the packages that they need."""
     if not (shutil.which("node") and shutil.which("npm")):
         pytest.skip("node and npm are not installed")
     folder = tmp_path_factory.mktemp("foxglove")
@@ -32,7 +36,7 @@ def decode(tmp_path_factory: pytest.TempPathFactory) -> Path:
     install = ["npm", "ci", "--silent", "--no-audit", "--prefer-offline", "--fetch-retries=0"]
     if subprocess.run(install, cwd=folder, check=False).returncode:
         pytest.skip("npm cannot install Foxglove's packages")
-    return folder / "decode.mjs"
+    return folder
 
 
 def _filled(name: str, count: int = 0) -> Message:
@@ -86,7 +90,7 @@ def _same(found: object, wanted: object) -> bool:
 
 @pytest.mark.parametrize("encoding", ["cdr", "ros1"])
 def test_every_type_is_decoded_field_for_field(
-    encoding: Encoding, decode: Path, tmp_path: Path
+    encoding: Encoding, scripts: Path, tmp_path: Path
 ) -> None:
     messages = {name: _filled(name) for name in type_names()}
     path = tmp_path / "a.mcap"
@@ -94,10 +98,73 @@ def test_every_type_is_decoded_field_for_field(
         for place, (name, message) in enumerate(messages.items()):
             packet = Packet(f"/{name}", encode(message), _TIME + place)
             file.add(packet, Decoder(lambda _, name=name: (name,)))  # type: ignore[misc]
-    run = subprocess.run(["node", decode, path], capture_output=True, text=True, check=True)  # noqa: S607
+    command = ["node", scripts / "decode.mjs", path]
+    run = subprocess.run(command, capture_output=True, text=True, check=True)
     rows = [json.loads(line) for line in run.stdout.splitlines()]
     assert [row["topic"] for row in rows] == [f"/{name}" for name in messages]
     assert [int(row["time"]) for row in rows] == [_TIME + place for place in range(len(rows))]
     for row, message in zip(rows, messages.values(), strict=True):
         wanted = _as_foxglove_has_it(to_plain(message), encoding)
         assert _same(row["message"], wanted), (row, wanted)
+
+
+@pytest.fixture
+def connect(
+    start: Callable[..., Any], bus_url: str, lcmtools_path: str, scripts: Path
+) -> Callable[..., Any]:
+    """``connect({topic: ...}, options=["--allow-publish"])``: a client that publishes these."""
+
+    def run(*published: object, options: tuple[str, ...] = ()) -> Any:
+        server = start(lcmtools_path, "foxglove", "--port", "0", *options, LCM_DEFAULT_URL=bus_url)
+        url = server.wait_for("in Foxglove").partition(" connection to ")[2].split()[0]
+        return start("node", str(scripts / "client.mjs"), url, *map(json.dumps, published))
+
+    return run
+
+
+def test_every_type_of_a_bus_is_decoded_field_for_field(
+    connect: Callable[..., Any], start_node: Callable[..., Any], wait_until: Callable[..., None]
+) -> None:
+    messages = {f"/{name}": _filled(name) for name in type_names()}
+    node = start_node(lambda: Node("all_types")).node
+    publishers = {topic: node.create_publisher(type(one), topic) for topic, one in messages.items()}
+    client = connect()
+    for topic, publisher in publishers.items():
+        wait_until(publisher.subscriber_count)
+        publisher.publish(messages[topic])
+        row = json.loads(client.wait_for('"event":"message"'))
+        wanted = _as_foxglove_has_it(to_plain(messages[topic]), "ros1")
+        assert row["topic"] == topic
+        assert _same(row["message"], wanted), (row, wanted)
+
+
+@pytest.mark.parametrize("encoding", ["json", "ros1"])
+def test_a_client_publishes_where_it_may(
+    encoding: str, connect: Callable[..., Any], start_node: Callable[..., Any], wait_until: Any
+) -> None:
+    got: list[float] = []
+    node = start_node(lambda: Node("robot")).node
+    node.create_subscription(Twist, "/cmd", lambda message: got.append(message.linear.x))
+    connect(_twist("/cmd", encoding), options=("--allow-publish", "/cmd"))
+    wait_until(lambda: got)
+    assert set(got) == {0.5}
+
+
+def test_a_client_publishes_nothing_by_default(
+    connect: Callable[..., Any], start_node: Callable[..., Any]
+) -> None:
+    got: list[object] = []
+    start_node(lambda: Node("robot")).node.create_subscription(Twist, "/cmd", got.append)
+    client = connect(_twist("/cmd", "json"))
+    assert "clientPublish" not in client.wait_for('"event":"info"')
+    client.wait_for('"event":"status"')
+    assert not got
+
+
+def _twist(topic: str, encoding: str) -> dict[str, object]:
+    zero = {"x": 0, "y": 0, "z": 0}
+    message = {"linear": {**zero, "x": 0.5}, "angular": zero}
+    wish = {"topic": topic, "schemaName": "geometry_msgs/Twist", "encoding": encoding}
+    if encoding == "ros1":
+        wish["definition"] = RosTypes(1).schema(Twist).text.decode()
+    return {**wish, "message": message}

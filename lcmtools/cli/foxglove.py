@@ -1,0 +1,84 @@
+"""``lcmtools foxglove``."""
+
+from contextlib import ExitStack
+
+from lcmtools.bag.choice import RecordedTopics
+from lcmtools.cli.bus import looking_names, notify, open_monitor
+from lcmtools.cli.declare import argument, examples, option, subcommand, whole_number
+from lcmtools.cli.options import bus_options, names_options
+from lcmtools.errors import UsageError
+
+_ALL = "**"
+_LAST_PORT = 65535
+
+
+@subcommand("foxglove", names_options, bus_options)
+@examples(
+    "foxglove",
+    "foxglove '/husky0/**' --exclude '**/image_raw'",
+    "foxglove --allow-publish /husky0/desired_velocity",
+)
+@argument("topics", metavar="[TOPIC]...", nargs=-1, completer="bus:topics")
+@option(
+    "-x",
+    "--exclude",
+    metavar="TOPIC",
+    multiple=True,
+    help="Leave out a topic, or what a pattern matches.",
+    completer="bus:topics",
+)
+@option(
+    "--allow-publish",
+    "allowed",
+    metavar="[TOPIC]",
+    multiple=True,
+    is_flag=False,
+    flag_value=_ALL,
+    help="Let clients publish on a topic, what a pattern matches, or without either on all.",
+    completer="bus:topics",
+)
+@option(
+    "--port",
+    metavar="N",
+    type=whole_number(0),
+    default=8765,
+    help="The port (else 8765; 0 for any).",
+)
+@option(
+    "--host",
+    metavar="ADDRESS",
+    default="127.0.0.1",
+    help="The address to listen at (else 127.0.0.1).",
+)
+def command(
+    topics: tuple[str, ...],
+    *,
+    exclude: tuple[str, ...],
+    allowed: tuple[str, ...],
+    port: int,
+    host: str,
+) -> None:
+    """Serve the bus to Foxglove and Lichtblick, until Ctrl-C.
+
+    Every topic but hidden ones is offered with the type of ROS 1 that its messages have; in
+    Foxglove, "Open connection" takes the address. TOPIC may be a pattern in quotes. Only what a
+    panel asks for is decoded. With --allow-publish its panels may publish: so may any web page that
+    is open on this computer.
+    """
+    from lcmtools.foxglove.bridge import Bridge
+    from lcmtools.foxglove.websocket import FoxgloveServer
+    from lcmtools.publish.own_node import own_node
+
+    if port > _LAST_PORT:
+        raise UsageError(f"there is no port {port}", f"ports are 0 to {_LAST_PORT}")
+    names = looking_names()
+    choice = RecordedTopics(topics, names, exclude=exclude)
+    with ExitStack() as stack:
+        monitor = stack.enter_context(open_monitor("foxglove", plays=True))
+        node = stack.enter_context(own_node("foxglove", monitor.url)) if allowed else None
+        may_publish = RecordedTopics(allowed, names) if allowed else None
+        bridge = stack.enter_context(Bridge(monitor, choice, notify, node, may_publish))
+        encodings = bridge.publishing.encodings if bridge.publishing else ()
+        server = stack.enter_context(FoxgloveServer((host, port), bridge, encodings))
+        notify(f"open a connection to ws://{host}:{server.port} in Foxglove or Lichtblick")
+        bridge.serve(server)

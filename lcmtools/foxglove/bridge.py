@@ -1,0 +1,241 @@
+"""The flow from a bus to Foxglove: a channel for each topic, and the messages that it asks for.
+
+Only topics that a client subscribes to are decoded and translated; of latched ones the last message
+is kept as it came, for who subscribes later.
+"""
+
+import threading
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field
+from queue import Empty, SimpleQueue
+
+from lcmtools.bag.choice import RecordedTopics
+from lcmtools.errors import BusError, DecodeError, LcmtoolsError
+from lcmtools.foxglove.publishing import Publishing
+from lcmtools.foxglove.schemas import Schemas
+from lcmtools.foxglove.websocket import ClientChannel, FoxgloveServer, OfferedChannel
+from lcmtools.graph.model import Ends, Graph, Topic
+from lcmtools.messages.registry import Message, candidates, message_class, type_name
+from lcmtools.node.node import Node
+from lcmtools.observe.decoding import Decoder, remedy_of_unknown
+from lcmtools.observe.following import Following
+from lcmtools.observe.monitor import BusMonitor
+from lcmtools.wire.packet import Packet
+
+_TURN = 0.05  # [s] at most until a client's wish is attended to
+_LOOK_PERIOD = 0.4  # [s] between looks at the graph
+_AGAIN = 0.5  # [s] before a network that fails is tried again
+
+
+@dataclass(slots=True)
+class _Offer:
+    """A topic that clients see."""
+
+    cls: type[Message]
+    channel: OfferedChannel
+    is_latched: bool = False
+    last: Packet | None = None  # of a latched topic
+    end: Callable[[], None] | None = field(default=None)  # of following it; None while it is not
+
+
+class Bridge(AbstractContextManager["Bridge"]):
+    """A bus for Foxglove.
+
+    Args:
+        monitor: The bus; its owner closes it.
+        topics: Those that are offered.
+        notify: Called with what a person should know, a sentence.
+        node: Publishes what clients do; None where they may not.
+        allowed: The topics that they may publish on.
+    """
+
+    def __init__(
+        self,
+        monitor: BusMonitor,
+        topics: RecordedTopics,
+        notify: Callable[[str], None],
+        node: Node | None = None,
+        allowed: RecordedTopics | None = None,
+    ) -> None:
+        self._monitor, self._topics, self._notify = monitor, topics, notify
+        self._schemas = Schemas()
+        self._decoder = Decoder(monitor.types_of)
+        self._following = Following(monitor.url)
+        self._offers: dict[str, _Offer] = {}
+        self._subscribers: Counter[str] = Counter()
+        self._wishes: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        self._told: set[str] = set()
+        self._translating = threading.Lock()
+        self._announced: list[str] = []
+        self._trouble = ""
+        self.publishing: Publishing | None = None
+        if node is not None and allowed is not None:
+            self.publishing = Publishing(node, allowed, self._schemas, self._refuse)
+
+    def __exit__(self, *_: object) -> None:
+        """Follow nothing any more."""
+        self._following.close()
+
+    def serve(self, server: FoxgloveServer) -> None:
+        """Serve until an exception ends it, as Ctrl-C does."""
+        self._monitor.discover()
+        next_look = 0.0
+        while True:
+            trouble = self._receive()
+            if trouble != self._trouble:
+                self._trouble = trouble
+                server.tell("bus", trouble)
+                self._notify(trouble or "the bus is back")
+            if time.monotonic() >= next_look:
+                next_look = time.monotonic() + _LOOK_PERIOD
+                self._look(self._monitor.graph(), server)
+
+    # What clients do, on threads of the server
+
+    def subscribed(self, topic: str) -> None:
+        """Take note that a client subscribes to a topic."""
+        self._wishes.put(lambda: self._begin(topic))
+
+    def unsubscribed(self, topic: str) -> None:
+        """Take note that a client does not any more."""
+        self._wishes.put(lambda: self._end(topic))
+
+    def advertised(self, client: int, channel: ClientChannel) -> None:
+        """Take note that a client wants to publish."""
+        if self.publishing:
+            self.publishing.advertise(client, channel)
+
+    def dismissed(self, client: int, channel: int) -> None:
+        """Take note that a client does not want to any more."""
+        if self.publishing:
+            self.publishing.dismiss(client, channel)
+
+    def published(self, client: int, channel: int, data: bytes) -> None:
+        """Take a client's message."""
+        if self.publishing:
+            self.publishing.publish(client, channel, data)
+
+    def _refuse(self, text: str) -> None:
+        self._wishes.put(lambda: self._tell(text))
+
+    # On the thread that serves
+
+    def _receive(self) -> str:
+        """Pass on what arrives, attend to wishes; return the trouble with the bus, "" for none."""
+        try:
+            packets = self._monitor.receive(_TURN)
+        except (BusError, OSError) as error:
+            time.sleep(_AGAIN)
+            return getattr(error, "strerror", None) or str(error)
+        for packet in packets:
+            self._following.pass_on(packet)
+        try:
+            while True:
+                self._wishes.get_nowait()()
+        except Empty:
+            return self._monitor.trouble
+
+    def _begin(self, topic: str) -> None:
+        self._subscribers[topic] += 1
+        offer = self._offers.get(topic)
+        if offer and offer.last:
+            self._send(offer, offer.last)
+        self._attend(topic)
+
+    def _end(self, topic: str) -> None:
+        self._subscribers[topic] -= 1
+        self._attend(topic)
+
+    def _look(self, graph: Graph, server: FoxgloveServer) -> None:
+        """Offer what is new, and take back what is gone or of another type now."""
+        topics = {one.name: one for one in graph.topics() if self._topics.includes(one.name)}
+        for name in self._offers.keys() - topics.keys():
+            self._take_back(name)
+        for name, topic in topics.items():
+            cls, offer = self._class_of(topic), self._offers.get(name)
+            if offer and cls and offer.cls is not cls:
+                self._take_back(name)
+            if cls and name not in self._offers:
+                channel = server.offer(name, *self._schemas.of(cls))
+                self._offers[name] = _Offer(cls, channel)
+            if offer := self._offers.get(name):
+                offer.is_latched = any(end.latched for _, end in topic.publishers)
+                self._attend(name)
+        server.draw({name: _ends(topic) for name, topic in topics.items()})
+        wanted = self._following.channels
+        if wanted != self._announced:
+            self._announced = wanted
+            self._monitor.listen_to(wanted)
+
+    def _take_back(self, name: str) -> None:
+        offer = self._offers.pop(name)
+        if offer.end:
+            offer.end()
+        offer.channel.close()
+
+    def _attend(self, topic: str) -> None:
+        """Follow a topic while a client wants it, and always where its messages come once."""
+        offer = self._offers.get(topic)
+        if offer is None:
+            return
+        is_wanted = self._subscribers[topic] > 0 or offer.is_latched
+        if is_wanted and offer.end is None:
+            offer.end = self._following.add(topic, lambda packet: self._take(offer, packet))
+        elif not is_wanted and offer.end is not None:
+            offer.end()
+            offer.end = None
+
+    def _take(self, offer: _Offer, packet: Packet) -> None:
+        if offer.is_latched:
+            offer.last = packet
+        if self._subscribers[packet.channel] > 0:
+            self._send(offer, packet)
+
+    def _send(self, offer: _Offer, packet: Packet) -> None:
+        """Translate a message and send it; it may be on the thread of large ones."""
+        try:
+            with self._translating:
+                message = self._decoder.decode(packet)
+                if type(message) is not offer.cls:
+                    offered, found = type_name(offer.cls), type_name(type(message))
+                    raise DecodeError(f"they are {found}, and it is offered as {offered}")
+                data = self._schemas.write(message)
+        except LcmtoolsError as error:
+            self._refuse(f"messages on {packet.channel} are left out: {error}")
+        else:
+            offer.channel.log(data, log_time=packet.time)
+
+    def _class_of(self, topic: Topic) -> type[Message] | None:
+        """Return a topic's type, as seen, else as announced; None where it is not known yet."""
+        try:
+            for number in topic.fingerprints:
+                if names := candidates(number):
+                    said = next((one for one in topic.types if one in names), names[0])
+                    return message_class(said, number)
+            if topic.types and not topic.fingerprints:
+                return message_class(topic.types[0])
+        except LcmtoolsError as error:
+            self._tell(f"{topic.name} is left out: {error}")
+            return None
+        if topic.fingerprints:
+            self._tell(f"{topic.name} is left out: unknown type; {remedy_of_unknown()}")
+        return None
+
+    def _tell(self, text: str) -> None:
+        """Say something once."""
+        if text not in self._told:
+            self._told.add(text)
+            self._notify(text)
+
+
+def _ends(topic: Topic) -> tuple[list[str], list[str]]:
+    """Return the names of those who publish and subscribe, without commands that look on."""
+    others = [str(seen.sender) for seen in topic.foreign if seen.sender]
+    return sorted({*_names(topic.publishers), *others}), sorted({*_names(topic.subscribers)})
+
+
+def _names(ends: Ends) -> Iterable[str]:
+    return (node.name for node, _ in ends if not (node.tool or node.stale))

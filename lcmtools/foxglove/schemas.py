@@ -1,0 +1,60 @@
+"""Types and messages as Foxglove reads them: of ROS 1, or JSON where ROS cannot say a type."""
+
+import json
+
+from lcmtools.bag.ros_types import RosTypes, Schema
+from lcmtools.errors import DecodeError, LcmtoolsError, ValueMismatch
+from lcmtools.messages.fill import fill
+from lcmtools.messages.plain import to_json
+from lcmtools.messages.registry import Message, type_name
+
+ROS1, JSON = "ros1", "json"
+ENCODINGS = (JSON, ROS1)
+"""The encodings of clients' messages, the preferred one first."""
+
+
+class Schemas:
+    """Types and messages of LCM as Foxglove has them, and back.
+
+    Raises:
+        MissingExtra: The library for ROS's formats is missing.
+    """
+
+    def __init__(self) -> None:
+        self._types = RosTypes(1)
+        self._found: dict[type[Message], tuple[str, Schema]] = {}
+
+    def of(self, cls: type[Message]) -> tuple[str, Schema]:
+        """Return the encoding of a type's messages, and its schema."""
+        if cls not in self._found:
+            try:
+                self._found[cls] = ROS1, self._types.schema(cls)
+            except LcmtoolsError:
+                self._found[cls] = JSON, _open_schema(type_name(cls))
+        return self._found[cls]
+
+    def write(self, message: Message) -> bytes:
+        """Return a message in the encoding of its type."""
+        encoding, _ = self.of(type(message))
+        return self._types.serialize(message) if encoding == ROS1 else to_json(message).encode()
+
+    def read(self, cls: type[Message], encoding: str, data: bytes) -> Message:
+        """Return a client's message.
+
+        Raises:
+            DecodeError: It is not of the type, or in another encoding.
+        """
+        if encoding == ROS1:
+            return self._types.deserialize(cls, data)
+        if encoding != JSON:
+            raise DecodeError(f"messages in '{encoding}'", f"known: {', '.join(ENCODINGS)}")
+        message = cls()
+        try:
+            fill(message, json.loads(data))
+        except (ValueError, ValueMismatch) as error:
+            raise DecodeError(f"no {type_name(cls)}: {error}") from error
+        return message
+
+
+def _open_schema(name: str) -> Schema:
+    return Schema(name, "jsonschema", json.dumps({"title": name, "type": "object"}).encode())

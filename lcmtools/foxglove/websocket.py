@@ -1,0 +1,152 @@
+"""The server of the package foxglove: channels, clients' wishes, and its errors as ours."""
+
+from collections.abc import Iterable, Mapping
+from contextlib import AbstractContextManager
+from typing import Any, Protocol, cast
+
+from lcmtools.bag.ros_types import Schema
+from lcmtools.errors import BusError, MissingExtra
+
+
+class Clients(Protocol):
+    """Takes what clients do, on threads of the server."""
+
+    def subscribed(self, topic: str) -> None:
+        """Take note that a client subscribes to a topic."""
+
+    def unsubscribed(self, topic: str) -> None:
+        """Take note that a client does not any more."""
+
+    def advertised(self, client: int, channel: "ClientChannel") -> None:
+        """Take note that a client wants to publish."""
+
+    def dismissed(self, client: int, channel: int) -> None:
+        """Take note that a client does not want to any more."""
+
+    def published(self, client: int, channel: int, data: bytes) -> None:
+        """Take a client's message."""
+
+
+class ClientChannel(Protocol):
+    """A channel of a client's own, as the package describes it."""
+
+    id: int
+    topic: str
+    encoding: str
+    schema_name: str
+
+
+class OfferedChannel(Protocol):
+    """A channel that is offered."""
+
+    def log(self, message: bytes, *, log_time: int) -> None:
+        """Send a message to who subscribes; its time is [ns since 1970]."""
+
+    def close(self) -> None:
+        """Offer it no more."""
+
+
+class FoxgloveServer(AbstractContextManager["FoxgloveServer"]):
+    """A server for Foxglove and Lichtblick.
+
+    Args:
+        address: Host and port; 0 for any port.
+        clients: Takes what clients do.
+        encodings: Of messages that clients may publish; none where they may not.
+
+    Raises:
+        MissingExtra: The package is missing.
+        BusError: The address cannot be used.
+    """
+
+    def __init__(
+        self, address: tuple[str, int], clients: Clients, encodings: Iterable[str] = ()
+    ) -> None:
+        try:
+            import foxglove
+            from foxglove.websocket import Capability, StatusLevel
+        except ImportError as error:
+            hint = "pip install -e '.[foxglove]'"
+            raise MissingExtra("foxglove needs the extra 'foxglove'", hint) from error
+        self._package: Any = foxglove
+        self._level = StatusLevel.Error
+        self._context = foxglove.Context()
+        self._graph: Mapping[str, tuple[list[str], list[str]]] = {}
+        host, port = address
+        can = [Capability.ConnectionGraph, *([Capability.ClientPublish] if encodings else [])]
+        try:
+            self._server = foxglove.start_server(
+                name="lcmtools",
+                host=host,
+                port=port,
+                capabilities=can,
+                server_listener=cast("Any", _Listener(clients)),
+                supported_encodings=list(encodings) or None,
+                context=self._context,
+            )
+        except RuntimeError as error:
+            reason = str(error).rpartition(": ")[2].partition(" (os error")[0]
+            what = f"cannot listen at {host}:{port}: {reason}"
+            raise BusError(what, "--port N takes another port") from error
+
+    def __exit__(self, *_: object) -> None:
+        """End all connections."""
+        self._server.stop()
+
+    @property
+    def port(self) -> int:
+        """The port that it listens at."""
+        return int(self._server.port)
+
+    def offer(self, topic: str, encoding: str, schema: Schema) -> OfferedChannel:
+        """Offer a topic."""
+        described = self._package.Schema(name=schema.name, encoding=schema.form, data=schema.text)
+        channel: OfferedChannel = self._package.Channel(
+            topic, schema=described, message_encoding=encoding, context=self._context
+        )
+        return channel
+
+    def tell(self, key: str, text: str) -> None:
+        """Show clients a trouble, in place of an earlier one of its key; "" for none any more."""
+        if text:
+            self._server.publish_status(text, self._level, key)
+        else:
+            self._server.remove_status([key])
+
+    def draw(self, graph: Mapping[str, tuple[list[str], list[str]]]) -> None:
+        """Show who publishes each topic, and who subscribes."""
+        if graph == self._graph:
+            return
+        self._graph = graph
+        drawn = self._package.ConnectionGraph()
+        for topic, (publishers, subscribers) in graph.items():
+            drawn.set_published_topic(topic, publishers)
+            drawn.set_subscribed_topic(topic, subscribers)
+        self._server.publish_connection_graph(drawn)
+
+
+class _Listener:
+    """The listener that the package calls."""
+
+    def __init__(self, clients: Clients) -> None:
+        self._clients = clients
+
+    def on_subscribe(self, _: object, channel: ClientChannel) -> None:
+        """Pass it on."""
+        self._clients.subscribed(channel.topic)
+
+    def on_unsubscribe(self, _: object, channel: ClientChannel) -> None:
+        """Pass it on."""
+        self._clients.unsubscribed(channel.topic)
+
+    def on_client_advertise(self, client: ClientChannel, channel: ClientChannel) -> None:
+        """Pass it on."""
+        self._clients.advertised(client.id, channel)
+
+    def on_client_unadvertise(self, client: ClientChannel, channel: int) -> None:
+        """Pass it on."""
+        self._clients.dismissed(client.id, channel)
+
+    def on_message_data(self, client: ClientChannel, channel: int, data: bytes) -> None:
+        """Pass it on."""
+        self._clients.published(client.id, channel, data)

@@ -1,0 +1,42 @@
+"""Types and messages as Foxglove reads them."""
+
+import pytest
+
+from lcmtools.errors import DecodeError
+from lcmtools.foxglove.schemas import JSON, ROS1, Schemas
+from lcmtools.messages.codec import encode
+from lcmtools.messages.registry import message_class, type_names
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.sensor_msgs import LaserScan
+
+
+def test_every_shipped_type_is_one_of_ros() -> None:
+    schemas = Schemas()
+    for name in type_names():
+        encoding, schema = schemas.of(message_class(name))
+        assert (encoding, schema.name, schema.form) == (ROS1, name, "ros1msg")
+
+
+@pytest.mark.parametrize("encoding", [ROS1, JSON])
+def test_a_client_s_message_is_read(encoding: str) -> None:
+    schemas, twist = Schemas(), Twist()
+    twist.linear.x, twist.angular.z = 0.5, -0.25
+    data = schemas.write(twist)
+    if encoding == JSON:
+        data = b'{"linear": {"x": 0.5}, "angular": {"z": -0.25}}'
+    assert encode(schemas.read(Twist, encoding, data)) == encode(twist)
+
+
+@pytest.mark.parametrize(
+    ("encoding", "data", "said"),
+    [
+        (ROS1, b"\x01", "1 bytes are no sensor_msgs/LaserScan"),
+        (JSON, b"{", "no sensor_msgs/LaserScan: Expecting"),
+        (JSON, b'{"rangs": []}', "no field 'rangs'"),
+        (JSON, b"\xff", "no sensor_msgs/LaserScan"),
+        ("cdr", b"", "messages in 'cdr'; known: json, ros1"),
+    ],
+)
+def test_rubbish_of_a_client_is_refused(encoding: str, data: bytes, said: str) -> None:
+    with pytest.raises(DecodeError, match=said):
+        Schemas().read(LaserScan, encoding, data)
