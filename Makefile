@@ -17,7 +17,7 @@ SLOW_JOBS ?= 3
 EDITABLE ?= -e
 BIN := $(VENV)/bin
 FAST := $(addprefix tests/,unit house cli physics process)
-SLOW := $(addprefix tests/,faults labs docs hosts interop)
+SLOW := $(addprefix tests/,faults labs docs hosts interop gui)
 SOURCES := lcmtools sim tests bench lcm_types hatch_build.py docs/man_pages.py
 
 .PHONY: demo test test-slow check types man format bench clean
@@ -42,6 +42,9 @@ check: $(VENV)/.installed-dev
 	$(BIN)/mypy
 	$(BIN)/mypy --platform darwin --cache-dir .mypy_cache/darwin  # calls that only Linux has
 	$(BIN)/lint-imports
+	@if command -v npm >/dev/null; then \
+	  cd tests/gui && { [ -d node_modules ] || npm ci --silent --no-audit --no-fund; } && npm run --silent check; \
+	else echo "npm is not there: the window's JavaScript is not checked"; fi
 	$(BIN)/codespell README.md ARCHITECTURE.md CONTRIBUTING.md CHANGELOG.md docs/*.md labs lcm_types lcmtools sim
 
 types: $(VENV)/.installed-dev

@@ -119,7 +119,14 @@ class BrowserPage:
             self._send({"id": number, "problem": _MAY_NOT})
             return
         parameters = request.without("op", "id", "stream")
-        opened = _Subscription(number, self._streams.open(name, parameters))
+        try:
+            opened = _Subscription(number, self._streams.open(name, parameters))
+        except Rubbish:
+            raise
+        except LcmtoolsError as error:  # a value that a person has typed
+            self._close_stream(request)
+            self._send({"id": number, "problem": str(error)})
+            return
         before, self._open[number] = self._open.get(number), opened
         if before:
             self._streams.close(before.stream)

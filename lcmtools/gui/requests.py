@@ -14,13 +14,17 @@ from lcmtools.gui.source import Source
 Answer: TypeAlias = Callable[[Source, Parameters], Json]
 """Returns the answer; an LcmtoolsError becomes an error for the person."""
 
-ASKS: dict[str, str] = {
+ASKS = {
     "color maps": "streams.image:color_maps",
     "numbers": "choices:numbers",
     "topics": "choices:topics",
+    "type": "types:describe",
+    "types": "types:names",
 }
 """The module and the function of each question."""
-ACTIONS: dict[str, str] = {}
+ACTIONS = {
+    "publish": "forms:publish",
+}
 """The same of each action, which only a page that may command can take."""
 
 

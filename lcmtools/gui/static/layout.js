@@ -226,8 +226,8 @@ export class Layout {
       this.page.changed();
     };
     divider.addEventListener("keydown", (event) => {
-      const steps = isRow ? { ArrowLeft: -1, ArrowRight: 1 } : { ArrowUp: -1, ArrowDown: 1 };
-      const step = /** @type {Record<string, number>} */ (steps)[event.key];
+      const [back, forth] = isRow ? ["ArrowLeft", "ArrowRight"] : ["ArrowUp", "ArrowDown"];
+      const step = event.key === forth ? 1 : event.key === back ? -1 : 0;
       if (!step) return;
       event.preventDefault();
       shift(step * STEP);

@@ -8,7 +8,7 @@ import { PANELS } from "./panels/index.js";
 const KEEP = "lcmtools.layout."; // before the name of a view, in the browser's storage
 const THEME = "lcmtools.theme";
 const SOON = 300; // [ms] until a change is kept
-const DEFAULT = { panel: "topics" };
+const DEFAULT = { split: "column", parts: [{ panel: "topics" }, { panel: "log" }], sizes: [3, 1] };
 
 const address = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket${location.search}`;
 const connection = new Connection(address);

@@ -8,7 +8,10 @@ from lcmtools.gui.streams.base import PageStream
 
 STREAMS = {
     "image": "image:NewestImage",
+    "log": "log:LogLines",
+    "message": "message:LatestMessage",
     "plot": "plot:Plot",
+    "publishing": "publishing:Publishing",
     "steer": "steer:Steer",
     "topics": "topics:Topics",
 }

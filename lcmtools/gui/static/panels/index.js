@@ -24,6 +24,11 @@ export const PANELS = {
     detail: "colour, grey and depth",
     module: () => import("./image.js"),
   },
+  log: {
+    title: "Log",
+    detail: "lines of the nodes",
+    module: () => import("./log.js"),
+  },
   topics: {
     title: "Topics",
     detail: "rates, loss, senders, messages",

@@ -1,6 +1,8 @@
-// The topics: a table of all, sorted and filtered.
+// The topics: a table of all, sorted and filtered; of the chosen one the message, and a form.
 
-import { element, fill, set, write } from "../elements.js";
+import { element, fill, iconButton, set, write } from "../elements.js";
+import { MessageTree } from "./message.js";
+import { PublishForm } from "./publish.js";
 
 /**
  * @typedef {{topic: string, types: string[], isAnnounced: boolean, messages: number,
@@ -52,26 +54,151 @@ export default class Topics {
     });
     this.filter.value = typeof settings.filter === "string" ? settings.filter : "";
     this.count = element("span", { class: "muted", role: "status" });
+    /** The topic in the lower part, null for none, "" for one to be named. @type {string | null} */
+    this.chosen = typeof settings.topic === "string" ? settings.topic : null;
+    this.isPublishing = settings.publish === true;
+    /** @type {MessageTree | PublishForm | null} */
+    this.part = null;
     this.head = element("tr");
-    this.body = element("tbody");
-    this.element = element(
+    this.body = element("tbody", {
+      onkeydown: (/** @type {KeyboardEvent} */ event) => this.press(event),
+    });
+    this.detail = element("section", { class: "detail", hidden: true });
+    this.facts = element("p", { class: "facts" });
+    this.panes = element(
       "div",
       { class: "topics" },
-      element("div", { class: "tools" }, this.filter, this.count),
-      element("div", { class: "table" }, element("table", {}, element("thead", {}, this.head), this.body)),
+      element(
+        "div",
+        { class: "topics-list" },
+        element(
+          "div",
+          { class: "tools" },
+          this.filter,
+          this.count,
+          element("span", { class: "space" }),
+          element("button", { type: "button", onclick: () => this.choose("", true) }, "Publish …"),
+        ),
+        element("div", { class: "table" }, element("table", {}, element("thead", {}, this.head), this.body)),
+      ),
+      this.detail,
     );
+    this.element = element("div", { class: "topics-panel" }, this.panes);
     this.showHead();
+    this.showDetail();
     context.open("topics", {}, (data) => {
       this.rows = data.rows;
       this.show();
+      this.showFacts();
     });
   }
 
   settings() {
-    return { sort: this.sort, reverse: this.isReversed, filter: this.filter.value };
+    return {
+      sort: this.sort,
+      reverse: this.isReversed,
+      filter: this.filter.value,
+      topic: this.chosen,
+      publish: this.isPublishing,
+    };
   }
 
-  close() {}
+  close() {
+    this.part?.close();
+  }
+
+  /**
+   * Show a topic's message, or a form to publish on it; null for neither.
+   * @param {string | null} topic
+   * @param {boolean} isPublishing
+   */
+  choose(topic, isPublishing) {
+    this.chosen = topic;
+    this.isPublishing = isPublishing;
+    this.showDetail();
+    this.changed();
+  }
+
+  showDetail() {
+    this.part?.close();
+    this.part = null;
+    this.detail.hidden = this.chosen === null;
+    if (this.chosen === null) return;
+    const topic = this.chosen;
+    const about = element("span", { class: "muted" });
+    const row = this.rows.find((one) => one.topic === topic);
+    this.part = this.isPublishing
+      ? new PublishForm(this.context, topic, row?.types[0] ?? "")
+      : new MessageTree(this.context, topic, (text) => write(about, text));
+    /** @param {string} label @param {boolean} isForm */
+    const tab = (label, isForm) =>
+      element(
+        "button",
+        {
+          type: "button",
+          "aria-pressed": String(this.isPublishing === isForm),
+          onclick: () => this.choose(topic, isForm),
+        },
+        label,
+      );
+    fill(
+      this.detail,
+      element(
+        "div",
+        { class: "tools" },
+        element("h3", { class: "mono" }, topic || "Publish"),
+        topic ? [tab("Message", false), tab("Publish", true)] : null,
+        about,
+        element("span", { class: "space" }),
+        iconButton("close", "Close the message", () => this.choose(null, false)),
+      ),
+      topic ? this.facts : null,
+      this.part.element,
+    );
+    set(this.detail, "aria-label", topic || "Publish");
+    this.showFacts();
+  }
+
+  showFacts() {
+    const row = this.rows.find((one) => one.topic === this.chosen);
+    if (!row) {
+      write(this.facts, "");
+      return;
+    }
+    if (this.part instanceof PublishForm && !this.part.type.value && row.types[0]) {
+      this.part.type.value = row.types[0]; // it was opened before the topics were known
+      this.part.learn();
+    }
+    const jitter = row.jitter === null ? "–" : `${(row.jitter * 1000).toFixed(1)} ms`;
+    const others = row.types.length > 1 ? `; could be ${row.types.slice(1).join(", ")}` : "";
+    const lost = row.lost ? `; ${row.lost} messages of its senders lost` : "";
+    write(
+      this.facts,
+      `${row.messages} messages, ${rateText(row.rate)}, jitter ${jitter}${lost}${others}\n` +
+        `from ${row.senders.join(", ") || "nobody"} to ${row.listeners.join(", ") || "no node"}`,
+    );
+  }
+
+  /** @param {KeyboardEvent} event */
+  press(event) {
+    const rows = [...this.body.children];
+    const place = rows.indexOf(/** @type {Element} */ (event.target));
+    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+    if (place < 0) return;
+    if (step) {
+      this.focusRow(/** @type {HTMLElement | undefined} */ (rows[place + step]));
+    } else if (event.key === "Enter" || event.key === " ") {
+      /** @type {HTMLElement} */ (rows[place]).click();
+    } else return;
+    event.preventDefault();
+  }
+
+  /** @param {HTMLElement | undefined} row */
+  focusRow(row) {
+    if (!row) return;
+    for (const one of this.body.children) set(one, "tabindex", one === row ? 0 : -1);
+    row.focus();
+  }
 
   changed() {
     this.show();
@@ -83,7 +210,8 @@ export default class Topics {
       const order = name !== this.sort ? "none" : this.isReversed ? "descending" : "ascending";
       const mark = { none: "", ascending: " ▴", descending: " ▾" }[order];
       const button = element("button", { type: "button", onclick: () => this.sortBy(name) }, title + mark);
-      return element("th", { scope: "col", class: isNumber ? "number" : null, "aria-sort": order }, button);
+      const about = { scope: "col", class: isNumber ? "number" : null, "aria-sort": order };
+      return element("th", { ...about, "data-column": name }, button);
     });
     fill(this.head, cells);
   }
@@ -116,6 +244,8 @@ export default class Topics {
       const line = this.line(row);
       if (this.body.children[index] !== line) this.body.insertBefore(line, this.body.children[index] ?? null);
     });
+    const stop = this.body.querySelector("[tabindex='0']") ?? this.body.firstElementChild;
+    if (stop) set(stop, "tabindex", 0);
     const all = `${this.rows.length} topics`;
     write(this.count, found.length === this.rows.length ? all : `${found.length} of ${all}`);
   }
@@ -138,12 +268,21 @@ export default class Topics {
     if (!line) {
       line = element(
         "tr",
-        {},
-        COLUMNS.map(({ isNumber }) => element("td", { class: isNumber ? "number" : null })),
+        {
+          tabindex: -1,
+          onclick: () => {
+            const isShown = this.chosen === row.topic && !this.isPublishing;
+            this.choose(isShown ? null : row.topic, false);
+          },
+        },
+        COLUMNS.map(({ name, isNumber }) =>
+          element("td", { class: isNumber ? "number" : null, "data-column": name }),
+        ),
       );
       this.lines.set(row.topic, line);
     }
     line.classList.toggle("is-silent", row.isSilent);
+    set(line, "aria-selected", String(row.topic === this.chosen));
     COLUMNS.forEach((column, index) => {
       const cell = /** @type {HTMLElement} */ (line.children[index]);
       const text = column.text(row);

@@ -1,0 +1,52 @@
+"""The stream of the nodes' log lines."""
+
+import threading
+from collections import deque
+
+from lcmtools.errors import LcmtoolsError
+from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.source import Source
+from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.wire.packet import Packet
+
+_TOPIC = "/rosout"
+_MOST = 500  # lines that wait for a page; of more the oldest are left out
+
+
+class LogLines(PageStream):
+    """The lines that come on /rosout, those since the last update each time."""
+
+    period = 0.2
+
+    def __init__(self, source: Source, parameters: Parameters) -> None:
+        super().__init__(source, parameters)
+        self._lock = threading.Lock()
+        self._waiting: deque[Packet] = deque(maxlen=_MOST)
+        self._left_out = 0
+        self.until_closed(source.follow(_TOPIC, self.take))
+
+    def take(self, packet: Packet) -> None:
+        """Let a line wait."""
+        with self._lock:
+            self._left_out += len(self._waiting) == _MOST
+            self._waiting.append(packet)
+
+    def update(self) -> Update | None:
+        """Return the lines that have come."""
+        with self._lock:
+            packets, left_out = [*self._waiting], self._left_out
+            self._waiting.clear()
+            self._left_out = 0
+        if not packets:
+            return None
+        lines = [line for packet in packets if (line := self._line(packet)) is not None]
+        return Update({"lines": lines, "leftOut": left_out})
+
+    def _line(self, packet: Packet) -> Json:
+        try:
+            message = self.source.decode(packet)
+            place = f"{message.file}:{message.line}" if message.file else ""  # type: ignore[attr-defined] # a log line has it
+            about = (message.level, message.name, message.msg)  # type: ignore[attr-defined]
+        except (LcmtoolsError, AttributeError):  # somebody else's messages
+            return None
+        return [packet.time / 1e9, *about, place]

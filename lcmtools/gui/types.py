@@ -1,0 +1,103 @@
+"""The types of messages for pages: fields with comments, units and defaults; and filled in."""
+
+from collections.abc import Mapping
+from functools import cache
+
+from lcmtools.errors import LcmtoolsError
+from lcmtools.gui.protocol import Json, Parameters, Rubbish
+from lcmtools.gui.source import Source
+from lcmtools.messages.definition import array_type
+from lcmtools.messages.documents import parse_values
+from lcmtools.messages.fields import Field, is_time, visible_fields
+from lcmtools.messages.fill import Value
+from lcmtools.messages.message_template import MessageTemplate, draft
+from lcmtools.messages.plain import to_plain
+from lcmtools.messages.registry import Message, message_class, type_name, type_names
+from lcmtools.packages.comments import Comment, comments
+from lcmtools.packages.user_types import source_text
+
+_NOTHING: Mapping[str, Comment] = {}
+
+
+def names(source: Source, _: Parameters) -> Json:
+    """Return the names of all types; those on the bus first."""
+    present = sorted({name for row in source.latest.rows for name in row.types})
+    return [*present, *(name for name in type_names() if name not in present)]
+
+
+def describe(_: Source, parameters: Parameters) -> Json:
+    """Return a type with its fields, nested ones within."""
+    kind = message_class(parameters.text("type"))
+    about = _comments(kind).get("", Comment())
+    return {"type": type_name(kind), "comment": about.text, "fields": _fields(kind, ())}
+
+
+def filled_in(parameters: Parameters) -> MessageTemplate[Message]:
+    """Return the message that a page's form means: ``type``, and ``values`` by field.
+
+    Values are texts, read by the type of their field; those of arrays are YAML. Empty texts leave
+    the default, but in a field of text.
+
+    Raises:
+        UnknownType: There is no such type.
+        ValueMismatch: A value does not fit its field, which it names.
+    """
+    kind = message_class(parameters.text("type"))
+    values = parameters.value("values")
+    if not isinstance(values, Mapping):
+        raise Rubbish("'values' is not an object")
+    return draft(kind, _read(kind, values))
+
+
+def _read(kind: type[Message], values: Mapping[str, Json]) -> Value:
+    read: dict[str, Value] = {}
+    known = {field.name: field for field in visible_fields(kind)}
+    for name, value in values.items():
+        field = known.get(name)
+        is_nested = field and field.message_class and not field.dimensions
+        if field and isinstance(value, Mapping) and is_nested and field.message_class:
+            read[name] = _read(field.message_class, value)
+        elif field and field.dimensions and isinstance(value, str):
+            if value.strip():
+                read[name] = parse_values([value])
+        elif isinstance(value, (str, bool, int, float)):
+            if value != "" or (field and field.type == "string"):
+                read[name] = value
+        else:
+            raise Rubbish(f"the value of '{name[:40]}' is no text")
+    return read
+
+
+@cache
+def _comments(kind: type[Message]) -> Mapping[str, Comment]:
+    try:
+        return comments(source_text(kind))
+    except LcmtoolsError:  # of a log, or without its file
+        return _NOTHING
+
+
+def _fields(kind: type[Message], outer: tuple[type[Message], ...]) -> list[Json]:
+    if kind in outer:  # it holds an array of itself
+        return []
+    about = _comments(kind)
+    defaults = to_plain(kind())
+    return [
+        _field(field, about.get(field.name, Comment()), defaults.get(field.name), (*outer, kind))
+        for field in visible_fields(kind)
+    ]
+
+
+def _field(
+    field: Field, about: Comment, default: object, outer: tuple[type[Message], ...]
+) -> Mapping[str, Json]:
+    nested = field.message_class
+    return {
+        "name": field.name,
+        "type": array_type(field.type, field.dimensions),
+        "comment": about.text,
+        "unit": about.unit,
+        "isArray": bool(field.dimensions),
+        "isTime": bool(nested and is_time(nested)),
+        "fields": _fields(nested, outer) if nested and not is_time(nested) else [],
+        "default": default if isinstance(default, (bool, int, float, str)) else None,
+    }

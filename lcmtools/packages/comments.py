@@ -1,0 +1,48 @@
+"""The comments of a type's file: of the type, and of each field.
+
+They stand above what they are about, or, in files of ROS, behind it.
+"""
+
+import re
+from typing import NamedTuple
+
+_STRUCT = re.compile(r"struct\s+\w+")
+_FIELD = re.compile(r"(?!package\b)[\w./]+(?:\[[^\]]*\])*\s+(\w+)(?:\s*\[[^\]]*\])*\s*(?:;|$)")
+_UNIT = re.compile(r"\[([^\]]*)\]\s*")
+
+
+class Comment(NamedTuple):
+    """A comment, with the unit that it begins with."""
+
+    text: str = ""
+    unit: str = ""  # "" for none
+
+
+def comments(source: str) -> dict[str, Comment]:
+    """Return the comments in a .lcm or .msg file, by field; that of the type itself by ""."""
+    found: dict[str, Comment] = {}
+    above: list[str] = []
+    for line in source.splitlines():
+        code, said = _split(line)
+        if not code:
+            above = [*above, said] if said else []
+            continue
+        if _STRUCT.match(code):
+            found[""] = _comment(" ".join(above))
+        elif field := _FIELD.fullmatch(code):
+            found[field[1]] = _comment(said or " ".join(above))
+        above = []
+    return found
+
+
+def _split(line: str) -> tuple[str, str]:
+    """The code and the comment of a line."""
+    code, mark, said = line.partition("//")
+    if not mark:
+        code, mark, said = line.partition("#")
+    return code.strip(), said.strip()
+
+
+def _comment(text: str) -> Comment:
+    unit = _UNIT.match(text)
+    return Comment(text[unit.end() :], unit[1]) if unit else Comment(text)
