@@ -20,7 +20,7 @@ FAST := $(addprefix tests/,unit house cli physics process)
 SLOW := $(addprefix tests/,faults labs docs hosts interop gui)
 SOURCES := lcmtools sim tests bench lcm_types hatch_build.py docs/man_pages.py
 
-.PHONY: demo test test-slow check types man format bench clean
+.PHONY: demo test test-slow check javascript types man format bench clean
 
 demo: $(VENV)/.installed
 	PATH="$(abspath $(BIN)):$$PATH" labs/husky/lab.sh
@@ -42,10 +42,19 @@ check: $(VENV)/.installed-dev
 	$(BIN)/mypy
 	$(BIN)/mypy --platform darwin --cache-dir .mypy_cache/darwin  # calls that only Linux has
 	$(BIN)/lint-imports
-	@if command -v npm >/dev/null; then \
-	  cd tests/gui && { [ -d node_modules ] || npm ci --silent --no-audit --no-fund; } && npm run --silent check; \
+	@if command -v npm >/dev/null; then $(MAKE) --no-print-directory javascript; \
 	else echo "npm is not there: the window's JavaScript is not checked"; fi
 	$(BIN)/codespell README.md ARCHITECTURE.md CONTRIBUTING.md CHANGELOG.md docs/*.md labs lcm_types lcmtools sim
+
+# the window's JavaScript: its types, by the version in tests/gui/package-lock.json
+javascript: build/npm/.installed
+	build/npm/node_modules/.bin/tsc --project tests/gui
+
+build/npm/.installed: tests/gui/package.json tests/gui/package-lock.json
+	mkdir -p build/npm
+	cp $^ build/npm/
+	npm ci --prefix build/npm --silent --no-audit --no-fund
+	touch $@
 
 types: $(VENV)/.installed-dev
 	$(BIN)/python lcm_types/generate.py
