@@ -10,7 +10,7 @@ from lcmtools.names import resolve
 from lcmtools.publish.publication import check_topic
 
 
-class Publication:
+class FilledForm:
     """A message of a form, ready to be published on its topic.
 
     Raises:
@@ -39,7 +39,7 @@ class Publication:
 
 def publish(source: Source, parameters: Parameters) -> Json:
     """Publish a form's message once."""
-    Publication(source, parameters).send()
+    FilledForm(source, parameters).send()
     return None
 
 

@@ -11,7 +11,7 @@ STREAMS = {
     "log": "log:LogLines",
     "message": "message:LatestMessage",
     "plot": "plot:Plot",
-    "publishing": "publishing:Publishing",
+    "publishing": "publishing:RepeatedForm",
     "steer": "steer:Steer",
     "topics": "topics:Topics",
 }

@@ -4,7 +4,7 @@ import threading
 import time
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.gui.forms import Publication
+from lcmtools.gui.forms import FilledForm
 from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
@@ -13,7 +13,7 @@ from lcmtools.publish.schedule import due_times
 _LOWEST, _HIGHEST = 0.01, 200.0  # [Hz]
 
 
-class Publishing(PageStream):
+class RepeatedForm(PageStream):
     """Publishes ``values`` of ``type`` on ``topic`` at ``rate`` [Hz]; ends with the page."""
 
     period = 0.25
@@ -22,7 +22,7 @@ class Publishing(PageStream):
     def __init__(self, source: Source, parameters: Parameters) -> None:
         super().__init__(source, parameters)
         self._rate = parameters.number("rate", 1.0, _LOWEST, _HIGHEST)
-        self._publication = Publication(source, parameters)
+        self._form = FilledForm(source, parameters)
         self._count = self._said = 0
         self._fault = ""
         self._over = threading.Event()
@@ -49,7 +49,7 @@ class Publishing(PageStream):
     def _send(self) -> str:
         """Publish once; return why it was not, "" if it was."""
         try:
-            self._publication.send()
+            self._form.send()
         except LcmtoolsError as error:
             return str(error)
         return ""
