@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from typing import Protocol
 
+from lcmtools.wire.stamp import Origin
+
 Handler = Callable[[bytes, int], None]
 """Called with a payload and the time it arrived (nanoseconds since 1970); must be quick."""
 
@@ -18,8 +20,18 @@ class Bus(Protocol):
         """UDP ports that messages come from besides the one of announcements."""
         ...
 
-    def publish(self, channel: str, payload: bytes) -> None:
-        """Send one message. Safe from any thread."""
+    def publish(
+        self, channel: str, payload: bytes, type_name: str = "", origin: Origin | None = None
+    ) -> None:
+        """Send one message. Safe from any thread.
+
+        Args:
+            channel: The channel.
+            payload: Fingerprint and encoded struct, or any other bytes.
+            type_name: The type "package/Name", for a bus whose keys name it; "" if unknown.
+            origin: The first sender of a message that came from another bus, for a bus that says so
+                beside each message.
+        """
         ...
 
     def subscribe(self, channel: str, handler: Handler) -> None:

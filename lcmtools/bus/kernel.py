@@ -10,6 +10,7 @@ import socket
 import struct
 import sys
 import time
+import zlib
 from array import array
 from collections.abc import Iterator
 from itertools import chain
@@ -164,6 +165,18 @@ def own_network() -> int:
         return Path("/proc/thread-self/ns/net").stat().st_ino
     except OSError:
         return 0
+
+
+def computer_id() -> int:
+    """Return a number of 32 bits for this computer's run, and for its network namespace.
+
+    Programs with the same number share processes and the loopback; containers have their own.
+    """
+    try:
+        run = Path("/proc/sys/kernel/random/boot_id").read_bytes()
+    except OSError:
+        run = socket.gethostname().encode()
+    return zlib.crc32(b"%d %s" % (own_network(), run))
 
 
 def receive_buffers() -> dict[int, int]:

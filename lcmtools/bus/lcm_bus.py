@@ -20,6 +20,7 @@ from lcmtools.bus.receiving import Receiving
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.names import check_channel
+from lcmtools.wire.stamp import Origin
 
 _LENDABLE = ("udpm", "mpudpm", "memq")
 """Providers whose messages any thread may wait for: a log ends, a server's connection breaks."""
@@ -69,7 +70,13 @@ class LcmBus:
         """UDP ports that this instance sends from besides LCM's own (for large messages)."""
         return [self._paced.port] if self._paced else []
 
-    def publish(self, channel: str, payload: bytes) -> None:
+    def publish(
+        self,
+        channel: str,
+        payload: bytes,
+        type_name: str = "",  # noqa: ARG002 - a channel of LCM names no type, as in ``Bus``
+        origin: Origin | None = None,  # noqa: ARG002 - nor does a datagram name another sender
+    ) -> None:
         """Send one message; a large one goes out as paced fragments, after this returns.
 
         Raises:

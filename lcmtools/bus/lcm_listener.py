@@ -3,12 +3,14 @@
 import contextlib
 import select
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 
 from lcmtools.bus.liblcm import QUEUE_CAPACITY, Connection, Instance
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
-from lcmtools.wire.packet import Packet
+from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.sequence import Sequence
 
 
 class LcmListener(contextlib.AbstractContextManager["LcmListener"]):
@@ -25,7 +27,8 @@ class LcmListener(contextlib.AbstractContextManager["LcmListener"]):
     """
 
     port = 0
-    is_live = True
+    is_live, is_awaiting = True, False
+    numbered: Mapping[Sender, Sequence] = MappingProxyType({})
 
     def __init__(
         self, url: BusUrl, on_outage: Callable[[str, str], None] = lambda _text, _trouble: None

@@ -16,11 +16,14 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
+from lcmtools.bus.kernel import computer_id
+
 _PROC = Path("/proc")
 _LCM_MARK = b"LCM_SELF_TEST"  # a program that is linked with liblcm statically has this in it
 _SOCKET_TABLES = (_PROC / "net" / "udp", _PROC / "net" / "udp6")  # Java's are in the second
 _ANY_V6, _MAPPED_V6 = "0" * 32, f"{'0' * 16}FFFF0000"  # IPv6 sockets that receive IPv4, too
 
+_SESSION_DIGITS = 16  # of a session of Zenoh, whose first half is its computer's number
 _INTERPRETERS = ("python", "pypy", "ruby", "perl", "lua", "node", "bash", "sh")
 """The beginnings of the names of programs whose first argument is a script."""
 _CLASS_PATHS = frozenset({"-cp", "-classpath", "--class-path"})
@@ -188,7 +191,9 @@ def _status(pid: int) -> list[str]:
 
 
 def is_local(address: str) -> bool:
-    """Return whether an IPv4 address is one of this computer's."""
+    """Return whether an IPv4 address, or a session of Zenoh, is one of this computer's."""
+    if len(address) == _SESSION_DIGITS and "." not in address:
+        return address.startswith(f"{computer_id():08x}")
     if address == "0.0.0.0" or address.startswith("127."):  # noqa: S104 - a comparison
         return True
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:

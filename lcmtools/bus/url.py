@@ -1,4 +1,4 @@
-"""LCM URLs, read as liblcm reads them, and the choice of the bus.
+"""LCM URLs, read as liblcm reads them, those of Zenoh, and the choice of the bus.
 
 Pure text. Stricter than liblcm in one way: a group without a port is an error, where liblcm takes
 port 0 and hangs for ten seconds.
@@ -8,6 +8,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from ipaddress import AddressValueError, IPv4Address
 
+from lcmtools.bus.zenoh_url import OPTIONS as ZENOH_OPTIONS
+from lcmtools.bus.zenoh_url import ZenohPlace, parse_place
 from lcmtools.errors import InvalidUrl, UsageError
 from lcmtools.names import did_you_mean
 from lcmtools.settings import NO_FILE, UserFile
@@ -20,11 +22,12 @@ MAX_DOMAIN = 232
 """The largest domain, as in ROS 2; ports stay below the ephemeral range."""
 
 _DIGITS = 10  # of a number that makes sense in a URL; Python refuses to read thousands of them
-_PROVIDERS = ("udpm", "mpudpm", "tcpq", "memq", "file")
+_PROVIDERS = ("udpm", "mpudpm", "tcpq", "memq", "file", "zenoh")
 _OPTIONS = {
     "udpm": ("ttl", "recv_buf_size", "transmit_only"),
     "mpudpm": ("ttl", "recv_buf_size", "nports"),
     "file": ("speed", "start_timestamp", "mode"),
+    "zenoh": ZENOH_OPTIONS,
 }
 _MAX_TTL = 255
 
@@ -34,11 +37,11 @@ class BusUrl:
     """The URL of a bus.
 
     Attributes:
-        provider: "udpm", "mpudpm", "tcpq", "memq" or "file".
+        provider: "udpm", "mpudpm", "tcpq", "memq", "file" or "zenoh".
         network: The part after "://", as written.
         options: The options after "?", as written.
         host: Multicast group (udpm, mpudpm) or server (tcpq); "" otherwise.
-        port: UDP or TCP port; 0 for memq and file.
+        port: UDP or TCP port; 0 for memq, file and zenoh (see ``bus.zenoh_url``).
     """
 
     provider: str
@@ -51,6 +54,11 @@ class BusUrl:
     def is_multicast(self) -> bool:
         """True if this bus is a UDP multicast group that the tap can observe."""
         return self.provider == "udpm"
+
+    @property
+    def place(self) -> ZenohPlace:
+        """The parts of a URL of Zenoh."""
+        return parse_place(str(self), self.network, self.options)
 
     @property
     def ttl(self) -> int:
@@ -132,6 +140,9 @@ def parse_url(text: str, source: str = "LCM URL") -> BusUrl:
         host, port = _parse_group(where, provider, network)
     elif provider == "tcpq":
         host, port = _parse_server(where, network)
+    elif provider == "zenoh":
+        parse_place(where, network, options)
+        host, port = "", 0
     else:
         host, port = "", 0
     return BusUrl(provider, network, options, host, port)

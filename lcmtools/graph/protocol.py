@@ -5,12 +5,12 @@ change, at once on a lcmtools_msgs/Probe on PROBE_CHANNEL, and one with the stat
 ends. A lcmtools_msgs/Shutdown on SHUTDOWN_CHANNEL requests that a node's program end.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeVar
 
 from lcmtools.errors import DecodeError, InvalidName
-from lcmtools.graph.model import CallbackError, Endpoint, Node, Role
+from lcmtools.graph.model import STALE_AFTER, CallbackError, Endpoint, Node, Role
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Message, fingerprint
 from lcmtools.names import check_length, check_node
@@ -145,6 +145,31 @@ def head_of(payload: bytes) -> Head:
     for fixed_bytes in (0, _BEFORE_ID_BYTES, _STATE_BYTES):  # after name, after host, after id
         end += 4 + int.from_bytes(payload[end : end + 4], "big") + fixed_bytes
     return Head(payload[_NAME_OFFSET:end], payload[end : end + _REVISION_BYTES])
+
+
+class Retained:
+    """The latest announcements of a program's nodes, for who asks for them later."""
+
+    def __init__(self) -> None:
+        self._latest: dict[bytes, tuple[bytes, float]] = {}
+
+    def keep(self, payload: bytes, now: float) -> None:
+        """Keep an announcement in place of the node's earlier one; forget a node that leaves."""
+        identity = head_of(payload).identity
+        node, state = identity[:-_STATE_BYTES], identity[-_STATE_BYTES:]
+        if state == bytes([msgs.Announcement.LEAVING]):
+            self._latest.pop(node, None)
+        else:
+            self._latest[node] = payload, now
+
+    def payloads(self, now: float) -> Iterator[bytes]:
+        """Yield those of the last seconds, without the time at which they were sent.
+
+        Times are monotonic [s].
+        """
+        for payload, kept in tuple(self._latest.values()):
+            if (now - kept) * 1e9 < STALE_AFTER and (known := decode_announcement(payload)):
+                yield encode_announcement(Announcement(known.node).sent_at(0))
 
 
 def _revision(node: Node) -> int:

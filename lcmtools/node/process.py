@@ -100,7 +100,7 @@ def open_context(url: BusUrl, arguments: NodeArguments) -> Context:
         UsageError: It is a log.
         BusError: The bus cannot be reached, with what to type.
     """
-    from lcmtools.bus.lcm_bus import LcmBus
+    from lcmtools.bus.open import open_bus
 
     if url.provider == "file" and url.options.get("mode", "r") == "r":
         raise UsageError(
@@ -108,7 +108,7 @@ def open_context(url: BusUrl, arguments: NodeArguments) -> Context:
             "read it with lcmtools echo --lcm-url, or give the node another bus",
         )
     records = NodeRecords(url, os.environ)
-    context = Context(LcmBus(url), arguments, os.environ, records, url)
+    context = Context(open_bus(url), arguments, os.environ, records, url)
     context.on_shutdown_request = partial(_end_as_by_signal, context)
     return context
 

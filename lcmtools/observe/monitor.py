@@ -193,6 +193,7 @@ class BusMonitor:
             # where this process itself was held up, what has come meanwhile still counts
             while (
                 not _complete(time.monotonic(), start, changed)
+                or self._observer.is_awaiting
                 or self._receives_talk(0.0)
                 or self._awaits_known_node()
             ):
@@ -234,7 +235,7 @@ class BusMonitor:
         """Return the loss of each sender, since an earlier count; empty where none is known."""
         if self.log:
             return self.log.losses()
-        return losses(self.tap.numbered, since) if self.tap else {}
+        return losses(self._observer.numbered, since)
 
     def types_of(self, channel: str) -> tuple[str, ...]:
         """Return the types that nodes announce for a channel."""

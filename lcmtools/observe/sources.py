@@ -3,15 +3,17 @@
 Belongs here: which observer a URL takes. Nothing above needs to know which one it is.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import islice
+from types import MappingProxyType
 from typing import Protocol
 
 from lcmtools.bus.preflight import check_bus
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
 from lcmtools.observe.log_file import LogFile
-from lcmtools.wire.packet import Packet
+from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.sequence import Sequence
 
 _BATCH = 100  # messages of a log at a time, so that reading can be stopped
 
@@ -24,6 +26,16 @@ class Observer(Protocol):
     """
 
     is_live: bool
+
+    @property
+    def is_awaiting(self) -> bool:
+        """True while answers to a probe may still come, where the bus knows."""
+        ...
+
+    @property
+    def numbered(self) -> Mapping[Sender, Sequence]:
+        """The sequences of senders whose numbers show their losses."""
+        ...
 
     @property
     def is_log(self) -> bool:
@@ -62,7 +74,8 @@ class LogObserver:
     """
 
     port = 0
-    is_live, is_log = False, True
+    is_live, is_log, is_awaiting = False, True, False
+    numbered: Mapping[Sender, Sequence] = MappingProxyType({})
 
     def __init__(self, path: str, between: tuple[int, int] | None = None) -> None:
         self.file = LogFile(path)
@@ -105,6 +118,10 @@ def open_observer(
     if url.provider == "file" and not plays:
         check_bus(url)
         return LogObserver(url.network)
+    if url.provider == "zenoh":
+        from lcmtools.bus.zenoh_listener import ZenohListener
+
+        return ZenohListener(url, on_outage)
     from lcmtools.bus.lcm_listener import LcmListener
 
     return LcmListener(url, on_outage)

@@ -6,13 +6,15 @@ dataclasses take three times as long to make, and Python code to hash.
 
 from typing import NamedTuple
 
+from lcmtools.wire.stamp import Origin
+
 
 class Sender(NamedTuple):
     """The source of a datagram: an LCM instance sends from a UDP port of its own.
 
     Attributes:
-        address: IPv4 address ("127.0.0.1").
-        port: UDP port.
+        address: IPv4 address ("127.0.0.1"); on Zenoh, the id of a session in 16 hex digits.
+        port: UDP port; 0 on Zenoh.
         name: Its name when it was recorded; "" on a bus. One of a log that has the address of a
             program that runs now is another one.
     """
@@ -23,7 +25,7 @@ class Sender(NamedTuple):
 
     def __str__(self) -> str:
         """Return its name, else address and port, as ss and netstat print them."""
-        return self.name or f"{self.address}:{self.port}"
+        return self.name or (f"{self.address}:{self.port}" if self.port else self.address)
 
 
 class Packet(NamedTuple):
@@ -36,6 +38,7 @@ class Packet(NamedTuple):
         sender: Its sender; None where the bus names none (tcpq, memq, logs without an index).
         seqno: The sender's number of the message; None where there is none.
         whole_bytes: Bytes of the whole payload if ``payload`` is only its beginning; else None.
+        origin: Its first sender, before any relay; None where the bus names none.
     """
 
     channel: str
@@ -44,6 +47,7 @@ class Packet(NamedTuple):
     sender: Sender | None = None
     seqno: int | None = None
     whole_bytes: int | None = None
+    origin: Origin | None = None
 
     @property
     def size(self) -> int:

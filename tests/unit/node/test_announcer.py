@@ -160,10 +160,10 @@ class _Refusing(FakeBus):
 
     takes = False
 
-    def publish(self, channel: str, payload: bytes) -> None:
+    def deliver(self, channel: str, payload: bytes) -> None:
         if channel == NODE_CHANNEL and not self.takes:
             raise BusError("the network is down")
-        super().publish(channel, payload)
+        super().deliver(channel, payload)
 
 
 def test_announcing_goes_on_when_the_network_comes_back(

@@ -80,10 +80,10 @@ def test_a_literal_topic_is_the_channel_to_the_letter(begin: Begin, bus: FakeBus
 class _Refusing(FakeBus):
     """A bus that takes no messages on one channel."""
 
-    def publish(self, channel: str, payload: bytes) -> None:
+    def deliver(self, channel: str, payload: bytes) -> None:
         if channel in ("/chatter", "/rosout"):
             raise BusError(f"cannot publish on {channel}")
-        super().publish(channel, payload)
+        super().deliver(channel, payload)
 
 
 def test_a_message_that_cannot_leave_is_lost_and_the_log_says_so_once(

@@ -33,11 +33,11 @@ class _Lossy(FakeBus):
         self.left = count
         self._channel = channel
 
-    def publish(self, channel: str, payload: bytes) -> None:
+    def deliver(self, channel: str, payload: bytes) -> None:
         if channel == self._channel and self.left > 0:
             self.left -= 1
             return
-        super().publish(channel, payload)
+        super().deliver(channel, payload)
 
 
 def _request(*, data: bool = True) -> SetBool.Request:

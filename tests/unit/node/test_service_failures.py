@@ -146,10 +146,10 @@ def test_a_reply_with_a_broken_response_is_an_error(begin: Begin, bus: FakeBus) 
 class _Refusing(FakeBus):
     """A bus that takes no replies."""
 
-    def publish(self, channel: str, payload: bytes) -> None:
+    def deliver(self, channel: str, payload: bytes) -> None:
         if channel == reply_channel("/switch"):
             raise BusError("the network is down")
-        super().publish(channel, payload)
+        super().deliver(channel, payload)
 
 
 def test_a_reply_that_cannot_leave_is_logged_and_the_node_goes_on(

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any, ClassVar
 
 import pytest
 from PIL import Image as Picture
@@ -26,7 +27,8 @@ _SECOND = 10**9
 class _Log:
     """A source of some messages."""
 
-    port, is_live, is_log = 0, False, True
+    port, is_live, is_log, is_awaiting = 0, False, True, False
+    numbered: ClassVar[dict[Any, Any]] = {}
 
     def __init__(self, packets: Sequence[Packet]) -> None:
         self._packets = list(packets)

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from typing import ClassVar
 
 import pytest
 
@@ -9,7 +10,8 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.observe.channels import ChannelRow, ChannelSelection
 from lcmtools.observe.feed import Feed, Snapshot
 from lcmtools.observe.monitor import BusMonitor
-from lcmtools.wire.packet import Packet
+from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.sequence import Sequence
 
 MEMORY = BusUrl("memq", "")
 Behaviour = Callable[[], list[Packet]]
@@ -19,7 +21,8 @@ class Bus:
     """A bus that does what a test says."""
 
     port = 0
-    is_live = True
+    is_live, is_awaiting = True, False
+    numbered: ClassVar[dict[Sender, Sequence]] = {}
 
     def __init__(self, behaviour: Behaviour, *, is_log: bool = False) -> None:
         self._behaviour = behaviour

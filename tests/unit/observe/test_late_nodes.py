@@ -4,6 +4,7 @@ import os
 import socket
 import time
 from pathlib import Path
+from typing import ClassVar
 
 import pytest
 
@@ -13,7 +14,8 @@ from lcmtools.graph.model import Node
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
 from lcmtools.observe import monitor as monitors
 from lcmtools.observe.monitor import BusMonitor
-from lcmtools.wire.packet import Packet
+from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.sequence import Sequence
 
 URL = parse_url("udpm://239.255.76.67:7667?ttl=0")
 LATE = 0.6  # [s], as on a computer with many busy programs
@@ -22,7 +24,8 @@ LATE = 0.6  # [s], as on a computer with many busy programs
 class LateObserver:
     """A source in which one announcement comes, a long time after the request."""
 
-    is_live, is_log, port = True, False, 0
+    is_live, is_log, is_awaiting, port = True, False, False, 0
+    numbered: ClassVar[dict[Sender, Sequence]] = {}
 
     def __init__(self, node: Node) -> None:
         self._node, self._asked = node, 0.0

@@ -1,0 +1,141 @@
+"""The bus of nodes on Zenoh: handlers for what a session receives.
+
+Zenoh's own threads queue what arrives; a thread that waits for messages, or else the bus's own one,
+calls the handlers (see ``bus.receiving``).
+"""
+
+import contextlib
+import select
+import threading
+from collections.abc import Callable
+
+from lcmtools.bus.base import Handler
+from lcmtools.bus.receiving import Receiving
+from lcmtools.bus.url import BusUrl
+from lcmtools.bus.zenoh_session import ZenohSession
+from lcmtools.errors import BusError
+from lcmtools.names import check_channel
+from lcmtools.wire.stamp import Origin
+
+_FEW, _BATCH = 10, 100  # messages handled before callbacks run; where these are too slow
+_LONGEST_BURST = 10  # times so many at once
+
+
+class ZenohBus:
+    """A session of Zenoh with a receiving thread of its own; see ``Bus``.
+
+    Args:
+        url: The bus.
+
+    Raises:
+        BusError: It cannot be reached, with what to do.
+        MissingExtra: Zenoh is not installed.
+    """
+
+    ports: list[int] = []  # noqa: RUF012 - none: see ``Bus``
+
+    def __init__(self, url: BusUrl) -> None:
+        self.url = url
+        self.on_outage: Callable[[str], None] = lambda _: None
+        self._handlers: dict[str, list[Handler]] = {}
+        self._changing = threading.Lock()
+        self._burst = 0
+        self._closed = False
+        self._session = ZenohSession(url, lambda text, _trouble: self.on_outage(text))
+        self._receiving = Receiving(is_lendable=True)
+        self._thread = threading.Thread(target=self._run, name="zenoh receiver", daemon=True)
+        self._thread.start()
+
+    def publish(
+        self, channel: str, payload: bytes, type_name: str = "", origin: Origin | None = None
+    ) -> None:
+        """Send one message; see ``Bus.publish``.
+
+        Raises:
+            BusError: The bus is closed.
+            InvalidName: LCM cannot carry this channel name.
+        """
+        check_channel(channel)
+        if self._closed:
+            raise BusError("the bus is closed")
+        self._session.publish(channel, payload, type_name, origin)
+
+    def subscribe(self, channel: str, handler: Handler) -> None:
+        """Call ``handler`` for each message on this channel.
+
+        Raises:
+            BusError: The bus is closed.
+            InvalidName: LCM cannot carry this channel name.
+        """
+        check_channel(channel)
+        with self._changing:
+            if self._closed:
+                raise BusError("the bus is closed")
+            handlers = self._handlers.setdefault(channel, [])
+            handlers.append(handler)
+            if len(handlers) == 1:
+                self._session.subscribe(channel)
+
+    def unsubscribe(self, channel: str, handler: Handler) -> None:
+        """Undo ``subscribe``."""
+        with self._changing:
+            handlers = self._handlers.get(channel, [])
+            if handler in handlers:
+                handlers.remove(handler)
+                if not handlers and not self._closed:
+                    self._session.unsubscribe(channel)
+
+    def wait(self, descriptor: int, timeout: float | None) -> bool:
+        """Receive on this thread until handlers were called, or it is time (see ``Bus``)."""
+        if self._closed or not self._receiving.lead():
+            return bool(select.select([descriptor], [], [], timeout)[0])
+        try:
+            return descriptor in self._receive([descriptor], timeout)
+        finally:
+            self._receiving.leave()
+
+    def hand_over(self) -> None:
+        """Receive on the bus's own thread until this one waits again."""
+        self._receiving.hand_over()
+
+    def close(self) -> None:
+        """Stop the receiving thread and leave the bus."""
+        with self._changing:
+            if self._closed:
+                return
+            self._closed = True
+        self._receiving.wake()
+        self._thread.join(timeout=2.0)
+        self._receiving.close()
+        self._session.close()
+
+    def _run(self) -> None:
+        """Receive while no other thread does; the bus's own thread."""
+        while not self._closed:
+            if not self._receiving.follow(lambda: self._closed):
+                with self._receiving:
+                    self._receive([], None)
+
+    def _receive(self, descriptors: list[int], timeout: float | None) -> list[int]:
+        """Wait for messages, a wake-up or descriptors; return those that can be read."""
+        wake, messages = self._receiving.wakeup.fileno(), self._session.fileno()
+        readable: list[int] = []
+        with contextlib.suppress(OSError, ValueError):  # a signal handler has closed the bus
+            readable = select.select([*descriptors, wake, messages], [], [], timeout)[0]
+        if messages in readable:
+            self._deliver()
+        if wake in readable:
+            self._receiving.wakeup.clear()
+        return readable
+
+    def _deliver(self) -> None:
+        """Deliver few messages at a time: callbacks run in between, and their queues have room.
+
+        Where bursts do not end, the callbacks are too slow for the messages: then all that wait are
+        delivered at once, and the queues keep the newest.
+        """
+        packets = self._session.take(_FEW if self._burst < _LONGEST_BURST else _BATCH)
+        self._burst = self._burst + 1 if len(packets) >= _FEW else 0
+        for packet in packets:
+            for handler in tuple(self._handlers.get(packet.channel, ())):
+                handler(packet.payload, packet.time)

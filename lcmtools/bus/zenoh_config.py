@@ -1,0 +1,47 @@
+"""The configuration of a Zenoh session, by a URL. Pure values.
+
+A session listens on this computer's loopback alone, unless the URL names an address or a network.
+"""
+
+import sys
+from collections.abc import Mapping
+
+from lcmtools.bus.zenoh_url import LOOPBACK, ZenohPlace
+
+_LOOPBACK_INTERFACE = "lo0" if sys.platform == "darwin" else "lo"
+_MARK = "6c636d746f6f6c73"  # "lcmtools": the first half of the ids of its sessions
+_DELAY_MS = 100  # for who is alone; others answer within some milliseconds
+_LET_GO_US = 1_000_000
+
+
+def settings_of(place: ZenohPlace, identifier: int) -> Mapping[str, object]:
+    """Return the settings of a session, by their path in Zenoh's configuration."""
+    common = {
+        "id": f"{_MARK}{identifier:016x}",
+        "transport/link/tx/queue/congestion_control/block/wait_before_close": _LET_GO_US,
+    }
+    if place.is_client:
+        return {
+            **common,
+            "mode": "client",
+            "connect/endpoints": [f"tcp/{host}" for host in place.hosts],
+            "connect/timeout_ms": 2000,
+            "scouting/multicast/enabled": False,
+        }
+    listen = [f"tcp/{place.listen}"] if place.listen else []
+    is_here = place.interface == LOOPBACK
+    if not place.hosts:
+        listen.append("tcp/127.0.0.1:0" if is_here else "tcp/0.0.0.0:0")
+    return {
+        **common,
+        "mode": "peer",
+        "connect/endpoints": [f"tcp/{host}" for host in place.hosts],
+        "listen/endpoints": listen,
+        # of several programs with one address, the first listens; the next does when it has ended
+        "listen/exit_on_failure": False,
+        "listen/timeout_ms": -1,
+        "scouting/multicast/enabled": not place.hosts,
+        "scouting/multicast/interface": _LOOPBACK_INTERFACE if is_here else place.interface,
+        "scouting/multicast/address": place.group,
+        "scouting/delay": _DELAY_MS,
+    }

@@ -1,0 +1,255 @@
+"""A session of Zenoh, and its sharp edges. The only module that imports its package.
+
+- A message to a program that does not read waits; after a second, Zenoh lets go of that program,
+  which connects again when it reads again.
+- A process that ends without closing its session can hang: it is closed at exit.
+- A session knows the first of several others when it opens: it waits until no more appear.
+- Callbacks come on Zenoh's own threads, which must not wait: messages go to a queue at once.
+- Replies with the same key are merged unless that is switched off.
+"""
+
+import atexit
+import contextlib
+import json
+import os
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from typing import TypeVar
+
+from lcmtools.bus.kernel import computer_id
+from lcmtools.bus.url import BusUrl
+from lcmtools.bus.wakeup import WakeupEvent
+from lcmtools.bus.zenoh_config import settings_of
+from lcmtools.errors import BusError, MissingExtra
+from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Retained, decode_probe
+from lcmtools.messages.registry import candidates
+from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.stamp import Origin, decode_stamp, encode_stamp
+
+try:
+    import zenoh
+except ImportError as error:
+    hint = "pip install -e '.[zenoh]'"
+    raise MissingExtra("a bus of Zenoh needs the extra 'zenoh'", hint) from error
+
+ItemT = TypeVar("ItemT")
+
+_STILL, _SETTLED = 0.02, 0.5  # [s] without another program that appears; at most
+_MOST_WAITING = 10_000  # messages
+_MOST_WAITING_BYTES = 64 << 20
+_ANSWER_TIMEOUT = 1.0  # [s]
+
+
+class ZenohSession:
+    """A connection to a bus of Zenoh, for one thread that takes what arrives.
+
+    Args:
+        url: The bus.
+        on_outage: Called by ``take`` when the connection to a router is lost or back, with a text
+            and the present trouble, "" for none.
+
+    Attributes:
+        id: The session's id, 64 bits: the computer's number before a random one.
+        dropped: Messages that were not taken in time, the oldest first.
+
+    Raises:
+        BusError: The bus cannot be reached, with what to do.
+        MissingExtra: Zenoh is not installed.
+    """
+
+    def __init__(self, url: BusUrl, on_outage: Callable[[str, str], None]) -> None:
+        self._url, self._place = url, url.place
+        self._on_outage = on_outage
+        self._outages: deque[bool] = deque()  # that began, and that ended
+        self._keys = self._place.keys
+        self.id = computer_id() << 32 | int.from_bytes(os.urandom(4), "big")
+        self.dropped = 0
+        self._seqno = 0
+        self._arrived: deque[tuple[zenoh.Sample, int, bool]] = deque()
+        self._bytes = 0
+        self._counting = threading.Lock()  # of Zenoh's threads, one for each connection
+        self._wakeup = WakeupEvent()
+        self._answers = 0  # requests whose answers are awaited
+        self._retained = Retained()
+        self._publishers: dict[str, zenoh.Publisher] = {}
+        self._subscribers: dict[str, list[zenoh.Subscriber[None]]] = {}
+        self._session = self._open()
+        atexit.register(self.close)
+        self._queryable = self._session.declare_queryable(
+            self._keys.key(NODE_CHANNEL), _direct(self._answer)
+        )
+
+    def fileno(self) -> int:
+        """Return the descriptor that can be read while something has arrived."""
+        return self._wakeup.fileno()
+
+    @property
+    def is_awaiting(self) -> bool:
+        """True while answers to a probe may still come."""
+        return self._answers > 0
+
+    def publish(
+        self, channel: str, payload: bytes, type_name: str = "", origin: Origin | None = None
+    ) -> None:
+        """Send one message; see ``Bus.publish``.
+
+        Raises:
+            BusError: The session is closed.
+        """
+        if channel == NODE_CHANNEL:
+            self._retained.keep(payload, time.monotonic())
+        elif channel == PROBE_CHANNEL:
+            self._ask(payload)
+        if self._keys.is_typed and not type_name:
+            names = candidates(int.from_bytes(payload[:8], "big"))
+            type_name = names[0] if len(names) == 1 else ""
+        publisher = self._publisher(self._keys.key(channel, type_name))
+        self._seqno += 1
+        try:
+            publisher.put(payload, attachment=encode_stamp(self.id, self._seqno, origin))
+        except zenoh.ZError as error:
+            raise BusError(f"cannot publish on {channel}: {_reason(error)}") from error
+
+    def subscribe(self, channel: str | None) -> None:
+        """Take a channel's messages from now on; for None, those of all channels."""
+        patterns = (self._keys.all,) if channel is None else self._keys.patterns(channel)
+        self._subscribers[channel or ""] = [
+            self._session.declare_subscriber(pattern, _direct(self._arrive)) for pattern in patterns
+        ]
+
+    def unsubscribe(self, channel: str) -> None:
+        """Undo ``subscribe``."""
+        for subscriber in self._subscribers.pop(channel, ()):
+            with contextlib.suppress(zenoh.ZError):
+                subscriber.undeclare()  # type: ignore[no-untyped-call] # of the package
+
+    def take(self, most: int = _MOST_WAITING) -> list[Packet]:
+        """Return what has arrived, so many messages at most, without waiting."""
+        self._wakeup.clear()
+        while self._outages:
+            self._tell_outage(is_lost=self._outages.popleft())
+        with self._counting:
+            taken = [self._arrived.popleft() for _ in range(min(most, len(self._arrived)))]
+            self._bytes -= sum(len(sample.payload) for sample, *_ in taken)
+        if self._arrived:
+            self._wakeup.set()
+        return [packet for one in taken if (packet := self._packet(*one))]
+
+    def close(self) -> None:
+        """Leave the bus."""
+        atexit.unregister(self.close)
+        with contextlib.suppress(zenoh.ZError):
+            self._session.close()  # type: ignore[no-untyped-call]
+        self._wakeup.close()
+
+    def _open(self) -> zenoh.Session:
+        config = zenoh.Config()
+        for key, value in settings_of(self._place, self.id).items():
+            config.insert_json5(key, json.dumps(value))
+        try:
+            session = zenoh.open(config)
+        except zenoh.ZError as error:
+            raise BusError(f"Zenoh cannot open {self._url}: {_reason(error)}") from error
+        if self._place.is_client:
+            session.info.declare_transport_events_listener(_direct(self._note_outage))
+        else:
+            _await_others(session)
+        return session
+
+    def _note_outage(self, event: zenoh.TransportEvent) -> None:
+        self._outages.append(event.kind == zenoh.SampleKind.DELETE)
+        self._wakeup.set()
+
+    def _tell_outage(self, *, is_lost: bool) -> None:
+        if is_lost:
+            text = f"the connection to {self._url} is lost; it is tried again until it is back"
+            self._on_outage(text, text)
+        else:
+            self._on_outage(f"the connection to {self._url} is back", "")
+
+    def _publisher(self, key: str) -> zenoh.Publisher:
+        publisher = self._publishers.get(key)
+        if publisher is None:
+            publisher = self._publishers[key] = self._session.declare_publisher(
+                key, congestion_control=zenoh.CongestionControl.BLOCK
+            )
+        return publisher
+
+    def _ask(self, probe: bytes) -> None:
+        """Request the announcements that other sessions keep: all that there are come at once."""
+        asked = decode_probe(probe)
+        if asked is None or asked.target:
+            return
+        self._answers += 1
+        self._session.get(
+            self._keys.key(NODE_CHANNEL),
+            zenoh.handlers.Callback(self._take_reply, self._end_answer, indirect=False),
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=_ANSWER_TIMEOUT,
+        )
+
+    def _take_reply(self, reply: zenoh.Reply) -> None:
+        if reply.ok is not None:
+            self._arrive(reply.ok, is_reply=True)
+
+    def _end_answer(self) -> None:
+        self._answers -= 1
+        self._wakeup.set()
+
+    def _answer(self, query: zenoh.Query) -> None:
+        """Send the announcements of this session's nodes to who has come later."""
+        stamp = encode_stamp(self.id, self._seqno)
+        for payload in self._retained.payloads(time.monotonic()):
+            query.reply(query.key_expr, payload, attachment=stamp)
+
+    def _arrive(self, sample: zenoh.Sample, *, is_reply: bool = False) -> None:
+        """Queue a message, on a thread of Zenoh's; the oldest make room."""
+        now = time.time_ns()
+        with self._counting:
+            self._arrived.append((sample, now, is_reply))
+            self._bytes += len(sample.payload)
+            while len(self._arrived) > 1 and (
+                len(self._arrived) > _MOST_WAITING or self._bytes > _MOST_WAITING_BYTES
+            ):
+                oldest, *_ = self._arrived.popleft()
+                self._bytes -= len(oldest.payload)
+                self.dropped += 1
+        self._wakeup.set()
+
+    def _packet(self, sample: zenoh.Sample, arrival: int, is_reply: bool) -> Packet | None:  # noqa: FBT001
+        payload = sample.payload.to_bytes()
+        named = self._keys.named(str(sample.key_expr))
+        if named is None:
+            return None
+        attachment = sample.attachment
+        stamp = decode_stamp(attachment.to_bytes()) if attachment is not None else None
+        if stamp is None:
+            return Packet(named.channel, payload, arrival)
+        sender = Sender(f"{stamp.sender:016x}", 0)
+        seqno = None if is_reply else stamp.seqno
+        return Packet(named.channel, payload, arrival, sender, seqno, origin=stamp.origin)
+
+
+def _direct(callback: Callable[[ItemT], None]) -> "zenoh.handlers.Callback[ItemT]":
+    """Return a handler that is called on Zenoh's own thread, without a queue and a thread more."""
+    return zenoh.handlers.Callback(callback, indirect=False)
+
+
+def _await_others(session: zenoh.Session) -> None:
+    """Wait until no more programs appear: the first tells of the others."""
+    start = changed = time.monotonic()
+    known = 0
+    while (now := time.monotonic()) - changed < _STILL and now - start < _SETTLED:
+        if (count := len(session.info.peers_zid())) != known:
+            known, changed = count, now
+        if not known:
+            return  # alone: opening has waited already
+        time.sleep(0.002)
+
+
+def _reason(error: Exception) -> str:
+    """Return Zenoh's own words without the place in its code."""
+    return str(error).partition(" at /")[0].strip()

@@ -1,0 +1,58 @@
+"""The stamp beside a message on a bus that takes one: its sender, its number, and its origin.
+
+Sans-I/O. A stamp is of few bytes, big-endian: the version (1), the sender's id (8) and its number
+of the message (4); of one that came from another bus also the id (8) and number (4) there, and the
+number of relays (1) that it has passed. Other programs send none, and read past ours.
+"""
+
+import struct
+from typing import NamedTuple
+
+_VERSION = 1
+_OWN = struct.Struct(">BQI")
+_RELAYED = struct.Struct(">BQIQIB")
+_NUMBERS = 0xFFFFFFFF
+
+
+class Origin(NamedTuple):
+    """The first sender of a message, wherever it has come through since.
+
+    Attributes:
+        id: The sender's id, of 64 bits.
+        seqno: Its number of the message, of 32 bits.
+        hops: The relays that the message has passed; 0 where it was sent to this bus.
+    """
+
+    id: int
+    seqno: int
+    hops: int = 0
+
+
+class Stamp(NamedTuple):
+    """The stamp of a message: the id of who sent it to this bus, its number, and its origin."""
+
+    sender: int
+    seqno: int
+    origin: Origin
+
+
+def encode_stamp(sender: int, seqno: int, origin: Origin | None = None) -> bytes:
+    """Return the bytes of a stamp; without an origin, of a message of the sender itself."""
+    number = seqno & _NUMBERS
+    if origin is None:
+        return _OWN.pack(_VERSION, sender, number)
+    first, hops = origin.seqno & _NUMBERS, min(origin.hops, 255)
+    return _RELAYED.pack(_VERSION, sender, number, origin.id, first, hops)
+
+
+def decode_stamp(data: bytes) -> Stamp | None:
+    """Return the stamp in these bytes; None if they are none, or of another version."""
+    if data[:1] != bytes([_VERSION]):
+        return None
+    if len(data) == _OWN.size:
+        _, sender, seqno = _OWN.unpack(data)
+        return Stamp(sender, seqno, Origin(sender, seqno))
+    if len(data) == _RELAYED.size:
+        _, sender, seqno, first, number, hops = _RELAYED.unpack(data)
+        return Stamp(sender, seqno, Origin(first, number, hops))
+    return None
