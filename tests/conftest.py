@@ -34,7 +34,7 @@ _INHERITED = (
 )
 
 
-_SECONDS = {"labs": 15, "docs": 15, "faults": 5, "hosts": 4, "process": 1, "physics": 0.3}
+_SECONDS = {"labs": 15, "docs": 15, "faults": 5, "hosts": 4, "gui": 3, "process": 1, "physics": 0.3}
 """About how long a test takes, by its folder; of others it is no matter."""
 _ALONE = {"labs", "docs", "faults"}  # tests there have nothing in common with their neighbours
 

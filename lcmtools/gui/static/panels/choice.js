@@ -1,6 +1,7 @@
 // A field for a topic's name, or for a field's, with what is there to choose from.
 
 import { element, fill } from "../elements.js";
+import { stylesheet } from "./stylesheet.js";
 
 let count = 0;
 
@@ -14,6 +15,7 @@ let count = 0;
  * @param {(value: string) => void} options.choose called with what has been entered
  */
 export function choiceField({ label, value = "", placeholder = "", suggest, choose }) {
+  stylesheet("./choice.css");
   const list = element("datalist", { id: `choices-${count++}` });
   const input = element("input", {
     type: "text",

@@ -34,11 +34,12 @@ export class Curves {
   /**
    * Add samples; where time goes back, as in a log, all are of another time and go.
    * @param {Float64Array} samples
+   * @param {(curve: number) => number} place of a sample's curve among these
    * @param {number} kept seconds before the last one that are kept
    */
-  add(samples, kept) {
+  add(samples, place, kept) {
     for (let at = 0; at < samples.length; at += SAMPLE) {
-      const [time, value, curve] = [samples[at] ?? 0, samples[at + 1] ?? NaN, samples[at + 2] ?? 0];
+      const [time, value, curve] = [samples[at] ?? 0, samples[at + 1] ?? NaN, place(samples[at + 2] ?? 0)];
       if (time - this.start < this.end - 1) this.clear();
       if (Number.isNaN(this.start)) this.start = time;
       this.addOne(Math.max(time - this.start, this.end), value, curve);

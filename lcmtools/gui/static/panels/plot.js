@@ -4,6 +4,7 @@ import uPlot from "../vendor/uplot/uPlot.js";
 import { color, element, fill, iconButton, set, write } from "../elements.js";
 import { choiceField } from "./choice.js";
 import { Curves, rowAt } from "./curves.js";
+import { FieldTree } from "./fieldtree.js";
 import { fileName, saveFile, savePicture } from "./save.js";
 import { stylesheet } from "./stylesheet.js";
 
@@ -39,8 +40,11 @@ export default class Plot {
     /** @type {Set<string>} */
     this.hidden = new Set(Array.isArray(settings.hidden) ? settings.hidden : []);
     this.curves = new Curves();
+    /** The curves as the server numbers them; the samples of one stay when others are added. */
     /** @type {string[]} */
     this.labels = [];
+    /** The place of each label among the curves. @type {Map<string, number>} */
+    this.places = new Map();
     /** @type {About[]} */
     this.about = [];
     /** @type {Series[]} */
@@ -62,6 +66,12 @@ export default class Plot {
       suggest: (text) => this.context.ask("numbers", { text }),
       choose: (text) => this.add(text),
     });
+    this.tree = new FieldTree(
+      (text) => context.ask("numbers", { text }),
+      (field) => this.fields.includes(field),
+      (field, isChosen) => (isChosen ? this.add(field) : this.setFields(this.fields.filter((one) => one !== field))),
+    );
+    this.treeButton = iconButton("menu", "Choose fields from a tree", () => this.openTree(), { "aria-expanded": "false" });
     this.pauseButton = iconButton("pause", "Pause (space)", () => this.pause(), { "aria-pressed": "false" });
     this.length = element(
       "select",
@@ -122,6 +132,7 @@ export default class Plot {
         "div",
         { class: "tools" },
         this.choice.element,
+        this.treeButton,
         element("span", { class: "space" }),
         this.pauseButton,
         element("button", { type: "button", title: "Show the last samples as they come (Home)", onclick: () => this.follow() }, "Follow"),
@@ -131,6 +142,7 @@ export default class Plot {
         element("button", { type: "button", title: "Save what is shown as PNG", onclick: () => this.savePng() }, "PNG"),
         iconButton("clear", "Forget the samples", () => this.forget()),
       ),
+      this.tree.element,
       this.room,
       element(
         "div",
@@ -158,6 +170,11 @@ export default class Plot {
     );
   }
 
+  openTree() {
+    this.tree.toggle();
+    set(this.treeButton, "aria-expanded", String(!this.tree.element.hidden));
+  }
+
   /** @param {string} text */
   add(text) {
     if (!text || text.endsWith(".")) return;
@@ -175,13 +192,13 @@ export default class Plot {
   setFields(fields) {
     this.fields = fields;
     this.choiceNumber += 1;
-    this.forget();
     this.stream.change({ fields, choice: this.choiceNumber });
     this.context.changed();
   }
 
   forget() {
     this.curves.clear();
+    this.places = new Map(this.labels.map((label, place) => [label, place]));
     this.leftOut = 0;
     this.range = null;
     this.rebuild();
@@ -196,6 +213,7 @@ export default class Plot {
     if (data.fields && data.curves) {
       this.labels = data.curves;
       this.about = data.fields;
+      for (const label of this.labels) if (!this.places.has(label)) this.places.set(label, this.places.size);
       this.rebuild();
       const problems = data.fields.filter(({ problem }) => problem);
       this.context.tell(this, problems.map(({ problem }) => problem).join("\n"));
@@ -204,8 +222,16 @@ export default class Plot {
       this.leftOut += data.leftOut;
       this.nextTable = 0;
     }
-    if (payload) this.curves.add(new Float64Array(payload), Math.max(KEPT, this.window));
+    if (payload) {
+      const samples = new Float64Array(payload);
+      this.curves.add(samples, (curve) => this.place(curve), Math.max(KEPT, this.window));
+    }
     this.draw();
+  }
+
+  /** @param {number} curve as the server numbers it */
+  place(curve) {
+    return this.places.get(this.labels[curve] ?? "") ?? 0;
   }
 
   /** Make the chart anew: the curves, or the colours, are others. */
@@ -213,7 +239,7 @@ export default class Plot {
     this.series = this.about.flatMap(({ text, curves }) =>
       curves.map((curve) => {
         const label = this.labels[curve] ?? text;
-        return { curve, label, text, isShown: !this.hidden.has(label) };
+        return { curve: this.place(curve), label, text, isShown: !this.hidden.has(label) };
       }),
     );
     this.chart?.destroy();

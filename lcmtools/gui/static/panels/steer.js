@@ -133,8 +133,8 @@ export default class Steer {
           element(
             "div",
             { class: "limits" },
-            this.limit("Limit", "linear", 0.1, "m/s"),
-            this.limit("Limit", "angular", 0.1, "rad/s"),
+            this.limit("Max speed", "linear", 0.1, "m/s"),
+            this.limit("Max turn", "angular", 0.1, "rad/s"),
             this.keyPart(),
             element("label", {}, this.gamepad, this.gamepadName),
           ),
@@ -391,7 +391,7 @@ export default class Steer {
   /** @param {boolean} isHeld */
   stateText(isHeld) {
     const who = this.state.listeners?.length ? this.state.listeners.join(", ") : "nobody that is known";
-    return `${isHeld ? "Driving" : "Silent"}. ${this.state.type}, obeyed by ${who}.`;
+    return `${isHeld ? "Driving" : "Not driving"}. ${this.state.type}, obeyed by ${who}.`;
   }
 }
 

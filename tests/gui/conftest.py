@@ -1,0 +1,82 @@
+"""Fixtures of the tests of the window: a real Chromium, and a server with pages in it."""
+
+import json
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import pytest
+from fixtures.programs import Program
+
+_ARGUMENTS = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+)
+
+
+@pytest.fixture(scope="module")
+def browser_data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the browser's data, which is in the command line of all its processes."""
+    return tmp_path_factory.mktemp("browser")
+
+
+@pytest.fixture(scope="module")
+def launch_browser() -> Iterator[Callable[[Path], Any]]:
+    """``launch_browser(folder)``: a Chromium with its data in a folder, as playwright has it."""
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
+    if chromium is None:
+        pytest.skip("tests of the window need Chromium")
+    playwright = pytest.importorskip("playwright.sync_api")
+    with playwright.sync_playwright() as started:
+
+        def launch(folder: Path, **options: object) -> Any:
+            return started.chromium.launch_persistent_context(
+                folder, executable_path=chromium, args=[*_ARGUMENTS], **options
+            )
+
+        yield launch
+
+
+@pytest.fixture(scope="module")
+def browser(launch_browser: Callable[[Path], Any], browser_data: Path) -> Iterator[Any]:
+    """A browser that the tests of a module share."""
+    context = launch_browser(browser_data)
+    context.set_default_timeout(40_000)
+    yield context
+    context.close()
+
+
+@pytest.fixture
+def serve(
+    module_start: Callable[..., Program], lcmtools_path: str
+) -> Callable[..., tuple[Program, str]]:
+    """``serve("steer", "/v")``: the window's process on the module's bus, and its address."""
+
+    def run(*words: str) -> tuple[Program, str]:
+        panel = words or ("all",)
+        server = module_start(lcmtools_path, "gui", *panel, "--port", "0", "--no-open")
+        return server, server.wait_for("http://").split()[-1]
+
+    return run
+
+
+@pytest.fixture
+def page(browser: Any) -> Iterator[Any]:
+    """A page; what goes wrong in it fails the test."""
+    opened = browser.new_page()
+    errors: list[str] = []
+    opened.on("pageerror", lambda error: errors.append(str(error)))
+    yield opened
+    opened.close()
+    assert errors == []
+
+
+def panel_address(address: str, panel: str, **settings: object) -> str:
+    """Return the address of one panel."""
+    return f"{address}#{quote(json.dumps({'panel': panel, 'settings': settings}))}"

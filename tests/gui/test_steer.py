@@ -1,0 +1,202 @@
+"""The page drives the simulator's Husky, which stops whatever happens to the page."""
+
+import itertools
+import os
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import closing, suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fixtures.programs import Program
+
+from lcmtools.observe.received import messages
+from lcmtools.types.geometry_msgs import Twist
+from lcmtools.types.nav_msgs import Odometry
+
+TOPIC = "/husky0/cmd_vel"
+_LONG = 40.0  # [s] for what comes
+_MOST = 900  # speeds, thirty seconds of them
+_FAST, _SLOW = 0.2, 0.01  # [m/s]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _husky(module_start: Callable[..., Program], lcmtools_path: str) -> None:
+    module_start(lcmtools_path, "run", "sim", "husky").wait_for("simulating")
+
+
+@pytest.fixture
+def commands(module_bus_url: str) -> Iterator[Callable[[], Twist]]:
+    """``commands()``: the next message on the topic that is steered."""
+    with closing(messages(TOPIC, url=module_bus_url, wall_time=True, timeout=_LONG)) as arrivals:
+
+        def take() -> Twist:
+            message = next(arrivals).message
+            assert isinstance(message, Twist)
+            return message
+
+        yield take
+
+
+def speeds(url: str) -> Iterator[float]:
+    """The Husky's speed by its odometry, as it comes [m/s]."""
+    for arrival in messages("/husky0/odometry", url=url, wall_time=True, timeout=_LONG):
+        assert isinstance(arrival.message, Odometry)
+        yield arrival.message.twist.twist.linear.x
+
+
+def wait_for_speed(url: str, is_right: Callable[[float], bool]) -> None:
+    with closing(speeds(url)) as found:
+        seen: list[float] = []
+        for speed in found:
+            if is_right(speed):
+                return
+            seen.append(speed)
+            assert len(seen) < _MOST, f"the last speeds are {seen[-5:]}"
+
+
+def moves(url: str) -> None:
+    """Wait until the Husky moves."""
+    wait_for_speed(url, lambda speed: speed > _FAST)
+
+
+def stands(url: str) -> None:
+    """Wait until the Husky stands."""
+    wait_for_speed(url, lambda speed: abs(speed) < _SLOW)
+
+
+def hold_joystick(page: Any) -> None:
+    """Push the joystick forward, and hold it."""
+    page.get_by_text("obeyed by").wait_for()
+    box = page.locator(".pad").bounding_box()
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(*middle)
+    page.mouse.down()
+    page.mouse.move(middle[0], box["y"] + box["height"] * 0.25)
+
+
+def test_the_joystick_drives_until_it_is_let_go(
+    serve: Callable[..., tuple[Program, str]],
+    page: Any,
+    module_bus_url: str,
+    commands: Callable[[], Twist],
+) -> None:
+    page.goto(serve("steer", TOPIC)[1])
+    hold_joystick(page)
+    moves(module_bus_url)
+    speeds_sent = (commands().linear.x for _ in itertools.count())
+    held = list(itertools.islice(itertools.dropwhile(lambda one: not one, speeds_sent), 8))
+    assert held[1:] == [pytest.approx(0.5, abs=0.01)] * 7
+    page.mouse.up()
+    stands(module_bus_url)
+    assert {round(one, 2) for one in itertools.takewhile(bool, speeds_sent)} <= {0.5}
+    assert [next(speeds_sent) for _ in range(2)] == [0, 0]  # the stop is sent three times
+    page.get_by_text("Not driving").wait_for()
+
+
+def test_keys_drive_while_they_are_held(
+    serve: Callable[..., tuple[Program, str]], page: Any, module_bus_url: str
+) -> None:
+    page.goto(serve("steer", TOPIC, "--max-linear", "0.6")[1])
+    page.get_by_text("obeyed by").wait_for()
+    page.locator(".pad").focus()
+    page.keyboard.down("w")
+    moves(module_bus_url)
+    assert page.locator(".reading output").first.inner_text() == "+0.30"
+    page.keyboard.press("Escape")
+    stands(module_bus_url)
+    page.keyboard.up("w")
+
+
+def test_it_stops_when_the_page_hangs(
+    serve: Callable[..., tuple[Program, str]], page: Any, module_bus_url: str
+) -> None:
+    page.goto(serve("steer", TOPIC)[1])
+    hold_joystick(page)
+    moves(module_bus_url)
+    page.evaluate("setTimeout(() => { const end = Date.now() + 4000; while (Date.now() < end); })")
+    stands(module_bus_url)
+
+
+def test_it_stops_when_the_page_is_hidden(
+    serve: Callable[..., tuple[Program, str]], page: Any, module_bus_url: str
+) -> None:
+    page.goto(serve("steer", TOPIC)[1])
+    hold_joystick(page)
+    moves(module_bus_url)
+    page.evaluate(
+        "Object.defineProperty(document, 'hidden', { get: () => true });"
+        "document.dispatchEvent(new Event('visibilitychange'))"
+    )
+    stands(module_bus_url)
+    assert page.locator(".reading output").first.inner_text() == "0.00"
+
+
+def test_it_stops_when_the_browser_is_killed(
+    serve: Callable[..., tuple[Program, str]],
+    launch_browser: Callable[[Path], Any],
+    tmp_path: Path,
+    module_bus_url: str,
+) -> None:
+    folder = tmp_path / "killed"
+    context = launch_browser(folder)
+    page = context.new_page()
+    page.goto(serve("steer", TOPIC)[1])
+    hold_joystick(page)
+    moves(module_bus_url)
+    for process in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):
+            if str(folder).encode() in (process / "cmdline").read_bytes():
+                os.kill(int(process.name), signal.SIGKILL)
+    stands(module_bus_url)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_it_stops_when_the_server_ends(
+    serve: Callable[..., tuple[Program, str]], page: Any, module_bus_url: str, number: int
+) -> None:
+    server, address = serve("steer", TOPIC)
+    page.goto(address)
+    hold_joystick(page)
+    moves(module_bus_url)
+    server.send_signal(number)
+    stands(module_bus_url)
+    page.get_by_text("The server is gone").wait_for()
+
+
+def test_the_stop_button_stops_what_another_program_drives(
+    serve: Callable[..., tuple[Program, str]],
+    page: Any,
+    module_bus_url: str,
+    module_start: Callable[..., Program],
+    lcmtools_path: str,
+) -> None:
+    page.goto(serve("steer", TOPIC)[1])
+    page.get_by_text("obeyed by").wait_for()
+    once = module_start(
+        *(lcmtools_path, "pub", "-1", TOPIC, "geometry_msgs/Twist", "{linear: {x: 0.4}}")
+    )
+    assert once.wait() == 0
+    moves(module_bus_url)
+    page.get_by_text(f"commands {TOPIC} too").wait_for()
+    page.get_by_role("button", name="Stop").click()
+    stands(module_bus_url)
+
+
+def test_who_may_only_watch_is_told_so(
+    serve: Callable[..., tuple[Program, str]], page: Any
+) -> None:
+    page.goto(serve("steer", TOPIC, "--read-only")[1])
+    page.get_by_text("This page may watch but not command").wait_for()
+    assert page.get_by_role("button", name="Stop").is_disabled()
+
+
+def test_topics_without_velocities_are_not_steered(
+    serve: Callable[..., tuple[Program, str]], page: Any
+) -> None:
+    page.goto(serve("steer", "/husky0/wheel_cmd")[1])
+    page.get_by_text("sensor_msgs/JointState commands no velocity").wait_for()
+    page.get_by_label("Topic of velocity commands").fill(TOPIC)
+    page.keyboard.press("Enter")
+    page.get_by_text("obeyed by /morse").wait_for()
