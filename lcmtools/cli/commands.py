@@ -144,6 +144,7 @@ all     cli.gui.panels:all_panels  Open a window with all panels; the same as wi
 steer   cli.gui.panels:steer       Steer a robot by joystick, keys or gamepad.
 plot    cli.gui.panels:plot        Plot fields of messages over time.
 image   cli.gui.panels:image       Show the images of a topic: colour, grey and depth.
+graph   cli.gui.panels:graph       Show nodes and topics, and what is wrong with them.
 topics  cli.gui.panels:topics      Show the topics, decode messages, publish.
 """)
 gui = WindowGroup(

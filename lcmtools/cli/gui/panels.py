@@ -63,3 +63,13 @@ def plot(window: WindowChoice, fields: tuple[str, ...], length: float) -> None:
 def image(window: WindowChoice, topic: str) -> None:
     """Show the images of a topic in the browser: colour, grey, and depth with its values."""
     open_window(window, "image", topic=topic)
+
+
+@subcommand("graph", window_options)
+@examples("gui graph", "gui graph --read-only")
+def graph(window: WindowChoice) -> None:
+    """Show the graph in the browser: nodes, topics, rates, and what wtf finds.
+
+    Findings are marked where they belong, and looked for every few seconds.
+    """
+    open_window(window, "graph")

@@ -7,6 +7,8 @@ from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream
 
 STREAMS = {
+    "findings": "findings:DoctorFindings",
+    "graph": "graph:GraphStream",
     "image": "image:NewestImage",
     "log": "log:LogLines",
     "message": "message:LatestMessage",

@@ -29,6 +29,11 @@ export const PANELS = {
     detail: "lines of the nodes",
     module: () => import("./log.js"),
   },
+  graph: {
+    title: "Graph",
+    detail: "nodes, topics and what is wrong with them",
+    module: () => import("./graph.js"),
+  },
   topics: {
     title: "Topics",
     detail: "rates, loss, senders, messages",

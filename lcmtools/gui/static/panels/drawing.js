@@ -1,0 +1,449 @@
+// A graph as SVG: places come from the server; here are its look, panning, zooming and walking.
+
+import { drawing, element, set, write } from "../elements.js";
+import { saveFile } from "./save.js";
+
+/**
+ * @typedef {"node" | "program" | "topic" | "service"} Kind
+ * @typedef {{key: string, kind: Kind, name: string, rows: string[], tip: string[],
+ *   box: [number, number, number, number], pid?: number | null, stale?: string, isTool?: boolean}} Vertex
+ * @typedef {{source: string, target: string, relation: string, rate: number | null,
+ *   topics: string[], way: [number, number][]}} Edge
+ * @typedef {{size: [number, number], groups: {name: string, top: number, bottom: number}[],
+ *   vertices: Vertex[], edges: Edge[], counted: string, leftOut: string}} Graph
+ * @typedef {"error" | "warning" | "note"} Severity
+ * @typedef {{marks: Map<string, Severity>, lit: Set<string> | null, selected: string | null}} Look
+ */
+
+const LARGEST = 2.5;
+const SMALLEST = 0.08;
+/** Shapes of the signs, 16 wide around their middle: each severity has another one. */
+const SHAPES = {
+  error: "M-4 -9H4L9 -4V4L4 9H-4L-9 4V-4Z",
+  warning: "M0 -9L10 8H-10Z",
+  note: "M0 -8A8 8 0 0 1 0 8A8 8 0 0 1 0 -8",
+};
+/** What a saved drawing takes along of the style sheet. */
+const KEPT = ["fill", "stroke", "stroke-width", "stroke-dasharray", "opacity", "font", "text-anchor", "paint-order"];
+
+/** A drawing of a graph. */
+export class GraphDrawing {
+  /** @param {(key: string | null) => void} onSelect */
+  constructor(onSelect) {
+    this.onSelect = onSelect;
+    /** @type {Graph | null} */
+    this.graph = null;
+    /** True while the drawing follows the size of the panel. */
+    this.isFitted = true;
+    this.scale = 1;
+    this.x = 0;
+    this.y = 0;
+    /** @type {Map<number, {x: number, y: number}>} */
+    this.pointers = new Map();
+    this.moved = 0;
+    /** @type {string | null} */
+    this.hovered = null;
+    /** @type {Look} */
+    this.look = { marks: new Map(), lit: null, selected: null };
+    this.bands = drawing("g");
+    this.lines = drawing("g");
+    this.boxes = drawing("g");
+    this.all = drawing("g", {}, this.bands, this.lines, this.boxes);
+    this.svg = drawing(
+      "svg",
+      { class: "graph-drawing", role: "group", "aria-label": "The graph; arrow keys walk along the edges" },
+      drawing(
+        "defs",
+        {},
+        ["plain", "lit"].map((name) =>
+          drawing(
+            "marker",
+            { id: `arrow-${name}`, viewBox: "0 0 10 10", refX: 9, refY: 5, markerWidth: 8, markerHeight: 8, orient: "auto", markerUnits: "userSpaceOnUse" },
+            drawing("path", { d: "M0 1L9 5L0 9Z", class: `arrow is-${name}` }),
+          ),
+        ),
+      ),
+      this.all,
+    );
+    this.element = element("div", { class: "graph-view" });
+    this.element.append(this.svg);
+    /** @type {Map<string, SVGGElement>} */
+    this.vertices = new Map();
+    /** @type {Map<string, SVGGElement>} */
+    this.edges = new Map();
+    this.listen();
+    this.observer = new ResizeObserver(() => this.isFitted && this.fit());
+    this.observer.observe(this.element);
+  }
+
+  close() {
+    this.observer.disconnect();
+  }
+
+  /**
+   * @param {Graph} graph
+   * @param {Look} look
+   */
+  show(graph, look) {
+    const isResized = String(graph.size) !== String(this.graph?.size);
+    this.graph = graph;
+    this.look = look;
+    this.showBands(graph);
+    keepOnly(this.vertices, new Set(graph.vertices.map(({ key }) => key)));
+    keepOnly(this.edges, new Set(graph.edges.map(edgeKey)));
+    for (const vertex of graph.vertices) this.showVertex(vertex);
+    for (const edge of graph.edges) this.showEdge(edge);
+    this.light();
+    this.makeWalkable();
+    if (isResized && this.isFitted) this.fit();
+  }
+
+  /** @param {Graph} graph */
+  showBands({ groups, size }) {
+    const key = JSON.stringify([groups, size]);
+    if (this.bands.dataset.key === key) return;
+    this.bands.dataset.key = key;
+    this.bands.replaceChildren(
+      ...groups.flatMap(({ name, top, bottom }) => [
+        drawing("rect", { class: "band", x: 6, y: top, width: size[0] - 12, height: bottom - top, rx: 10 }),
+        drawing("text", { class: "band-name", x: 18, y: top + 18 }, name),
+      ]),
+    );
+  }
+
+  /** @param {Vertex} vertex */
+  showVertex(vertex) {
+    const { key, kind, rows, tip, box, stale, isTool } = vertex;
+    const [x, y, width, height] = box;
+    const state = JSON.stringify([rows, tip, box, stale, isTool]);
+    let group = this.vertices.get(key);
+    if (!group) {
+      group = drawing("g", { tabindex: -1, role: "button", "data-key": key });
+      this.vertices.set(key, group);
+      this.boxes.append(group);
+    }
+    set(group, "aria-label", this.spoken(vertex));
+    if (group.dataset.state === state) return;
+    group.dataset.state = state;
+    const isRound = kind === "topic" || kind === "service";
+    const middle = x + width / 2;
+    const first = y + (height - rows.length * 15) / 2 + 11.5;
+    group.setAttribute("class", `vertex is-${kind}${stale ? " is-stale" : ""}${isTool ? " is-tool" : ""}`);
+    group.replaceChildren(
+      drawing("title", {}, tip.join("\n")),
+      drawing("rect", { class: "box", x, y, width, height, rx: isRound ? height / 2 : 6 }),
+      kind === "node" ? drawing("rect", { class: "edge-mark", x, y: y + 6, width: 3, height: height - 12, rx: 1.5 }) : "",
+      ...rows.map((row, index) =>
+        drawing("text", { class: index ? "detail" : "name", x: middle, y: first + 15 * index }, row),
+      ),
+      drawing("g", { class: "sign", transform: `translate(${x + width - 4} ${y + 2})` }),
+    );
+  }
+
+  /** @param {Edge} edge */
+  showEdge(edge) {
+    const key = edgeKey(edge);
+    let group = this.edges.get(key);
+    if (!group) {
+      group = drawing("g", {}, drawing("path"), drawing("text"));
+      this.edges.set(key, group);
+      this.lines.append(group);
+    }
+    const [path, text] = /** @type {[SVGPathElement, SVGTextElement]} */ ([...group.children]);
+    const { rate, topics } = edge;
+    const isSilent = rate === 0;
+    group.setAttribute("class", `edge is-${edge.relation}${isSilent ? " is-silent" : ""}`);
+    set(path, "d", curve(edge.way));
+    const width = 1.2 + (rate ? Math.min(1.6, Math.log10(1 + rate) * 0.8) : 0);
+    set(path, "stroke-width", width.toFixed(2));
+    const to = edge.way[edge.way.length - 1];
+    write(text, rate === null ? topicsText(topics) : rate ? `${rateText(rate)} Hz` : "");
+    if (to) {
+      set(text, "x", to[0] - 13);
+      set(text, "y", to[1] - 5);
+    }
+  }
+
+  /** Let what is wanted stand out: what is found, or the neighbours of what is selected. */
+  light() {
+    const { marks, lit, selected } = this.look;
+    const focus = this.hovered ?? selected;
+    const near = focus ? this.near(focus) : null;
+    for (const [key, group] of this.vertices) {
+      const isLit = near ? near.has(key) : lit ? lit.has(key) : true;
+      group.classList.toggle("is-dimmed", !isLit);
+      group.classList.toggle("is-selected", key === selected);
+      set(group, "aria-pressed", String(key === selected));
+      const severity = marks.get(key);
+      const sign = group.querySelector(".sign");
+      if (!sign || sign.getAttribute("data-severity") === (severity ?? null)) continue;
+      set(sign, "data-severity", severity ?? null);
+      set(sign, "class", severity ? `sign is-${severity}` : "sign");
+      sign.replaceChildren();
+      if (severity) {
+        const text = severity === "note" ? "i" : "!";
+        sign.append(drawing("path", { d: SHAPES[severity] }), drawing("text", { y: severity === "warning" ? 6 : 4 }, text));
+      }
+    }
+    for (const { source, target, ...edge } of this.graph?.edges ?? []) {
+      const group = this.edges.get(edgeKey({ source, target, ...edge }));
+      const isNear = focus === source || focus === target;
+      const isLit = near ? isNear : lit ? lit.has(source) && lit.has(target) : true;
+      group?.classList.toggle("is-dimmed", !isLit);
+      group?.classList.toggle("is-lit", Boolean(near) && isNear);
+    }
+  }
+
+  /** @param {string} key */
+  near(key) {
+    const found = new Set([key]);
+    for (const { source, target } of this.graph?.edges ?? []) {
+      if (source === key) found.add(target);
+      if (target === key) found.add(source);
+    }
+    return found;
+  }
+
+  /** @param {Vertex} vertex */
+  spoken({ kind, rows, stale, key }) {
+    const severity = this.look.marks.get(key);
+    const found = severity ? `, ${severity} of wtf` : "";
+    return `${kind} ${rows.join(", ")}${stale ? ", stale" : ""}${found}`;
+  }
+
+  /** Let one vertex be reached by the Tab key; arrow keys go on from there. */
+  makeWalkable() {
+    const groups = [...this.vertices.values()];
+    const active = groups.find((group) => group === document.activeElement || group.tabIndex === 0) ?? groups[0];
+    for (const group of groups) group.setAttribute("tabindex", group === active ? "0" : "-1");
+  }
+
+  listen() {
+    const { svg } = this;
+    svg.addEventListener("wheel", (event) => {
+      event.preventDefault();
+      this.zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.0015)), event.offsetX, event.offsetY);
+    }, { passive: false });
+    svg.addEventListener("pointerdown", (event) => {
+      this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+      this.moved = 0;
+    });
+    svg.addEventListener("pointermove", (event) => this.move(event));
+    for (const name of /** @type {const} */ (["pointerup", "pointercancel"])) {
+      svg.addEventListener(name, (event) => this.pointers.delete(event.pointerId));
+    }
+    svg.addEventListener("click", (event) => {
+      if (this.moved < 5) this.onSelect(keyOf(event.target));
+    });
+    svg.addEventListener("pointerover", (event) => this.hover(keyOf(event.target)));
+    svg.addEventListener("pointerleave", () => this.hover(null));
+    svg.addEventListener("focusin", (event) => {
+      const key = keyOf(event.target);
+      this.hover(key);
+      const group = this.vertices.get(key ?? "");
+      if (group?.matches(":focus-visible")) this.reveal(group);
+    });
+    svg.addEventListener("focusout", () => this.hover(null));
+    svg.addEventListener("keydown", (event) => this.press(event));
+  }
+
+  /** @param {string | null} key */
+  hover(key) {
+    if (key === this.hovered || this.pointers.size) return;
+    this.hovered = key;
+    this.light();
+  }
+
+  /** @param {PointerEvent} event */
+  move(event) {
+    const before = this.pointers.get(event.pointerId);
+    if (!before || !(event.buttons & 1)) {
+      this.pointers.delete(event.pointerId);
+      return;
+    }
+    const now = { x: event.clientX, y: event.clientY };
+    const others = [...this.pointers].filter(([id]) => id !== event.pointerId).map(([, point]) => point);
+    this.pointers.set(event.pointerId, now);
+    this.moved += Math.abs(now.x - before.x) + Math.abs(now.y - before.y);
+    if (this.moved < 5) return;
+    if (!this.svg.hasPointerCapture(event.pointerId)) this.svg.setPointerCapture(event.pointerId);
+    const [other] = others;
+    if (other) {
+      const bounds = this.svg.getBoundingClientRect();
+      const ratio = Math.hypot(now.x - other.x, now.y - other.y) / Math.max(1, Math.hypot(before.x - other.x, before.y - other.y));
+      this.zoom(ratio, (now.x + other.x) / 2 - bounds.left, (now.y + other.y) / 2 - bounds.top);
+      return;
+    }
+    this.isFitted = false;
+    this.x += now.x - before.x;
+    this.y += now.y - before.y;
+    this.place();
+  }
+
+  /**
+   * @param {number} factor
+   * @param {number} x
+   * @param {number} y
+   */
+  zoom(factor, x, y) {
+    const scale = Math.min(LARGEST, Math.max(SMALLEST, this.scale * factor));
+    this.x = x - ((x - this.x) * scale) / this.scale;
+    this.y = y - ((y - this.y) * scale) / this.scale;
+    this.scale = scale;
+    this.isFitted = false;
+    this.place();
+  }
+
+  /** Show all of it, at most in its own size. */
+  fit() {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    if (!this.graph || !width || !height) return;
+    const [wide, high] = this.graph.size;
+    this.scale = Math.min(1.15, width / Math.max(wide, 1), height / Math.max(high, 1));
+    this.x = (width - wide * this.scale) / 2;
+    this.y = (height - high * this.scale) / 2;
+    this.isFitted = true;
+    this.place();
+  }
+
+  place() {
+    set(this.all, "transform", `translate(${this.x.toFixed(1)} ${this.y.toFixed(1)}) scale(${this.scale.toFixed(4)})`);
+    this.svg.classList.toggle("is-small", this.scale < 0.45);
+  }
+
+  /** @param {SVGGElement} group */
+  reveal(group) {
+    const [box, view] = [group.getBoundingClientRect(), this.svg.getBoundingClientRect()];
+    const right = Math.max(0, box.right - view.right + 10);
+    const low = Math.max(0, box.bottom - view.bottom + 10);
+    this.x -= right || Math.min(0, box.left - view.left - 10);
+    this.y -= low || Math.min(0, box.top - view.top - 10);
+    this.place();
+  }
+
+  /** @param {KeyboardEvent} event */
+  press(event) {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    const key = keyOf(event.target);
+    if (event.key === "+" || event.key === "=") this.zoom(1.25, width / 2, height / 2);
+    else if (event.key === "-") this.zoom(0.8, width / 2, height / 2);
+    else if (event.key === "0") this.fit();
+    else if (key && (event.key === "Enter" || event.key === " ")) this.onSelect(key);
+    else if (key && event.key.startsWith("Arrow")) this.walk(key, event.key.slice(5));
+    else return;
+    event.preventDefault();
+  }
+
+  /**
+   * Go to the nearest vertex in a direction, along an edge where there is one.
+   * @param {string} key
+   * @param {string} direction
+   */
+  walk(key, direction) {
+    const boxes = new Map((this.graph?.vertices ?? []).map((vertex) => [vertex.key, middle(vertex.box)]));
+    const here = boxes.get(key);
+    if (!here) return;
+    const near = this.near(key);
+    const dx = Number(direction === "Right") - Number(direction === "Left");
+    const dy = Number(direction === "Down") - Number(direction === "Up");
+    let best = null;
+    let least = Infinity;
+    for (const [other, [x, y]] of boxes) {
+      const along = (x - here[0]) * dx + (y - here[1]) * dy;
+      const across = Math.abs((x - here[0]) * dy) + Math.abs((y - here[1]) * dx);
+      if (other === key || along < 5) continue;
+      const isFar = dx !== 0 && !near.has(other);
+      const cost = along + 2 * across + (isFar ? 1e5 : 0);
+      if (cost < least) [best, least] = [other, cost];
+    }
+    const group = best && this.vertices.get(best);
+    if (!group) return;
+    this.vertices.get(key)?.setAttribute("tabindex", "-1");
+    group.setAttribute("tabindex", "0");
+    group.focus();
+  }
+
+  /**
+   * Save the drawing, with its colours, as a file.
+   * @param {string} name
+   */
+  save(name) {
+    if (!this.graph) return;
+    const [width, height] = this.graph.size;
+    const copy = /** @type {SVGSVGElement} */ (this.svg.cloneNode(true));
+    const [originals, copies] = [this.svg.querySelectorAll("*"), copy.querySelectorAll("*")];
+    originals.forEach((original, index) => {
+      const style = getComputedStyle(original);
+      for (const property of KEPT) {
+        if (original instanceof SVGGraphicsElement || original.closest("marker")) {
+          copies[index]?.setAttribute(property, style.getPropertyValue(property));
+        }
+      }
+    });
+    copy.querySelector("g")?.removeAttribute("transform");
+    for (const [attribute, value] of Object.entries({ xmlns: "http://www.w3.org/2000/svg", viewBox: `0 0 ${width} ${height}`, width, height })) {
+      set(copy, attribute, value);
+    }
+    const background = drawing("rect", { width: "100%", height: "100%", fill: getComputedStyle(this.element).backgroundColor });
+    copy.insertBefore(background, copy.querySelector("g"));
+    const text = new XMLSerializer().serializeToString(copy);
+    saveFile(name, new Blob([text], { type: "image/svg+xml" }));
+  }
+}
+
+/**
+ * Remove what is there no more.
+ * @param {Map<string, Element>} elements
+ * @param {Set<string>} keys
+ */
+function keepOnly(elements, keys) {
+  for (const [key, one] of [...elements]) {
+    if (keys.has(key)) continue;
+    one.remove();
+    elements.delete(key);
+  }
+}
+
+/** @param {Pick<Edge, "source" | "target" | "relation">} edge */
+function edgeKey({ source, target, relation }) {
+  return `${source} ${relation} ${target}`;
+}
+
+/** @param {EventTarget | null} target */
+function keyOf(target) {
+  const group = target instanceof Element ? target.closest("[data-key]") : null;
+  return group?.getAttribute("data-key") ?? null;
+}
+
+/** @param {Vertex["box"]} box */
+function middle([x, y, width, height]) {
+  return /** @type {[number, number]} */ ([x + width / 2, y + height / 2]);
+}
+
+/**
+ * Return a smooth line through points, level at each of them.
+ * @param {[number, number][]} way
+ */
+function curve(way) {
+  const [first, ...others] = way;
+  if (!first) return "";
+  let [x, y] = first;
+  let path = `M${x} ${y}`;
+  others.forEach(([u, v], index) => {
+    const bend = (u - x) / 2;
+    path += index % 2 && others.length > 1 && v === y ? `L${u} ${v}` : `C${x + bend} ${y} ${u - bend} ${v} ${u} ${v}`;
+    [x, y] = [u, v];
+  });
+  return path;
+}
+
+/** @param {number} rate */
+function rateText(rate) {
+  return rate >= 100 ? rate.toFixed(0) : rate.toFixed(1);
+}
+
+/** @param {string[]} topics */
+function topicsText(topics) {
+  const [first, ...others] = topics;
+  return first ? `${first}${others.length ? ` +${others.length}` : ""}` : "";
+}

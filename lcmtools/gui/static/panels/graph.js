@@ -1,0 +1,357 @@
+// The graph: nodes, programs and topics as they are connected, with wtf's findings in it.
+
+import { element, fill, iconButton, write } from "../elements.js";
+import { GraphDrawing } from "./drawing.js";
+import { stylesheet } from "./stylesheet.js";
+
+/**
+ * @typedef {import("./drawing.js").Graph} Graph
+ * @typedef {import("./drawing.js").Vertex} Vertex
+ * @typedef {{rule: string, severity: "error" | "warning" | "note", text: string, items: string[],
+ *   remedies: string[], subjects: {kind: string, name: string, pid: number | null}[]}} Finding
+ */
+
+const GRAVEST = ["error", "warning", "note"];
+const SIGNS = { error: "✖", warning: "▲", note: "●" };
+
+/** What can be drawn or not: the parameter, the button, and how it begins. */
+const CHOICES = [
+  { name: "topics", label: "Topics", title: "Draw topics; else nodes are connected directly", usual: true },
+  { name: "groups", label: "Groups", title: "A band for each namespace", usual: false },
+  { name: "leaves", label: "Unused", title: "Topics without a publisher or a subscriber", usual: true },
+  { name: "services", label: "Services", title: "Services and their clients", usual: false },
+  { name: "tools", label: "Commands", title: "Commands that look on, such as echo", usual: false },
+  { name: "everything", label: "Quiet", title: "/clock, /rosout, and hidden names", usual: false },
+  { name: "dead", label: "Gone", title: "Nodes that announce themselves no more", usual: true },
+];
+
+/** The graph panel. */
+export default class GraphPanel {
+  /**
+   * @param {import("../context.js").Context} context
+   * @param {any} settings
+   */
+  constructor(context, settings) {
+    stylesheet("./graph.css");
+    this.context = context;
+    this.title = "Graph";
+    /** @type {Record<string, boolean>} */
+    this.choices = Object.fromEntries(
+      CHOICES.map(({ name, usual }) => [name, typeof settings[name] === "boolean" ? settings[name] : usual]),
+    );
+    this.hasOutline = settings.outline === true;
+    /** @type {Graph | null} */
+    this.graph = null;
+    /** @type {Finding[]} */
+    this.findings = [];
+    /** @type {string | null} */
+    this.selected = null;
+    /** @type {Finding | null} */
+    this.chosen = null;
+
+    this.search = element("input", {
+      type: "search",
+      placeholder: "Find",
+      "aria-label": "Find in the graph",
+      oninput: () => this.show(),
+    });
+    this.drawing = new GraphDrawing((key) => this.select(key));
+    this.about = element("div", { class: "graph-about", "aria-live": "polite", hidden: true });
+    this.list = element("ul", { class: "graph-findings", "aria-label": "Findings of wtf" });
+    this.outline = element("ul", { class: "graph-outline", "aria-label": "The graph as text" });
+    this.counted = element("span", { class: "muted" });
+    this.choosers = CHOICES.map(({ name, label, title }) =>
+      element("button", { type: "button", title, onclick: () => this.choose(name) }, label),
+    );
+    this.outliner = element(
+      "button",
+      { type: "button", title: "The graph as text", onclick: () => this.toggleOutline() },
+      "Text",
+    );
+    this.element = element(
+      "div",
+      { class: "graph" },
+      element(
+        "div",
+        { class: "tools" },
+        this.search,
+        this.choosers,
+        this.outliner,
+        iconButton("larger", "Fit into the panel (0)", () => this.drawing.fit()),
+        iconButton("save", "Save the drawing as SVG", () => this.drawing.save("graph.svg")),
+        this.counted,
+      ),
+      element("div", { class: "graph-field" }, this.drawing.element, this.outline, this.about),
+      this.list,
+    );
+    this.element.addEventListener("keydown", (event) => {
+      if (event.key === "Escape" && (this.selected || this.chosen)) this.select(null);
+    });
+    this.stream = context.open("graph", this.choices, (data) => {
+      this.graph = data;
+      this.show();
+    });
+    context.open("findings", {}, (data) => {
+      this.findings = data.findings;
+      this.findings.sort((a, b) => GRAVEST.indexOf(a.severity) - GRAVEST.indexOf(b.severity));
+      this.chosen = this.findings.find(({ text }) => text === this.chosen?.text) ?? null;
+      this.show();
+    });
+    this.showChoices();
+  }
+
+  settings() {
+    return { ...this.choices, outline: this.hasOutline };
+  }
+
+  close() {
+    this.drawing.close();
+  }
+
+  /** @param {string} name */
+  choose(name) {
+    this.choices[name] = !this.choices[name];
+    this.showChoices();
+    this.drawing.isFitted = true;
+    this.stream.change(this.choices);
+    this.context.changed();
+  }
+
+  toggleOutline() {
+    this.hasOutline = !this.hasOutline;
+    this.showChoices();
+    this.context.changed();
+  }
+
+  showChoices() {
+    CHOICES.forEach(({ name }, index) => {
+      this.choosers[index]?.setAttribute("aria-pressed", String(this.choices[name]));
+    });
+    this.outliner.setAttribute("aria-pressed", String(this.hasOutline));
+    this.element.classList.toggle("is-text", this.hasOutline);
+  }
+
+  /** @param {string | null} key */
+  select(key) {
+    this.selected = key;
+    this.chosen = null;
+    this.show();
+  }
+
+  /** @param {Finding} finding */
+  chooseFinding(finding) {
+    this.selected = null;
+    this.chosen = this.chosen === finding ? null : finding;
+    this.show();
+  }
+
+  show() {
+    const { graph } = this;
+    if (!graph) return;
+    const marks = this.marks(graph);
+    this.drawing.show(graph, {
+      marks: new Map([...marks].map(([key, found]) => [key, /** @type {Finding} */ (found[0]).severity])),
+      lit: this.lit(graph, marks),
+      selected: this.selected,
+    });
+    write(this.counted, graph.counted);
+    this.counted.title = graph.leftOut;
+    this.showFindings(graph, marks);
+    this.showAbout(graph, marks);
+    this.showOutline(graph, marks);
+  }
+
+  /**
+   * Return the findings at each vertex, the gravest first.
+   * @param {Graph} graph
+   */
+  marks(graph) {
+    /** @type {Map<string, Finding[]>} */
+    const found = new Map();
+    for (const finding of this.findings) {
+      for (const vertex of graph.vertices) {
+        if (!finding.subjects.some((subject) => isMeant(vertex, subject))) continue;
+        found.set(vertex.key, [...(found.get(vertex.key) ?? []), finding]);
+      }
+    }
+    return found;
+  }
+
+  /**
+   * Return the vertices that stand out; null for all.
+   * @param {Graph} graph
+   * @param {Map<string, Finding[]>} marks
+   */
+  lit(graph, marks) {
+    const wanted = this.search.value.trim().toLowerCase();
+    if (wanted) {
+      const found = graph.vertices.filter(({ rows }) => rows.some((row) => row.toLowerCase().includes(wanted)));
+      return new Set(found.map(({ key }) => key));
+    }
+    const { chosen } = this;
+    if (chosen) {
+      const keys = [...marks].filter(([, found]) => found.includes(chosen)).map(([key]) => key);
+      return keys.length ? new Set(keys) : null;
+    }
+    return null;
+  }
+
+  /**
+   * @param {Graph} graph
+   * @param {Map<string, Finding[]>} marks
+   */
+  showFindings(graph, marks) {
+    const rows = this.findings.map((finding) => {
+      const isShown = [...marks.values()].some((found) => found.includes(finding));
+      return element(
+        "li",
+        {},
+        element(
+          "button",
+          {
+            type: "button",
+            class: `finding is-${finding.severity}`,
+            "aria-pressed": String(finding === this.chosen),
+            title: isShown ? "Show where, and what to do" : "What to do",
+            onclick: () => this.chooseFinding(finding),
+          },
+          element("span", { class: "sign", "aria-hidden": "true" }, SIGNS[finding.severity]),
+          element("span", { class: "spoken" }, `${finding.severity}: `),
+          element("span", {}, sentence(finding.text)),
+          element("small", {}, finding.subjects.map(({ name }) => name).join(", ")),
+        ),
+      );
+    });
+    if (rowsText(rows) === rowsText([...this.list.children]) && !this.chosenChanged()) return;
+    const place = [...this.list.querySelectorAll("button")].indexOf(
+      /** @type {HTMLButtonElement} */ (document.activeElement),
+    );
+    fill(this.list, rows);
+    if (place >= 0) this.list.querySelectorAll("button")[place]?.focus();
+  }
+
+  chosenChanged() {
+    const pressed = this.list.querySelector('[aria-pressed="true"]')?.textContent ?? "";
+    return !pressed.includes(sentence(this.chosen?.text ?? "\0")) && Boolean(pressed || this.chosen);
+  }
+
+  /**
+   * @param {Graph} graph
+   * @param {Map<string, Finding[]>} marks
+   */
+  showAbout(graph, marks) {
+    const vertex = graph.vertices.find(({ key }) => key === this.selected);
+    const found = vertex ? (marks.get(vertex.key) ?? []) : this.chosen ? [this.chosen] : [];
+    this.about.hidden = !vertex && !found.length;
+    if (this.about.hidden) return;
+    const texts = found.map((finding) => [finding.text, ...finding.items, ...finding.remedies]);
+    const state = JSON.stringify([vertex?.tip, vertex && sides(graph, vertex), texts]);
+    if (this.about.dataset.state === state) return;
+    this.about.dataset.state = state;
+    fill(
+      this.about,
+      iconButton("close", "Close", () => this.select(null)),
+      vertex ? this.vertexText(graph, vertex) : null,
+      found.map((finding) => findingText(finding)),
+    );
+  }
+
+  /**
+   * @param {Graph} graph
+   * @param {Vertex} vertex
+   */
+  vertexText(graph, vertex) {
+    const [name, ...about] = vertex.tip;
+    return element(
+      "div",
+      {},
+      element("h3", { class: "mono" }, name),
+      about.map((line) => element("p", { class: "muted" }, line)),
+      sides(graph, vertex).map((line) => element("p", {}, line)),
+      vertex.kind === "topic"
+        ? element(
+            "button",
+            { type: "button", onclick: () => this.context.add("topics", { filter: vertex.name, topic: vertex.name }) },
+            "Show its messages",
+          )
+        : null,
+    );
+  }
+
+  /**
+   * @param {Graph} graph
+   * @param {Map<string, Finding[]>} marks
+   */
+  showOutline(graph, marks) {
+    const members = graph.vertices.filter(({ kind }) => kind === "node" || kind === "program");
+    const rows = members.map((vertex) => {
+      const found = marks.get(vertex.key) ?? [];
+      const lines = [...sides(graph, vertex), ...found.map(({ severity, text }) => `${severity}: ${sentence(text)}`)];
+      return element(
+        "li",
+        {},
+        element("span", { class: "mono" }, vertex.rows.join(", ")),
+        element("ul", {}, lines.map((line) => element("li", {}, line))),
+      );
+    });
+    if (rowsText(rows) !== rowsText([...this.outline.children])) fill(this.outline, rows);
+  }
+}
+
+/** @param {Element[]} rows */
+function rowsText(rows) {
+  return rows.map((row) => row.textContent).join("\n");
+}
+
+/**
+ * Return whether a finding's subject is this vertex.
+ * @param {Vertex} vertex
+ * @param {{kind: string, name: string, pid: number | null}} subject
+ */
+function isMeant(vertex, { kind, name, pid }) {
+  if (kind === "topic") return vertex.kind === "topic" && vertex.name === name;
+  if (vertex.kind === "node") return vertex.name === name;
+  return vertex.kind === "program" && pid !== null && vertex.pid === pid;
+}
+
+/**
+ * Return what goes into a vertex and out of it, a line each.
+ * @param {Graph} graph
+ * @param {Vertex} vertex
+ */
+function sides(graph, vertex) {
+  const names = new Map(graph.vertices.map(({ key, rows }) => [key, rows[0] ?? ""]));
+  const words = /** @type {Record<string, [string, string]>} */ ({
+    publishes: ["publishes", "published by"],
+    subscribes: ["subscribes to", "subscribed to by"],
+    calls: ["calls", "called by"],
+    serves: ["serves", "served by"],
+    feeds: ["feeds", "fed by"],
+  });
+  return graph.edges.flatMap(({ source, target, relation, rate, topics }) => {
+    if (source !== vertex.key && target !== vertex.key) return [];
+    const isMember = vertex.kind === "node" || vertex.kind === "program";
+    const isOwn = relation === "feeds" ? source === vertex.key : isMember;
+    const other = names.get(source === vertex.key ? target : source);
+    const [own, others] = words[relation] ?? [relation, relation];
+    const flow = rate === null ? "" : `, ${rate ? `${rate} Hz` : "silent"}`;
+    const over = topics.length ? ` over ${topics.join(", ")}` : "";
+    return [`${isOwn ? own : others} ${other}${flow}${over}`];
+  });
+}
+
+/** @param {string} text */
+function sentence(text) {
+  return text.replace(/:$/, "");
+}
+
+/** @param {Finding} finding */
+function findingText({ severity, text, items, remedies }) {
+  return element(
+    "section",
+    { class: `finding is-${severity}` },
+    element("h3", {}, element("span", { class: "sign", "aria-hidden": "true" }, SIGNS[severity]), ` ${severity}: ${sentence(text)}`),
+    items.length ? element("ul", {}, items.map((item) => element("li", { class: item.endsWith(":") ? "is-head" : null }, item))) : null,
+    remedies.map((remedy) => element("p", { class: "remedy" }, `→ ${remedy}`)),
+  );
+}

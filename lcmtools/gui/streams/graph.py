@@ -1,0 +1,205 @@
+"""The stream of the graph: nodes, programs and topics with their places, and rates on the edges.
+
+It looks on a thread of its own, so that laying out a large bus holds up nobody.
+"""
+
+import threading
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+
+from lcmtools.bus.url import BusUrl, parse_url
+from lcmtools.graph.drawing import labels
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member
+from lcmtools.graph.drawing.layered import Drawing, Point, Size, layered
+from lcmtools.graph.drawing.subgraph import DiagramOptions, members_only, select
+from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.source import Source
+from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.observe.diagram import diagram_of
+from lcmtools.observe.senders import Program, programs
+
+_LOOK_PERIOD = 0.5  # [s]
+_PROGRAMS_PERIOD = 3.0  # [s] between looks through this computer's processes
+_LETTER, _LINE, _PADDING = 7.3, 15.0, 26.0  # size of a letter and of a line, and around them [px]
+
+
+class GraphStream(PageStream):
+    """The graph, with what the page wants in it.
+
+    Parameters: ``everything``, ``leaves``, ``tools``, ``services``, ``dead``, ``topics`` and
+    ``groups``, each true or false.
+    """
+
+    period = _LOOK_PERIOD
+    is_shared = True
+
+    def __init__(self, source: Source, parameters: Parameters) -> None:
+        super().__init__(source, parameters)
+        self._maker = GraphMaker(parameters)
+        self._url = BusUrl("file", source.name) if source.kind == "log" else parse_url(source.name)
+        self._latest: Mapping[str, Json] | None = None
+        self._sent: Mapping[str, Json] | None = None
+        self._fault = ""
+        self._ends_soon = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="graph", daemon=True)
+        self.until_closed(source.listen_to_all())
+        self.until_closed(self._ends_soon.set)
+        self._thread.start()
+
+    def update(self) -> Update | None:
+        """Return the graph, if it is another one."""
+        latest = self._latest
+        if latest is None or latest is self._sent:
+            return None
+        self._sent = latest
+        return Update(latest)
+
+    def problem(self) -> str:
+        """Return that nothing is there."""
+        if self._fault or self._latest is None or self._latest["vertices"]:
+            return self._fault
+        return f"there is nothing to draw on the {self.source.kind} yet"
+
+    def _run(self) -> None:
+        found: list[Program] = []
+        next_look, seen = 0.0, None
+        while not self._ends_soon.wait(0.0 if self._latest is None else _LOOK_PERIOD):
+            snapshot = self.source.latest
+            if snapshot is seen:
+                self._ends_soon.wait(_LOOK_PERIOD / 5)
+                continue
+            seen = snapshot
+            try:
+                if time.monotonic() >= next_look:
+                    next_look = time.monotonic() + _PROGRAMS_PERIOD
+                    found = programs(snapshot.graph, self._url)
+                rates = {
+                    row.channel: row.rate or 0.0 for row in snapshot.rows if row.age is not None
+                }
+                graph = snapshot.graph
+                if not self.parameters.flag("dead", default=True):
+                    graph = replace(graph, nodes=tuple(n for n in graph.nodes if not n.stale))
+                self._latest = self._maker.make(diagram_of(graph, found, rates))
+                self._fault = ""
+            except Exception as error:  # noqa: BLE001 - shown in the panel
+                self._fault = f"a fault of lcmtools ({type(error).__name__}: {error})"
+
+
+class GraphMaker:
+    """Makes what a page draws of diagrams; places stay where they can."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        flag = parameters.flag
+        self._options = DiagramOptions(
+            everything=flag("everything"),
+            leaf_topics=flag("leaves", default=True),
+            tools=flag("tools"),
+            services=flag("services"),
+        )
+        self._has_topics, self._has_groups = flag("topics", default=True), flag("groups")
+        self._structure: object = None
+        self._drawing = Drawing()
+
+    def make(self, whole: Diagram) -> Mapping[str, Json]:
+        """Return a diagram with places, for a page."""
+        diagram, left = select(whole, self._options)
+        if not self._has_topics:
+            diagram = members_only(diagram)
+        names = labels.names(diagram)
+        keys = {v.id: f"{_kind(v)}:{names[v.id]}" for v in diagram.vertices()}
+        texts = {v.id: _texts(v, names[v.id]) for v in diagram.vertices()}
+        self._lay_out(diagram, keys, texts)
+        tips = labels.vertex_tips(diagram)
+        return {
+            "size": [round(one) for one in self._drawing.size],
+            "groups": self._groups(diagram, keys),
+            "vertices": [
+                self._vertex(vertex, keys[vertex.id], texts[vertex.id], tips[vertex.id])
+                for vertex in diagram.vertices()
+            ],
+            "edges": [self._edge(edge, keys) for edge in diagram.edges],
+            "counted": labels.counted(diagram),
+            "leftOut": _left_out(left.text()),
+        }
+
+    def _lay_out(
+        self, diagram: Diagram, keys: Mapping[str, str], texts: Mapping[str, list[str]]
+    ) -> None:
+        sizes = {keys[id_]: _size(rows) for id_, rows in texts.items()}
+        arrows = list(dict.fromkeys((keys[e.source], keys[e.target]) for e in diagram.edges))
+        bands = {keys[v.id]: v.group for v in diagram.vertices()} if self._has_groups else {}
+        structure = sorted(sizes.items()), sorted(arrows), sorted(bands.items())
+        if structure != self._structure:
+            self._structure = structure
+            order = dict(sorted(sizes.items()))
+            self._drawing = layered(order, sorted(arrows), bands, self._drawing.places)
+
+    def _groups(self, diagram: Diagram, keys: Mapping[str, str]) -> list[Json]:
+        found: list[Json] = []
+        for name, (top, bottom) in self._drawing.bands.items():
+            inside = [keys[v.id] for v in diagram.vertices() if v.group == name]
+            if name and inside:
+                found.append({"name": name, "top": round(top), "bottom": round(bottom)})
+        return found
+
+    def _vertex(self, vertex: Member | Channel, key: str, rows: list[str], tip: list[str]) -> Json:
+        x, y = self._drawing.places[key]
+        width, height = _size(rows)
+        about: dict[str, Json] = {
+            "key": key,
+            "kind": _kind(vertex),
+            "name": vertex.name,
+            "rows": rows,
+            "tip": tip,
+            "box": [round(x - width / 2), round(y - height / 2), round(width), round(height)],
+        }
+        if isinstance(vertex, Member):
+            about |= {"pid": vertex.pid, "stale": vertex.stale, "isTool": vertex.is_tool}
+        return about
+
+    def _edge(self, edge: Edge, keys: Mapping[str, str]) -> Json:
+        arrow = keys[edge.source], keys[edge.target]
+        return {
+            "source": arrow[0],
+            "target": arrow[1],
+            "relation": edge.relation.value,
+            "rate": _rounded(edge.rate),
+            "topics": edge.topics,
+            "way": [_whole(point) for point in self._drawing.ways.get(arrow, [])],
+        }
+
+
+def _kind(vertex: Member | Channel) -> str:
+    if isinstance(vertex, Channel):
+        return "service" if vertex.is_service else "topic"
+    return "node" if vertex.is_node else "program"
+
+
+def _texts(vertex: Member | Channel, name: str) -> list[str]:
+    """The lines in a vertex."""
+    if isinstance(vertex, Channel):
+        return [labels.printable(name), labels.printable(vertex.type_text)]
+    said = ", ".join(note.partition(":")[0] for note in labels.notes(vertex))
+    return [labels.printable(name), *([labels.printable(said)] if said else [])]
+
+
+def _size(rows: list[str]) -> Size:
+    first, *others = map(len, rows)
+    letters = max(first, *(0.85 * count for count in others), 6)
+    return _LETTER * letters + _PADDING, _LINE * len(rows) + 14.0
+
+
+def _left_out(text: str) -> str:
+    """The names of what is not drawn, without the options of the command line."""
+    parts = (part.partition(" (add")[0] for part in text.split("; "))
+    return "; ".join(parts)
+
+
+def _rounded(rate: float | None) -> float | None:
+    """A rate with three digits, so that what is nearly the same is not sent again."""
+    return None if rate is None else float(f"{rate:.3g}")
+
+
+def _whole(point: Point) -> Json:
+    return [round(point[0]), round(point[1])]

@@ -1,0 +1,59 @@
+"""The graph as a page draws it."""
+
+from typing import Any
+
+from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member, Relation
+from lcmtools.gui.protocol import Parameters
+from lcmtools.gui.streams.graph import GraphMaker
+
+
+def _diagram(*more: Member) -> Diagram:
+    members = (Member("n1", "/a/talker", pid=7), Member("n2", "/b/listener"), *more)
+    channels = (Channel("t1", "/a/chatter", ("std_msgs/String",), messages=3),)
+    edges = (
+        Edge("n1", "t1", Relation.PUBLISHES, 3, rate=10.04),
+        Edge("t1", "n2", Relation.SUBSCRIBES, 3),
+    )
+    return Diagram(members, channels, edges)
+
+
+def _made(diagram: Diagram, **flags: bool) -> Any:
+    return GraphMaker(Parameters(flags)).make(diagram)
+
+
+def test_data_flow_from_left_to_right() -> None:
+    made = _made(_diagram())
+    left = {one["key"]: one["box"][0] for one in made["vertices"]}
+    assert left["node:/a/talker"] < left["topic:/a/chatter"] < left["node:/b/listener"]
+    assert made["edges"][0]["rate"] == 10.0
+    assert made["counted"] == "2 nodes, 1 topic"
+
+
+def test_without_topics_nodes_are_joined() -> None:
+    made = _made(_diagram(), topics=False)
+    assert [one["kind"] for one in made["vertices"]] == ["node", "node"]
+    [edge] = made["edges"]
+    assert (edge["relation"], edge["topics"]) == ("feeds", ("/a/chatter",))
+
+
+def test_each_namespace_has_a_band() -> None:
+    made = _made(_diagram(), groups=True)
+    assert [one["name"] for one in made["groups"]] == ["/a", "/b"]
+    assert _made(_diagram())["groups"] == []
+
+
+def test_places_stay_when_something_comes_and_ids_are_others() -> None:
+    maker = GraphMaker(Parameters({}))
+    first: Any = maker.make(_diagram())
+    again: Any = maker.make(_diagram())
+    assert again == first
+    more: Any = maker.make(_diagram(Member("n3", "/new")))
+    order = [one["key"] for one in sorted(more["vertices"], key=lambda one: one["box"][1])]
+    assert set(order) == {*(one["key"] for one in first["vertices"]), "node:/new"}
+
+
+def test_tools_are_drawn_where_they_are_wanted() -> None:
+    tool = Member("n3", "/_lcmtools_echo_1", is_tool=True)
+    assert len(_made(_diagram(tool))["vertices"]) == 3
+    assert _made(_diagram(tool))["leftOut"].startswith("not drawn: 1 command")
+    assert len(_made(_diagram(tool), tools=True)["vertices"]) == 4
